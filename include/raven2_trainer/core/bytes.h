@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+// Cursors over a byte buffer for the wire formats and the session log. Little-endian hosts only, as the Raven's own
+// packets are (raven2.md 1.1); checked at compile time in bytes.cpp.
+
+namespace raven2_trainer {
+
+/** Appends plain values to a fixed buffer; writes past the end set `overflow()` and are ignored. */
+class ByteWriter {
+ public:
+  ByteWriter(std::uint8_t* data, std::size_t capacity) noexcept : data_(data), capacity_(capacity) {}
+
+  template <typename T>
+  void put(const T& value) noexcept {
+    static_assert(std::is_arithmetic<T>::value, "plain numbers only");
+    putBytes(&value, sizeof(T));
+  }
+
+  void putBytes(const void* bytes, std::size_t size) noexcept {
+    if (size > capacity_ - size_) {
+      overflow_ = true;
+      return;
+    }
+    std::memcpy(data_ + size_, bytes, size);
+    size_ += size;
+  }
+
+  std::size_t size() const noexcept { return size_; }
+  bool overflow() const noexcept { return overflow_; }
+
+ private:
+  std::uint8_t* data_;
+  std::size_t capacity_;
+  std::size_t size_{0};
+  bool overflow_{false};
+};
+
+/** Takes plain values off a buffer; reads past the end set `underflow()` and give zero. */
+class ByteReader {
+ public:
+  ByteReader(const std::uint8_t* data, std::size_t size) noexcept : data_(data), left_(size) {}
+
+  template <typename T>
+  T get() noexcept {
+    static_assert(std::is_arithmetic<T>::value, "plain numbers only");
+    T value{};
+    getBytes(&value, sizeof(T));
+    return value;
+  }
+
+  void getBytes(void* bytes, std::size_t size) noexcept {
+    if (size > left_) {
+      underflow_ = true;
+      left_ = 0;
+      return;
+    }
+    std::memcpy(bytes, data_, size);
+    data_ += size;
+    left_ -= size;
+  }
+
+  std::size_t left() const noexcept { return left_; }
+  bool underflow() const noexcept { return underflow_; }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t left_;
+  bool underflow_{false};
+};
+
+}  // namespace raven2_trainer

@@ -1,0 +1,211 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/fault.h"
+#include "raven2_trainer/core/types.h"
+
+// Plain structs, one for each file of config/. Read once by module `config`, which demands every key, refuses unknown
+// ones and checks the ranges written beside the fields; constant once threads run. Units are SI.
+
+namespace raven2_trainer {
+
+/** Tool and link constants of the DH chain (config/arms.yaml, `kinematics`). */
+struct ArmGeometry {
+  double d4{};         ///< [m] frame 3 to wrist along the shaft, -0.47 (raven2.md 2.1)
+  double lw{};         ///< [m] wrist axis to frame 6, 0.013 for the Raven grasper
+  JointArray q_min{};  ///< [rad, m] software limits (raven2.md 2.3)
+  JointArray q_max{};  ///< [rad, m]
+  JointArray home{};   ///< [rad, m]
+};
+
+/** config/arms.yaml */
+struct ArmsConfig {
+  ArmGeometry geometry{};
+  PerArm<Vec3> rcm_W{};  ///< [m] remote centres of motion in W
+};
+
+/** Gains of one joint controller of the nominal model. */
+struct JointGains {
+  double kp{};     ///< [Nm/rad; N/m]
+  double kd{};     ///< [Nms/rad; Ns/m] on the joint velocity (the robot never sets a desired velocity)
+  double ki{};     ///< [Nm/(rad s); N/(m s)] only the insertion joint (paper, 3.1)
+  double limit{};  ///< [Nm; N] bound of |tau|
+};
+
+/** config/model.yaml: dynamics and control of the nominal model. */
+struct ModelConfig {
+  std::array<JointGains, kJointCount> gains{};
+  bool gravity_compensation{};
+  JointArray viscous_friction{};  ///< [Nms/rad; Ns/m]
+  JointArray coulomb_friction{};  ///< [Nm; N]
+  double erp{};                   ///< [-] ODE error reduction
+  double cfm{};                   ///< [-] ODE constraint force mixing
+  double contact_mu{};            ///< [-] Coulomb friction of contacts
+  double contact_erp{};           ///< [-]
+  double contact_cfm{};           ///< [-]
+  bool arm_contacts{};            ///< arms collide with the scene (paper, 3.2 switches it off in fault runs)
+};
+
+/** config/haptics.yaml: eqs. (5) and (6) of the paper. */
+struct HapticGains {
+  double kp{};         ///< [N/m]
+  double kd{};         ///< [Ns/m]
+  double tolerance{};  ///< [m] no force up to this deviation, 3 mm (paper, 3.2)
+  double min_force{};  ///< [N] least force beyond it, the "0.05" of eq. (5)
+  double max_force{};  ///< [N] saturation; 3.3 N is the Omni's peak
+};
+
+/** config/network.yaml */
+struct NetworkConfig {
+  std::string bind_address;     ///< of the daemon's and the robot's listeners
+  std::uint16_t master_port{};  ///< UDP console -> daemon
+  std::string robot_host;
+  std::uint16_t robot_port{};  ///< UDP daemon -> robot
+  std::string console_host;
+  std::uint16_t force_port{};       ///< UDP daemon -> console
+  std::uint16_t state_port{};       ///< TCP robot -> daemon
+  double stale_after{};             ///< [s] robot state older than this is not used
+  double reconnect_min{};           ///< [s] first pause before the TCP link is tried again
+  double reconnect_max{};           ///< [s] longest pause
+  double master_timeout{};         ///< [s] silence of the console after which the pedal counts as up
+  std::int32_t max_increment_um{};  ///< [um] largest accepted increment per axis and packet
+};
+
+/** Scheduling of one thread. */
+struct ThreadConfig {
+  int priority{};  ///< SCHED_FIFO priority, 0 = normal scheduling
+  int cpu{};       ///< -1 any
+};
+
+/** config/runtime.yaml */
+struct RuntimeConfig {
+  ThreadConfig physics{}, haptic{}, ingest{}, robot_link{}, sender{};
+  int background_nice{};               ///< [-] of planner, renderer, recorder
+  int max_catch_up{};                  ///< [ticks] extra steps per tick when behind
+  double max_backlog{};                ///< [s] beyond it the backlog is given up as a time-slip event
+  double fault_period{};               ///< [s] of the fault director
+  double recorder_period{};            ///< [s]
+  double ros_period{};                 ///< [s] of the ROS publishers
+  double plan_at{};                    ///< [s] session time of the scheduled plan; negative = none
+  std::int64_t lockstep_plan_delay{};  ///< [ticks] from plan request to result in lockstep
+  double start_timeout{};              ///< [s] wait for the first pedal down; 0 = for ever
+};
+
+/** config/planner.yaml */
+struct PlannerConfig {
+  std::uint32_t samples{};
+  double eta_length{};              ///< eta1 of eq. (1)
+  double eta_acceleration{};        ///< eta2 of eq. (1)
+  double radius_multiplier{};       ///< [-] times the smallest radius that keeps FMT* optimal
+  double time_limit{};              ///< [s]
+  double edge_step{};               ///< [-] largest step between checks along an edge, in the unit cube
+  double clearance{};               ///< [m] kept from obstacles
+  JointArray velocity_limit{};      ///< [rad/s, m/s]
+  JointArray acceleration_limit{};  ///< [rad/s2, m/s2]
+  Vec3 goal_W{};                    ///< [m] default goal of the tip: at the ring
+};
+
+/** A camera: pose and lens, no drawing. */
+struct CameraConfig {
+  std::string name;
+  Vec3 eye_W{};           ///< [m]
+  Vec3 target_W{};        ///< [m] looked at
+  Vec3 up_W{};            ///< [-]
+  double vertical_fov{};  ///< [rad]
+};
+
+/** config/render.yaml */
+struct RenderConfig {
+  std::vector<CameraConfig> cameras;
+  std::string video_camera;  ///< of video.mp4
+  std::string live_camera;   ///< of camera/image_raw
+  int video_width{}, video_height{}, video_fps{};
+  int live_width{}, live_height{}, live_fps{};
+  int encoder_crf{};  ///< [-] x264 quality
+  std::string encoder_preset;
+};
+
+/** config/console.yaml: the surgeon's hands. */
+struct ConsoleConfig {
+  double scale{};                      ///< [-] motion scale of the master
+  double hand_mass{};                  ///< [kg]
+  double hand_stiffness{};             ///< [N/m]
+  double hand_damping{};               ///< [Ns/m]
+  double tremor_amplitude{};           ///< [m] of the hand, peak
+  double tremor_low{}, tremor_high{};  ///< [Hz]
+  double start_delay{};                ///< [s] pedal stays up this long after the robot is ready
+  double motion_time{};                ///< [s] from first pedal down to the final release; 0 = for ever
+  double stroke_speed{};               ///< [m/s] mean hand speed of a stroke
+  double pause_min{}, pause_max{};     ///< [s] between strokes
+  double clutch_every{};               ///< [s] mean time between clutchings; 0 = never
+  double clutch_time{};                ///< [s] pedal up while clutching
+  Vec3 task_W_min{},
+      task_W_max{};            ///< [m] [@frame W] box of the strokes' targets for the gold arm, mirrored in y for green
+  double ready_timeout{};          ///< [s] begin without a robot that is ready after this long; 0 = never
+  double recording_scale{};    ///< [-] hand motion = recording x this
+  double recording_lead_in{};  ///< [s] minimum-jerk move from home to the recording's first position
+};
+
+/** Motor, gear and friction of one axis of the emulated robot. */
+struct MotorAxis {
+  double transmission{};    ///< [rad motor / rad joint; rad/m]
+  double torque_per_amp{};  ///< [Nm/A] at the capstan
+  double counts_per_amp{};  ///< [counts/A]
+  double inertia{};         ///< [kg m2] rotor at the capstan
+  double coulomb{};         ///< [Nm] at the capstan
+  double viscous{};         ///< [Nms/rad] at the capstan
+  double kp{};              ///< [Nm/rad] control software, motor space (raven2.md 3.6)
+  double kd{};              ///< [Nms/rad]
+  double ki{};              ///< [Nm/(rad s)]
+  std::int32_t dac_clip{};  ///< [counts] (raven2.md 3.5)
+};
+
+/** config/virtual_raven.yaml */
+struct VirtualRavenConfig {
+  std::string behaviour;  ///< compat (hardened is refused until it exists)
+  std::array<MotorAxis, kJointCount> axes{};
+  double green_insertion_kd{};    ///< [Nms/rad] the one gain that differs between the arms
+  std::int32_t max_inst_dac{};    ///< [counts] overdrive threshold of any axis
+  std::int64_t master_timeout{};  ///< [cycles]
+  bool gravity_compensation{};
+  JointArray start_offset{};  ///< [rad, m] joints at power-on, relative to home
+  double homing_time{};       ///< [s] half-cosine from there to home
+};
+
+/** A fault scenario of the library (config/faults/NAME.yaml). */
+struct Scenario {
+  std::string name;
+  std::string title;
+  std::string hazard;              ///< class of hazards.md section 1: H1-1, H1-2, H1-3, H-2, H-3
+  std::vector<std::string> maude;  ///< report numbers
+  std::string maude_link;          ///< how sure the link is: table, similar, none
+  std::string basis;               ///< published or design
+  std::string expected;            ///< outcome
+  std::string response;            ///< what the trainee should do
+  Fault fault{};
+};
+
+/** Everything. `files` lists each file read, in order, for the session's hashes. */
+struct TrainerConfig {
+  ArmsConfig arms{};
+  ModelConfig model{};
+  HapticGains haptics{};
+  NetworkConfig network{};
+  RuntimeConfig runtime{};
+  PlannerConfig planner{};
+  RenderConfig render{};
+  ConsoleConfig console{};
+  VirtualRavenConfig virtual_raven{};
+  std::string robot_urdf;           ///< absolute path
+  std::string scene_urdf;           ///< absolute path
+  std::string hazard;               ///< scenario armed at the start, or "none"
+  std::vector<Scenario> scenarios;  ///< the library; Fault::id is the position + 1
+  std::uint64_t seed{};
+  std::vector<std::string> files;
+};
+
+}  // namespace raven2_trainer

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace raven2_trainer {
+
+/** Why a packet or frame was not applied. One list for every link, so that reports and sums look alike. */
+enum class Reject : std::uint8_t {
+  kNone,
+  kWrongSize,
+  kNotFinite,
+  kBadQuaternion,
+  kOutOfRange,
+  kDuplicate,
+  kOutOfOrder,
+  kSequenceGap,   ///< compat: the packet after a gap is itself dropped
+  kSequenceJump,  ///< hardened: further ahead than the window
+  kSequenceZero,  ///< compat: "reflect" packet
+  kReset,         ///< numbering reset: this packet re-bases the count and is not used
+  kForeignSource,
+  kBadFrame,  ///< TCP: magic, version, length or CRC
+  kQueueFull,
+};
+constexpr std::size_t kRejectCount = 14;
+constexpr std::array<const char*, kRejectCount> kRejectNames{
+    "none",         "wrong_size",    "not_finite",    "bad_quaternion", "out_of_range",   "duplicate", "out_of_order",
+    "sequence_gap", "sequence_jump", "sequence_zero", "reset",          "foreign_source", "bad_frame", "queue_full"};
+
+/** Plain copy of the counters of one link. Invariant: received == applied + sum of rejected. */
+struct LinkCounts {
+  std::uint64_t received{};
+  std::uint64_t applied{};
+  std::array<std::uint64_t, kRejectCount> rejected{};  ///< by Reject; entry 0 stays 0
+
+  constexpr void count(Reject reason) noexcept {
+    ++received;
+    if (reason == Reject::kNone) {
+      ++applied;
+    } else {
+      ++rejected[static_cast<std::size_t>(reason)];
+    }
+  }
+
+  constexpr std::uint64_t rejectedTotal() const noexcept {
+    std::uint64_t total = 0;
+    for (const std::uint64_t n : rejected)
+      total += n;
+    return total;
+  }
+
+  constexpr bool addsUp() const noexcept { return received == applied + rejectedTotal(); }
+};
+
+/** A number that one thread counts up and any thread reads. */
+class Counter {
+ public:
+  void add(std::uint64_t n = 1) noexcept { value_.fetch_add(n, std::memory_order_relaxed); }
+  std::uint64_t value() const noexcept { return value_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<std::uint64_t> value_{0};
+};
+
+}  // namespace raven2_trainer

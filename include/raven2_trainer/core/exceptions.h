@@ -1,0 +1,47 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+// Set-up throws one of these, with the value, the allowed range and the place; `main` catches once and prints one
+// line. Loops never throw: they return enums and count.
+
+namespace raven2_trainer {
+
+/** Base of every exception of this package. The message starts with "raven2_trainer: ". */
+class Exception : public std::runtime_error {
+ public:
+  explicit Exception(const std::string& what) : std::runtime_error("raven2_trainer: " + what) {}
+};
+
+/** A configuration or scenario file, or an option, is wrong. Message: FILE:LINE: key, value, allowed range. */
+class ConfigException : public Exception {
+  using Exception::Exception;
+};
+
+/** A URDF or mesh is missing or cannot be used. Message: FILE:LINE: element, reason. */
+class ModelException : public Exception {
+  using Exception::Exception;
+};
+
+/** A socket cannot be opened. Message: address, port, system error. */
+class NetworkException : public Exception {
+  using Exception::Exception;
+};
+
+/** A session log cannot be opened, or is not one. Message: file, reason. */
+class SessionException : public Exception {
+  using Exception::Exception;
+};
+
+/** Real-time scheduling was demanded (`--strict`) and refused. Message: what was refused and why. */
+class RealtimeException : public Exception {
+  using Exception::Exception;
+};
+
+/** OSMesa or the video encoder cannot be started. Message: call, reason. */
+class RenderException : public Exception {
+  using Exception::Exception;
+};
+
+}  // namespace raven2_trainer

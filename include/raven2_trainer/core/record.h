@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/state.h"
+
+// What the loops hand to the recorder. Together the records hold everything the physics loop consumed, per tick, so
+// that a session can be simulated again from its log.
+
+namespace raven2_trainer {
+
+/** One physics tick: the model after it and the robot as that tick saw it. */
+struct TickRecord {
+  ModelState model{};
+  RobotState robot{};
+};
+
+/** One haptic tick. */
+struct HapticRecord {
+  HapticState haptic{};
+};
+
+/** A master command, stamped with the physics tick that consumed it. */
+struct CommandRecord {
+  Tick tick{};
+  MasterCommand command{};
+};
+
+/** A request, stamped with the physics tick that consumed it. */
+struct RequestRecord {
+  Tick tick{};
+  Request request{};
+};
+
+/** A plan result, stamped with the physics tick that consumed it. */
+struct PlanRecord {
+  Tick tick{};
+  PlanResult result{};
+};
+
+enum class LoopId : std::uint8_t { kPhysics, kHaptic };
+constexpr std::size_t kLoopCount = 2;
+constexpr std::array<const char*, kLoopCount> kLoopNames{"physics", "haptic"};
+
+/** Timing of one 1 kHz loop. All zero in lockstep. */
+struct LoopTiming {
+  std::uint64_t ticks{};        ///< periods run, catch-up steps included
+  std::uint64_t on_time{};      ///< finished within 1 ms of their release
+  std::uint64_t slips{};        ///< finished later
+  std::uint64_t time_slips{};   ///< backlog over 250 ms given up, each an event
+  std::int64_t lost_ticks{};    ///< [1 ms] simulated time given up by those events
+  std::int64_t max_late_ns{};   ///< [ns] latest start after a release
+  std::int64_t max_run_ns{};    ///< [ns] longest body
+  std::uint64_t stale_reads{};  ///< cells that could not be read in a bounded number of tries
+};
+
+/** Counters at the end of a session (and once a second on /diagnostics). */
+struct SessionCounts {
+  LinkCounts master{};          ///< console -> daemon (UDP, ITP)
+  std::uint64_t master_used{};  ///< of the applied ones, those that moved the model
+  LinkCounts robot_state{};     ///< robot -> daemon (TCP frames)
+  std::uint64_t relay_sent{};   ///< daemon -> robot packets sent
+  LinkCounts relay{};           ///< the same link as the robot counted it
+  std::uint64_t force_sent{};   ///< daemon -> console packets sent
+  std::array<LoopTiming, kLoopCount> loops{};
+  std::uint64_t records_dropped{};  ///< records that found a ring full
+  std::uint64_t frames{};           ///< live camera frames rendered
+  std::uint64_t ik_clamped{};       ///< ticks in which a joint limit clamped the desired pose
+  std::uint8_t realtime{};          ///< 1 if SCHED_FIFO was granted
+  std::uint8_t lockstep{};          ///< 1 if there were no threads
+};
+static_assert(std::is_trivially_copyable<SessionCounts>::value, "travels in the log");
+
+}  // namespace raven2_trainer

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/types.h"
+
+// State structs that cross threads word by word, so everything is a plain array. Joint coordinates are the robot's
+// own (raven2.md 2.3), not the URDF's: kinematics/joint_conventions.h converts.
+
+namespace raven2_trainer {
+
+/** What the daemon is doing. The table of events is in control/mode_table.h. */
+enum class Mode : std::uint8_t {
+  kWaiting,        ///< no pedal seen yet, or the robot is not ready
+  kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds where there is none
+  kTeleoperating,  ///< pedal down: increments move model and robot
+  kPlanning,       ///< pedal up, a plan is being computed; the model holds
+  kTracking,       ///< the model follows a planned path; the robot holds
+  kStopped,        ///< the robot is in E-STOP; the model holds
+};
+constexpr std::size_t kModeCount = 6;
+constexpr std::array<const char*, kModeCount> kModeNames{"waiting",  "pedal_up", "teleoperating",
+                                                         "planning", "tracking", "stopped"};
+
+/** Run level of the Raven's state machine (raven2.md 4.3). */
+enum class RunLevel : std::uint8_t { kEStop = 0, kInit = 1, kPedalUp = 2, kPedalDown = 3 };
+constexpr std::array<const char*, 4> kRunLevelNames{"E-STOP", "INIT", "PEDAL_UP", "PEDAL_DN"};
+
+/** Joint and tool-tip state of one arm of the nominal model at the end of one physics step. */
+struct ArmState {
+  JointArray q{};             ///< [rad; m for kInsertion] joint position
+  JointArray dq{};            ///< [rad/s; m/s for kInsertion] joint velocity
+  JointArray tau{};           ///< [Nm; N for kInsertion] torque applied in this step
+  JointArray q_d{};           ///< [rad; m for kInsertion] desired joint position
+  Vec3 p_BT{};                ///< [m] tool tip in the arm base frame
+  Vec3 v_BT{};                ///< [m/s] its velocity
+  Quat q_BT{kIdentityQuat};   ///< tool orientation in the arm base frame
+  std::uint32_t ik_status{};  ///< kinematics::IkStatus of this tick
+  std::uint32_t contacts{};   ///< contact points on this arm in this step
+};
+
+constexpr std::size_t kMaxSceneBodies = 4;
+
+/** The nominal model at the end of tick `tick`. */
+struct ModelState {
+  Tick tick{};             ///< [1 ms] step that produced this state
+  Tick session_tick{-1};   ///< [1 ms] since the first pedal down; -1 before
+  std::int64_t time_ns{};  ///< [ns] CLOCK_MONOTONIC at the start of the tick; in lockstep tick x 1e6
+  Mode mode{Mode::kWaiting};
+  std::uint8_t pedal{};           ///< 1 while the surgeon's pedal is down
+  std::uint8_t engaged{1};        ///< 1 while the robot is sent the surgeon's motion
+  std::uint8_t robot_fresh{};     ///< 1 while the robot's state is connected and at most 20 ms old
+  std::uint8_t linked{};       ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
+  std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
+  PerArm<ArmState> arms{};
+  std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order
+};
+static_assert(std::is_trivially_copyable<ModelState>::value, "crosses threads word by word");
+
+/** One arm of the robot as received. */
+struct RobotArmState {
+  JointArray q{};                               ///< [rad; m for kInsertion]
+  JointArray dq{};                              ///< [rad/s; m/s for kInsertion]
+  JointArray motor{};                           ///< [rad] motor position
+  std::array<std::int32_t, kJointCount> dac{};  ///< [counts] last command, after the robot's clipping and after faults
+  Vec3 p_BT{};                                  ///< [m] tool tip by forward kinematics of `q`
+  Vec3 v_BT{};                                  ///< [m/s] J dq (paper, eq. 3)
+};
+
+/** The robot, from its newest state frame. */
+struct RobotState {
+  std::uint64_t cycle{};          ///< robot control cycle that sent the frame
+  std::uint64_t frame{};          ///< frames applied so far; 0 = none yet, the rest is then meaningless
+  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt; in lockstep tick x 1e6
+  std::uint32_t last_sequence{};  ///< newest ITP sequence number that the robot took as its last
+  std::uint32_t active_fault{};   ///< Fault::id acting in that cycle, 0 none
+  RunLevel runlevel{RunLevel::kEStop};
+  std::uint8_t sublevel{};
+  std::uint8_t connected{};  ///< 1 while the TCP link is up
+  std::uint8_t homed{};
+  std::uint8_t soft_estopped{};
+  std::uint8_t is_virtual{};  ///< 1 only if the hello said "virtual"; anything else is a real robot
+  PerArm<RobotArmState> arms{};
+  LinkCounts itp{};  ///< the robot's own count of our packets
+};
+static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads word by word");
+
+/** Force cue of one tick (paper, eqs. 5 and 6). */
+struct HapticState {
+  Tick tick{-1};                ///< model tick it was computed from
+  std::uint64_t robot_cycle{};  ///< robot cycle it was computed from
+  PerArm<Vec3> force_B{};       ///< [N] in each arm's frame B
+  PerArm<Vec3> force_I{};       ///< [N] the same in master (ITP) axes
+  PerArm<double> error{};       ///< [m] distance of model and robot tips
+  std::uint8_t active{};        ///< 1 while the cue may act: teleoperating, robot fresh
+};
+static_assert(std::is_trivially_copyable<HapticState>::value, "crosses threads word by word");
+
+}  // namespace raven2_trainer
