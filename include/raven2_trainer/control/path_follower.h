@@ -1,0 +1,39 @@
+#pragma once
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/types.h"
+
+namespace raven2_trainer::control {
+
+/** Shortest duration [s] of a rest-to-rest quintic over `delta` within the limits: peak velocity 15/8 and peak
+ *  acceleration 10/sqrt(3) times the mean (closed form of 10s^3 - 15s^4 + 6s^5). Real-time safe. */
+double quinticDuration(const JointArray& delta,
+                       const JointArray& velocity_limit,
+                       const JointArray& acceleration_limit) noexcept;
+
+/** 10s^3 - 15s^4 + 6s^5 at s clamped to [0, 1]. */
+double quinticBlend(double s) noexcept;
+
+/** Plays a PlanResult: rest-to-rest quintics between its waypoints, at the times in `arrival`. Real-time safe. */
+class PathFollower {
+ public:
+  /** Begins at the first waypoint. A plan that did not succeed leaves active() false. */
+  void start(const PlanResult& plan) noexcept;
+  void stop() noexcept { active_ = false; }
+  bool active() const noexcept { return active_; }
+  Arm arm() const noexcept { return plan_.arm; }
+  /** Desired joints one tick later; the last waypoint, and active() false, after the end. Holds still while not
+   *  active: at the end, or where stop() left it; zeros if no plan was ever started. */
+  JointArray tick() noexcept;
+
+ private:
+  double seconds() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
+  JointArray position() const noexcept;
+
+  PlanResult plan_{};
+  bool active_{false};
+  std::int64_t elapsed_{0};
+  std::uint32_t segment_{0};
+};
+
+}  // namespace raven2_trainer::control

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::control {
+
+/**
+ * Increments to desired joints for one arm, by the robot's own rules (raven2.md 1.4, 2.3, 2.5), so that the nominal
+ * model follows the same commands to the same places: increments are truncated to whole micrometres in frame B and
+ * added to the desired position; rotations multiply from the left in B; the analytic inverse picks the solution
+ * nearest to where the arm is and refuses one too far; a joint at its limit re-bases the desired pose, so that the
+ * surgeon cannot wind up past it. Real-time safe.
+ */
+class TeleopMapper {
+ public:
+  TeleopMapper(const ArmGeometry& geometry, Arm arm) noexcept;
+
+  /** The desired pose becomes that of joints `q`: at pedal down. */
+  void rebase(const JointArray& q) noexcept;
+
+  /**
+   * Adds one tick's increments.
+   * @param[in] dp_I [m] [@frame I] position increment. @param[in] dq_I [@frame I] rotation increment.
+   * @param[in] dgrasp [rad] positive closes. @param[in] current [rad; m] where the arm is.
+   * @return kOk, kClamped (a limit was reached), or why the arm stays: kOutOfReach, kSingularRcm, kTooFar.
+   */
+  kinematics::IkStatus add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept;
+
+  /** [rad; m] desired joints; unchanged by an increment that was refused. */
+  const JointArray& desired() const noexcept { return q_d_; }
+  /** Desired pose of T in B, refused increments included. */
+  const Pose& desiredPose() const noexcept { return X_BTd_; }
+
+ private:
+  ArmGeometry geometry_;
+  Arm arm_;
+  Pose X_BTd_;
+  double opening_{};
+  JointArray q_d_{};
+};
+
+}  // namespace raven2_trainer::control

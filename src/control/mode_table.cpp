@@ -1,0 +1,40 @@
+#include "raven2_trainer/control/mode_table.h"
+
+namespace raven2_trainer::control {
+namespace {
+
+struct Row {
+  Mode from;
+  Event event;
+  Mode to;
+};
+
+constexpr Row kRows[] = {
+    // clang-format off
+    // from                event                  to
+    {Mode::kWaiting,       Event::kRobotReady,    Mode::kPedalUp},
+    {Mode::kWaiting,       Event::kPedalPressed,  Mode::kTeleoperating},  // no robot: the model alone
+    {Mode::kPedalUp,       Event::kPedalPressed,  Mode::kTeleoperating},
+    {Mode::kTeleoperating, Event::kPedalReleased, Mode::kPedalUp},
+    {Mode::kWaiting,       Event::kPlanRequested, Mode::kPlanning},
+    {Mode::kPedalUp,       Event::kPlanRequested, Mode::kPlanning},
+    {Mode::kTracking,      Event::kPlanRequested, Mode::kPlanning},
+    {Mode::kPlanning,      Event::kPlanReady,     Mode::kTracking},
+    {Mode::kPlanning,      Event::kPlanFailed,    Mode::kPedalUp},
+    {Mode::kPlanning,      Event::kPedalPressed,  Mode::kTeleoperating},
+    {Mode::kTracking,      Event::kPedalPressed,  Mode::kTeleoperating},
+    {Mode::kStopped,       Event::kStopCleared,   Mode::kPedalUp},
+    // clang-format on
+};
+
+}  // namespace
+
+Mode nextMode(Mode mode, Event event) noexcept {
+  if (event == Event::kEmergencyStop) return Mode::kStopped;
+  for (const Row& row : kRows) {
+    if (row.from == mode && row.event == event) return row.to;
+  }
+  return mode;
+}
+
+}  // namespace raven2_trainer::control

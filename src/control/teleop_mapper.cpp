@@ -1,0 +1,54 @@
+#include "raven2_trainer/control/teleop_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raven2_trainer/control/axis_map.h"
+
+namespace raven2_trainer::control {
+namespace {
+
+using kinematics::IkStatus;
+
+// Grasp clamps of the robot's software: -10 and 90 degrees, in its milliradians (raven2 local_io.cpp).
+constexpr double kMinOpening = -0.174;
+constexpr double kMaxOpening = 1.570;
+
+/** Whole micrometres, toward zero, as the robot's mapping does. The nudge undoes the binary error of 1e-6. */
+double truncateToMicrometre(double metres) noexcept {
+  const double um = metres * 1e6;
+  return std::trunc(um + std::copysign(1e-6, um)) * 1e-6;
+}
+
+}  // namespace
+
+TeleopMapper::TeleopMapper(const ArmGeometry& geometry, Arm arm) noexcept : geometry_(geometry), arm_(arm) {
+  rebase(geometry.home);
+}
+
+void TeleopMapper::rebase(const JointArray& q) noexcept {
+  X_BTd_ = kinematics::forward(geometry_, arm_, q);
+  opening_ = kinematics::jawOpening(q);
+  q_d_ = q;
+}
+
+IkStatus TeleopMapper::add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept {
+  const Matrix3& C = itpToBase(arm_);
+  X_BTd_.p += (C * toEigen(dp_I)).unaryExpr(&truncateToMicrometre);
+  if (dq_I != kIdentityQuat) {
+    const Quaternion turned(C * toEigen(dq_I).toRotationMatrix() * C.transpose() * X_BTd_.R);
+    X_BTd_.R = turned.normalized().toRotationMatrix();  // keeps a million products orthonormal
+  }
+  opening_ = std::clamp(opening_ - dgrasp, kMinOpening, kMaxOpening);
+
+  kinematics::IkResult result = kinematics::inverse(geometry_, arm_, X_BTd_, opening_, current);
+  if (result.status != IkStatus::kOk) return result.status;
+  if (kinematics::applyJointLimits(geometry_, &result.q)) {
+    rebase(result.q);
+    return IkStatus::kClamped;
+  }
+  q_d_ = result.q;
+  return IkStatus::kOk;
+}
+
+}  // namespace raven2_trainer::control

@@ -1,0 +1,112 @@
+#include "raven2_trainer/control/teleop_mapper.h"
+
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/control/axis_map.h"
+#include "raven2_trainer/core/random.h"
+
+namespace raven2_trainer::control {
+namespace {
+
+using kinematics::IkStatus;
+
+constexpr double kDegree = kPi / 180.0;
+
+ArmGeometry raven() {
+  ArmGeometry g;
+  g.d4 = -0.47;
+  g.lw = 0.013;
+  g.q_min = {0, 45 * kDegree, 0.23, -182 * kDegree, -70 * kDegree, -105 * kDegree, -105 * kDegree};
+  g.q_max = {90 * kDegree, 135 * kDegree, 0.56, 182 * kDegree, 70 * kDegree, 105 * kDegree, 105 * kDegree};
+  g.home = {30 * kDegree, 90 * kDegree, 0.40, 0, 0, 45 * kDegree, 45 * kDegree};
+  return g;
+}
+
+TEST(AxisMap, MatchesTheRunningRobot) {
+  // raven2.md 1.4, observed: gold dely = +1000 -> z +1000; green delx = +1000 -> y +1000
+  EXPECT_EQ(Vector3(itpToBase(Arm::kGold) * Vector3(0, 1, 0)), Vector3(0, 0, 1));
+  EXPECT_EQ(Vector3(itpToBase(Arm::kGold) * Vector3(0, 0, 1)), Vector3(-1, 0, 0));
+  EXPECT_EQ(Vector3(itpToBase(Arm::kGreen) * Vector3(1, 0, 0)), Vector3(0, 1, 0));
+  for (const Arm arm : kArms)
+    EXPECT_DOUBLE_EQ(itpToBase(arm).determinant(), 1.0);
+}
+
+TEST(TeleopMapper, SumOfIncrementsIsTheDisplacement) {
+  const ArmGeometry g = raven();
+  for (const Arm arm : kArms) {
+    TeleopMapper mapper(g, arm);
+    const Vector3 start = mapper.desiredPose().p;
+    Random random(3);
+    Vector3 sum = Vector3::Zero();
+    JointArray q = g.home;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 dp{std::round(random.uniform(-40, 40)) * 1e-6, std::round(random.uniform(-40, 40)) * 1e-6,
+                    std::round(random.uniform(-40, 40)) * 1e-6};
+      sum += toEigen(dp);
+      ASSERT_EQ(mapper.add(dp, kIdentityQuat, 0.0, q), IkStatus::kOk);
+      q = mapper.desired();
+    }
+    const Vector3 moved = mapper.desiredPose().p - start;
+    EXPECT_LT((moved - itpToBase(arm) * sum).norm(), 1e-9);
+    EXPECT_LT((kinematics::forward(g, arm, q).p - mapper.desiredPose().p).norm(), 1e-9);
+  }
+}
+
+TEST(TeleopMapper, TruncatesToWholeMicrometres) {
+  TeleopMapper mapper(raven(), Arm::kGold);
+  const Vector3 start = mapper.desiredPose().p;
+  mapper.add({0.9e-6, 0.0, 0.0}, kIdentityQuat, 0.0, raven().home);
+  EXPECT_EQ(mapper.desiredPose().p, start);
+}
+
+TEST(TeleopMapper, ReBasesAtALimitSoThatTheWayBackStartsAtOnce) {
+  const ArmGeometry g = raven();
+  TeleopMapper mapper(g, Arm::kGold);
+  JointArray q = g.home;
+  const Vec3 deeper{0.0, 0.0, 100e-6};  // ITP z is down: into the body
+  IkStatus status = IkStatus::kOk;
+  for (int i = 0; i < 5000 && status == IkStatus::kOk; ++i) {
+    status = mapper.add(deeper, kIdentityQuat, 0.0, q);
+    q = mapper.desired();
+  }
+  ASSERT_EQ(status, IkStatus::kClamped);
+  for (int i = 0; i < 200; ++i)
+    mapper.add(deeper, kIdentityQuat, 0.0, q);  // pushing on must not wind up
+  const JointArray at_limit = mapper.desired();
+  for (int i = 0; i < 10; ++i)
+    mapper.add({0.0, 0.0, -100e-6}, kIdentityQuat, 0.0, mapper.desired());
+  const Pose before = kinematics::forward(g, Arm::kGold, at_limit);
+  const Pose after = kinematics::forward(g, Arm::kGold, mapper.desired());
+  EXPECT_NEAR((after.p - before.p).norm(), 1e-3, 1e-5);
+}
+
+TEST(TeleopMapper, KeepsTheJointsWhenTheTargetIsRefused) {
+  const ArmGeometry g = raven();
+  TeleopMapper mapper(g, Arm::kGold);
+  // 60 mm in one packet: far beyond the robot's rule for one step
+  EXPECT_NE(mapper.add({0.0, 0.0, 0.06}, kIdentityQuat, 0.0, g.home), IkStatus::kOk);
+  EXPECT_EQ(mapper.desired(), g.home);
+}
+
+TEST(TeleopMapper, ClampsTheGrasp) {
+  const ArmGeometry g = raven();
+  TeleopMapper mapper(g, Arm::kGold);
+  mapper.add({}, kIdentityQuat, 10.0, g.home);
+  EXPECT_NEAR(kinematics::jawOpening(mapper.desired()), -0.174, 1e-12);
+  mapper.add({}, kIdentityQuat, -10.0, mapper.desired());
+  EXPECT_NEAR(kinematics::jawOpening(mapper.desired()), 1.570, 1e-12);
+}
+
+TEST(TeleopMapper, RotationsMultiplyFromTheLeftInTheBase) {
+  const ArmGeometry g = raven();
+  TeleopMapper mapper(g, Arm::kGreen);
+  const Matrix3 before = mapper.desiredPose().R;
+  const Quaternion turn(Eigen::AngleAxisd(0.05, Vector3::UnitX()));
+  mapper.add({}, toArray(turn), 0.0, g.home);
+  const Vector3 axis_B = itpToBase(Arm::kGreen) * Vector3::UnitX();
+  const Matrix3 expected = Eigen::AngleAxisd(0.05, axis_B).toRotationMatrix() * before;
+  EXPECT_LT((mapper.desiredPose().R - expected).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::control
