@@ -1,0 +1,451 @@
+#include "raven2_trainer/wire/robot_frame.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "hex.h"
+#include "raven2_trainer/core/random.h"
+
+namespace raven2_trainer::wire {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+FrameBytes hello(std::uint32_t sequence, bool is_virtual = true) {
+  FrameBytes bytes(kMaxFrame);
+  bytes.resize(encodeHello(sequence, is_virtual, bytes.data()));
+  return bytes;
+}
+
+FrameBytes state(std::uint32_t sequence, const RobotState& value) {
+  FrameBytes bytes(kMaxFrame);
+  bytes.resize(encodeState(sequence, value, bytes.data()));
+  return bytes;
+}
+
+FrameBytes plan(std::uint32_t sequence, const FaultPlan& value) {
+  FrameBytes bytes(kMaxFrame);
+  bytes.resize(encodeFaultPlan(sequence, value, bytes.data()));
+  return bytes;
+}
+
+/** The same pattern as the Python lines beside kStateCrc. */
+RobotState patternState() {
+  RobotState value;
+  value.cycle = 1000001;
+  value.last_sequence = 77;
+  value.active_fault = 3;
+  value.runlevel = RunLevel::kPedalDown;
+  value.sublevel = 1;
+  value.homed = 1;
+  for (std::size_t a = 0; a < kArmCount; ++a) {
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      value.arms[a].q[j] = static_cast<double>(100 * a + j) / 8.0;
+      value.arms[a].dq[j] = static_cast<double>(100 * a + 10 + j) / 8.0;
+      value.arms[a].motor[j] = static_cast<double>(100 * a + 20 + j) / 8.0;
+      value.arms[a].dac[j] = static_cast<std::int32_t>(1000 * a + j) * (j % 2 == 0 ? 1 : -1);
+    }
+  }
+  value.itp.received = 200;
+  value.itp.applied = 201;
+  for (std::size_t i = 0; i < kRejectCount; ++i)
+    value.itp.rejected[i] = 202 + i;
+  return value;
+}
+
+FaultPlan patternPlan() {
+  FaultPlan value;
+  value.generation = 12;
+  value.count = 1;
+  value.faults[0].id = 4;
+  value.faults[0].site = FaultSite::kPutUsbPacket;
+  value.faults[0].host = FaultHost::kRobot;
+  value.faults[0].kind = FaultKind::kStuckAt;
+  value.faults[0].target = FaultTarget::kDac;
+  value.faults[0].arm = 0;
+  value.faults[0].joint = 2;
+  value.faults[0].first_tick = 2000;
+  value.faults[0].duration_ticks = 300;
+  value.faults[0].period_ticks = 8000;
+  value.faults[0].count = 3;
+  value.faults[0].value = -1234.5;
+  return value;
+}
+
+/** The only frame in these bytes; type 0 if there is none. */
+Frame only(FrameParser* parser, const FrameBytes& bytes) {
+  parser->feed(bytes.data(), bytes.size());
+  Frame frame;
+  EXPECT_EQ(parser->next(&frame), FrameParser::Result::kFrame);
+  return frame;
+}
+
+/** A frame around any payload: header written here by hand, CRC bit by bit, so that nothing of the module is used. */
+FrameBytes rawFrame(std::uint16_t type, const FrameBytes& payload) {
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const std::uint8_t byte : payload) {
+    crc ^= byte;
+    for (int i = 0; i < 8; ++i)
+      crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
+  }
+  crc = ~crc;
+  FrameBytes bytes{'R', 'V', '2', 'T', 1, 0, static_cast<std::uint8_t>(type), static_cast<std::uint8_t>(type >> 8U)};
+  for (const std::uint32_t word : {static_cast<std::uint32_t>(payload.size()), 9U, crc}) {
+    for (unsigned shift = 0; shift < 32; shift += 8)
+      bytes.push_back(static_cast<std::uint8_t>(word >> shift));
+  }
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return bytes;
+}
+
+FrameBytes payloadOf(const FrameBytes& frame) {
+  return FrameBytes(frame.begin() + kFrameHeaderSize, frame.end());
+}
+
+// ---- bytes ----------------------------------------------------------------------------------------------------------
+
+TEST(FrameBytesOnTheWire, HelloIsWhatPythonPacks) {
+  // struct.pack('<4sHHIII', b'RV2T', 1, 1, 8, 5, zlib.crc32(b'virtual\0')) + b'virtual\0'
+  EXPECT_EQ(hello(5), fromHex("525632540100010008000000050000009f7137877669727475616c00"));
+}
+
+TEST(FrameBytesOnTheWire, FaultPlanIsWhatPythonPacks) {
+  // struct.pack('<QI', 12, 1) + struct.pack('<I4B2b4qd', 4, 3, 0, 1, 1, 0, 2, 2000, 300, 8000, 3, -1234.5)
+  EXPECT_EQ(payloadOf(plan(1, patternPlan())),
+            fromHex("0c000000000000000100000004000000030001010002d0070000000000002c01"
+                    "000000000000401f000000000000030000000000000000000000004a93c0"));
+}
+
+TEST(FrameBytesOnTheWire, StateHasTheSizeAndCrcThatPythonComputes) {
+  // s = struct.pack('<QII4B', 1000001, 77, 3, 3, 1, 1, 0)
+  // for a in 0, 1: for b in 0, 10, 20: s += struct.pack('<7d', *[(100*a + b + j) / 8 for j in range(7)])
+  //                s += struct.pack('<7i', *[(-1)**j * (1000*a + j) for j in range(7)])
+  // s += struct.pack('<16Q', *range(200, 216));  len(s), hex(zlib.crc32(s))
+  const FrameBytes bytes = state(6, patternState());
+  ASSERT_EQ(bytes.size(), kFrameHeaderSize + 540);
+  std::uint32_t crc = 0;
+  std::memcpy(&crc, bytes.data() + 16, sizeof(crc));
+  EXPECT_EQ(crc, 0xe31d8b66U);
+}
+
+// ---- round trips ----------------------------------------------------------------------------------------------------
+
+TEST(Hello, SaysWhatTheRobotIs) {
+  for (const bool is_virtual : {false, true}) {
+    FrameParser parser;
+    bool said = !is_virtual;
+    ASSERT_TRUE(decodeHello(only(&parser, hello(1, is_virtual)), &said));
+    EXPECT_EQ(said, is_virtual);
+  }
+}
+
+TEST(Hello, RefusesAnUnknownWord) {
+  FrameParser parser;
+  bool said = true;
+  EXPECT_FALSE(decodeHello(only(&parser, rawFrame(1, {'V', 'i', 'r', 't', 'u', 'a', 'l', 0})), &said));
+  EXPECT_FALSE(decodeHello(only(&parser, rawFrame(1, {'r', 'e', 'a', 'l'})), &said));
+  EXPECT_TRUE(said);
+}
+
+TEST(State, CarriesWhatTravelsAndLeavesTheRest) {
+  FrameParser parser;
+  RobotState got;
+  got.frame = 55;
+  got.received_ns = 66;
+  got.connected = 1;
+  got.is_virtual = 1;
+  got.arms[1].p_BT = {1, 2, 3};
+  ASSERT_TRUE(decodeState(only(&parser, state(6, patternState())), &got));
+  const RobotState sent = patternState();
+  EXPECT_EQ(got.cycle, sent.cycle);
+  EXPECT_EQ(got.last_sequence, sent.last_sequence);
+  EXPECT_EQ(got.active_fault, sent.active_fault);
+  EXPECT_EQ(got.runlevel, sent.runlevel);
+  EXPECT_EQ(got.sublevel, sent.sublevel);
+  EXPECT_EQ(got.homed, sent.homed);
+  EXPECT_EQ(got.soft_estopped, sent.soft_estopped);
+  for (std::size_t a = 0; a < kArmCount; ++a) {
+    EXPECT_EQ(got.arms[a].q, sent.arms[a].q);
+    EXPECT_EQ(got.arms[a].dq, sent.arms[a].dq);
+    EXPECT_EQ(got.arms[a].motor, sent.arms[a].motor);
+    EXPECT_EQ(got.arms[a].dac, sent.arms[a].dac);
+  }
+  EXPECT_EQ(got.itp.received, 200U);
+  EXPECT_EQ(got.itp.applied, 201U);
+  EXPECT_EQ(got.itp.rejected, sent.itp.rejected);
+  EXPECT_EQ(got.frame, 55U);
+  EXPECT_EQ(got.received_ns, 66);
+  EXPECT_EQ(got.connected, 1);
+  EXPECT_EQ(got.is_virtual, 1);
+  EXPECT_EQ(got.arms[1].p_BT, (Vec3{1, 2, 3}));
+}
+
+TEST(State, RefusesNumbersThatAreNotFinite) {
+  for (const double bad : {kNan, kInf, -kInf}) {
+    for (auto field : {&RobotArmState::q, &RobotArmState::dq, &RobotArmState::motor}) {
+      RobotState value = patternState();
+      (value.arms[1].*field)[kGrasp2] = bad;
+      FrameParser parser;
+      RobotState got;
+      EXPECT_FALSE(decodeState(only(&parser, state(1, value)), &got));
+      EXPECT_EQ(got.cycle, 0U);
+    }
+  }
+}
+
+TEST(State, RefusesUnknownRunLevelsAndFlags) {
+  const FrameBytes good = payloadOf(state(1, patternState()));
+  for (const std::size_t offset : {16U, 18U, 19U}) {  // run level, homed, soft E-stop
+    FrameBytes payload = good;
+    payload[offset] = 4;
+    FrameParser parser;
+    RobotState got;
+    EXPECT_FALSE(decodeState(only(&parser, rawFrame(2, payload)), &got)) << offset;
+  }
+}
+
+TEST(State, RefusesOtherSizesAndTypes) {
+  const FrameBytes good = payloadOf(state(1, patternState()));
+  RobotState got;
+  for (const std::size_t size : {0U, 539U, 541U, 4096U}) {
+    FrameBytes payload = good;
+    payload.resize(size);
+    FrameParser parser;
+    EXPECT_FALSE(decodeState(only(&parser, rawFrame(2, payload)), &got)) << size;
+  }
+  FrameParser parser;
+  EXPECT_FALSE(decodeState(only(&parser, rawFrame(3, good)), &got));
+}
+
+TEST(FaultPlanFrame, RoundTripsAnyNumberOfFaults) {
+  for (std::uint32_t count = 0; count <= kMaxFaults; ++count) {
+    FaultPlan sent;
+    sent.generation = 100 + count;
+    sent.count = count;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      sent.faults[i] = patternPlan().faults[0];
+      sent.faults[i].id = i + 1;
+      sent.faults[i].joint = static_cast<std::int8_t>(i % 8) - 1;
+      sent.faults[i].first_tick = -5 - static_cast<std::int64_t>(i);
+    }
+    FrameParser parser;
+    FaultPlan got;
+    ASSERT_TRUE(decodeFaultPlan(only(&parser, plan(1, sent)), &got));
+    EXPECT_EQ(got.generation, sent.generation);
+    ASSERT_EQ(got.count, count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      EXPECT_EQ(got.faults[i].id, i + 1);
+      EXPECT_EQ(got.faults[i].site, FaultSite::kPutUsbPacket);
+      EXPECT_EQ(got.faults[i].kind, FaultKind::kStuckAt);
+      EXPECT_EQ(got.faults[i].target, FaultTarget::kDac);
+      EXPECT_EQ(got.faults[i].joint, sent.faults[i].joint);
+      EXPECT_EQ(got.faults[i].first_tick, sent.faults[i].first_tick);
+      EXPECT_EQ(got.faults[i].duration_ticks, 300);
+      EXPECT_EQ(got.faults[i].period_ticks, 8000);
+      EXPECT_EQ(got.faults[i].count, 3);
+      EXPECT_EQ(got.faults[i].value, -1234.5);
+    }
+  }
+}
+
+TEST(FaultPlanFrame, RefusesWhatNoFaultCanBe) {
+  const FaultPlan good = patternPlan();
+  std::vector<FaultPlan> bad(12, good);
+  bad[0].faults[0].site = static_cast<FaultSite>(kFaultSiteCount);
+  bad[1].faults[0].host = static_cast<FaultHost>(2);
+  bad[2].faults[0].kind = static_cast<FaultKind>(kFaultKindCount);
+  bad[3].faults[0].target = static_cast<FaultTarget>(kFaultTargetCount);
+  bad[4].faults[0].arm = 2;
+  bad[5].faults[0].arm = -2;
+  bad[6].faults[0].joint = 7;
+  bad[7].faults[0].joint = -2;
+  bad[8].faults[0].value = kNan;
+  bad[9].faults[0].duration_ticks = -1;
+  bad[10].faults[0].period_ticks = -1;
+  bad[11].faults[0].count = -1;
+  for (std::size_t i = 0; i < bad.size(); ++i) {
+    FrameParser parser;
+    FaultPlan got;
+    EXPECT_FALSE(decodeFaultPlan(only(&parser, plan(1, bad[i])), &got)) << i;
+    EXPECT_EQ(got.generation, 0U);
+  }
+}
+
+TEST(FaultPlanFrame, RefusesACountThatDoesNotMatchTheSize) {
+  for (const std::uint8_t count : {0, 2, 9, 255}) {
+    FrameBytes payload = payloadOf(plan(1, patternPlan()));
+    payload[8] = count;
+    FrameParser parser;
+    FaultPlan got;
+    EXPECT_FALSE(decodeFaultPlan(only(&parser, rawFrame(3, payload)), &got)) << int{count};
+  }
+  FrameParser parser;
+  FaultPlan got;
+  EXPECT_FALSE(decodeFaultPlan(only(&parser, rawFrame(3, FrameBytes(11, 0))), &got));
+}
+
+// ---- framing --------------------------------------------------------------------------------------------------------
+
+struct Taken {
+  FrameType type;
+  std::uint32_t sequence;
+  FrameBytes payload;
+  bool operator==(const Taken& other) const {
+    return type == other.type && sequence == other.sequence && payload == other.payload;
+  }
+};
+
+/** Takes every frame that is complete. @return the last result. */
+FrameParser::Result drain(FrameParser* parser, std::vector<Taken>* taken) {
+  Frame frame;
+  FrameParser::Result result = parser->next(&frame);
+  for (; result == FrameParser::Result::kFrame; result = parser->next(&frame)) {
+    taken->push_back({frame.type, frame.sequence, FrameBytes(frame.payload, frame.payload + frame.size)});
+  }
+  return result;
+}
+
+void append(FrameBytes* stream, const FrameBytes& frame) {
+  stream->insert(stream->end(), frame.begin(), frame.end());
+}
+
+TEST(FrameParser, AnySplitOfTheStreamGivesTheSameFrames) {
+  // GIVEN a stream of all kinds of frames, one with the largest payload and one with none
+  FrameBytes stream = hello(1);
+  append(&stream, state(2, patternState()));
+  append(&stream, rawFrame(2, {}));
+  append(&stream, plan(4, patternPlan()));
+  append(&stream, rawFrame(3, FrameBytes(kMaxPayload, 0xA5)));
+  append(&stream, state(6, patternState()));
+  std::vector<Taken> whole;
+  FrameParser reference;
+  reference.feed(stream.data(), stream.size());
+  ASSERT_EQ(drain(&reference, &whole), FrameParser::Result::kNeedMore);
+  ASSERT_EQ(whole.size(), 6U);
+
+  // WHEN it arrives in pieces of any length, from single bytes to all at once
+  Random random(1);
+  for (int round = 0; round < 10000; ++round) {
+    FrameParser parser;
+    std::vector<Taken> taken;
+    const double mean = std::exp2(random.uniform(4.0, 12.0));
+    for (std::size_t begin = 0; begin < stream.size();) {
+      const auto wanted = static_cast<std::size_t>(random.uniform(0.0, 2.0 * mean));
+      const std::size_t size = std::min(wanted, stream.size() - begin);
+      parser.feed(stream.data() + begin, size);
+      begin += size;
+      ASSERT_EQ(drain(&parser, &taken), FrameParser::Result::kNeedMore);
+    }
+    // THEN the frames are the same
+    ASSERT_TRUE(taken == whole) << "round " << round;
+  }
+}
+
+TEST(FrameParser, WorksByteByByte) {
+  FrameParser parser;
+  std::vector<Taken> taken;
+  for (const std::uint8_t byte : state(7, patternState())) {
+    EXPECT_TRUE(taken.empty());
+    parser.feed(&byte, 1);
+    drain(&parser, &taken);
+  }
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].sequence, 7U);
+}
+
+TEST(FrameParser, BreaksForEverOnAnyDamagedByteOfHeaderOrPayload) {
+  const FrameBytes good = hello(5);
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    if (i >= 12 && i < 16) continue;  // the sequence number: any value is one
+    for (const std::uint8_t flip : {0x01, 0x80}) {
+      FrameBytes bad = good;
+      bad[i] = static_cast<std::uint8_t>(bad[i] ^ flip);
+      FrameParser parser;
+      parser.feed(bad.data(), bad.size());
+      // a longer length waits for what follows; then the CRC tells
+      for (int more = 0; more < 20; ++more)
+        parser.feed(good.data(), good.size());
+      Frame frame;
+      EXPECT_EQ(parser.next(&frame), FrameParser::Result::kBroken) << i;
+      parser.feed(good.data(), good.size());
+      EXPECT_EQ(parser.next(&frame), FrameParser::Result::kBroken) << i;
+    }
+  }
+}
+
+TEST(FrameParser, BreaksOnALengthOverTheLimitBeforeThePayloadArrives) {
+  FrameBytes header = hello(5);
+  header.resize(kFrameHeaderSize);
+  const std::uint32_t length = kMaxPayload + 1;
+  std::memcpy(header.data() + 8, &length, sizeof(length));
+  FrameParser parser;
+  parser.feed(header.data(), header.size());
+  Frame frame;
+  EXPECT_EQ(parser.next(&frame), FrameParser::Result::kBroken);
+}
+
+TEST(FrameParser, BreaksOnAnUnknownType) {
+  for (const std::uint16_t type : {0, 4, 256, 65535}) {
+    const FrameBytes bytes = rawFrame(type, {});
+    FrameParser parser;
+    parser.feed(bytes.data(), bytes.size());
+    Frame frame;
+    EXPECT_EQ(parser.next(&frame), FrameParser::Result::kBroken) << type;
+  }
+}
+
+TEST(FrameParser, GivesTheFramesBeforeTheDamage) {
+  FrameBytes stream = hello(1);
+  append(&stream, hello(2));
+  append(&stream, FrameBytes(kFrameHeaderSize, 0));
+  FrameParser parser;
+  parser.feed(stream.data(), stream.size());
+  std::vector<Taken> taken;
+  EXPECT_EQ(drain(&parser, &taken), FrameParser::Result::kBroken);
+  EXPECT_EQ(taken.size(), 2U);
+}
+
+TEST(FrameParser, StartsAfreshAfterReset) {
+  FrameParser parser;
+  const FrameBytes junk(100, 0xFF);
+  parser.feed(junk.data(), junk.size());
+  Frame frame;
+  ASSERT_EQ(parser.next(&frame), FrameParser::Result::kBroken);
+  parser.reset();
+  EXPECT_EQ(parser.next(&frame), FrameParser::Result::kNeedMore);
+  only(&parser, hello(3));
+}
+
+TEST(FrameParser, BreaksRatherThanGrowWithoutBoundWhenNothingIsTaken) {
+  FrameParser parser;
+  const FrameBytes bytes = rawFrame(2, FrameBytes(kMaxPayload, 1));
+  for (int i = 0; i < 64; ++i)
+    parser.feed(bytes.data(), bytes.size());
+  Frame frame;
+  ASSERT_EQ(parser.next(&frame), FrameParser::Result::kFrame);  // that much still fits
+  for (int i = 0; i < 2; ++i)
+    parser.feed(bytes.data(), bytes.size());
+  EXPECT_EQ(parser.next(&frame), FrameParser::Result::kBroken);
+}
+
+TEST(FrameParser, RandomBytesNeverGiveAFrame) {
+  Random random(99);
+  for (int round = 0; round < 2000; ++round) {
+    FrameBytes junk(random.next() % 200);
+    for (std::uint8_t& byte : junk)
+      byte = static_cast<std::uint8_t>(random.next());
+    if (round % 2 == 0 && junk.size() >= 8) std::copy_n(hello(1).begin(), 8, junk.begin());  // magic and version right
+    FrameParser parser;
+    parser.feed(junk.data(), junk.size());
+    Frame frame;
+    EXPECT_NE(parser.next(&frame), FrameParser::Result::kFrame);
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::wire
