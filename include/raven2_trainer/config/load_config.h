@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+
+namespace raven2_trainer::config {
+
+/**
+ * Reads the root file (config/trainer.yaml) and every file it names, relative to its folder.
+ * @throw ConfigException with FILE:LINE for a missing file, a missing or unknown key, a value that is not of its type
+ * or out of its range, or a hazard that is not in the library.
+ */
+TrainerConfig loadTrainerConfig(const std::string& path);
+
+/** One scenario file. `id` becomes Fault::id. @throw ConfigException, also for a trigger that can never fire. */
+Scenario loadScenario(const std::string& path, std::uint32_t id);
+
+/** Position + 1 of a scenario by name; 0 for "none". @throw ConfigException listing the known names. */
+std::uint32_t faultId(const TrainerConfig& config, const std::string& name);
+
+/** The plan that arms one scenario (id from faultId; 0 = nothing). */
+FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation);
+
+}  // namespace raven2_trainer::config

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/types.h"
+
+namespace YAML {
+class Node;
+}
+
+namespace raven2_trainer::config {
+
+/**
+ * One mapping of a YAML file, read key by key. Every getter demands its key and checks type and range; finish()
+ * refuses keys that nobody asked for. All throw ConfigException: FILE:LINE: key, value, what is allowed.
+ */
+class Section {
+ public:
+  /** Parses a file of at most 1 MiB whose root is a mapping. */
+  static Section fromFile(const std::string& path);
+
+  Section section(const std::string& key);
+  std::vector<Section> list(const std::string& key);
+  double number(const std::string& key, double low, double high);
+  std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
+  bool boolean(const std::string& key);
+  /** Any text; or one of `allowed` if that is not empty. */
+  std::string text(const std::string& key, const std::vector<std::string>& allowed = {});
+  std::vector<std::string> texts(const std::string& key);
+  Vec3 vec3(const std::string& key, double low, double high);
+  JointArray joints(const std::string& key, double low, double high);
+
+  /** Position of a text in a list of names. */
+  template <std::size_t N>
+  std::size_t choice(const std::string& key, const std::array<const char*, N>& names) {
+    return choiceOf(key, std::vector<std::string>(names.begin(), names.end()));
+  }
+
+  /** Throws for every key that was not read. */
+  void finish() const;
+
+  /** "FILE:LINE: key" for messages about something read from here. */
+  std::string where(const std::string& key) const;
+  const std::string& file() const { return file_; }
+
+ private:
+  Section(const YAML::Node& node, std::string file, std::string path);
+  YAML::Node find(const std::string& key);
+  std::size_t choiceOf(const std::string& key, const std::vector<std::string>& names);
+  template <typename Array>
+  Array numbers(const std::string& key, double low, double high);
+
+  std::shared_ptr<YAML::Node> node_;
+  std::string file_, path_;
+  std::set<std::string> read_;
+};
+
+}  // namespace raven2_trainer::config

@@ -1,0 +1,367 @@
+#include "raven2_trainer/config/load_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "raven2_trainer/config/section.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAny = 1e6;  // "[0, 1e6]" of the files: physical, not a typing error
+
+template <typename Config, typename Read>
+Config readFile(const std::string& path, TrainerConfig* all, Read read) {
+  all->files.push_back(path);
+  Section root = Section::fromFile(path);
+  Config config{};
+  read(root, &config);
+  root.finish();
+  return config;
+}
+
+void readArms(Section& root, ArmsConfig* c) {
+  Section kinematics = root.section("kinematics");
+  c->geometry.d4 = kinematics.number("d4", -1.0, 0.0);
+  c->geometry.lw = kinematics.number("lw", 0.001, 0.1);
+  kinematics.finish();
+  Section limits = root.section("limits");
+  c->geometry.q_min = limits.joints("min", -10.0, 10.0);
+  c->geometry.q_max = limits.joints("max", -10.0, 10.0);
+  limits.finish();
+  c->geometry.home = root.joints("home", -10.0, 10.0);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const ArmGeometry& g = c->geometry;
+    if (!(g.q_min[j] < g.q_max[j])) throw ConfigException(root.where("limits") + ": min is not below max");
+    if (g.home[j] < g.q_min[j] || g.home[j] > g.q_max[j])
+      throw ConfigException(root.where("home") + " is outside limits");
+  }
+  Section rcm = root.section("rcm_W");
+  for (const Arm arm : kArms)
+    at(c->rcm_W, arm) = rcm.vec3(name(arm), -1.0, 1.0);
+  rcm.finish();
+}
+
+void readModel(Section& root, ModelConfig* c) {
+  Section gains = root.section("gains");
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    Section joint = gains.section(kJointNames[j]);
+    c->gains[j] = {joint.number("kp", 0, kAny), joint.number("kd", 0, kAny), joint.number("ki", 0, kAny),
+                   joint.number("limit", 0, kAny)};
+    joint.finish();
+  }
+  gains.finish();
+  c->gravity_compensation = root.boolean("gravity_compensation");
+  c->viscous_friction = root.joints("viscous_friction", 0, 1e4);
+  c->coulomb_friction = root.joints("coulomb_friction", 0, 1e4);
+  c->erp = root.number("erp", 0, 1);
+  c->cfm = root.number("cfm", 0, 1);
+  c->contact_mu = root.number("contact_mu", 0, 10);
+  c->contact_erp = root.number("contact_erp", 0, 1);
+  c->contact_cfm = root.number("contact_cfm", 0, 1);
+  c->arm_contacts = root.boolean("arm_contacts");
+}
+
+void readHaptics(Section& root, HapticGains* c) {
+  c->kp = root.number("kp", 0, 2000);
+  c->kd = root.number("kd", 0, 100);
+  c->tolerance = root.number("tolerance", 0, 0.05);
+  c->max_force = root.number("max_force", 0, 3.3);
+  c->min_force = root.number("min_force", 0, c->max_force);
+}
+
+std::uint16_t port(Section& section, const std::string& key, int low) {
+  return static_cast<std::uint16_t>(section.integer(key, low, 65535));
+}
+
+void readNetwork(Section& root, NetworkConfig* c) {
+  c->bind_address = root.text("bind_address");
+  c->master_port = port(root, "master_port", 0);
+  c->robot_host = root.text("robot_host");
+  c->robot_port = port(root, "robot_port", 1);
+  c->console_host = root.text("console_host");
+  c->force_port = port(root, "force_port", 1);
+  c->state_port = port(root, "state_port", 1);
+  c->stale_after = root.number("stale_after", 0.002, 1);
+  c->reconnect_min = root.number("reconnect_min", 0.01, 5);
+  c->reconnect_max = root.number("reconnect_max", 0.1, 60);
+  c->master_timeout = root.number("master_timeout", 0.02, 60);
+  c->max_increment_um = static_cast<std::int32_t>(root.integer("max_increment_um", 1, 1000000));
+}
+
+ThreadConfig readThread(Section& root, const std::string& key) {
+  Section thread = root.section(key);
+  const ThreadConfig config{static_cast<int>(thread.integer("priority", 0, 99)),
+                            static_cast<int>(thread.integer("cpu", -1, 1023))};
+  thread.finish();
+  return config;
+}
+
+void readRuntime(Section& root, RuntimeConfig* c) {
+  c->physics = readThread(root, "physics");
+  c->haptic = readThread(root, "haptic");
+  c->ingest = readThread(root, "ingest");
+  c->robot_link = readThread(root, "robot_link");
+  c->sender = readThread(root, "sender");
+  c->background_nice = static_cast<int>(root.integer("background_nice", 0, 19));
+  c->max_catch_up = static_cast<int>(root.integer("max_catch_up", 0, 20));
+  c->max_backlog = root.number("max_backlog", 0.01, 10);
+  c->fault_period = root.number("fault_period", 0.001, 1);
+  c->recorder_period = root.number("recorder_period", 0.001, 1);
+  c->ros_period = root.number("ros_period", 0.001, 1);
+  c->plan_at = root.number("plan_at", -1, 36000);
+  c->lockstep_plan_delay = root.integer("lockstep_plan_delay", 1, 100000);
+  c->start_timeout = root.number("start_timeout", 0, 36000);
+}
+
+void readPlanner(Section& root, PlannerConfig* c) {
+  c->samples = static_cast<std::uint32_t>(root.integer("samples", 10, 100000));
+  c->eta_length = root.number("eta_length", 0, kAny);
+  c->eta_acceleration = root.number("eta_acceleration", 0, kAny);
+  c->radius_multiplier = root.number("radius_multiplier", 1, 10);
+  c->time_limit = root.number("time_limit", 0.01, 3600);
+  c->edge_step = root.number("edge_step", 0.0001, 0.5);
+  c->clearance = root.number("clearance", 0, 0.05);
+  c->velocity_limit = root.joints("velocity_limit", 1e-3, 100);
+  c->acceleration_limit = root.joints("acceleration_limit", 1e-3, 1000);
+  c->goal_W = root.vec3("goal_W", -1, 1);
+}
+
+CameraConfig readCamera(Section& camera) {
+  CameraConfig c;
+  c.name = camera.text("name");
+  c.eye_W = camera.vec3("eye_W", -10, 10);
+  c.target_W = camera.vec3("target_W", -10, 10);
+  c.up_W = camera.vec3("up_W", -1, 1);
+  c.vertical_fov = camera.number("vertical_fov", 0.1, 2);
+  camera.finish();
+  return c;
+}
+
+void readRender(Section& root, RenderConfig* c) {
+  std::vector<std::string> names;
+  for (Section& camera : root.list("cameras")) {
+    c->cameras.push_back(readCamera(camera));
+    names.push_back(c->cameras.back().name);
+  }
+  if (names.empty()) throw ConfigException(root.where("cameras") + " is empty");
+  Section video = root.section("video");
+  c->video_camera = video.text("camera", names);
+  c->video_width = static_cast<int>(video.integer("width", 64, 4096)) & ~1;
+  c->video_height = static_cast<int>(video.integer("height", 64, 4096)) & ~1;
+  c->video_fps = static_cast<int>(video.integer("fps", 1, 120));
+  c->encoder_crf = static_cast<int>(video.integer("crf", 0, 51));
+  c->encoder_preset = video.text("preset", {"ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow"});
+  video.finish();
+  Section live = root.section("live");
+  c->live_camera = live.text("camera", names);
+  c->live_width = static_cast<int>(live.integer("width", 64, 4096));
+  c->live_height = static_cast<int>(live.integer("height", 64, 4096));
+  c->live_fps = static_cast<int>(live.integer("fps", 1, 120));
+  live.finish();
+}
+
+void readConsole(Section& root, ConsoleConfig* c) {
+  c->scale = root.number("scale", 0.001, 1);
+  c->hand_mass = root.number("hand_mass", 0.01, 5);
+  c->hand_stiffness = root.number("hand_stiffness", 1, 10000);
+  c->hand_damping = root.number("hand_damping", 0, 1000);
+  c->tremor_amplitude = root.number("tremor_amplitude", 0, 0.01);
+  c->tremor_low = root.number("tremor_low", 1, 30);
+  c->tremor_high = root.number("tremor_high", c->tremor_low, 30);
+  c->start_delay = root.number("start_delay", 0, 60);
+  c->motion_time = root.number("motion_time", 0, 36000);
+  c->stroke_speed = root.number("stroke_speed", 0.01, 2);
+  c->pause_min = root.number("pause_min", 0, 10);
+  c->pause_max = root.number("pause_max", c->pause_min, 10);
+  c->clutch_every = root.number("clutch_every", 0, 1000);
+  c->clutch_time = root.number("clutch_time", 0.05, 10);
+  c->task_W_min = root.vec3("task_W_min", -1, 1);
+  c->task_W_max = root.vec3("task_W_max", -1, 1);
+  c->ready_timeout = root.number("ready_timeout", 0, 3600);
+  c->recording_scale = root.number("recording_scale", 0.1, 1000);
+  c->recording_lead_in = root.number("recording_lead_in", 0.1, 60);
+}
+
+MotorAxis readAxis(Section& axes, const char* joint) {
+  Section axis = axes.section(joint);
+  MotorAxis m;
+  m.transmission = axis.number("transmission", 0, kAny);
+  m.torque_per_amp = axis.number("torque_per_amp", 0, kAny);
+  m.counts_per_amp = axis.number("counts_per_amp", 0, kAny);
+  m.inertia = axis.number("inertia", 0, kAny);
+  m.coulomb = axis.number("coulomb", 0, kAny);
+  m.viscous = axis.number("viscous", 0, kAny);
+  m.kp = axis.number("kp", 0, kAny);
+  m.kd = axis.number("kd", 0, kAny);
+  m.ki = axis.number("ki", 0, kAny);
+  m.dac_clip = static_cast<std::int32_t>(axis.integer("dac_clip", 0, 32767));
+  axis.finish();
+  return m;
+}
+
+void readVirtualRaven(Section& root, VirtualRavenConfig* c) {
+  c->behaviour = root.text("behaviour");
+  if (c->behaviour != "compat") {
+    throw ConfigException(root.where("behaviour") + " is \"" + c->behaviour +
+                          "\": only compat exists so far (a real Raven's rules); hardened is not built yet");
+  }
+  Section axes = root.section("axes");
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    c->axes[j] = readAxis(axes, kJointNames[j]);
+  axes.finish();
+  c->green_insertion_kd = root.number("green_insertion_kd", 0, 1);
+  c->max_inst_dac = static_cast<std::int32_t>(root.integer("max_inst_dac", 1, 32767));
+  c->master_timeout = root.integer("master_timeout", 1, 1000000000);
+  c->gravity_compensation = root.boolean("gravity_compensation");
+  c->start_offset = root.joints("start_offset", -1, 1);
+  c->homing_time = root.number("homing_time", 0.1, 60);
+}
+
+std::int8_t readAxisOrJoint(Section& root, FaultTarget target) {
+  if (target == FaultTarget::kIncrement) {
+    return static_cast<std::int8_t>(root.choice("joint", std::array<const char*, 3>{"x", "y", "z"}));
+  }
+  if (target == FaultTarget::kPedal) {
+    root.text("joint", {"none"});
+    return -1;
+  }
+  return static_cast<std::int8_t>(root.choice("joint", kJointNames));
+}
+
+/** The site that owns each target; a pair that no injector serves is refused. */
+FaultSite siteOf(FaultTarget target) {
+  switch (target) {
+    case FaultTarget::kDac:
+      return FaultSite::kPutUsbPacket;
+    case FaultTarget::kEncoder:
+      return FaultSite::kGetUsbPacket;
+    case FaultTarget::kIncrement:
+    case FaultTarget::kPedal:
+      return FaultSite::kNetworkLayer;
+    case FaultTarget::kNone:
+      break;
+  }
+  return FaultSite::kNone;
+}
+
+void checkFault(const Section& root, const Fault& fault) {
+  if (fault.site == FaultSite::kNone || siteOf(fault.target) != fault.site) {
+    throw ConfigException(root.where("target") + " is not a variable of that site");
+  }
+  if (fault.host == FaultHost::kRelay && fault.site != FaultSite::kNetworkLayer) {
+    throw ConfigException(root.where("host") + " relay has only the site network_layer");
+  }
+  if (fault.period_ticks != 0 && fault.period_ticks < fault.duration_ticks) {
+    throw ConfigException(root.where("period_ticks") + " is shorter than duration_ticks");
+  }
+}
+
+Fault readFault(Section& root, std::uint32_t id) {
+  constexpr std::int64_t kMaxTicks = 1000000000;
+  Fault fault;
+  fault.id = id;
+  fault.host = static_cast<FaultHost>(root.choice("host", kFaultHostNames));
+  fault.site = static_cast<FaultSite>(root.choice("site", kFaultSiteNames));
+  fault.target = static_cast<FaultTarget>(root.choice("target", kFaultTargetNames));
+  const std::string arm = root.text("arm", {"gold", "green", "both"});
+  fault.arm = static_cast<std::int8_t>(arm == "both" ? -1 : arm == "green" ? 1 : 0);
+  fault.joint = readAxisOrJoint(root, fault.target);
+  fault.kind = static_cast<FaultKind>(root.choice("kind", kFaultKindNames));
+  if (fault.kind == FaultKind::kNone) throw ConfigException(root.where("kind") + " is none");
+  fault.value = root.number("value", -32768, 32767);
+  fault.first_tick = root.integer("first_tick", 0, kMaxTicks);
+  fault.duration_ticks = root.integer("duration_ticks", 1, kMaxTicks);
+  fault.period_ticks = root.integer("period_ticks", 0, kMaxTicks);
+  fault.count = root.integer("count", 0, kMaxTicks);
+  checkFault(root, fault);
+  return fault;
+}
+
+std::vector<std::string> scenarioFiles(const std::string& folder) {
+  if (!fs::is_directory(folder)) throw ConfigException(folder + ":1: no such folder of scenarios");
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());  // ids must not depend on the file system
+  return files;
+}
+
+std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* all) {
+  std::vector<Scenario> scenarios;
+  for (const std::string& file : scenarioFiles(folder)) {
+    all->files.push_back(file);
+    scenarios.push_back(loadScenario(file, static_cast<std::uint32_t>(scenarios.size() + 1)));
+  }
+  return scenarios;
+}
+
+}  // namespace
+
+Scenario loadScenario(const std::string& path, std::uint32_t id) {
+  Section root = Section::fromFile(path);
+  Scenario scenario;
+  scenario.name = root.text("name");
+  if (scenario.name != fs::path(path).stem()) throw ConfigException(root.where("name") + " is not the file's name");
+  scenario.title = root.text("title");
+  scenario.hazard = root.text("hazard", {"H1-1", "H1-2", "H1-3", "H-2", "H-3"});
+  scenario.maude = root.texts("maude");
+  scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
+  scenario.basis = root.text("basis", {"published", "design"});
+  scenario.expected = root.text("expected");
+  scenario.response = root.text("response");
+  scenario.fault = readFault(root, id);
+  root.finish();
+  return scenario;
+}
+
+TrainerConfig loadTrainerConfig(const std::string& path) {
+  TrainerConfig c;
+  c.files.push_back(path);
+  Section root = Section::fromFile(path);
+  const fs::path folder = fs::absolute(path).parent_path();
+  const auto file = [&](const char* key) { return (folder / root.text(key)).lexically_normal().string(); };
+  c.arms = readFile<ArmsConfig>(file("arms"), &c, readArms);
+  c.model = readFile<ModelConfig>(file("model"), &c, readModel);
+  c.haptics = readFile<HapticGains>(file("haptics"), &c, readHaptics);
+  c.network = readFile<NetworkConfig>(file("network"), &c, readNetwork);
+  c.runtime = readFile<RuntimeConfig>(file("runtime"), &c, readRuntime);
+  c.planner = readFile<PlannerConfig>(file("planner"), &c, readPlanner);
+  c.render = readFile<RenderConfig>(file("render"), &c, readRender);
+  c.console = readFile<ConsoleConfig>(file("console"), &c, readConsole);
+  c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);
+  c.scenarios = readScenarios(file("faults"), &c);
+  c.robot_urdf = file("robot_urdf");
+  c.scene_urdf = file("scene_urdf");
+  c.hazard = root.text("hazard");
+  c.seed = static_cast<std::uint64_t>(root.integer("seed", 0, std::int64_t{1} << 53));
+  root.finish();
+  faultId(c, c.hazard);  // refuses an unknown one
+  return c;
+}
+
+std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {
+  if (name == "none") return 0;
+  std::string known = "none";
+  for (const Scenario& scenario : config.scenarios) {
+    if (scenario.name == name) return scenario.fault.id;
+    known += ", " + scenario.name;
+  }
+  throw ConfigException("no hazard is called \"" + name + "\"; known: " + known);
+}
+
+FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation) {
+  FaultPlan plan;
+  plan.generation = generation;
+  if (id == 0 || id > config.scenarios.size()) return plan;
+  plan.count = 1;
+  plan.faults[0] = config.scenarios[id - 1].fault;
+  return plan;
+}
+
+}  // namespace raven2_trainer::config

@@ -1,0 +1,171 @@
+#include "raven2_trainer/config/section.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+constexpr std::size_t kMaxFileSize = 1U << 20U;
+
+std::string place(const std::string& file, const YAML::Mark& mark) {
+  return file + ":" + std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
+}
+
+std::string readFile(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw ConfigException(path + ":1: cannot be opened");
+  std::string text(kMaxFileSize + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > kMaxFileSize) throw ConfigException(path + ":1: larger than 1 MiB");
+  return text;
+}
+
+std::string print(double value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string all;
+  for (const std::string& word : words)
+    all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+double toNumber(const YAML::Node& node, const std::string& where, double low, double high) {
+  double value = 0.0;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value)) {
+    throw ConfigException(where + " is not a number");
+  }
+  if (!(value >= low && value <= high)) {
+    throw ConfigException(where + " is " + print(value) + ", expected [" + print(low) + ", " + print(high) + "]");
+  }
+  return value;
+}
+
+}  // namespace
+
+Section::Section(const YAML::Node& node, std::string file, std::string path)
+    : node_(std::make_shared<YAML::Node>(node)), file_(std::move(file)), path_(std::move(path)) {}
+
+Section Section::fromFile(const std::string& path) {
+  YAML::Node node;
+  try {
+    node = YAML::Load(readFile(path));
+  } catch (const YAML::Exception& e) {
+    throw ConfigException(place(path, e.mark) + e.msg);
+  }
+  if (!node.IsMap()) throw ConfigException(path + ":1: expected a mapping of keys to values");
+  return {node, path, ""};
+}
+
+std::string Section::where(const std::string& key) const {
+  const YAML::Node value = (*node_)[key];
+  return place(file_, value.IsDefined() ? value.Mark() : node_->Mark()) + path_ + key;
+}
+
+YAML::Node Section::find(const std::string& key) {
+  const YAML::Node value = (*node_)[key];
+  if (!value.IsDefined() || value.IsNull()) throw ConfigException(where(key) + " is missing");
+  read_.insert(key);
+  return value;
+}
+
+Section Section::section(const std::string& key) {
+  const YAML::Node value = find(key);
+  if (!value.IsMap()) throw ConfigException(where(key) + " is not a mapping");
+  return {value, file_, path_ + key + "/"};
+}
+
+std::vector<Section> Section::list(const std::string& key) {
+  const YAML::Node value = find(key);
+  if (!value.IsSequence()) throw ConfigException(where(key) + " is not a list");
+  std::vector<Section> sections;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (!value[i].IsMap()) throw ConfigException(where(key) + " holds an entry that is not a mapping");
+    sections.push_back(Section(value[i], file_, path_ + key + "[" + std::to_string(i) + "]/"));
+  }
+  return sections;
+}
+
+double Section::number(const std::string& key, double low, double high) {
+  return toNumber(find(key), where(key), low, high);
+}
+
+std::int64_t Section::integer(const std::string& key, std::int64_t low, std::int64_t high) {
+  const double value = number(key, static_cast<double>(low), static_cast<double>(high));
+  if (value != std::floor(value))
+    throw ConfigException(where(key) + " is " + print(value) + ", expected a whole number");
+  return static_cast<std::int64_t>(value);
+}
+
+bool Section::boolean(const std::string& key) {
+  const YAML::Node node = find(key);
+  bool value = false;
+  if (!YAML::convert<bool>::decode(node, value)) throw ConfigException(where(key) + " is not true or false");
+  return value;
+}
+
+std::string Section::text(const std::string& key, const std::vector<std::string>& allowed) {
+  const YAML::Node node = find(key);
+  if (!node.IsScalar()) throw ConfigException(where(key) + " is not a text");
+  if (!allowed.empty() && std::find(allowed.begin(), allowed.end(), node.Scalar()) == allowed.end()) {
+    throw ConfigException(where(key) + " is \"" + node.Scalar() + "\", expected one of: " + join(allowed));
+  }
+  return node.Scalar();
+}
+
+std::vector<std::string> Section::texts(const std::string& key) {
+  const YAML::Node node = find(key);
+  if (!node.IsSequence()) throw ConfigException(where(key) + " is not a list");
+  std::vector<std::string> words;
+  for (const YAML::Node& word : node) {
+    if (!word.IsScalar()) throw ConfigException(where(key) + " holds an entry that is not a text");
+    words.push_back(word.Scalar());
+  }
+  return words;
+}
+
+template <typename Array>
+Array Section::numbers(const std::string& key, double low, double high) {
+  const YAML::Node node = find(key);
+  Array values{};
+  if (!node.IsSequence() || node.size() != values.size()) {
+    throw ConfigException(where(key) + " is not a list of " + std::to_string(values.size()) + " numbers");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = toNumber(node[i], where(key) + "[" + std::to_string(i) + "]", low, high);
+  }
+  return values;
+}
+
+Vec3 Section::vec3(const std::string& key, double low, double high) {
+  return numbers<Vec3>(key, low, high);
+}
+
+JointArray Section::joints(const std::string& key, double low, double high) {
+  return numbers<JointArray>(key, low, high);
+}
+
+std::size_t Section::choiceOf(const std::string& key, const std::vector<std::string>& names) {
+  const std::string word = text(key, names);
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), word) - names.begin());
+}
+
+void Section::finish() const {
+  for (const auto& entry : *node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+    if (read_.count(key) == 0) throw ConfigException(place(file_, entry.first.Mark()) + "unknown key " + path_ + key);
+  }
+}
+
+}  // namespace raven2_trainer::config

@@ -1,0 +1,116 @@
+#include "raven2_trainer/config/load_config.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** A copy of the packaged configuration that a test may spoil. */
+class LoadConfig : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("raven2_config_" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::copy(RAVEN2_TRAINER_SOURCE_DIR "/config", folder_, fs::copy_options::recursive);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string root() const { return (folder_ / "trainer.yaml").string(); }
+
+  void replace(const std::string& file, const std::string& pattern, const std::string& text) {
+    std::ifstream in(folder_ / file);
+    std::stringstream all;
+    all << in.rdbuf();
+    const std::string before = all.str();
+    const std::string after = std::regex_replace(before, std::regex(pattern), text);
+    ASSERT_NE(before, after) << pattern << " is not in " << file;
+    std::ofstream(folder_ / file) << after;
+  }
+
+  std::string message() const {
+    try {
+      loadTrainerConfig(root());
+    } catch (const ConfigException& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(LoadConfig, ThePackagedFilesAreGood) {
+  const TrainerConfig config = loadTrainerConfig(root());
+  EXPECT_DOUBLE_EQ(config.arms.geometry.d4, -0.47);
+  EXPECT_DOUBLE_EQ(config.haptics.tolerance, 0.003);
+  EXPECT_EQ(config.network.robot_port, 36000);
+  EXPECT_EQ(config.scenarios.at(0).name, "sudden_jump");
+}
+
+TEST_F(LoadConfig, AnUnknownKeyIsRefusedWithItsLine) {
+  replace("haptics.yaml", "kd: ", "stiffness: 1\nkd: ");
+  EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:3: unknown key stiffness"))) << message();
+}
+
+TEST_F(LoadConfig, AMissingKeyIsRefused) {
+  replace("haptics.yaml", "tolerance: .*", "");
+  EXPECT_NE(message().find("tolerance is missing"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, AValueOutOfRangeIsRefusedWithTheRange) {
+  replace("haptics.yaml", "tolerance: [0-9.]+", "tolerance: -0.003");
+  EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:4: tolerance is -0.003, expected \\[0, 0.05\\]")))
+      << message();
+}
+
+TEST_F(LoadConfig, WrongTypesAreRefused) {
+  for (const char* value : {"fast", "[1, 2]", ".nan", "{a: 1}"}) {
+    SetUp();
+    replace("haptics.yaml", "kp: [0-9.]+", std::string("kp: ") + value);
+    EXPECT_NE(message().find("kp is"), std::string::npos) << value << ": " << message();
+  }
+}
+
+TEST_F(LoadConfig, BrokenYamlIsRefusedWithItsLine) {
+  replace("network.yaml", "robot_port: ", "robot_port: [1, ");
+  EXPECT_TRUE(std::regex_search(message(), std::regex("network.yaml:[0-9]+: "))) << message();
+}
+
+TEST_F(LoadConfig, AMissingFileIsNamed) {
+  fs::remove(folder_ / "planner.yaml");
+  EXPECT_NE(message().find("planner.yaml:1: cannot be opened"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, AnUnknownHazardIsRefusedWithTheKnownOnes) {
+  replace("trainer.yaml", "hazard: sudden_jump", "hazard: meteor");
+  EXPECT_NE(message().find("known: none"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, TheHardenedRobotIsRefusedUntilItExists) {
+  replace("virtual_raven.yaml", "behaviour: compat", "behaviour: hardened");
+  EXPECT_NE(message().find("hardened is not built yet"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, ScenariosThatNoInjectorServesAreRefused) {
+  replace("faults/sudden_jump.yaml", "site: put_usb_packet", "site: network_layer");
+  EXPECT_NE(message().find("sudden_jump.yaml:"), std::string::npos);
+  EXPECT_NE(message().find("not a variable of that site"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, ADurationLongerThanItsPeriodIsRefused) {
+  replace("faults/sudden_jump.yaml", "period_ticks: 8000", "period_ticks: 200");
+  EXPECT_NE(message().find("shorter than duration_ticks"), std::string::npos) << message();
+}
+
+}  // namespace
+}  // namespace raven2_trainer::config
