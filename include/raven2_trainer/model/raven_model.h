@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/model/robot_model.h"
+
+namespace raven2_trainer::model {
+
+/** The two-arm robot: URDF plus where its links are and how its joints are called. */
+struct RavenModel {
+  Description description;
+  ArmsConfig arms;
+  PerArm<std::array<int, kJointCount>> links{};  ///< link index by Joint
+  PerArm<int> base_links{};                      ///< index of base_link_L and base_link_R
+  PerArm<Pose> X_WB{};                           ///< arm base (RCM) in the world
+
+  /** URDF joint positions by link index, from robot joints. `positions` must have links.size() entries. */
+  void jointPositions(const PerArm<JointArray>& q, std::vector<double>* positions) const;
+  /** Pose of every link in W. No allocation once the vectors have their size. */
+  void linkPosesInWorld(const PerArm<JointArray>& q, std::vector<double>* positions, std::vector<Pose>* poses) const;
+};
+
+/** The training scene: fixed parts, and free bodies (URDF links on a floating joint). */
+struct SceneModel {
+  Description description;
+  std::vector<Pose> X_WL;        ///< pose of every link at the start
+  std::vector<int> free_bodies;  ///< link index, in the order of ModelState::bodies
+};
+
+/** Rotation of arm base B in W: gold x up, y toward the surgeon, z right; green x up, y forward, z left. */
+Matrix3 armBaseRotation(Arm arm) noexcept;
+
+/**
+ * Reads both files of the configuration.
+ * @throw ModelException also if a joint or link named in raven2.md 5.5 is missing, if an arm's URDF chain and its DH
+ * chain disagree by more than 1e-9, or if the scene has more than kMaxSceneBodies free bodies.
+ */
+RavenModel loadRavenModel(const TrainerConfig& config);
+SceneModel loadSceneModel(const TrainerConfig& config);
+
+}  // namespace raven2_trainer::model

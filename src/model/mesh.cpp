@@ -1,0 +1,96 @@
+#include "raven2_trainer/model/mesh.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/eigen.h"
+
+namespace raven2_trainer::model {
+namespace {
+
+constexpr float kSmoothingAngle = 40.0F;  // [deg] edges sharper than this stay sharp
+constexpr double kMaxSize = 10.0;         // [m]
+constexpr std::size_t kMaxTriangles = 1'000'000;
+constexpr std::uintmax_t kMaxBytes = 256U << 20U;  // a million triangles as text
+
+const aiScene* import(Assimp::Importer* importer, const std::string& path) {
+  importer->SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_COLORS |
+                                                           aiComponent_TEXCOORDS | aiComponent_TANGENTS_AND_BITANGENTS);
+  importer->SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer->SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothingAngle);
+  return importer->ReadFile(path, aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
+                                      aiProcess_PreTransformVertices | aiProcess_GenSmoothNormals |
+                                      aiProcess_JoinIdenticalVertices);
+}
+
+void checkFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) throw ModelException(path + ":1: no such mesh file");
+  if (std::filesystem::file_size(path, error) > kMaxBytes) throw ModelException(path + ":1: mesh file over 256 MB");
+}
+
+void checkScale(const std::string& path, const std::array<double, 3>& scale) {
+  for (const double s : scale) {
+    if (!std::isfinite(s) || s == 0.0) throw ModelException(path + ":1: scale " + std::to_string(s));
+  }
+}
+
+/** A normal is a covector: it scales with the inverse. Degenerate triangles have none. */
+std::array<float, 3> scaledNormal(const aiVector3D& n, const std::array<double, 3>& scale) {
+  const Vector3 v(n.x / scale[0], n.y / scale[1], n.z / scale[2]);
+  const double length = v.norm();
+  if (!std::isfinite(length) || length < 1e-12) return {0.0F, 0.0F, 1.0F};
+  return {static_cast<float>(v.x() / length), static_cast<float>(v.y() / length), static_cast<float>(v.z() / length)};
+}
+
+void appendVertices(const aiMesh& part, const std::array<double, 3>& scale, Mesh* mesh, const std::string& path) {
+  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+    const aiVector3D& p = part.mVertices[i];
+    const std::array<double, 3> scaled{p.x * scale[0], p.y * scale[1], p.z * scale[2]};
+    for (const double x : scaled) {
+      if (!std::isfinite(x)) throw ModelException(path + ":1: mesh with a coordinate that is not finite");
+      if (std::abs(x) > kMaxSize) throw ModelException(path + ":1: mesh larger than 10 m; is it in millimetres?");
+    }
+    mesh->vertices.push_back(
+        {static_cast<float>(scaled[0]), static_cast<float>(scaled[1]), static_cast<float>(scaled[2])});
+    mesh->normals.push_back(scaledNormal(part.mNormals != nullptr ? part.mNormals[i] : aiVector3D(), scale));
+  }
+}
+
+void append(const aiMesh& part, const std::array<double, 3>& scale, Mesh* mesh, const std::string& path) {
+  const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
+  if (mesh->triangles.size() + part.mNumFaces > kMaxTriangles) {
+    throw ModelException(path + ":1: mesh with more than 1,000,000 triangles");
+  }
+  appendVertices(part, scale, mesh, path);
+  const bool mirrored = scale[0] * scale[1] * scale[2] < 0.0;
+  for (unsigned i = 0; i < part.mNumFaces; ++i) {
+    const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices != 3) continue;
+    const unsigned b = mirrored ? 2 : 1;
+    mesh->triangles.push_back({first + face.mIndices[0], first + face.mIndices[b], first + face.mIndices[3 - b]});
+  }
+}
+
+}  // namespace
+
+Mesh loadMesh(const std::string& path, const std::array<double, 3>& scale) {
+  checkFile(path);
+  checkScale(path, scale);
+  Assimp::Importer importer;
+  const aiScene* scene = import(&importer, path);
+  if (scene == nullptr) throw ModelException(path + ":1: " + importer.GetErrorString());
+  Mesh mesh;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i)
+    append(*scene->mMeshes[i], scale, &mesh, path);
+  if (mesh.triangles.empty()) throw ModelException(path + ":1: mesh without triangles");
+  return mesh;
+}
+
+}  // namespace raven2_trainer::model

@@ -1,0 +1,98 @@
+#include "raven2_trainer/model/mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/eigen.h"
+#include "test_files.h"
+
+namespace raven2_trainer::model {
+namespace {
+
+// A cube of edge 2 about the origin as OBJ: 8 corners, 6 squares, outward.
+constexpr const char* kCube =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+Vector3 toVector(const std::array<float, 3>& a) {
+  return {a[0], a[1], a[2]};
+}
+
+/** Every triangle faces outward and every normal lies along its triangle's; only for bodies star-shaped about 0. */
+void expectOutward(const Mesh& mesh, double least_alignment) {
+  for (const auto& t : mesh.triangles) {
+    const Vector3 a = toVector(mesh.vertices[t[0]]), b = toVector(mesh.vertices[t[1]]),
+                  c = toVector(mesh.vertices[t[2]]);
+    const Vector3 n = (b - a).cross(c - a).normalized();
+    EXPECT_GT(n.dot(a + b + c), 0.0);
+    for (const auto i : t)
+      EXPECT_GT(toVector(mesh.normals[i]).dot(n), least_alignment);
+  }
+}
+
+TEST(Mesh, CubeKeepsItsSharpEdges) {
+  const Scratch scratch;
+  const Mesh cube = loadMesh(scratch.write("cube.obj", kCube), {1, 1, 1});
+  EXPECT_EQ(cube.triangles.size(), 12U);
+  EXPECT_EQ(cube.vertices.size(), 24U);  // three normals a corner
+  EXPECT_EQ(cube.normals.size(), 24U);
+  expectOutward(cube, 0.999);
+}
+
+TEST(Mesh, ScaleAppliesAndAMirrorImageStaysOutward) {
+  const Scratch scratch;
+  const Mesh cube = loadMesh(scratch.write("cube.obj", kCube), {-0.5, 2, 1});
+  double x = 0, y = 0;
+  for (const auto& v : cube.vertices) {
+    x = std::max(x, std::abs(static_cast<double>(v[0])));
+    y = std::max(y, std::abs(static_cast<double>(v[1])));
+  }
+  EXPECT_NEAR(x, 0.5, 1e-6);
+  EXPECT_NEAR(y, 2.0, 1e-6);
+  expectOutward(cube, 0.999);
+}
+
+TEST(Mesh, FlatBendsBelowFortyDegreesAreSmooth) {
+  // Two squares meeting at an angle of `bend`: shared edge vertices keep one normal below 40 degrees, two above.
+  const auto vertexCount = [](double bend) {
+    const Scratch scratch;
+    const std::string x = std::to_string(1 + std::cos(bend)), z = std::to_string(-std::sin(bend));
+    const std::string text =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv " + x + " 0 " + z + "\nv " + x + " 1 " + z + "\nf 1 2 3 4\nf 2 5 6 3\n";
+    return loadMesh(scratch.write("bend.obj", text), {1, 1, 1}).vertices.size();
+  };
+  EXPECT_EQ(vertexCount(35 * kPi / 180), 6U);
+  EXPECT_EQ(vertexCount(45 * kPi / 180), 8U);
+}
+
+TEST(Mesh, UnusableFilesAreRefused) {
+  const Scratch scratch;
+  EXPECT_THROW(loadMesh(scratch.path("absent.stl"), {1, 1, 1}), ModelException);
+  EXPECT_THROW(loadMesh(scratch.write("empty.stl", ""), {1, 1, 1}), ModelException);
+  EXPECT_THROW(loadMesh(scratch.write("noise.stl", std::string(90, '\xee')), {1, 1, 1}), ModelException);
+  EXPECT_THROW(loadMesh(scratch.write("points.obj", "v 0 0 0\nv 1 0 0\n"), {1, 1, 1}), ModelException);
+  EXPECT_THROW(loadMesh(scratch.write("unknown.xyz", "1 2 3"), {1, 1, 1}), ModelException);
+  EXPECT_THROW(loadMesh(scratch.write("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), {1, 1, 1}), ModelException);
+  const std::string cube = scratch.write("cube.obj", kCube);
+  EXPECT_THROW(loadMesh(cube, {0, 1, 1}), ModelException);
+  EXPECT_THROW(loadMesh(cube, {1, std::nan(""), 1}), ModelException);
+  EXPECT_THROW(loadMesh(cube, {1, 1, 11}), ModelException);
+  EXPECT_NO_THROW(loadMesh(cube, {1, 1, 10}));
+}
+
+TEST(Mesh, TruncatedStlDoesNotCrash) {
+  const Scratch scratch;
+  const std::string whole = readFile(sourceFile("meshes/jaw.stl"));
+  for (std::size_t n = 0; n < whole.size(); n += 997) {
+    try {
+      loadMesh(scratch.write("cut.stl", whole.substr(0, n)), {1, 1, 1});
+      ADD_FAILURE() << n << " bytes accepted";
+    } catch (const ModelException&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::model
