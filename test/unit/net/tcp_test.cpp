@@ -1,0 +1,382 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "net_support.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/net/tcp_client.h"
+#include "raven2_trainer/net/tcp_server.h"
+#include "raven2_trainer/wire/robot_frame.h"
+
+namespace raven2_trainer::net {
+namespace {
+
+const char* const kLoopback = "127.0.0.1";
+using Event = TcpClient::Event;
+using Bytes = std::vector<std::uint8_t>;
+
+/** Notes what the server tells. */
+class Notes : public TcpServer::Listener {
+ public:
+  void onConnect(TcpServer::ClientId client) override { connected.push_back(client); }
+  void onBytes(TcpServer::ClientId client, const std::uint8_t* data, std::size_t size) override {
+    received[client].insert(received[client].end(), data, data + size);
+  }
+  void onDisconnect(TcpServer::ClientId client) override { disconnected.push_back(client); }
+
+  std::vector<TcpServer::ClientId> connected, disconnected;
+  std::map<TcpServer::ClientId, Bytes> received;
+};
+
+/** A client, the events it told and the frames it took, on the real clock. */
+struct Reader {
+  explicit Reader(std::uint16_t port) : client(kLoopback, port, 0.001, 0.01) {}
+
+  void poll(int timeout_ms = 0) {
+    const Event event = client.poll(monotonicNow(), timeout_ms);
+    if (event == Event::kConnected) ++connects;
+    if (event == Event::kDisconnected) ++disconnects;
+    if (event == Event::kReadable) read();
+  }
+
+  void read() {
+    std::array<std::uint8_t, 3000> buffer;
+    while (const std::size_t size = client.receive(buffer.data(), buffer.size())) {
+      bytes += size;
+      parser.feed(buffer.data(), size);
+      wire::Frame frame;
+      wire::FrameParser::Result result = parser.next(&frame);
+      for (; result == wire::FrameParser::Result::kFrame; result = parser.next(&frame)) {
+        sequences.push_back(frame.sequence);
+      }
+      broken = broken || result == wire::FrameParser::Result::kBroken;
+    }
+  }
+
+  TcpClient client;
+  wire::FrameParser parser;
+  std::vector<std::uint32_t> sequences;
+  std::size_t bytes{0};
+  int connects{0};
+  int disconnects{0};
+  bool broken{false};
+};
+
+Bytes stateFrame(std::uint32_t sequence) {
+  Bytes frame(wire::kMaxFrame);
+  frame.resize(wire::encodeState(sequence, RobotState{}, frame.data()));
+  return frame;
+}
+
+bool meet(TcpServer* server, Notes* notes, Reader* reader) {
+  const std::size_t before = notes->connected.size();
+  return eventually([&] {
+    server->poll(1, *notes);
+    reader->poll();
+    return reader->client.isConnected() && notes->connected.size() > before;
+  });
+}
+
+TEST(Tcp, CarriesFramesToTheClientAndBytesToTheServer) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader reader(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &reader));
+  EXPECT_EQ(reader.connects, 1);
+  EXPECT_EQ(server.clientCount(), 1U);
+
+  const Bytes frame = stateFrame(42);
+  EXPECT_EQ(server.broadcast(frame.data(), frame.size()), 1U);
+  EXPECT_TRUE(server.send(notes.connected[0], frame.data(), frame.size()));
+  const Bytes words{1, 2, 3, 4, 5};
+  EXPECT_TRUE(reader.client.send(words.data(), words.size()));
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    reader.poll();
+    return reader.sequences.size() == 2 && notes.received[notes.connected[0]] == words;
+  }));
+  EXPECT_EQ(reader.sequences, (std::vector<std::uint32_t>{42, 42}));
+}
+
+TEST(Tcp, ServerAnswersFromInsideItsListener) {
+  // a robot says hello before anything else
+  class Greeter : public Notes {
+   public:
+    void onConnect(TcpServer::ClientId client) override {
+      Notes::onConnect(client);
+      const Bytes frame = stateFrame(1);
+      server->send(client, frame.data(), frame.size());
+    }
+    TcpServer* server{nullptr};
+  };
+  TcpServer server(kLoopback, 0);
+  Greeter greeter;
+  greeter.server = &server;
+  Reader reader(server.port());
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, greeter);
+    reader.poll();
+    return !reader.sequences.empty();
+  }));
+}
+
+TEST(Tcp, ASlowReaderLosesOldFramesAndDelaysNobody) {
+  constexpr std::uint32_t kFrames = 5000;  // 2.8 MB: far more than all buffers between the two hold
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader slow(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &slow));
+  Reader fast(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &fast));
+
+  // WHEN one reads everything at once and the other nothing
+  for (std::uint32_t sequence = 0; sequence < kFrames; ++sequence) {
+    const Bytes frame = stateFrame(sequence);
+    ASSERT_EQ(server.broadcast(frame.data(), frame.size()), 2U);
+    ASSERT_TRUE(eventually([&] {
+      server.poll(0, notes);
+      fast.poll();
+      return fast.sequences.size() == sequence + 1;
+    })) << "the fast reader waits for frame "
+        << sequence;
+  }
+  // THEN the fast one has all
+  for (std::uint32_t i = 0; i < kFrames; ++i)
+    ASSERT_EQ(fast.sequences[i], i);
+  EXPECT_GT(server.framesDropped(), 0U);
+
+  // and the slow one, once it reads, gets whole frames, in order, the newest among them
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    slow.poll();
+    return !slow.sequences.empty() && slow.sequences.back() == kFrames - 1;
+  }));
+  EXPECT_FALSE(slow.broken);
+  EXPECT_TRUE(std::is_sorted(slow.sequences.begin(), slow.sequences.end(), std::less_equal<>()));  // strictly rising
+  EXPECT_EQ(slow.sequences.size() + server.framesDropped(), kFrames);
+}
+
+TEST(Tcp, RefusesAReaderTooManyAndTakesOneWhenAnotherLeaves) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (std::size_t i = 0; i < TcpServer::kMaxClients; ++i) {
+    readers.push_back(std::make_unique<Reader>(server.port()));
+    ASSERT_TRUE(meet(&server, &notes, readers.back().get()));
+  }
+  Reader extra(server.port());
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    extra.poll();
+    return extra.disconnects > 0 && server.clientsRefused() > 0;
+  }));
+  EXPECT_EQ(server.clientCount(), TcpServer::kMaxClients);
+
+  readers.pop_back();
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    extra.poll();
+    return notes.connected.size() == TcpServer::kMaxClients + 1 && extra.client.isConnected();
+  }));
+  EXPECT_EQ(notes.disconnected.size(), 1U);
+  std::vector<TcpServer::ClientId> ids = notes.connected;
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end()) << "an identity was used twice";
+}
+
+TEST(Tcp, SurvivesSendingToAReaderThatLeft) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  auto reader = std::make_unique<Reader>(server.port());
+  ASSERT_TRUE(meet(&server, &notes, reader.get()));
+  reader.reset();
+  // a SIGPIPE would end this program
+  const Bytes frame = stateFrame(1);
+  for (int i = 0; i < 100; ++i)
+    server.broadcast(frame.data(), frame.size());
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    return notes.disconnected == notes.connected;
+  }));
+  EXPECT_EQ(server.clientCount(), 0U);
+  EXPECT_FALSE(server.send(notes.connected[0], frame.data(), frame.size()));
+}
+
+TEST(Tcp, DropClosesTheConnection) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader reader(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &reader));
+  server.drop(notes.connected[0]);
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    reader.poll();
+    return reader.disconnects == 1;
+  }));
+  EXPECT_EQ(notes.disconnected, (std::vector<TcpServer::ClientId>{notes.connected[0]}));
+}
+
+TEST(Tcp, RefusesAFrameLargerThanAnyFrame) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader reader(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &reader));
+  const Bytes huge(wire::kMaxFrame + 1);
+  EXPECT_FALSE(server.send(notes.connected[0], huge.data(), huge.size()));
+  EXPECT_EQ(server.broadcast(huge.data(), huge.size()), 0U);
+}
+
+TEST(Tcp, ClientComesBackAfterTheServerRestarted) {
+  auto server = std::make_unique<TcpServer>(kLoopback, 0);
+  const std::uint16_t port = server->port();
+  Notes notes;
+  Reader reader(port);
+  for (int restart = 1; restart <= 5; ++restart) {
+    ASSERT_TRUE(meet(server.get(), &notes, &reader)) << restart;
+    EXPECT_EQ(reader.connects, restart);
+    server.reset();
+    ASSERT_TRUE(eventually([&] {
+      reader.poll(1);
+      return reader.disconnects == restart;
+    }));
+    EXPECT_FALSE(reader.client.isConnected());
+    server = std::make_unique<TcpServer>(kLoopback, port);
+  }
+}
+
+TEST(Tcp, NamesAddressPortAndReasonWhenThePortIsTaken) {
+  TcpServer first(kLoopback, 0);
+  try {
+    TcpServer second(kLoopback, first.port());
+    FAIL() << "two servers on one port";
+  } catch (const NetworkException& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("127.0.0.1:" + std::to_string(first.port())), std::string::npos) << what;
+    EXPECT_NE(what.find("Address already in use"), std::string::npos) << what;
+  }
+}
+
+TEST(Tcp, TwoHundredQuickConnectionsLeaveNoDescriptorsBehind) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  const int before = openDescriptors();
+  for (int i = 0; i < 200; ++i) {
+    Reader reader(server.port());
+    ASSERT_TRUE(meet(&server, &notes, &reader)) << i;
+  }
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    return notes.disconnected.size() == 200;
+  }));
+  EXPECT_EQ(openDescriptors(), before);
+}
+
+TEST(TcpClient, PausesDoubleUpToTheLongest) {
+  // GIVEN a port where nobody listens and a clock of our own
+  TakenPort nobody;
+  TcpClient client(kLoopback, nobody.port(), 0.1, 1.0);
+  std::vector<std::int64_t> attempts_ms;
+  for (std::int64_t now_ms = 0; now_ms <= 4000; now_ms += 10) {
+    const std::uint64_t before = client.attempts();
+    EXPECT_EQ(client.poll(now_ms * 1'000'000, 0), Event::kNone);
+    if (client.attempts() != before) attempts_ms.push_back(now_ms);
+    ASSERT_TRUE(eventually([&] {  // the refusal arrives, without our clock moving
+      if (client.isConnecting()) client.poll(now_ms * 1'000'000, 10);
+      return !client.isConnecting();
+    }));
+  }
+  // THEN the pauses are 100, 200, 400, 800, 1000, 1000 ms
+  EXPECT_EQ(attempts_ms, (std::vector<std::int64_t>{0, 100, 300, 700, 1500, 2500, 3500}));
+}
+
+TEST(TcpClient, StartsWithTheShortestPauseAgainAfterASuccess) {
+  // GIVEN a client whose pause has grown to 0.8 s
+  auto listener = std::make_unique<TakenPort>();
+  TcpClient client(kLoopback, listener->port(), 0.1, 10.0);
+  const auto pollAt = [&](std::int64_t ms) { return client.poll(ms * 1'000'000, 0); };
+  for (const std::int64_t ms : {0, 100, 300}) {
+    ASSERT_TRUE(eventually([&] {
+      pollAt(ms);
+      return !client.isConnecting();
+    }));
+  }
+  ASSERT_EQ(client.attempts(), 3U);
+  // WHEN the fourth attempt succeeds and the connection is then lost
+  ASSERT_TRUE(listener->listen(1));
+  ASSERT_TRUE(eventually([&] { return pollAt(700) == Event::kConnected; }));
+  listener.reset();
+  std::uint8_t byte = 0;
+  ASSERT_TRUE(eventually([&] {
+    const Event event = pollAt(1000);
+    if (event == Event::kReadable) client.receive(&byte, 1);
+    return event == Event::kDisconnected;
+  }));
+  // THEN the next one comes after 0.1 s
+  EXPECT_EQ(client.attempts(), 4U);
+  pollAt(1099);
+  EXPECT_EQ(client.attempts(), 4U);
+  pollAt(1100);
+  EXPECT_EQ(client.attempts(), 5U);
+}
+
+TEST(TcpClient, GivesUpAnAttemptThatNobodyAnswers) {
+  // GIVEN a listener that accepts nobody: once its queue is full, connection requests go unanswered
+  TakenPort listener;
+  ASSERT_TRUE(listener.listen(0));
+  std::vector<std::unique_ptr<TcpClient>> clients;
+  for (int i = 0; i < 8; ++i) {
+    clients.push_back(std::make_unique<TcpClient>(kLoopback, listener.port(), 0.1, 1.0));
+    clients.back()->poll(0, 20);
+  }
+  TcpClient& last = *clients.back();
+  ASSERT_TRUE(last.isConnecting());
+  last.poll(1'999'000'000, 0);
+  EXPECT_TRUE(last.isConnecting());
+  last.poll(2'001'000'000, 0);
+  EXPECT_FALSE(last.isConnecting());
+}
+
+TEST(TcpClient, SendsNothingUnlessConnected) {
+  TakenPort nobody;
+  TcpClient client(kLoopback, nobody.port(), 0.1, 1.0);
+  const std::uint8_t byte = 1;
+  EXPECT_FALSE(client.send(&byte, 1));
+  client.poll(0, 0);
+  EXPECT_FALSE(client.send(&byte, 1));
+}
+
+TEST(TcpClient, NeverSendsHalfAFrame) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader reader(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &reader));
+  // WHEN the server does not read
+  const Bytes block(4096, 7);
+  std::size_t accepted = 0;
+  bool failed = false;
+  for (int i = 0; i < 100000 && !failed; ++i) {
+    failed = !reader.client.send(block.data(), block.size());
+    if (!failed) ++accepted;
+  }
+  ASSERT_TRUE(failed);
+  // THEN the server gets all that was accepted, and anything more is followed by the end of the connection
+  const Bytes& got = notes.received[notes.connected[0]];
+  EXPECT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    reader.poll();
+    return got.size() >= accepted * block.size() && (reader.client.isConnected() || !notes.disconnected.empty());
+  }));
+  EXPECT_TRUE(got.size() == accepted * block.size() || !notes.disconnected.empty());
+}
+
+TEST(TcpClient, RefusesImpossiblePauses) {
+  EXPECT_THROW(TcpClient(kLoopback, 36100, 0.0, 1.0), NetworkException);
+  EXPECT_THROW(TcpClient(kLoopback, 36100, 2.0, 1.0), NetworkException);
+  EXPECT_THROW(TcpClient("", 36100, 0.1, 1.0), NetworkException);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::net

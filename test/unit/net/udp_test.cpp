@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+#include "net_support.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/net/udp_receiver.h"
+#include "raven2_trainer/net/udp_sender.h"
+
+namespace raven2_trainer::net {
+namespace {
+
+const char* const kLoopback = "127.0.0.1";
+constexpr int kLongMs = 10000;  // a deadline: passes return at once
+
+std::vector<std::uint8_t> bytes(std::size_t size, std::uint8_t first) {
+  std::vector<std::uint8_t> result(size);
+  for (std::size_t i = 0; i < size; ++i)
+    result[i] = static_cast<std::uint8_t>(first + i);
+  return result;
+}
+
+TEST(Udp, CarriesADatagramAsItIs) {
+  UdpReceiver receiver(kLoopback, 0);
+  ASSERT_NE(receiver.port(), 0);
+  UdpSender sender(kLoopback, receiver.port());
+  const auto sent = bytes(124, 3);
+  ASSERT_TRUE(sender.send(sent.data(), sent.size()));
+  ASSERT_TRUE(receiver.wait(kLongMs));
+  std::vector<std::uint8_t> buffer(200, 0);
+  const auto datagram = receiver.receive(buffer.data(), buffer.size());
+  ASSERT_TRUE(datagram);
+  EXPECT_EQ(datagram->size, sent.size());
+  EXPECT_EQ(datagram->source, (Endpoint{INADDR_LOOPBACK, sender.port()}));
+  EXPECT_FALSE(datagram->foreign);
+  buffer.resize(sent.size());
+  EXPECT_EQ(buffer, sent);
+}
+
+TEST(Udp, HasNothingWhenNothingWasSent) {
+  UdpReceiver receiver(kLoopback, 0);
+  std::array<std::uint8_t, 8> buffer;
+  EXPECT_FALSE(receiver.wait(0));
+  EXPECT_FALSE(receiver.wait(-1));  // never for ever
+  EXPECT_FALSE(receiver.receive(buffer.data(), buffer.size()));
+}
+
+TEST(Udp, ShowsThatADatagramWasTooLong) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender sender(kLoopback, receiver.port());
+  const auto sent = bytes(134, 0);
+  ASSERT_TRUE(sender.send(sent.data(), sent.size()));
+  ASSERT_TRUE(receiver.wait(kLongMs));
+  std::array<std::uint8_t, 125> buffer{};
+  buffer[124] = 0xEE;
+  const auto datagram = receiver.receive(buffer.data(), 124);
+  ASSERT_TRUE(datagram);
+  EXPECT_EQ(datagram->size, 134U);
+  EXPECT_EQ(buffer[124], 0xEE);  // nothing written past the capacity
+}
+
+TEST(Udp, SeesAnEmptyDatagram) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender sender(kLoopback, receiver.port());
+  ASSERT_TRUE(sender.send(nullptr, 0));
+  ASSERT_TRUE(receiver.wait(kLongMs));
+  std::uint8_t byte = 0;
+  const auto datagram = receiver.receive(&byte, 1);
+  ASSERT_TRUE(datagram);
+  EXPECT_EQ(datagram->size, 0U);
+}
+
+TEST(Udp, MarksEveryOtherSourceThanThePinnedOneAsForeign) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender master(kLoopback, receiver.port());
+  UdpSender intruder(kLoopback, receiver.port());
+  std::uint8_t byte = 1;
+  const auto next = [&](UdpSender& from) {
+    from.send(&byte, 1);
+    EXPECT_TRUE(receiver.wait(kLongMs));
+    return receiver.receive(&byte, 1).value();
+  };
+  receiver.pinSource(next(master).source);
+  EXPECT_FALSE(next(master).foreign);
+  EXPECT_TRUE(next(intruder).foreign);  // same address, other port
+  EXPECT_EQ(receiver.pinnedSource()->port, master.port());
+  receiver.unpinSource();
+  EXPECT_FALSE(next(intruder).foreign);
+}
+
+TEST(Udp, NamesAddressPortAndReasonWhenThePortIsTaken) {
+  UdpReceiver first(kLoopback, 0);
+  try {
+    UdpReceiver second(kLoopback, first.port());
+    FAIL() << "two receivers on one port";
+  } catch (const NetworkException& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("127.0.0.1:" + std::to_string(first.port())), std::string::npos) << what;
+    EXPECT_NE(what.find("Address already in use"), std::string::npos) << what;
+  }
+}
+
+TEST(Udp, NamesAnAddressThatIsNotOurs) {
+  try {
+    UdpReceiver receiver("192.0.2.1", 36010);  // TEST-NET-1 (RFC 5737): nobody's
+    FAIL();
+  } catch (const NetworkException& e) {
+    EXPECT_NE(std::string(e.what()).find("192.0.2.1:36010"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Udp, RefusesAnEmptyHost) {
+  EXPECT_THROW(UdpReceiver("", 0), NetworkException);
+  EXPECT_THROW(UdpSender("", 36000), NetworkException);
+}
+
+TEST(Udp, SendsToNobodyWithoutFailingAndReachesALateReceiver) {
+  std::uint16_t port = 0;
+  {
+    UdpReceiver gone(kLoopback, 0);
+    port = gone.port();
+  }
+  UdpSender sender(kLoopback, port);
+  std::uint8_t byte = 7;
+  // an odd number: were a refusal told instead of a sending, the next one would be the one lost
+  for (int i = 0; i < 101; ++i)
+    EXPECT_TRUE(sender.send(&byte, 1)) << i;
+  UdpReceiver late(kLoopback, port);
+  ASSERT_TRUE(sender.send(&byte, 1));  // the very next one arrives, although an earlier one was refused
+  byte = 0;
+  ASSERT_TRUE(late.wait(kLongMs));
+  ASSERT_TRUE(late.receive(&byte, 1));
+  EXPECT_EQ(byte, 7);
+}
+
+TEST(Udp, ReportsADatagramThatNoNetworkCanCarry) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender sender(kLoopback, receiver.port());
+  const auto huge = bytes(70000, 0);
+  EXPECT_FALSE(sender.send(huge.data(), huge.size()));
+}
+
+TEST(Udp, LeavesNoDescriptorsBehind) {
+  const int before = openDescriptors();
+  for (int i = 0; i < 200; ++i) {
+    UdpReceiver receiver(kLoopback, 0);
+    UdpSender sender(kLoopback, receiver.port());
+    EXPECT_THROW(UdpReceiver(kLoopback, receiver.port()), NetworkException);
+  }
+  EXPECT_EQ(openDescriptors(), before);
+}
+
+TEST(Endpoint, IsWrittenAsDottedNumbersAndPort) {
+  EXPECT_EQ(toString(Endpoint{0x7F000001, 36010}), "127.0.0.1:36010");
+  EXPECT_EQ(resolve("10.1.2.3", 5), (Endpoint{0x0A010203, 5}));
+  EXPECT_EQ(resolve("localhost", 5), (Endpoint{0x7F000001, 5}));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::net
