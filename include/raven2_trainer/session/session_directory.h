@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "raven2_trainer/core/config.h"
+
+namespace raven2_trainer::session {
+
+/** Files of a session directory. */
+struct SessionPaths {
+  std::string directory;
+  std::string log() const { return directory + "/session.rlog"; }
+  std::string metrics() const { return directory + "/metrics.json"; }
+  std::string meta() const { return directory + "/meta.json"; }
+  std::string faults() const { return directory + "/faults.json"; }
+  std::string video() const { return directory + "/video.mp4"; }
+  std::string report() const { return directory + "/report.html"; }
+  std::string ticks() const { return directory + "/ticks.csv"; }
+};
+
+/**
+ * Creates the directory, or `sessions/<UTC stamp>` below the working directory if `output` is empty.
+ * @throw SessionException if it cannot be created, or already holds a session.
+ */
+SessionPaths createSessionDirectory(const std::string& output);
+
+/** Paths of an existing session. @throw SessionException if there is no session.rlog in it. */
+SessionPaths openSessionDirectory(const std::string& directory);
+
+/** What meta.json says; the only file of a session with wall-clock values. */
+struct SessionMeta {
+  std::string program;  ///< simulator or simulate
+  std::string version;
+  std::string start_time_utc;
+  double wall_duration{};  ///< [s]
+  std::string realtime;    ///< what scheduling was granted, in words; "lockstep"
+  std::string motion;
+  double recording_clipped{};  ///< [-] share of the recording's samples that were clipped; 0 unless said
+};
+
+/** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file. */
+void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const TrainerConfig& config);
+
+/** FNV-1a, 64 bit, of a file, as 16 hex digits. @throw SessionException if it cannot be read. */
+std::string fileHash(const std::string& path);
+
+}  // namespace raven2_trainer::session

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/session/session_log.h"
+
+namespace raven2_trainer::training {
+
+/** Mean, deviation and maximum of a stream of numbers (Welford). */
+class RunningStats {
+ public:
+  void add(double x) noexcept;
+  std::uint64_t count() const noexcept { return count_; }
+  double mean() const noexcept { return mean_; }
+  double deviation() const noexcept;  ///< sample deviation; 0 with fewer than two
+  double max() const noexcept { return max_; }
+
+ private:
+  std::uint64_t count_{0};
+  double mean_{0.0}, m2_{0.0}, max_{0.0};
+};
+
+/** One activation of a fault as it showed. Ticks are session ticks (from the first pedal down). */
+struct FaultEvent {
+  std::string name;
+  Tick first_tick{}, last_tick{};             ///< [1 ms] model clock
+  std::uint64_t first_cycle{}, last_cycle{};  ///< [1 ms] robot clock
+  double max_error{};                         ///< [m] largest tip error from the start until the cue is over
+  double max_force{};                         ///< [N]
+  Tick onset_tick{-1};                        ///< first tick with the error above the tolerance; -1 never
+  Tick force_tick{-1};                        ///< first tick from then on with a force; -1 never
+  Tick end_tick{-1};                          ///< last tick of its aftermath; -1 while it lasts
+
+  /** [ms] from the error passing the tolerance to the force; -1 if either never came. */
+  Tick errorToForce() const noexcept { return force_tick < 0 ? -1 : force_tick - onset_tick; }
+};
+
+struct SessionMetrics {
+  double duration{};         ///< [s] from the first pedal down
+  std::uint64_t ticks{};     ///< of the same span
+  RunningStats error;        ///< [m] tip distance, larger arm, while both follow the surgeon, outside faults
+  double error_max_force{};  ///< [N] largest force outside faults and their aftermath
+  std::vector<FaultEvent> faults;
+  double max_force{};  ///< [N]
+  double tolerance{};  ///< [m]
+  PlanResult plan{};   ///< newest, status kNone if none was asked for
+  SessionCounts counts{};
+  std::uint64_t frames{};  ///< of video.mp4; 0 before it is rendered
+  bool complete{};         ///< the log has its last record, the counters
+};
+
+/**
+ * Feeds on the records of a session and gives the metrics. The aftermath of a fault belongs to it: from its first
+ * tick until the error has stayed below the tolerance for 500 ms after its last. The error is looked at while model and
+ * robot follow the surgeon from a common pose (mode teleoperating, `linked`) and the robot's state is fresh. A stale
+ * robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
+ *
+ * Records of one kind come in order; haptic records may come before or after the ticks they belong to (two threads
+ * write them), so each waits for its tick.
+ */
+class MetricsAccumulator {
+ public:
+  explicit MetricsAccumulator(const session::LogHeader& header);
+  void add(const TickRecord& record);
+  void add(const HapticRecord& record);
+  void add(const PlanRecord& record);
+  void add(const SessionCounts& counts);
+  SessionMetrics result() const;
+
+ private:
+  /** A haptic record that waits for its tick. */
+  struct Force {
+    Tick model_tick{};
+    double newton{};  ///< [N] larger of both arms
+  };
+
+  void followFault(const TickRecord& record);
+  void beginFault(const RobotState& robot);
+  void followAftermath(double error, bool comparable, bool follows);
+  void useForces();
+  void useForce(const Force& force);
+  FaultEvent* eventAt(Tick tick);
+  bool inFault() const { return !metrics_.faults.empty() && metrics_.faults.back().end_tick < 0; }
+
+  session::LogHeader header_;
+  SessionMetrics metrics_;
+  std::deque<Force> waiting_;
+  Tick first_{-1};      ///< session tick of the first tick seen in the session; -1 before
+  Tick now_{-1};        ///< session tick being looked at
+  Tick model_now_{-1};  ///< its model tick
+  std::uint32_t active_fault_{0};
+  Tick calm_since_{-1};  ///< session tick from which the error has been below the tolerance; -1 it is not
+};
+
+/** Metrics of a finished log. @throw SessionException. */
+SessionMetrics computeMetrics(const std::string& log_path);
+
+/** metrics.json; the fields are listed in doc/session.md. @throw SessionException. */
+void writeMetrics(const std::string& path, const SessionMetrics& metrics);
+
+/** faults.json: ground truth of every fault event on both clocks. @throw SessionException. */
+void writeFaults(const std::string& path, const SessionMetrics& metrics);
+
+/** Sets `frames` in an existing metrics.json. @throw SessionException. */
+void setFrames(const std::string& path, std::uint64_t frames);
+
+}  // namespace raven2_trainer::training

@@ -1,0 +1,212 @@
+"""The figures of a session, for session_report and plot_session. Matplotlib 3.6, no display needed."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402  (the backend has to be chosen first)
+import numpy as np  # noqa: E402
+
+MAX_POINTS = 3000  # of a drawn line
+ARMS = ("gold", "green")
+# Model red and robot blue, as in Figure 4 of Li et al. 2017.
+MODEL, ROBOT, FAULT, PLAN, PEDAL_UP = "#c8323c", "#2457c5", "#f6b73c", "#8ecae6", "#9aa3ad"
+ARM_COLOURS = {"gold": "#b8860b", "green": "#2f7d4f"}
+STYLE = {
+    "font.family": "sans-serif",
+    "font.size": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#6b7480",
+    "axes.labelcolor": "#2b323a",
+    "axes.grid": True,
+    "grid.color": "#e4e7eb",
+    "grid.linewidth": 0.7,
+    "xtick.color": "#4b5560",
+    "ytick.color": "#4b5560",
+    "lines.linewidth": 1.2,
+    "legend.frameon": False,
+    "svg.fonttype": "none",
+    "savefig.dpi": 150,
+}
+plt.rcParams.update(STYLE)
+
+
+def runs(mask):
+    """(first, last) index pairs of the stretches in which `mask` is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(np.int8), [0]))))
+    return list(zip(edges[::2], edges[1::2] - 1))
+
+
+def thinned(t, values):
+    """At most MAX_POINTS points of a line that keep its peaks: the least and the largest of each stretch."""
+    if len(t) <= MAX_POINTS:
+        return t, values
+    stretches = MAX_POINTS // 2
+    bounds = np.linspace(0, len(t), stretches + 1).astype(int)
+    keep = np.empty(2 * stretches, dtype=int)
+    filled = np.where(np.isnan(values), np.inf, values)
+    emptied = np.where(np.isnan(values), -np.inf, values)
+    for i in range(stretches):
+        part = slice(bounds[i], bounds[i + 1])
+        keep[2 * i] = bounds[i] + np.argmin(filled[part])
+        keep[2 * i + 1] = bounds[i] + np.argmax(emptied[part])
+    keep = np.unique(keep)
+    return t[keep], values[keep]
+
+
+class Series:
+    """A session's curves over the session time `t` [s], which starts at the first pedal down."""
+
+    def __init__(self, session):
+        log = session.log
+        self.log = log
+        self.header = log.header
+        ticks = log.ticks[log.ticks["model"]["session_tick"] >= 0]
+        model, robot = ticks["model"], ticks["robot"]
+        self.ticks = ticks
+        self.t = model["session_tick"] / 1000.0
+        seen = robot["frame"] > 0
+        self.q_model = model["arms"]["q"]
+        self.q_robot = np.where(seen[:, None, None], robot["arms"]["q"], np.nan)
+        self.p_model = model["arms"]["p_BT"]
+        self.p_robot = np.where(seen[:, None, None], robot["arms"]["p_BT"], np.nan)
+        self.fault_ids = np.where(seen, robot["active_fault"], 0)
+        self.fault_windows = [(self.t[a], self.t[b], self.scenario(self.fault_ids[a])) for a, b in self._fault_runs()]
+        self.runlevel = np.where(seen, robot["runlevel"], -1)
+        modes = log.names("tick", "model.mode")
+        self.teleoperating = model["mode"] == modes.index("teleoperating")
+        self.tracking = model["mode"] == modes.index("tracking")
+        comparable = self.teleoperating & seen & (model["robot_fresh"] != 0)
+        if "linked" in model.dtype.names:
+            comparable &= model["linked"] != 0
+        distance = np.linalg.norm(self.p_model - self.p_robot, axis=2) * 1000.0
+        self.error_mm = np.where(comparable[:, None], distance, np.nan)
+        self.tolerance_mm = self.header["tolerance"] * 1000.0
+        self._forces(log, model)
+
+    def _fault_runs(self):
+        """A change of fault id without a gap is a new window."""
+        return [run for fault in np.unique(self.fault_ids[self.fault_ids > 0]) for run in runs(self.fault_ids == fault)]
+
+    def scenario(self, fault_id):
+        scenarios = self.header["scenarios"]
+        return scenarios[fault_id - 1] if fault_id <= len(scenarios) else f"fault_{fault_id}"
+
+    def _forces(self, log, model):
+        """[N] of both arms over their own clock, shifted to session time."""
+        origin = int(model["tick"][0] - model["session_tick"][0]) if len(model) else 0
+        ticks = log.haptic["haptic"]["tick"]
+        inside = ticks >= origin
+        self.force_t = (ticks[inside] - origin) / 1000.0
+        self.force = np.linalg.norm(log.haptic["haptic"]["force_B"][inside], axis=2)
+
+
+def _new(height, width=9.6):
+    figure, axes = plt.subplots(figsize=(width, height), constrained_layout=True)
+    return figure, axes
+
+
+def _mark(axes, series):
+    """Shades faults and plans, and a strip below where the surgeon's pedal is up."""
+    for i, (first, last, _) in enumerate(series.fault_windows):
+        axes.axvspan(first, last, color=FAULT, alpha=0.45, linewidth=0, label=None if i else "fault acting")
+    for i, (a, b) in enumerate(runs(series.tracking)):
+        axes.axvspan(series.t[a], series.t[b], color=PLAN, alpha=0.25, linewidth=0, label=None if i else "plan tracked")
+    for i, (a, b) in enumerate(runs(~series.teleoperating & ~series.tracking)):
+        axes.axvspan(series.t[a], series.t[b], 0, 0.025, color=PEDAL_UP, linewidth=0,
+                     label=None if i else "pedal up, stopped")
+    if len(series.t) > 1:
+        axes.set_xlim(series.t[0], series.t[-1])
+    axes.set_xlabel("time since first pedal down [s]")
+
+
+def _legend(axes):
+    """One line above the axes; the empty title keeps the room, so that a long legend does not squeeze the plot."""
+    axes.set_title(" ", fontsize=11)
+    legend = axes.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncol=7, borderaxespad=0.2, handlelength=1.6,
+                         columnspacing=1.4)
+    legend.set_in_layout(False)
+
+
+def joint_figure(series):
+    """Joint 1 of the gold arm, model and robot (Figure 5 of Li et al. 2017)."""
+    figure, axes = _new(3.1)
+    _mark(axes, series)
+    model, robot = (np.degrees(q[:, 0, 0]) for q in (series.q_model, series.q_robot))
+    axes.plot(*thinned(series.t, model), color=MODEL, linewidth=2.4, alpha=0.6, label="model")
+    axes.plot(*thinned(series.t, robot), color=ROBOT, linewidth=1.0, label="robot")
+    axes.set_ylabel("joint 1, gold arm [deg]")
+    _legend(axes)
+    return figure
+
+
+def force_figure(series):
+    """Magnitude of the force on the surgeon's hands (Figure 6 of Li et al. 2017)."""
+    figure, axes = _new(2.8)
+    _mark(axes, series)
+    for i, arm in enumerate(ARMS):
+        axes.plot(*thinned(series.force_t, series.force[:, i]), color=ARM_COLOURS[arm], label=f"{arm} arm")
+    axes.plot([], [], " ", label=f"(acts beyond {series.tolerance_mm:g} mm)")
+    axes.set_ylabel("haptic force [N]")
+    axes.set_ylim(bottom=0)
+    _legend(axes)
+    return figure
+
+
+def error_figure(series):
+    """Distance of the tool tips of model and robot, and the threshold of the haptic cue."""
+    figure, axes = _new(2.8)
+    _mark(axes, series)
+    for i, arm in enumerate(ARMS):
+        axes.plot(*thinned(series.t, series.error_mm[:, i]), color=ARM_COLOURS[arm], label=f"{arm} arm")
+    axes.axhline(series.tolerance_mm, color="#30363d", linewidth=0.9, linestyle=(0, (5, 3)),
+                 label=f"threshold {series.tolerance_mm:g} mm")
+    axes.set_ylabel("tip distance [mm]")
+    axes.set_ylim(bottom=0)
+    _legend(axes)
+    return figure
+
+
+def path_figure(series):
+    """Tip paths of model and robot in three projections of each arm's base frame."""
+    figure, grid = plt.subplots(2, 3, figsize=(9.6, 6.2), constrained_layout=True)
+    step = max(1, -(-len(series.t) // MAX_POINTS))
+    for row, arm in enumerate(ARMS):
+        for axes, (a, b) in zip(grid[row], ((0, 1), (0, 2), (1, 2))):
+            for points, label, style in ((series.p_model, "model", {"color": MODEL, "linewidth": 1.8, "alpha": 0.5}),
+                                         (series.p_robot, "robot", {"color": ROBOT, "linewidth": 0.8})):
+                line = 1000 * points[::step, row]
+                axes.plot(line[:, a], line[:, b], label=label, **style)
+            axes.set_xlabel(f"{'xyz'[a]} [mm]")
+            axes.set_ylabel(f"{'xyz'[b]} [mm]")
+            axes.set_aspect("equal", adjustable="datalim")
+        grid[row, 0].set_title(f"{arm} arm", loc="left", fontsize=10, color=ARM_COLOURS[arm], fontweight="bold")
+    grid[0, 2].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, borderaxespad=0.2)
+    return figure
+
+
+def timing_figure(series):
+    """Histogram of the time between starts of physics ticks; None where no clock ran (lockstep)."""
+    periods_us = np.diff(series.ticks["model"]["time_ns"]) / 1000.0
+    if len(periods_us) == 0 or np.all(periods_us == 1000.0):
+        return None
+    figure, axes = _new(2.6)
+    top = min(max(2500.0, float(periods_us.max())), 10000.0)
+    axes.hist(np.clip(periods_us, 0, top), bins=np.linspace(0, top, 101), color="#5b6b7f")
+    axes.axvline(1000, color=MODEL, linewidth=1.0, linestyle=(0, (5, 3)), label="1 ms")
+    axes.set_yscale("log")
+    longer = " (longer ones in the last bar)" if periods_us.max() > top else ""
+    axes.set_xlabel("time between physics ticks [us]" + longer)
+    axes.set_ylabel("ticks")
+    _legend(axes)
+    return figure
+
+
+FIGURES = {
+    "joint_1": joint_figure,
+    "haptic_force": force_figure,
+    "tip_error": error_figure,
+    "tip_paths": path_figure,
+    "timing": timing_figure,
+}

@@ -1,0 +1,102 @@
+#include "header_json.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "record_codec.h"
+#include "record_frame.h"
+
+namespace raven2_trainer::session {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* kFormatName = "raven2_trainer session log";
+
+template <typename T>
+Json describeRecord(const char* name) {
+  return {{"type", static_cast<int>(RecordTypeOf<T>::kType)},
+          {"name", name},
+          {"version", kRecordVersion},
+          {"meaning", Layout<T>::kMeaning},
+          {"fields", SchemaWriter::fieldsOf<T>()}};
+}
+
+Json describeRecords() {
+  return Json::array({describeRecord<TickRecord>("tick"), describeRecord<HapticRecord>("haptic"),
+                      describeRecord<CommandRecord>("command"), describeRecord<RequestRecord>("request"),
+                      describeRecord<PlanRecord>("plan"), describeRecord<SessionCounts>("counts")});
+}
+
+/** What decides over bytes: names, types and shapes; units and meanings may be reworded. */
+Json layoutOf(const Json& fields) {
+  Json layout = Json::array();
+  for (const Json& field : fields) {
+    Json entry{field.at("name"), field.at("type"), field.at("shape")};
+    if (field.contains("fields")) entry.push_back(layoutOf(field.at("fields")));
+    layout.push_back(std::move(entry));
+  }
+  return layout;
+}
+
+/** Ours must all be in the log with the same layout; otherwise every such record would be passed over. */
+void checkLayouts(const Json& records) {
+  for (const Json& ours : describeRecords()) {
+    const auto theirs = std::find_if(records.begin(), records.end(),
+                                     [&](const Json& entry) { return entry.at("type") == ours.at("type"); });
+    if (theirs == records.end() || theirs->at("version") != ours.at("version") ||
+        layoutOf(theirs->at("fields")) != layoutOf(ours.at("fields"))) {
+      throw std::runtime_error("records '" + ours.at("name").get<std::string>() +
+                               "' are laid out as by another version of raven2_trainer; raven2_session.py reads any");
+    }
+  }
+}
+
+}  // namespace
+
+std::string headerToJson(const LogHeader& header) {
+  const Json json{{"format", kFormatName},
+                  {"format_version", kFormatVersion},
+                  {"byte_order", "little"},
+                  {"seed", header.seed},
+                  {"scenarios", header.scenarios},
+                  {"hazard", header.hazard},
+                  {"robot_urdf_hash", header.robot_urdf_hash},
+                  {"scene_urdf_hash", header.scene_urdf_hash},
+                  {"config_hash", header.config_hash},
+                  {"motion", header.motion},
+                  {"d4", header.d4},
+                  {"tolerance", header.tolerance},
+                  {"arm_contacts", header.arm_contacts},
+                  {"arm_names", kArmNames},
+                  {"joint_names", kJointNames},
+                  {"loop_names", kLoopNames},
+                  {"reject_names", kRejectNames},
+                  {"records", describeRecords()}};
+  // A file name in `motion` may hold any bytes; those that are not UTF-8 become U+FFFD.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+LogHeader headerFromJson(const std::string& text) {
+  const Json json = Json::parse(text);
+  if (json.at("format") != kFormatName) throw std::runtime_error("not a session log");
+  if (json.at("format_version") != kFormatVersion) {
+    throw std::runtime_error("format version " + json.at("format_version").dump() + ", this program reads " +
+                             std::to_string(kFormatVersion));
+  }
+  checkLayouts(json.at("records"));
+  LogHeader header;
+  json.at("seed").get_to(header.seed);
+  json.at("scenarios").get_to(header.scenarios);
+  json.at("hazard").get_to(header.hazard);
+  json.at("robot_urdf_hash").get_to(header.robot_urdf_hash);
+  json.at("scene_urdf_hash").get_to(header.scene_urdf_hash);
+  json.at("config_hash").get_to(header.config_hash);
+  json.at("motion").get_to(header.motion);
+  json.at("d4").get_to(header.d4);
+  json.at("tolerance").get_to(header.tolerance);
+  json.at("arm_contacts").get_to(header.arm_contacts);
+  return header;
+}
+
+}  // namespace raven2_trainer::session

@@ -1,0 +1,272 @@
+#pragma once
+
+#include "raven2_trainer/core/record.h"
+
+// What a record looks like in the log, said once. Layout<T>::visit() names each field of T in order, with its unit
+// and meaning; the writer, the reader and the schema in the log's first record are three visitors of it, so they
+// cannot drift apart. A new field goes here and nowhere else (and raises kRecordVersion in record_frame.h).
+
+namespace raven2_trainer::session {
+
+template <typename T>
+struct Layout;
+
+/** Names of an enum's values; a value beyond them makes a record unreadable. Specialised for each logged enum. */
+template <typename E>
+struct EnumNames;
+
+template <>
+struct EnumNames<Mode> {
+  static constexpr const auto& kNames = kModeNames;
+};
+
+template <>
+struct EnumNames<RunLevel> {
+  static constexpr const auto& kNames = kRunLevelNames;
+};
+
+template <>
+struct EnumNames<Arm> {
+  static constexpr const auto& kNames = kArmNames;
+};
+
+template <>
+struct EnumNames<RequestKind> {
+  static constexpr const auto& kNames = kRequestKindNames;
+};
+
+template <>
+struct EnumNames<PlanStatus> {
+  static constexpr const auto& kNames = kPlanStatusNames;
+};
+
+// ---- parts -------------------------------------------------------------------------------------------------------
+
+template <>
+struct Layout<RigidPose> {
+  template <typename Visitor, typename Pose>
+  static void visit(Visitor& v, Pose& s) {
+    v.field("p", s.p, "m", "position");
+    v.field("q", s.q, "", "orientation, unit quaternion x y z w");
+  }
+};
+
+template <>
+struct Layout<LinkCounts> {
+  template <typename Visitor, typename Counts>
+  static void visit(Visitor& v, Counts& s) {
+    v.field("received", s.received, "packets", "all that arrived");
+    v.field("applied", s.applied, "packets", "of them passed on");
+    v.field("rejected", s.rejected, "packets", "of them refused, by reason (reject_names)");
+  }
+};
+
+template <>
+struct Layout<ArmState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("q", s.q, "rad, [2] m", "joint position");
+    v.field("dq", s.dq, "rad/s, [2] m/s", "joint velocity");
+    v.field("tau", s.tau, "Nm, [2] N", "torque applied in this step");
+    v.field("q_d", s.q_d, "rad, [2] m", "desired joint position");
+    v.field("p_BT", s.p_BT, "m", "tool tip in the arm base frame B");
+    v.field("v_BT", s.v_BT, "m/s", "its velocity");
+    v.field("q_BT", s.q_BT, "", "tool orientation in B, unit quaternion x y z w");
+    v.field("ik_status", s.ik_status, "",
+            "outcome of the inverse kinematics: 0 ok, 1 clamped, 2 out of reach, "
+            "3 at the remote centre, 4 too far");
+    v.field("contacts", s.contacts, "points", "contact points on this arm");
+  }
+};
+
+template <>
+struct Layout<ModelState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("tick", s.tick, "ms", "physics step that produced this state");
+    v.field("session_tick", s.session_tick, "ms", "since the first pedal down; -1 before");
+    v.field("time_ns", s.time_ns, "ns", "monotonic clock at the start of the tick; in lockstep tick x 1e6");
+    v.field("mode", s.mode, "", "what the daemon is doing");
+    v.field("pedal", s.pedal, "", "1 while the surgeon's pedal is down");
+    v.field("engaged", s.engaged, "", "1 while the robot is sent the surgeon's motion");
+    v.field("robot_fresh", s.robot_fresh, "", "1 while the robot's state is connected and fresh");
+    v.field("linked", s.linked, "", "1 while model and robot move from a common pose");
+    v.field("commands_used", s.commands_used, "packets", "master commands that moved the model in this tick");
+    v.field("arms", s.arms, "", "gold, green");
+    v.field("bodies", s.bodies, "", "free bodies of the scene in the world frame W");
+  }
+};
+
+template <>
+struct Layout<RobotArmState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("q", s.q, "rad, [2] m", "joint position");
+    v.field("dq", s.dq, "rad/s, [2] m/s", "joint velocity");
+    v.field("motor", s.motor, "rad", "motor position");
+    v.field("dac", s.dac, "counts", "last motor command, after clipping and faults");
+    v.field("p_BT", s.p_BT, "m", "tool tip in the arm base frame B");
+    v.field("v_BT", s.v_BT, "m/s", "its velocity");
+  }
+};
+
+template <>
+struct Layout<RobotState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("cycle", s.cycle, "ms", "robot control cycle that sent the frame");
+    v.field("frame", s.frame, "frames", "applied so far; 0 = none yet, the rest is then meaningless");
+    v.field("received_ns", s.received_ns, "ns", "monotonic clock of the receipt; in lockstep tick x 1e6");
+    v.field("last_sequence", s.last_sequence, "", "newest ITP sequence number that the robot took");
+    v.field("active_fault", s.active_fault, "", "fault acting in that cycle: position in scenarios + 1, 0 none");
+    v.field("runlevel", s.runlevel, "", "run level of the robot's state machine");
+    v.field("sublevel", s.sublevel, "", "its sublevel");
+    v.field("connected", s.connected, "", "1 while the TCP link is up");
+    v.field("homed", s.homed, "", "1 once homed");
+    v.field("soft_estopped", s.soft_estopped, "", "1 after a stop by the software's own check");
+    v.field("is_virtual", s.is_virtual, "", "1 for the virtual robot");
+    v.field("arms", s.arms, "", "gold, green");
+    v.field("itp", s.itp, "", "the robot's own count of our packets");
+  }
+};
+
+template <>
+struct Layout<HapticState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("tick", s.tick, "ms", "model tick it was computed from");
+    v.field("robot_cycle", s.robot_cycle, "ms", "robot cycle it was computed from");
+    v.field("force_B", s.force_B, "N", "force in each arm's base frame B");
+    v.field("force_I", s.force_I, "N", "the same in master (ITP) axes");
+    v.field("error", s.error, "m", "distance of model and robot tips");
+    v.field("active", s.active, "", "1 while the cue may act");
+  }
+};
+
+template <>
+struct Layout<MasterCommand> {
+  template <typename Visitor, typename Command>
+  static void visit(Visitor& v, Command& s) {
+    v.field("sequence", s.sequence, "", "of the master's packet");
+    v.field("pedal", s.pedal, "", "1 while the pedal is down");
+    v.field("dp_I", s.dp_I, "m", "position increment in master axes");
+    v.field("dq_I", s.dq_I, "", "orientation increment, unit quaternion x y z w");
+    v.field("dgrasp", s.dgrasp, "rad", "grasp increment, positive closes");
+  }
+};
+
+template <>
+struct Layout<Request> {
+  template <typename Visitor, typename Order>
+  static void visit(Visitor& v, Order& s) {
+    v.field("kind", s.kind, "", "what was asked for");
+    v.field("arm", s.arm, "", "of which arm");
+    v.field("has_goal", s.has_goal, "", "0: the goal of planner.yaml");
+    v.field("goal_W", s.goal_W, "m", "tip position to reach, in the world frame W");
+    v.field("id", s.id, "", "chosen by the sender, comes back in the plan");
+  }
+};
+
+template <>
+struct Layout<PlanResult> {
+  template <typename Visitor, typename Plan>
+  static void visit(Visitor& v, Plan& s) {
+    v.field("id", s.id, "", "of the request");
+    v.field("status", s.status, "", "outcome");
+    v.field("arm", s.arm, "", "of which arm");
+    v.count("waypoint_count", s.waypoint_count, kMaxWaypoints, "points", "waypoints in use");
+    v.field("waypoints", s.waypoints, "rad, [2] m", "joint positions, first is the start");
+    v.field("arrival", s.arrival, "s", "time of each from the start of the motion");
+    v.field("cost", s.cost, "", "eq. (1) of Li et al. 2017");
+    v.field("planning_time", s.planning_time, "s", "wall clock; in lockstep the fixed simulated delay");
+    v.field("samples", s.samples, "", "samples used");
+  }
+};
+
+template <>
+struct Layout<LoopTiming> {
+  template <typename Visitor, typename Timing>
+  static void visit(Visitor& v, Timing& s) {
+    v.field("ticks", s.ticks, "", "periods run, catch-up steps included");
+    v.field("on_time", s.on_time, "", "finished within 1 ms of their release");
+    v.field("slips", s.slips, "", "finished later");
+    v.field("time_slips", s.time_slips, "", "backlogs given up");
+    v.field("lost_ticks", s.lost_ticks, "ms", "simulated time given up by those");
+    v.field("max_late_ns", s.max_late_ns, "ns", "latest start after a release");
+    v.field("max_run_ns", s.max_run_ns, "ns", "longest body");
+    v.field("stale_reads", s.stale_reads, "", "shared values that could not be read in a bounded number of tries");
+  }
+};
+
+// ---- records -----------------------------------------------------------------------------------------------------
+
+template <>
+struct Layout<TickRecord> {
+  static constexpr const char* kMeaning = "one physics tick: the model after it, the robot as that tick saw it";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("model", s.model, "", "nominal model after the tick");
+    v.field("robot", s.robot, "", "robot as the tick saw it");
+  }
+};
+
+template <>
+struct Layout<HapticRecord> {
+  static constexpr const char* kMeaning = "one haptic tick";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("haptic", s.haptic, "", "force cue");
+  }
+};
+
+template <>
+struct Layout<CommandRecord> {
+  static constexpr const char* kMeaning = "a master command";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick that consumed it");
+    v.field("command", s.command, "", "as accepted");
+  }
+};
+
+template <>
+struct Layout<RequestRecord> {
+  static constexpr const char* kMeaning = "an operator's request";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick that consumed it");
+    v.field("request", s.request, "", "as given");
+  }
+};
+
+template <>
+struct Layout<PlanRecord> {
+  static constexpr const char* kMeaning = "a plan";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick that consumed it");
+    v.field("result", s.result, "", "the planner's answer");
+  }
+};
+
+template <>
+struct Layout<SessionCounts> {
+  static constexpr const char* kMeaning = "counters at the end; last record of a log that was closed";
+  template <typename Visitor, typename Counts>
+  static void visit(Visitor& v, Counts& s) {
+    v.field("master", s.master, "", "console to daemon");
+    v.field("master_used", s.master_used, "packets", "of the applied ones, those that moved the model");
+    v.field("robot_state", s.robot_state, "", "robot to daemon, state frames");
+    v.field("relay_sent", s.relay_sent, "packets", "daemon to robot, sent");
+    v.field("relay", s.relay, "", "daemon to robot, as the robot counted");
+    v.field("force_sent", s.force_sent, "packets", "daemon to console, sent");
+    v.field("loops", s.loops, "", "physics, haptic");
+    v.field("records_dropped", s.records_dropped, "records", "lost because a queue was full");
+    v.field("frames", s.frames, "frames", "live camera frames rendered");
+    v.field("ik_clamped", s.ik_clamped, "ms", "ticks in which a joint limit clamped the desired pose");
+    v.field("realtime", s.realtime, "", "1 if real-time scheduling was granted");
+    v.field("lockstep", s.lockstep, "", "1 if there were no threads");
+  }
+};
+
+}  // namespace raven2_trainer::session

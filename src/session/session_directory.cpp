@@ -1,0 +1,111 @@
+#include "raven2_trainer/session/session_directory.h"
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::session {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/** 2026-01-31T12-00-00Z: sorts by time, and no colon, which some file systems refuse. */
+std::string utcStamp() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H-%M-%SZ", &utc);
+  return text.data();
+}
+
+/** Two sessions started in the same second get -2, -3 ... */
+std::string unusedStampedDirectory() {
+  const std::string stamped = "sessions/" + utcStamp();
+  std::string name = stamped;
+  for (int n = 2; fs::exists(name); ++n)
+    name = stamped + "-" + std::to_string(n);
+  return name;
+}
+
+Json describeFile(const std::string& path) {
+  return {{"name", fs::path(path).filename().string()}, {"path", path}, {"fnv1a", fileHash(path)}};
+}
+
+Json describeFiles(const TrainerConfig& config) {
+  Json files = Json::array();
+  for (const std::string& path : config.files)
+    files.push_back(describeFile(path));
+  return files;
+}
+
+}  // namespace
+
+SessionPaths createSessionDirectory(const std::string& output) {
+  std::error_code error;
+  const SessionPaths paths{output.empty() ? unusedStampedDirectory() : output};
+  fs::create_directories(paths.directory, error);
+  if (error || !fs::is_directory(paths.directory)) {
+    throw SessionException(paths.directory + ": cannot be created: " + (error ? error.message() : "not a directory"));
+  }
+  if (fs::exists(paths.log())) {
+    throw SessionException(paths.directory + ": already holds a session (session.rlog); give another directory");
+  }
+  return paths;
+}
+
+SessionPaths openSessionDirectory(const std::string& directory) {
+  SessionPaths paths{directory};
+  std::error_code error;
+  if (!fs::is_regular_file(paths.log(), error)) {
+    throw SessionException(directory + ": is no session directory (no session.rlog in it)");
+  }
+  return paths;
+}
+
+void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const TrainerConfig& config) {
+  Json json{{"program", meta.program},
+            {"version", meta.version},
+            {"start_time_utc", meta.start_time_utc},
+            {"wall_duration_s", meta.wall_duration},
+            {"realtime", meta.realtime},
+            {"motion", meta.motion},
+            {"recording_clipped", meta.recording_clipped},
+            {"seed", config.seed},
+            {"hazard", config.hazard},
+            {"config_files", describeFiles(config)}};
+  if (!config.robot_urdf.empty()) json["robot_urdf"] = describeFile(config.robot_urdf);
+  if (!config.scene_urdf.empty()) json["scene_urdf"] = describeFile(config.scene_urdf);
+  std::ofstream file(paths.meta());
+  file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  file.close();
+  if (!file) throw SessionException(paths.meta() + ": cannot be written");
+}
+
+std::string fileHash(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw SessionException(path + ": cannot be read for its hash");
+  // FNV-1a, 64 bit (RFC 9923): offset basis and prime.
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  std::array<unsigned char, 65536> bytes;
+  std::size_t got = 0;
+  while ((got = std::fread(bytes.data(), 1, bytes.size(), file.get())) > 0) {
+    for (std::size_t i = 0; i < got; ++i)
+      hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
+  }
+  if (std::ferror(file.get()) != 0) throw SessionException(path + ": cannot be read for its hash");
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return text.data();
+}
+
+}  // namespace raven2_trainer::session

@@ -1,0 +1,167 @@
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/training/session_metrics.h"
+
+namespace raven2_trainer::training {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr double kMillimetres = 1000.0;  // in a metre
+
+/** Written beside it and renamed, so that a reader never meets half a file. */
+void writeJson(const std::string& path, const Json& json) {
+  const std::string draft = path + ".part";
+  std::ofstream file(draft);
+  file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  file.close();
+  if (!file || std::rename(draft.c_str(), path.c_str()) != 0) throw SessionException(path + ": cannot be written");
+}
+
+/** null where there is no such figure: in lockstep, or with no ticks. */
+Json onTimeRatio(const SessionCounts& counts, LoopId loop) {
+  const LoopTiming& timing = counts.loops[static_cast<std::size_t>(loop)];
+  if (counts.lockstep != 0 || timing.ticks == 0) return nullptr;
+  return static_cast<double>(timing.on_time) / static_cast<double>(timing.ticks);
+}
+
+Json describeRejected(const LinkCounts& link) {
+  Json rejected = Json::object();
+  for (std::size_t i = 1; i < kRejectCount; ++i)
+    rejected[kRejectNames[i]] = link.rejected[i];
+  return rejected;
+}
+
+Json describePackets(const SessionCounts& counts) {
+  return {{"master_to_daemon",
+           {{"received", counts.master.received},
+            {"applied", counts.master.applied},
+            {"used", counts.master_used},
+            {"rejected", describeRejected(counts.master)}}},
+          {"daemon_to_robot",
+           {{"sent", counts.relay_sent},
+            {"received", counts.relay.received},
+            {"applied", counts.relay.applied},
+            {"rejected", describeRejected(counts.relay)}}},
+          {"robot_to_daemon",
+           {{"received", counts.robot_state.received},
+            {"applied", counts.robot_state.applied},
+            {"rejected", describeRejected(counts.robot_state)}}},
+          {"daemon_to_console", {{"sent", counts.force_sent}}}};
+}
+
+Json orNull(Tick tick) {
+  return tick < 0 ? Json(nullptr) : Json(tick);
+}
+
+Json describeFault(const FaultEvent& event) {
+  return {{"name", event.name},
+          {"first_tick", event.first_tick},
+          {"last_tick", event.last_tick},
+          {"max_error_mm", event.max_error * kMillimetres},
+          {"error_to_force_ms", orNull(event.errorToForce())},
+          {"max_force_N", event.max_force},
+          {"first_cycle", event.first_cycle},
+          {"last_cycle", event.last_cycle},
+          {"onset_tick", orNull(event.onset_tick)},
+          {"force_tick", orNull(event.force_tick)},
+          {"end_tick", orNull(event.end_tick)}};
+}
+
+Json describeFaults(const SessionMetrics& metrics) {
+  Json faults = Json::array();
+  for (const FaultEvent& event : metrics.faults)
+    faults.push_back(describeFault(event));
+  return faults;
+}
+
+Json describePlan(const PlanResult& plan) {
+  return {{"success", plan.status == PlanStatus::kSuccess},
+          {"status", kPlanStatusNames[static_cast<std::size_t>(plan.status)]},
+          {"cost", plan.cost},
+          {"planning_time_s", plan.planning_time},
+          {"waypoints", plan.waypoint_count},
+          {"samples", plan.samples}};
+}
+
+Json describeLoop(const LoopTiming& timing) {
+  return {{"ticks", timing.ticks},
+          {"on_time", timing.on_time},
+          {"slips", timing.slips},
+          {"time_slips", timing.time_slips},
+          {"lost_ticks", timing.lost_ticks},
+          {"max_late_us", static_cast<double>(timing.max_late_ns) / 1000.0},
+          {"max_run_us", static_cast<double>(timing.max_run_ns) / 1000.0},
+          {"stale_reads", timing.stale_reads}};
+}
+
+Json describeTiming(const SessionCounts& counts) {
+  Json timing = Json::object();
+  for (std::size_t i = 0; i < kLoopCount; ++i)
+    timing[kLoopNames[i]] = describeLoop(counts.loops[i]);
+  return timing;
+}
+
+Json describeError(const RunningStats& error) {
+  return {{"mean", error.mean() * kMillimetres},
+          {"std", error.deviation() * kMillimetres},
+          {"max", error.max() * kMillimetres},
+          {"ticks", error.count()}};
+}
+
+Json describeHaptic(const SessionMetrics& metrics) {
+  return {{"max_force_N", metrics.max_force},
+          {"max_force_outside_faults_N", metrics.error_max_force},
+          {"threshold_mm", metrics.tolerance * kMillimetres}};
+}
+
+}  // namespace
+
+void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
+  const SessionCounts& counts = metrics.counts;
+  writeJson(path,
+            {{"duration_s", metrics.duration},
+             {"ticks", metrics.ticks},
+             {"complete", metrics.complete},
+             {"on_time_ratio",
+              {{"physics", onTimeRatio(counts, LoopId::kPhysics)}, {"haptic", onTimeRatio(counts, LoopId::kHaptic)}}},
+             {"packets", describePackets(counts)},
+             {"model_robot_error_mm", describeError(metrics.error)},
+             {"faults", describeFaults(metrics)},
+             {"haptic", describeHaptic(metrics)},
+             {"plan", describePlan(metrics.plan)},
+             {"frames", metrics.frames},
+             {"live_frames", counts.frames},
+             {"timing", describeTiming(counts)},
+             {"ik_clamped_ticks", counts.ik_clamped},
+             {"records_dropped", counts.records_dropped},
+             {"realtime", counts.realtime != 0},
+             {"lockstep", counts.lockstep != 0}});
+}
+
+void writeFaults(const std::string& path, const SessionMetrics& metrics) {
+  Json events = Json::array();
+  for (const FaultEvent& event : metrics.faults) {
+    events.push_back({{"name", event.name},
+                      {"model", {{"first_tick", event.first_tick}, {"last_tick", event.last_tick}}},
+                      {"robot", {{"first_cycle", event.first_cycle}, {"last_cycle", event.last_cycle}}}});
+  }
+  writeJson(path, {{"clocks",
+                    {{"model", "ms since the first pedal down, as the daemon's ticks"},
+                     {"robot", "ms, the robot's own control cycles"}}},
+                   {"faults", events}});
+}
+
+void setFrames(const std::string& path, std::uint64_t frames) {
+  std::ifstream file(path);
+  if (!file) throw SessionException(path + ": cannot be opened");
+  Json json = Json::parse(file, nullptr, false);
+  if (!json.is_object()) throw SessionException(path + ": is not a JSON object");
+  json["frames"] = frames;
+  writeJson(path, json);
+}
+
+}  // namespace raven2_trainer::training

@@ -1,0 +1,168 @@
+#include "raven2_trainer/training/session_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raven2_trainer::training {
+
+namespace {
+
+constexpr Tick kCalm = 500;  // [ms] below the tolerance until a fault counts as over (session_metrics.h)
+
+double distance(const Vec3& a, const Vec3& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/** [m] Larger tip distance of both arms. */
+double tipError(const TickRecord& record) {
+  double error = 0.0;
+  for (const Arm arm : kArms) {
+    error = std::max(error, distance(at(record.model.arms, arm).p_BT, at(record.robot.arms, arm).p_BT));
+  }
+  return error;
+}
+
+double largestForce(const HapticState& haptic) {
+  double force = 0.0;
+  for (const Vec3& arm_force : haptic.force_B)
+    force = std::max(force, distance(arm_force, Vec3{}));
+  return force;
+}
+
+}  // namespace
+
+void RunningStats::add(double x) noexcept {
+  max_ = count_ == 0 ? x : std::max(max_, x);
+  ++count_;
+  const double delta = x - mean_;
+  mean_ += delta / static_cast<double>(count_);
+  m2_ += delta * (x - mean_);
+}
+
+double RunningStats::deviation() const noexcept {
+  return count_ < 2 ? 0.0 : std::sqrt(m2_ / static_cast<double>(count_ - 1));
+}
+
+MetricsAccumulator::MetricsAccumulator(const session::LogHeader& header) : header_(header) {
+  metrics_.tolerance = header.tolerance;
+}
+
+void MetricsAccumulator::add(const TickRecord& record) {
+  model_now_ = record.model.tick;
+  now_ = record.model.session_tick;
+  if (now_ >= 0) {
+    if (first_ < 0) first_ = now_;
+    ++metrics_.ticks;
+    metrics_.duration = static_cast<double>(now_ + 1) * kTickSeconds;
+    followFault(record);
+  }
+  useForces();
+}
+
+void MetricsAccumulator::followFault(const TickRecord& record) {
+  const std::uint32_t acting = record.robot.frame > 0 ? record.robot.active_fault : 0;
+  if (acting != 0 && acting != active_fault_) beginFault(record.robot);
+  active_fault_ = acting;
+  if (acting != 0) {
+    metrics_.faults.back().last_tick = now_;
+    metrics_.faults.back().last_cycle = record.robot.cycle;
+  }
+  const bool follows = record.model.mode == Mode::kTeleoperating && record.model.linked != 0;
+  const bool comparable = follows && record.model.robot_fresh != 0 && record.robot.frame > 0;
+  const double error = comparable ? tipError(record) : 0.0;
+  if (inFault()) {
+    followAftermath(error, comparable, follows);
+  } else if (comparable) {
+    metrics_.error.add(error);
+  }
+}
+
+void MetricsAccumulator::beginFault(const RobotState& robot) {
+  if (inFault()) metrics_.faults.back().end_tick = now_ - 1;
+  FaultEvent event;
+  const std::uint32_t id = robot.active_fault;
+  event.name = id <= header_.scenarios.size() ? header_.scenarios[id - 1] : "fault_" + std::to_string(id);
+  event.first_tick = now_;
+  event.first_cycle = robot.cycle;
+  metrics_.faults.push_back(event);
+}
+
+void MetricsAccumulator::followAftermath(double error, bool comparable, bool follows) {
+  FaultEvent& event = metrics_.faults.back();
+  event.max_error = std::max(event.max_error, error);
+  const bool beyond = error > header_.tolerance;
+  if (beyond && event.onset_tick < 0) event.onset_tick = now_;
+  const bool calm = active_fault_ == 0 && !beyond && (comparable || !follows);
+  if (!calm) {
+    calm_since_ = -1;
+  } else if (calm_since_ < 0) {
+    calm_since_ = now_;
+  }
+  if (calm && now_ - calm_since_ + 1 >= kCalm) event.end_tick = now_;
+}
+
+void MetricsAccumulator::add(const HapticRecord& record) {
+  waiting_.push_back({record.haptic.tick, largestForce(record.haptic)});
+  useForces();
+}
+
+void MetricsAccumulator::useForces() {
+  while (!waiting_.empty() && waiting_.front().model_tick <= model_now_) {
+    useForce(waiting_.front());
+    waiting_.pop_front();
+  }
+}
+
+void MetricsAccumulator::useForce(const Force& force) {
+  if (first_ < 0) return;  // before the first pedal down
+  const Tick tick = force.model_tick - (model_now_ - now_);
+  if (tick < first_) return;
+  metrics_.max_force = std::max(metrics_.max_force, force.newton);
+  FaultEvent* event = eventAt(tick);
+  if (event == nullptr) {
+    metrics_.error_max_force = std::max(metrics_.error_max_force, force.newton);
+    return;
+  }
+  event->max_force = std::max(event->max_force, force.newton);
+  const bool is_reaction = force.newton > 0.0 && event->onset_tick >= 0 && tick >= event->onset_tick;
+  if (is_reaction && event->force_tick < 0) event->force_tick = tick;
+}
+
+FaultEvent* MetricsAccumulator::eventAt(Tick tick) {
+  for (auto event = metrics_.faults.rbegin(); event != metrics_.faults.rend(); ++event) {
+    if (tick > event->end_tick && event->end_tick >= 0) return nullptr;
+    if (tick >= event->first_tick) return &*event;
+  }
+  return nullptr;
+}
+
+void MetricsAccumulator::add(const PlanRecord& record) {
+  metrics_.plan = record.result;
+}
+
+void MetricsAccumulator::add(const SessionCounts& counts) {
+  metrics_.counts = counts;
+  metrics_.complete = true;
+}
+
+SessionMetrics MetricsAccumulator::result() const {
+  // Haptic records behind the last tick, or whose ticks are missing, count with what is known by then.
+  MetricsAccumulator end = *this;
+  end.model_now_ = waiting_.empty() ? model_now_ : std::max(model_now_, waiting_.back().model_tick);
+  end.now_ += end.model_now_ - model_now_;
+  end.useForces();
+  return end.metrics_;
+}
+
+SessionMetrics computeMetrics(const std::string& log_path) {
+  MetricsAccumulator accumulator(session::readLogHeader(log_path));
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& record) { accumulator.add(record); };
+  visitor.haptic = [&](const HapticRecord& record) { accumulator.add(record); };
+  visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
+  visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
+  session::readLog(log_path, visitor);
+  return accumulator.result();
+}
+
+}  // namespace raven2_trainer::training

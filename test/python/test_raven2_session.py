@@ -1,0 +1,276 @@
+"""Tests of scripts/raven2_session.py and of the programs built on it. Logs are written here by hand, with a schema of
+our own, so that the reader is shown to follow the log and not a fixed layout.
+
+    /usr/bin/python3 -m unittest discover -s test/python
+"""
+
+import json
+import os
+import random
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
+sys.path.insert(0, SCRIPTS)
+sys.dont_write_bytecode = True
+
+import numpy as np  # noqa: E402
+
+import raven2_session  # noqa: E402
+
+
+def field(name, kind, shape=(), fields=None, names=None):
+    entry = {"name": name, "type": kind, "shape": list(shape), "unit": "", "meaning": ""}
+    if fields:
+        entry["fields"] = fields
+    if names:
+        entry["names"] = names
+    return entry
+
+
+MODES = ["waiting", "pedal_up", "teleoperating", "planning", "tracking", "stopped"]
+POSE = [field("q", "f64", (7,)), field("p_BT", "f64", (3,))]
+MODEL = [field("tick", "i64"), field("session_tick", "i64"), field("time_ns", "i64"), field("mode", "u8", names=MODES),
+         field("robot_fresh", "u8"), field("linked", "u8"), field("arms", "struct", (2,), POSE)]
+ROBOT = [field("cycle", "u64"), field("frame", "u64"), field("active_fault", "u32"), field("runlevel", "u8"),
+         field("is_virtual", "u8"), field("arms", "struct", (2,), POSE)]
+HAPTIC = [field("tick", "i64"), field("force_B", "f64", (2, 3))]
+PLAN = [field("status", "u8", names=["none", "success"]), field("arm", "u8", names=["gold", "green"]),
+        field("waypoint_count", "u32"), field("arrival", "f64", (4,)), field("cost", "f64"),
+        field("planning_time", "f64"), field("samples", "u32")]
+RECORDS = [
+    {"type": 1, "name": "tick", "version": 1, "fields": [field("model", "struct", (), MODEL),
+                                                         field("robot", "struct", (), ROBOT)]},
+    {"type": 2, "name": "haptic", "version": 1, "fields": [field("haptic", "struct", (), HAPTIC)]},
+    {"type": 3, "name": "command", "version": 1, "fields": [field("tick", "i64")]},
+    {"type": 4, "name": "request", "version": 1, "fields": [field("tick", "i64"), field("kind", "u8")]},
+    {"type": 5, "name": "plan", "version": 1, "fields": [field("tick", "i64"), field("result", "struct", (), PLAN)]},
+    {"type": 6, "name": "counts", "version": 1, "fields": [field("frames", "u64")]},
+]
+HEADER = {"format": "raven2_trainer session log", "format_version": 1, "byte_order": "little", "seed": 42,
+          "scenarios": ["sudden_jump"], "hazard": "sudden_jump", "robot_urdf_hash": "aa", "scene_urdf_hash": "bb",
+          "config_hash": "cc", "motion": "<scripted>", "d4": -0.47, "tolerance": 0.003, "arm_contacts": False,
+          "records": RECORDS}
+
+
+def record(kind, payload, number=0, version=1):
+    framed = struct.pack("<4sHHIQ", b"RV2L", kind, version, len(payload), number) + payload
+    return framed + struct.pack("<I", zlib.crc32(framed))
+
+
+def header_record(**changes):
+    return record(0, json.dumps({**HEADER, **changes}).encode())
+
+
+def request(tick):
+    return record(4, struct.pack("<qB", tick, 3))
+
+
+def tick_payload(tick, session_tick, error=0.0, fault=0, mode=2):
+    tip = struct.pack("<7d3d", *[0.1 * j for j in range(7)], 0.1, 0.2, 0.3)
+    moved = struct.pack("<7d3d", *[0.1 * j for j in range(7)], 0.1, 0.2 + error, 0.3)
+    model = struct.pack("<qqqBBB", tick, session_tick, tick * 1000000, mode, 1, 1) + tip + tip
+    robot = struct.pack("<QQIBB", 100 + tick, 1, fault, 3, 1) + moved + tip
+    return model + robot
+
+
+def session_bytes():
+    """Two seconds, a fault from 1.0 s to 1.299 s, its error 10 mm, its force 2 N."""
+    data = header_record()
+    for t in range(-10, 2000):
+        fault = 1000 <= t < 1300
+        data += record(1, tick_payload(t + 10, t if t >= 0 else -1, 0.010 if fault else 0.001, int(fault)))
+        data += record(2, struct.pack("<q6d", t + 10, 2.0 if fault else 0.0, 0, 0, 0, 0, 0))
+    data += record(5, struct.pack("<qBBI4dddI", 500, 1, 1, 3, 0.0, 0.5, 1.25, 0.0, 3.75, 0.2, 1000))
+    return data + record(6, struct.pack("<Q", 60))
+
+
+class LogCase(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = os.path.join(self.folder.name, "session.rlog")
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def read(self, data):
+        with open(self.path, "wb") as file:
+            file.write(data)
+        return raven2_session.SessionLog(self.path)
+
+
+class ReaderTest(LogCase):
+    def test_gives_the_values_written(self):
+        log = self.read(header_record() + record(1, tick_payload(12, 5, 0.25, 1)) + record(6, struct.pack("<Q", 7)))
+        self.assertEqual(log.ticks["model"]["tick"].tolist(), [12])
+        self.assertEqual(log.ticks["model"]["session_tick"].tolist(), [5])
+        self.assertEqual(log.ticks["model"]["arms"]["q"].shape, (1, 2, 7))
+        self.assertEqual(log.ticks["robot"]["arms"]["p_BT"][0, 0].tolist(), [0.1, 0.45, 0.3])
+        self.assertEqual(log.ticks["robot"]["active_fault"].tolist(), [1])
+        self.assertEqual(log.counts["frames"].tolist(), [7])
+        self.assertTrue(log.clean)
+        self.assertEqual(log.header["seed"], 42)
+
+    def test_names_the_values_of_an_enum(self):
+        log = self.read(header_record())
+        self.assertEqual(log.names("tick", "model.mode"), MODES)
+
+    def test_stops_cleanly_wherever_the_log_is_cut(self):
+        head, body = header_record(), request(0) + request(1) + request(2)
+        size = len(request(0))
+        for cut in range(len(body) + 1):
+            log = self.read(head + body[:cut])
+            self.assertEqual(log.requests["tick"].tolist(), list(range(cut // size)))
+            self.assertEqual(log.truncated_bytes, cut % size)
+            self.assertEqual(log.bad_bytes, 0)
+            self.assertFalse(log.clean)
+
+    def test_loses_only_the_record_with_the_flipped_bit(self):
+        head, body = header_record(), b"".join(request(i) for i in range(20))
+        size = len(request(0))
+        source = random.Random(2017)
+        for _ in range(1000):
+            at = source.randrange(len(body))
+            damaged = bytearray(body)
+            damaged[at] ^= 1 << source.randrange(8)
+            log = self.read(head + bytes(damaged))
+            self.assertEqual(log.requests["tick"].tolist(), [i for i in range(20) if i != at // size])
+            self.assertEqual(log.bad_bytes + log.truncated_bytes, size)
+
+    def test_never_fails_on_noise(self):
+        source = random.Random(5)
+        for _ in range(200):
+            noise = b"".join(source.choice((b"RV2L", source.randbytes(3))) for _ in range(100))
+            log = self.read(header_record() + noise + request(1))
+            self.assertEqual(log.requests["tick"].tolist(), [1])
+            self.assertEqual(log.bad_bytes, len(noise))
+
+    def test_passes_over_kinds_and_versions_it_does_not_know(self):
+        log = self.read(header_record() + record(99, b"new") + record(4, b"longer than before", version=2) + request(8))
+        self.assertEqual(log.requests["tick"].tolist(), [8])
+        self.assertEqual(log.bad_bytes, 0)
+
+    def test_refuses_what_is_no_log(self):
+        damaged = bytearray(header_record())
+        damaged[100] ^= 1
+        for data in (b"", b"RV2L", b"x" * 1000, bytes(damaged), header_record(format_version=2), record(0, b"no JSON")):
+            with self.assertRaises(raven2_session.SessionError):
+                self.read(data)
+        with self.assertRaises(raven2_session.SessionError):
+            raven2_session.SessionLog(os.path.join(self.folder.name, "missing"))
+
+
+class FiguresTest(LogCase):
+    def test_finds_faults_errors_and_forces_in_session_time(self):
+        import raven2_figures
+
+        self.read(session_bytes())
+        series = raven2_figures.Series(raven2_session.Session(self.folder.name))
+        self.assertEqual(len(series.t), 2000)
+        self.assertEqual(series.fault_windows, [(1.0, 1.299, "sudden_jump")])
+        self.assertAlmostEqual(series.error_mm[1100, 0], 10.0, places=9)
+        self.assertAlmostEqual(series.error_mm[1100, 1], 0.0, places=9)
+        self.assertEqual(series.force_t[0], 0.0)
+        self.assertEqual(series.force[:, 0].sum(), 300 * 2.0)
+
+    def test_thinning_keeps_the_peaks(self):
+        import raven2_figures
+
+        t = np.arange(100000) / 1000
+        values = np.zeros(100000)
+        values[77777], values[12345] = 5.0, -3.0
+        values[:100] = np.nan
+        thin_t, thin = raven2_figures.thinned(t, values)
+        self.assertLessEqual(len(thin), raven2_figures.MAX_POINTS)
+        self.assertEqual(thin_t[np.nanargmax(thin)], 77.777)
+        self.assertEqual(thin_t[np.nanargmin(thin)], 12.345)
+        self.assertTrue(np.all(np.diff(thin_t) > 0))
+
+    def test_runs_are_inclusive_index_pairs(self):
+        import raven2_figures
+
+        mask = np.array([True, False, True, True, False, True])
+        self.assertEqual(raven2_figures.runs(mask), [(0, 0), (2, 3), (5, 5)])
+        self.assertEqual(raven2_figures.runs(np.zeros(3, dtype=bool)), [])
+
+
+class ProgramsTest(LogCase):
+    def run_script(self, name, *arguments):
+        command = ["/usr/bin/python3", os.path.join(SCRIPTS, name), *arguments]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    def report(self, data):
+        with open(self.path, "wb") as file:
+            file.write(data)
+        done = self.run_script("session_report", self.folder.name)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(self.folder.name, "report.html"), encoding="utf-8") as file:
+            return file.read()
+
+    def test_report_is_one_file_that_refers_to_nothing_else(self):
+        page = self.report(session_bytes())
+        self.assertNotRegex(page, r'(?:src|href)="(?!data:|#)')
+        self.assertNotRegex(page, r"@import|<script|<link|url\((?!#)")
+        ids = re.findall(r'\bid="([^"]+)"', page)
+        drawn = [i for i in ids if re.search(r"(figure|axes|legend)_\d+$", i)]
+        self.assertEqual(len(drawn), len(set(drawn)), "figures share ids")
+
+    def test_report_escapes_what_comes_from_outside(self):
+        self.assertIn("&lt;scripted&gt;", self.report(session_bytes()))
+
+    def test_report_shows_what_the_log_tells(self):
+        page = self.report(session_bytes())
+        for text in ("sudden jump", "1.000 s", "300 ms", "3.750", "There is no video", "virtual Raven"):
+            self.assertIn(text, page)
+
+    def test_report_of_a_session_that_was_cut_off_says_so(self):
+        page = self.report(session_bytes()[:-100])
+        self.assertIn("did not end properly", page)
+        self.assertIn("Fault", page)
+
+    def test_report_of_a_session_without_a_tick_is_written(self):
+        self.assertIn("never pressed", self.report(header_record()))
+
+    def test_report_shows_the_metrics(self):
+        metrics = {"duration_s": 2.0, "ticks": 2000, "lockstep": True,
+                   "on_time_ratio": {"physics": None, "haptic": None},
+                   "model_robot_error_mm": {"mean": 1.234, "std": 0.567, "max": 2.5},
+                   "faults": [{"name": "sudden_jump", "first_tick": 1000, "last_tick": 1299, "max_error_mm": 10.0,
+                               "error_to_force_ms": 7, "max_force_N": 2.0, "first_cycle": 1110, "last_cycle": 1409}],
+                   "packets": {"master_to_daemon": {"received": 10, "applied": 8, "used": 7,
+                                                    "rejected": {"duplicate": 2}},
+                               "daemon_to_robot": {"sent": 9, "received": 9, "applied": 8, "rejected": {}},
+                               "robot_to_daemon": {"received": 5, "applied": 5, "rejected": {}},
+                               "daemon_to_console": {"sent": 4}}}
+        with open(os.path.join(self.folder.name, "metrics.json"), "w", encoding="utf-8") as file:
+            json.dump(metrics, file)
+        page = self.report(session_bytes())
+        for text in ("1.23 ± 0.57 mm", "2.43 ± 1.72 mm", "7 ms", "1,110 – 1,409", "duplicate 2", "does not add up"):
+            self.assertIn(text, page)
+
+    def test_plot_session_writes_png_and_svg(self):
+        with open(self.path, "wb") as file:
+            file.write(session_bytes())
+        target = os.path.join(self.folder.name, "pictures")
+        done = self.run_script("plot_session", self.folder.name, "--output", target)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for name in ("joint_1", "haptic_force", "tip_error", "tip_paths"):
+            for kind, start in (("png", b"\x89PNG"), ("svg", b"<?xml")):
+                with open(os.path.join(target, f"{name}.{kind}"), "rb") as file:
+                    self.assertTrue(file.read().startswith(start))
+
+    def test_programs_say_in_one_line_that_a_folder_is_no_session(self):
+        for name in ("session_report", "plot_session"):
+            done = self.run_script(name, self.folder.name)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr.count("\n"), 1)
+            self.assertIn("no session", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

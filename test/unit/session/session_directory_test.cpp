@@ -1,0 +1,111 @@
+#include "raven2_trainer/session/session_directory.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "log_file.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** An empty folder of this test. */
+std::string freshFolder(const std::string& name) {
+  const std::string path = scratchPath(name);
+  fs::remove_all(path);
+  return path;
+}
+
+void writeText(const std::string& path, const std::string& text) {
+  writeBytes(path, Bytes(text.begin(), text.end()));
+}
+
+TEST(SessionDirectory, IsCreatedWithItsParents) {
+  const std::string path = freshFolder("parents") + "/a/b";
+  const SessionPaths paths = createSessionDirectory(path);
+  EXPECT_TRUE(fs::is_directory(path));
+  EXPECT_EQ(paths.log(), path + "/session.rlog");
+}
+
+TEST(SessionDirectory, RefusesOneThatHoldsASession) {
+  const std::string path = freshFolder("taken");
+  createSessionDirectory(path);
+  EXPECT_NO_THROW(createSessionDirectory(path)) << "an empty folder is taken";
+  writeText(path + "/session.rlog", "x");
+  EXPECT_THROW(createSessionDirectory(path), SessionException);
+}
+
+TEST(SessionDirectory, RefusesAPathThatIsAFile) {
+  writeText(scratchPath("file"), "x");
+  EXPECT_THROW(createSessionDirectory(scratchPath("file")), SessionException);
+  EXPECT_THROW(createSessionDirectory(scratchPath("file") + "/below"), SessionException);
+}
+
+TEST(SessionDirectory, IsNamedByItsUtcTimeUnlessGiven) {
+  const std::string root = freshFolder("stamped");
+  fs::create_directories(root);
+  const fs::path before = fs::current_path();
+  fs::current_path(root);
+  const SessionPaths first = createSessionDirectory("");
+  const SessionPaths second = createSessionDirectory("");
+  fs::current_path(before);
+  const std::regex stamp(R"(sessions/\d{4}-\d\d-\d\dT\d\d-\d\d-\d\dZ(-\d+)?)");
+  EXPECT_TRUE(std::regex_match(first.directory, stamp)) << first.directory;
+  EXPECT_TRUE(std::regex_match(second.directory, stamp)) << second.directory;
+  EXPECT_NE(first.directory, second.directory);
+  EXPECT_TRUE(fs::is_directory(root + "/" + second.directory));
+}
+
+TEST(SessionDirectory, OpensOnlyWithALog) {
+  const std::string path = freshFolder("open");
+  EXPECT_THROW(openSessionDirectory(path), SessionException);
+  createSessionDirectory(path);
+  EXPECT_THROW(openSessionDirectory(path), SessionException);
+  writeText(path + "/session.rlog", "x");
+  EXPECT_EQ(openSessionDirectory(path).metrics(), path + "/metrics.json");
+}
+
+TEST(FileHash, IsFnv1a64) {
+  // published test vectors of the algorithm (RFC 9923; isthe.com/chongo/src/fnv/test_fnv.c)
+  writeText(scratchPath("empty"), "");
+  EXPECT_EQ(fileHash(scratchPath("empty")), "cbf29ce484222325");
+  writeText(scratchPath("a"), "a");
+  EXPECT_EQ(fileHash(scratchPath("a")), "af63dc4c8601ec8c");
+  writeText(scratchPath("foobar"), "foobar");
+  EXPECT_EQ(fileHash(scratchPath("foobar")), "85944171f73967e8");
+  EXPECT_THROW(fileHash(scratchPath("missing_file")), SessionException);
+  EXPECT_THROW(fileHash(testing::TempDir()), SessionException);
+}
+
+TEST(SessionMeta, HoldsWhatWasGiven) {
+  const SessionPaths paths = createSessionDirectory(freshFolder("meta"));
+  const std::string file = scratchPath("haptics.yaml");
+  writeText(file, "foobar");
+  TrainerConfig config;
+  config.seed = 18446744073709551615ULL;
+  config.hazard = "sudden_jump";
+  config.files = {file};
+  config.robot_urdf = file;
+  SessionMeta meta{"simulate", "0.1.0", "2026-01-31T12:00:00Z", 12.5, "lockstep", "scripted", 0.25};
+  writeMeta(paths, meta, config);
+  const Bytes bytes = readBytes(paths.meta());
+  const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
+  EXPECT_EQ(json.at("program"), "simulate");
+  EXPECT_EQ(json.at("version"), "0.1.0");
+  EXPECT_EQ(json.at("start_time_utc"), "2026-01-31T12:00:00Z");
+  EXPECT_EQ(json.at("wall_duration_s"), 12.5);
+  EXPECT_EQ(json.at("realtime"), "lockstep");
+  EXPECT_EQ(json.at("motion"), "scripted");
+  EXPECT_EQ(json.at("recording_clipped"), 0.25);
+  EXPECT_EQ(json.at("seed"), config.seed);
+  EXPECT_EQ(json.at("hazard"), "sudden_jump");
+  EXPECT_EQ(json.at("config_files").at(0).at("fnv1a"), "85944171f73967e8");
+  EXPECT_EQ(json.at("robot_urdf").at("fnv1a"), "85944171f73967e8");
+  EXPECT_FALSE(json.contains("scene_urdf"));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::session

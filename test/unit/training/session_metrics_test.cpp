@@ -1,0 +1,485 @@
+#include "raven2_trainer/training/session_metrics.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "gtest/gtest.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::training {
+namespace {
+
+constexpr double kMillimetre = 0.001;
+constexpr Tick kOrigin = 5000;  // model tick of the first pedal down
+
+session::LogHeader makeHeader() {
+  session::LogHeader header;
+  header.scenarios = {"other", "sudden_jump"};
+  header.tolerance = 3 * kMillimetre;
+  return header;
+}
+
+/** A tick of teleoperation whose gold tips are `error` [m] apart. */
+TickRecord makeTick(Tick session_tick, double error, std::uint32_t fault = 0) {
+  TickRecord record;
+  record.model.session_tick = session_tick;
+  record.model.tick = kOrigin + session_tick;
+  record.model.mode = Mode::kTeleoperating;
+  record.model.robot_fresh = 1;
+  record.model.linked = 1;
+  record.robot.frame = 1;
+  record.robot.cycle = 70000 + static_cast<std::uint64_t>(session_tick);
+  record.robot.active_fault = fault;
+  at(record.model.arms, Arm::kGold).p_BT = {0.1, 0.2 + error, 0.3};
+  at(record.robot.arms, Arm::kGold).p_BT = {0.1, 0.2, 0.3};
+  return record;
+}
+
+HapticRecord makeForce(Tick session_tick, double newton) {
+  HapticRecord record;
+  record.haptic.tick = kOrigin + session_tick;
+  at(record.haptic.force_B, Arm::kGreen) = {0.6 * newton, 0.0, -0.8 * newton};
+  return record;
+}
+
+/** Feeds ticks first..last with the same error and fault. */
+void feed(MetricsAccumulator* metrics, Tick first, Tick last, double error, std::uint32_t fault = 0) {
+  for (Tick t = first; t <= last; ++t)
+    metrics->add(makeTick(t, error, fault));
+}
+
+TEST(RunningStats, MatchesMeanAndSampleDeviationByHand) {
+  RunningStats stats;
+  for (const double x : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0})
+    stats.add(x);
+  EXPECT_EQ(stats.count(), 8u);
+  EXPECT_DOUBLE_EQ(stats.mean(), 5.0);
+  EXPECT_DOUBLE_EQ(stats.deviation(), std::sqrt(32.0 / 7.0));  // squares: 9+1+1+1+0+0+4+16
+  EXPECT_EQ(stats.max(), 9.0);
+}
+
+TEST(RunningStats, HasNoDeviationBelowTwoValues) {
+  RunningStats stats;
+  EXPECT_EQ(stats.deviation(), 0.0);
+  stats.add(-3.0);
+  EXPECT_EQ(stats.deviation(), 0.0);
+  EXPECT_EQ(stats.max(), -3.0);
+}
+
+TEST(RunningStats, KeepsSmallDeviationsOnALargeMean) {
+  RunningStats stats;
+  for (int i = 0; i < 1000; ++i)
+    stats.add(1e9 + (i % 2));  // a sum of squares would lose this
+  EXPECT_NEAR(stats.deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
+}
+
+TEST(SessionMetrics, TimeStartsAtTheFirstPedalDown) {
+  MetricsAccumulator metrics(makeHeader());
+  TickRecord before = makeTick(-1, 0.5);  // half a metre, but not of the session
+  before.model.tick = 3;
+  metrics.add(before);
+  feed(&metrics, 0, 1999, 0.001);
+  const SessionMetrics result = metrics.result();
+  EXPECT_EQ(result.ticks, 2000u);
+  EXPECT_DOUBLE_EQ(result.duration, 2.0);
+  EXPECT_EQ(result.error.count(), 2000u);
+  EXPECT_NEAR(result.error.max(), 0.001, 1e-15);
+}
+
+TEST(SessionMetrics, TakesTheLargerArmsError) {
+  MetricsAccumulator metrics(makeHeader());
+  TickRecord record = makeTick(0, 0.001);
+  at(record.model.arms, Arm::kGreen).p_BT = {0.0, 0.003, 0.004};
+  metrics.add(record);
+  metrics.add(makeTick(1, 0.001));
+  EXPECT_NEAR(metrics.result().error.mean(), 0.003, 1e-15);  // (5 + 1) / 2 mm
+  EXPECT_NEAR(metrics.result().error.deviation(), 0.004 / std::sqrt(2.0), 1e-15);
+}
+
+TEST(SessionMetrics, LeavesOutWhatCannotBeCompared) {
+  MetricsAccumulator metrics(makeHeader());
+  for (int what = 0; what < 4; ++what) {
+    TickRecord record = makeTick(what, 0.5);
+    if (what == 0) record.model.mode = Mode::kTracking;
+    if (what == 1) record.model.robot_fresh = 0;
+    if (what == 2) record.model.linked = 0;
+    if (what == 3) record.robot.frame = 0;
+    metrics.add(record);
+  }
+  EXPECT_EQ(metrics.result().error.count(), 0u);
+  EXPECT_EQ(metrics.result().ticks, 4u);
+}
+
+TEST(FaultEvent, HasKnownTicksOnBothClocksAndKnownOnset) {
+  MetricsAccumulator metrics(makeHeader());
+  for (Tick t = 0; t < 3000; ++t) {
+    const bool acting = t >= 1000 && t <= 1299;
+    const double error = t >= 1040 && t <= 1400 ? 0.012 : 0.001;
+    metrics.add(makeTick(t, error, acting ? 2 : 0));
+    metrics.add(makeForce(t, t >= 1045 && t <= 1400 ? 2.5 : 0.0));
+  }
+  const SessionMetrics result = metrics.result();
+  ASSERT_EQ(result.faults.size(), 1u);
+  const FaultEvent& event = result.faults[0];
+  EXPECT_EQ(event.name, "sudden_jump");
+  EXPECT_EQ(event.first_tick, 1000);
+  EXPECT_EQ(event.last_tick, 1299);
+  EXPECT_EQ(event.first_cycle, 71000u);
+  EXPECT_EQ(event.last_cycle, 71299u);
+  EXPECT_NEAR(event.max_error, 0.012, 1e-15);
+  EXPECT_EQ(event.onset_tick, 1040);
+  EXPECT_EQ(event.force_tick, 1045);
+  EXPECT_EQ(event.errorToForce(), 5);
+  EXPECT_NEAR(event.max_force, 2.5, 1e-15);
+  // the error is calm from tick 1401; the 500th calm tick is 1900
+  EXPECT_EQ(event.end_tick, 1900);
+  EXPECT_EQ(result.error.count(), 3000u - 901u);
+  EXPECT_NEAR(result.error.max(), 0.001, 1e-15);
+  EXPECT_EQ(result.error_max_force, 0.0);
+}
+
+TEST(FaultEvent, IsTheSameWhereverTheHapticRecordsStand) {
+  // GIVEN one stream fed tick by tick, one with the forces a block of 50 ticks late, one with them early
+  std::vector<SessionMetrics> results;
+  for (const Tick shift : {0, 50, -50}) {
+    MetricsAccumulator metrics(makeHeader());
+    for (Tick t = -60; t < 3060; ++t) {
+      if (t >= 0 && t < 3000) {
+        const double error = t >= 1040 && t <= 1400 ? 0.012 : 0.001;
+        metrics.add(makeTick(t, error, t >= 1000 && t <= 1299 ? 2 : 0));
+      }
+      const Tick force_tick = t - shift;
+      if (force_tick < 0 || force_tick >= 3000) continue;
+      const double outside = force_tick == 999 || force_tick == 1901 ? 0.5 : 0.0;
+      metrics.add(makeForce(force_tick, force_tick >= 1045 && force_tick <= 1900 ? 2.5 : outside));
+    }
+    results.push_back(metrics.result());
+  }
+  for (const SessionMetrics& result : results) {
+    ASSERT_EQ(result.faults.size(), 1u);
+    EXPECT_EQ(result.faults[0].force_tick, 1045);
+    EXPECT_NEAR(result.faults[0].max_force, 2.5, 1e-15);
+    EXPECT_NEAR(result.error_max_force, 0.5, 1e-15);
+    EXPECT_NEAR(result.max_force, 2.5, 1e-15);
+  }
+}
+
+TEST(FaultEvent, ForceBeforeTheErrorIsNoReaction) {
+  MetricsAccumulator metrics(makeHeader());
+  for (Tick t = 0; t < 200; ++t) {
+    metrics.add(makeTick(t, t >= 150 ? 0.004 : 0.0, 1));
+    metrics.add(makeForce(t, t == 100 || t >= 150 ? 1.0 : 0.0));
+  }
+  const FaultEvent event = metrics.result().faults.at(0);
+  EXPECT_EQ(event.force_tick, 150);
+  EXPECT_EQ(event.errorToForce(), 0);
+}
+
+TEST(FaultEvent, WithoutErrorOrForceSaysNever) {
+  MetricsAccumulator metrics(makeHeader());
+  feed(&metrics, 0, 99, 0.001, 1);
+  feed(&metrics, 100, 999, 0.001);
+  const FaultEvent event = metrics.result().faults.at(0);
+  EXPECT_EQ(event.onset_tick, -1);
+  EXPECT_EQ(event.force_tick, -1);
+  EXPECT_EQ(event.errorToForce(), -1);
+  EXPECT_EQ(event.end_tick, 599);
+}
+
+TEST(FaultEvent, AtTheToleranceExactlyIsNotBeyondIt) {
+  session::LogHeader header = makeHeader();
+  header.tolerance = 0.25;  // exact in binary, as the positions below
+  MetricsAccumulator metrics(header);
+  TickRecord record = makeTick(0, 0.0, 1);
+  at(record.model.arms, Arm::kGold).p_BT = {0.5, 0.0, 0.0};
+  at(record.robot.arms, Arm::kGold).p_BT = {0.25, 0.0, 0.0};
+  metrics.add(record);
+  EXPECT_EQ(metrics.result().faults.at(0).onset_tick, -1);
+}
+
+TEST(FaultAftermath, StartsAnewWhenTheErrorComesBack) {
+  MetricsAccumulator metrics(makeHeader());
+  feed(&metrics, 0, 9, 0.010, 2);
+  feed(&metrics, 10, 508, 0.0);  // 499 calm ticks: one short
+  feed(&metrics, 509, 509, 0.004);
+  feed(&metrics, 510, 1008, 0.002);
+  EXPECT_EQ(metrics.result().faults.at(0).end_tick, -1);
+  EXPECT_EQ(metrics.result().error.count(), 0u);
+  feed(&metrics, 1009, 1010, 0.002);
+  EXPECT_EQ(metrics.result().faults.at(0).end_tick, 1009);
+  EXPECT_EQ(metrics.result().error.count(), 1u);
+}
+
+TEST(FaultAftermath, DoesNotEndWhileTheRobotIsUnknown) {
+  MetricsAccumulator metrics(makeHeader());
+  feed(&metrics, 0, 9, 0.010, 2);
+  for (Tick t = 10; t < 2000; ++t) {
+    TickRecord stale = makeTick(t, 0.0);
+    stale.model.robot_fresh = 0;
+    metrics.add(stale);
+  }
+  EXPECT_EQ(metrics.result().faults.at(0).end_tick, -1);
+}
+
+TEST(FaultAftermath, RunsOutWhileThePedalIsUp) {
+  MetricsAccumulator metrics(makeHeader());
+  feed(&metrics, 0, 9, 0.010, 2);
+  for (Tick t = 10; t < 1000; ++t) {
+    TickRecord up = makeTick(t, 0.010);
+    up.model.mode = Mode::kPedalUp;
+    up.model.linked = 0;
+    metrics.add(up);
+  }
+  const FaultEvent event = metrics.result().faults.at(0);
+  EXPECT_EQ(event.end_tick, 509);
+  EXPECT_NEAR(event.max_error, 0.010, 1e-15);
+}
+
+TEST(FaultAftermath, EndsWhereTheNextFaultBegins) {
+  MetricsAccumulator metrics(makeHeader());
+  feed(&metrics, 0, 9, 0.010, 2);
+  feed(&metrics, 10, 99, 0.010);
+  feed(&metrics, 100, 109, 0.020, 2);
+  feed(&metrics, 110, 119, 0.030, 1);  // another scenario, with no gap
+  const SessionMetrics result = metrics.result();
+  ASSERT_EQ(result.faults.size(), 3u);
+  EXPECT_EQ(result.faults[0].end_tick, 99);
+  EXPECT_EQ(result.faults[1].first_tick, 100);
+  EXPECT_EQ(result.faults[1].last_tick, 109);
+  EXPECT_NEAR(result.faults[1].max_error, 0.020, 1e-15);
+  EXPECT_EQ(result.faults[2].name, "other");
+  EXPECT_EQ(result.faults[2].onset_tick, 110);
+}
+
+TEST(FaultEvent, OfAScenarioTheLogDoesNotNameGetsItsNumber) {
+  MetricsAccumulator metrics(makeHeader());
+  feed(&metrics, 0, 1, 0.0, 7);
+  EXPECT_EQ(metrics.result().faults.at(0).name, "fault_7");
+}
+
+TEST(FaultEvent, IsNotReadFromARobotThatNeverSpoke) {
+  MetricsAccumulator metrics(makeHeader());
+  TickRecord record = makeTick(0, 0.0, 2);
+  record.robot.frame = 0;
+  metrics.add(record);
+  EXPECT_TRUE(metrics.result().faults.empty());
+}
+
+TEST(SessionMetrics, SumsAFourJumpSession) {
+  // GIVEN the paper's pattern: 300 ms every 8 s, four times in 34 s, and forces outside them
+  MetricsAccumulator metrics(makeHeader());
+  for (Tick t = 0; t < 34000; ++t) {
+    const Tick phase = t % 8000;
+    const bool acting = t >= 8000 && phase < 300;
+    const double height = 0.005 * static_cast<double>(t / 8000);
+    metrics.add(makeTick(t, acting && phase >= 20 ? height : 0.002, acting ? 2 : 0));
+    metrics.add(makeForce(t, acting && phase >= 20 ? height * 200 : (phase == 7000 ? 0.75 : 0.0)));
+  }
+  const SessionMetrics result = metrics.result();
+  ASSERT_EQ(result.faults.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto first = static_cast<Tick>(8000 * (i + 1));
+    EXPECT_EQ(result.faults[i].first_tick, first);
+    EXPECT_EQ(result.faults[i].last_tick, first + 299);
+    EXPECT_EQ(result.faults[i].onset_tick, first + 20);
+    EXPECT_EQ(result.faults[i].errorToForce(), 0);
+    EXPECT_EQ(result.faults[i].end_tick, first + 799);
+    EXPECT_NEAR(result.faults[i].max_error, 0.005 * static_cast<double>(i + 1), 1e-12);
+    EXPECT_NEAR(result.faults[i].max_force, static_cast<double>(i + 1), 1e-12);
+  }
+  EXPECT_EQ(result.error.count(), 34000u - 4u * 800u);
+  EXPECT_NEAR(result.error.mean(), 0.002, 1e-12);
+  EXPECT_NEAR(result.error.deviation(), 0.0, 1e-12);
+  EXPECT_NEAR(result.max_force, 4.0, 1e-12);
+  EXPECT_NEAR(result.error_max_force, 0.75, 1e-12);
+}
+
+TEST(SessionMetrics, KeepsTheNewestPlan) {
+  MetricsAccumulator metrics(makeHeader());
+  EXPECT_EQ(metrics.result().plan.status, PlanStatus::kNone);
+  PlanRecord record;
+  record.result.status = PlanStatus::kNoPath;
+  metrics.add(record);
+  record.result.status = PlanStatus::kSuccess;
+  record.result.cost = 6.5;
+  metrics.add(record);
+  EXPECT_EQ(metrics.result().plan.status, PlanStatus::kSuccess);
+  EXPECT_EQ(metrics.result().plan.cost, 6.5);
+}
+
+std::string scratchPath(const std::string& name) {
+  return testing::TempDir() + "/raven2_training_" + std::to_string(getpid()) + "_" + name;
+}
+
+nlohmann::json readJson(const std::string& path) {
+  std::ifstream file(path);
+  return nlohmann::json::parse(file);
+}
+
+SessionMetrics makeResult() {
+  SessionMetrics result;
+  result.duration = 34.0;
+  result.ticks = 34000;
+  result.tolerance = 0.003;
+  result.max_force = 2.5;
+  result.error_max_force = 0.5;
+  result.error.add(0.001);
+  result.error.add(0.003);
+  FaultEvent event;
+  event.name = "sudden_jump";
+  event.first_tick = 8000;
+  event.last_tick = 8299;
+  event.first_cycle = 12001;
+  event.last_cycle = 12300;
+  event.max_error = 0.0125;
+  event.max_force = 2.5;
+  event.onset_tick = 8030;
+  event.force_tick = 8032;
+  result.faults = {event};
+  result.counts.master.received = 100;
+  result.counts.master.applied = 97;
+  result.counts.master.rejected[static_cast<std::size_t>(Reject::kDuplicate)] = 3;
+  result.counts.master_used = 90;
+  result.counts.relay_sent = 88;
+  result.counts.relay.received = 87;
+  result.counts.relay.applied = 87;
+  result.counts.robot_state.received = 50;
+  result.counts.robot_state.applied = 50;
+  result.counts.force_sent = 70;
+  result.counts.loops[0] = {1000, 990, 10, 1, 260, 1500, 2500, 4};
+  result.counts.frames = 12;
+  result.counts.realtime = 1;
+  return result;
+}
+
+TEST(MetricsFile, HoldsEveryFigure) {
+  const std::string path = scratchPath("metrics.json");
+  writeMetrics(path, makeResult());
+  const auto json = readJson(path);
+  EXPECT_EQ(json.at("duration_s"), 34.0);
+  EXPECT_EQ(json.at("ticks"), 34000);
+  EXPECT_EQ(json.at("on_time_ratio").at("physics"), 0.99);
+  EXPECT_TRUE(json.at("on_time_ratio").at("haptic").is_null()) << "no haptic tick ran";
+  const auto& master = json.at("packets").at("master_to_daemon");
+  EXPECT_EQ(master.at("received"), 100);
+  EXPECT_EQ(master.at("applied"), 97);
+  EXPECT_EQ(master.at("used"), 90);
+  EXPECT_EQ(master.at("rejected").at("duplicate"), 3);
+  EXPECT_EQ(master.at("rejected").size(), kRejectCount - 1) << "all reasons but none";
+  EXPECT_EQ(json.at("packets").at("daemon_to_robot").at("sent"), 88);
+  EXPECT_EQ(json.at("packets").at("daemon_to_robot").at("received"), 87);
+  EXPECT_EQ(json.at("packets").at("robot_to_daemon").at("applied"), 50);
+  EXPECT_EQ(json.at("packets").at("daemon_to_console").at("sent"), 70);
+  EXPECT_DOUBLE_EQ(json.at("model_robot_error_mm").at("mean"), 2.0);
+  EXPECT_DOUBLE_EQ(json.at("model_robot_error_mm").at("std"), std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(json.at("model_robot_error_mm").at("max"), 3.0);
+  const auto& fault = json.at("faults").at(0);
+  EXPECT_EQ(fault.at("name"), "sudden_jump");
+  EXPECT_EQ(fault.at("first_tick"), 8000);
+  EXPECT_EQ(fault.at("last_tick"), 8299);
+  EXPECT_DOUBLE_EQ(fault.at("max_error_mm"), 12.5);
+  EXPECT_EQ(fault.at("error_to_force_ms"), 2);
+  EXPECT_EQ(fault.at("max_force_N"), 2.5);
+  EXPECT_EQ(fault.at("first_cycle"), 12001);
+  EXPECT_EQ(fault.at("last_cycle"), 12300);
+  EXPECT_EQ(json.at("haptic").at("max_force_N"), 2.5);
+  EXPECT_EQ(json.at("haptic").at("max_force_outside_faults_N"), 0.5);
+  EXPECT_DOUBLE_EQ(json.at("haptic").at("threshold_mm"), 3.0);
+  EXPECT_EQ(json.at("plan").at("success"), false);
+  EXPECT_EQ(json.at("plan").at("status"), "none");
+  EXPECT_EQ(json.at("frames"), 0);
+  EXPECT_EQ(json.at("live_frames"), 12);
+  const auto& timing = json.at("timing").at("physics");
+  EXPECT_EQ(timing.at("slips"), 10);
+  EXPECT_EQ(timing.at("time_slips"), 1);
+  EXPECT_EQ(timing.at("lost_ticks"), 260);
+  EXPECT_EQ(timing.at("max_late_us"), 1.5);
+  EXPECT_EQ(timing.at("max_run_us"), 2.5);
+  EXPECT_EQ(timing.at("stale_reads"), 4);
+  EXPECT_EQ(json.at("records_dropped"), 0);
+  EXPECT_EQ(json.at("realtime"), true);
+}
+
+TEST(MetricsFile, HasNoOnTimeRatioInLockstep) {
+  SessionMetrics result = makeResult();
+  result.counts.lockstep = 1;
+  writeMetrics(scratchPath("lockstep.json"), result);
+  EXPECT_TRUE(readJson(scratchPath("lockstep.json")).at("on_time_ratio").at("physics").is_null());
+}
+
+TEST(MetricsFile, SaysNullForAForceThatNeverCame) {
+  SessionMetrics result = makeResult();
+  result.faults[0].force_tick = -1;
+  writeMetrics(scratchPath("never.json"), result);
+  EXPECT_TRUE(readJson(scratchPath("never.json")).at("faults").at(0).at("error_to_force_ms").is_null());
+}
+
+TEST(MetricsFile, IsTheSameBytesForTheSameMetrics) {
+  writeMetrics(scratchPath("one.json"), makeResult());
+  writeMetrics(scratchPath("two.json"), makeResult());
+  std::ifstream one(scratchPath("one.json")), two(scratchPath("two.json"));
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(one), {}), std::string(std::istreambuf_iterator<char>(two), {}));
+}
+
+TEST(MetricsFile, KeepsTheRestWhenFramesAreSet) {
+  const std::string path = scratchPath("frames.json");
+  writeMetrics(path, makeResult());
+  auto expected = readJson(path);
+  setFrames(path, 1020);
+  expected["frames"] = 1020;
+  EXPECT_EQ(readJson(path), expected);
+}
+
+TEST(MetricsFile, RefusesToSetFramesInWhatIsNoObject) {
+  EXPECT_THROW(setFrames(scratchPath("missing.json"), 1), SessionException);
+  std::ofstream(scratchPath("array.json")) << "[1, 2]";
+  EXPECT_THROW(setFrames(scratchPath("array.json"), 1), SessionException);
+  std::ofstream(scratchPath("broken.json")) << "{\"frames\": ";
+  EXPECT_THROW(setFrames(scratchPath("broken.json"), 1), SessionException);
+}
+
+TEST(MetricsFile, RefusesAFolderThatIsNotThere) {
+  EXPECT_THROW(writeMetrics(scratchPath("none") + "/metrics.json", makeResult()), SessionException);
+  EXPECT_THROW(writeFaults(scratchPath("none") + "/faults.json", makeResult()), SessionException);
+}
+
+TEST(FaultsFile, GivesBothClocks) {
+  writeFaults(scratchPath("faults.json"), makeResult());
+  const auto event = readJson(scratchPath("faults.json")).at("faults").at(0);
+  EXPECT_EQ(event.at("name"), "sudden_jump");
+  EXPECT_EQ(event.at("model"), (nlohmann::json{{"first_tick", 8000}, {"last_tick", 8299}}));
+  EXPECT_EQ(event.at("robot"), (nlohmann::json{{"first_cycle", 12001}, {"last_cycle", 12300}}));
+}
+
+TEST(ComputeMetrics, ReadsALogAsItWasFed) {
+  const std::string path = scratchPath("session.rlog");
+  SessionCounts counts;
+  counts.master.received = 17;
+  {
+    session::LogWriter log(path, makeHeader());
+    for (Tick t = 0; t < 1500; ++t) {
+      log.write(makeTick(t, t >= 600 && t < 700 ? 0.007 : 0.001, t >= 590 && t < 700 ? 2 : 0));
+      log.write(makeForce(t, t >= 601 && t < 700 ? 1.25 : 0.0));
+    }
+    PlanRecord plan;
+    plan.result.status = PlanStatus::kSuccess;
+    log.write(plan);
+    log.finish(counts);
+  }
+  const SessionMetrics result = computeMetrics(path);
+  EXPECT_EQ(result.ticks, 1500u);
+  ASSERT_EQ(result.faults.size(), 1u);
+  EXPECT_EQ(result.faults[0].first_tick, 590);
+  EXPECT_EQ(result.faults[0].errorToForce(), 1);
+  EXPECT_EQ(result.plan.status, PlanStatus::kSuccess);
+  EXPECT_EQ(result.counts.master.received, 17u);
+  EXPECT_TRUE(result.complete);
+  EXPECT_THROW(computeMetrics(scratchPath("missing.rlog")), SessionException);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::training
