@@ -1,0 +1,36 @@
+#include "raven/homing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raven2_trainer::raven {
+namespace {
+
+/** Cycles at home before READY, for the integral of the tool joints; ours (the robot waits 200 before phase 2). */
+constexpr std::int64_t kSettleCycles = 500;
+
+}  // namespace
+
+Homing::Homing(const JointArray& home, double time) noexcept
+    : home_(home), length_(std::max<std::int64_t>(1, std::llround(time / kTickSeconds))) {}
+
+void Homing::hold(const PerArm<JointArray>& q) noexcept {
+  if (done_) return;
+  elapsed_ = 0;
+  start_ = q;
+}
+
+void Homing::tick() noexcept {
+  if (!done_ && ++elapsed_ >= length_ + kSettleCycles) done_ = true;
+}
+
+JointArray Homing::desired(Arm arm) const noexcept {
+  const double s = std::min(1.0, static_cast<double>(elapsed_) / static_cast<double>(length_));
+  const double blend = 0.5 * (1.0 - std::cos(kPi * s));
+  JointArray q;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    q[j] = at(start_, arm)[j] + blend * (home_[j] - at(start_, arm)[j]);
+  return q;
+}
+
+}  // namespace raven2_trainer::raven

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "raven2_trainer/core/config.h"
+
+namespace raven2_trainer::raven {
+
+using DacArray = std::array<std::int32_t, kJointCount>;  ///< [counts]
+
+/** PID of one arm in motor space and the way from torque to DAC (raven2.md 3.4 to 3.6). Real-time safe. */
+class MotorController {
+ public:
+  MotorController(Arm arm, const VirtualRavenConfig& config) noexcept;
+
+  /** Capstan torques [Nm] for motor positions and velocities [rad, rad/s]. The desired velocity is never set on the
+   *  robot, so kd damps; the integral has no anti-windup and is never reset. */
+  JointArray torque(const JointArray& desired, const JointArray& motor, const JointArray& velocity) noexcept;
+
+  /** Truncated, saturated to 16 bits; 0 for what is not finite. */
+  DacArray toDac(const JointArray& torque) const noexcept;
+
+ private:
+  Arm arm_;
+  std::array<MotorAxis, kJointCount> axes_;
+  JointArray integral_{};  // [rad s]
+};
+
+/** Overdrive check, policy SOFT: a command above `max_inst_dac` becomes 0 and stops the robot; one above its clip is
+ *  clipped from INIT on. Grasp2 is never looked at: the robot's loop ends one joint early (raven2.md 4.5).
+ *  @return true if the robot must stop. */
+bool overdriveDetect(const VirtualRavenConfig& config, bool clips, DacArray* dac) noexcept;
+
+}  // namespace raven2_trainer::raven

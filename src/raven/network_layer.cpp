@@ -1,0 +1,62 @@
+#include "raven/network_layer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raven2_trainer::raven {
+namespace {
+
+std::int32_t toField(double value) noexcept {
+  if (std::isnan(value)) return 0;
+  return static_cast<std::int32_t>(std::clamp(value, -2147483648.0, 2147483647.0));
+}
+
+std::int32_t faulted(faults::FaultEngine* faults, FaultTarget target, Arm arm, int axis, std::int32_t value) noexcept {
+  return toField(faults->apply(FaultSite::kNetworkLayer, target, arm, axis, value));
+}
+
+/** Faults on the fields as they stand on the wire, before any check (paper, Table 1). */
+void injectFaults(faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept {
+  for (const Arm arm : kArms) {
+    at(packet->delx_um, arm) = faulted(faults, FaultTarget::kIncrement, arm, 0, at(packet->delx_um, arm));
+    at(packet->dely_um, arm) = faulted(faults, FaultTarget::kIncrement, arm, 1, at(packet->dely_um, arm));
+    at(packet->delz_um, arm) = faulted(faults, FaultTarget::kIncrement, arm, 2, at(packet->delz_um, arm));
+  }
+  packet->surgeon_mode = faulted(faults, FaultTarget::kPedal, Arm::kGold, 0, packet->surgeon_mode);
+}
+
+}  // namespace
+
+Reject NetworkLayer::receive(const std::uint8_t* bytes, std::size_t size, faults::FaultEngine* faults) noexcept {
+  wire::ItpPacket packet;
+  const Reject reason = judge(bytes, size, faults, &packet);
+  counts_.count(reason);
+  if (reason == Reject::kNone) apply(packet);
+  return reason;
+}
+
+Reject NetworkLayer::judge(const std::uint8_t* bytes,
+                           std::size_t size,
+                           faults::FaultEngine* faults,
+                           wire::ItpPacket* packet) noexcept {
+  const Reject size_reason = wire::decodeItp(bytes, std::min(size, wire::kItpSize), packet);
+  if (size_reason != Reject::kNone) return size_reason;
+  injectFaults(faults, packet);
+  const Reject order_reason = rule_.check(packet->sequence);
+  if (order_reason != Reject::kNone) return order_reason;
+  return checkQuaternions(*packet);
+}
+
+void NetworkLayer::apply(const wire::ItpPacket& packet) noexcept {
+  pedal_ = packet.surgeon_mode != 0;
+  silent_cycles_ = 0;
+  for (const Arm arm : kArms)
+    at(targets_, arm).add(arm, packet);
+}
+
+void NetworkLayer::tick() noexcept {
+  if (!pedal_) return;
+  if (++silent_cycles_ > timeout_) pedal_ = false;
+}
+
+}  // namespace raven2_trainer::raven

@@ -1,0 +1,134 @@
+#include "plant/arm_plant.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "raven2_trainer/raven/board_channels.h"
+#include "unit/plant/closed_loop.h"
+
+namespace raven2_trainer::plant {
+namespace {
+
+using test::dhRaven;
+using test::trainerConfig;
+
+constexpr double kDegree = kPi / 180.0;
+constexpr std::array<std::int16_t, raven::kChannels> kNoDac{};
+
+VirtualRavenConfig frictionless() {
+  VirtualRavenConfig config = trainerConfig().virtual_raven;
+  config.start_offset = JointArray{};
+  for (MotorAxis& axis : config.axes)
+    axis.coulomb = axis.viscous = 0.0;
+  return config;
+}
+
+std::array<std::int16_t, raven::kChannels> dacOn(Joint joint, std::int16_t counts) {
+  std::array<std::int16_t, raven::kChannels> dac{};
+  dac[raven::channelOf(joint)] = counts;
+  return dac;
+}
+
+TEST(ArmPlant, StartsAtHomePlusOffset) {
+  VirtualRavenConfig config = trainerConfig().virtual_raven;
+  config.start_offset = {0.1, -0.2, 0.01, 0.3, 0.0, 0.0, 0.0};
+  const ArmPlant arm(dhRaven(trainerConfig().arms), Arm::kGold, config);
+  EXPECT_NEAR(arm.jointPositions()[kElbow], 90 * kDegree - 0.2, 1e-12);
+  EXPECT_NEAR(arm.jointPositions()[kInsertion], 0.41, 1e-12);
+}
+
+TEST(ArmPlant, BrakesHoldExactlyAgainstGravity) {
+  ArmPlant arm(dhRaven(trainerConfig().arms), Arm::kGold, trainerConfig().virtual_raven);
+  const Vector7 start = arm.jointPositions();
+  for (int k = 0; k < 1000; ++k)
+    arm.step(kNoDac, true);
+  EXPECT_EQ(arm.jointPositions().head<3>(), start.head<3>());
+}
+
+TEST(ArmPlant, FallsWithoutBrakes) {
+  ArmPlant arm(dhRaven(trainerConfig().arms), Arm::kGold, frictionless());
+  const double start = arm.dynamics().potentialEnergy();
+  for (int k = 0; k < 300; ++k)
+    arm.step(kNoDac, false);
+  EXPECT_LT(arm.dynamics().potentialEnergy(), start - 1e-3);
+}
+
+TEST(ArmPlant, FirstMotionUnderADacIsThatOfTheEquationsOfMotion) {
+  // Independent route: joint coordinates, M + A^T diag(I / N) A, torque = A^T tau_capstan / N (raven2.md 3.1, 3.4).
+  const VirtualRavenConfig config = frictionless();
+  const model::RavenModel raven = dhRaven(trainerConfig().arms);
+  const Matrix7 A = raven::CableCoupling(Arm::kGreen, config).matrix();
+  ArmDynamics dynamics(raven, Arm::kGreen);
+  ArmPlant arm(raven, Arm::kGreen, config);
+  dynamics.update(arm.jointPositions(), Vector7::Zero());
+  Matrix7 M = dynamics.massMatrix();
+  for (Eigen::Index j = 0; j < 7; ++j) {
+    const double gear = j < 3 ? 12.25 : 26.0 / 7.0;
+    M += A.row(j).transpose() * config.axes[static_cast<std::size_t>(j)].inertia / gear * A.row(j);
+  }
+  Vector7 capstan = Vector7::Zero();
+  capstan[kShoulder] = 2000.0 / 3695.807;  // green: positive
+  const Vector7 expected = M.inverse() * (A.transpose() * (capstan / 12.25) - dynamics.bias());
+
+  arm.step(dacOn(kShoulder, 2000), false);
+  // Damping of the tool's cables and the change of posture within 1 ms are small beside the acceleration itself.
+  EXPECT_NEAR(arm.jointVelocities()[kShoulder] / kTickSeconds, expected[kShoulder],
+              0.01 * std::abs(expected[kShoulder]));
+  EXPECT_GT(expected[kShoulder], 5.0);
+}
+
+TEST(ArmPlant, DacSignsOfTheArmsAreOpposite) {
+  for (const Arm which : kArms) {
+    VirtualRavenConfig config = frictionless();
+    ArmPlant arm(dhRaven(trainerConfig().arms), which, config);
+    for (int k = 0; k < 50; ++k)
+      arm.step(dacOn(kShoulder, 2400), false);
+    const double moved = arm.jointPositions()[kShoulder] - trainerConfig().arms.geometry.home[kShoulder];
+    EXPECT_GT(which == Arm::kGold ? -moved : moved, 0.005);
+  }
+}
+
+TEST(ArmPlant, SticksBelowCoulombFrictionAndSlidesAbove) {
+  VirtualRavenConfig config = trainerConfig().virtual_raven;
+  config.start_offset = JointArray{};
+  // Tool rotation: 0.002 Nm at the capstan are 54.7 counts.
+  ArmPlant held(dhRaven(trainerConfig().arms), Arm::kGold, config);
+  ArmPlant moved(dhRaven(trainerConfig().arms), Arm::kGold, config);
+  const double threshold = config.axes[kToolRotation].coulomb * 27328.42;
+  for (int k = 0; k < 500; ++k) {
+    held.step(dacOn(kToolRotation, static_cast<std::int16_t>(0.8 * threshold)), true);
+    moved.step(dacOn(kToolRotation, static_cast<std::int16_t>(1.5 * threshold + 10)), true);
+  }
+  EXPECT_EQ(held.jointVelocities()[kToolRotation], 0.0);
+  EXPECT_NE(moved.jointVelocities()[kToolRotation], 0.0);
+}
+
+TEST(ArmPlant, StopsAtTheShouldersHardStop) {
+  ArmPlant arm(dhRaven(trainerConfig().arms), Arm::kGold, trainerConfig().virtual_raven);
+  double lowest = 1.0;
+  for (int k = 0; k < 3000; ++k) {
+    arm.step(dacOn(kShoulder, 2500), false);
+    lowest = std::min(lowest, arm.jointPositions()[kShoulder]);
+  }
+  EXPECT_GT(lowest, -1e-6);
+  EXPECT_LT(lowest, 1e-4);
+}
+
+TEST(ArmPlant, EncodersShowTheMotorInWholeCounts) {
+  for (const Arm which : kArms) {
+    const VirtualRavenConfig& config = trainerConfig().virtual_raven;
+    const ArmPlant arm(dhRaven(trainerConfig().arms), which, config);
+    JointArray q;
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      q[j] = arm.jointPositions()[static_cast<Eigen::Index>(j)];
+    const JointArray motor = raven::CableCoupling(which, config).toMotor(q);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const double read = raven::encoderSign(which, j) * arm.encoders()[raven::channelOf(j)] * 2 * kPi / 4000;
+      EXPECT_NEAR(read, motor[j], kPi / 4000 + 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::plant

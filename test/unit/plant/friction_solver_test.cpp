@@ -1,0 +1,78 @@
+#include "plant/friction_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "raven2_trainer/core/random.h"
+
+namespace raven2_trainer::plant {
+namespace {
+
+using Vector = FrictionSolver::Vector;
+using Matrix = FrictionSolver::Matrix;
+
+const std::array<FrictionSolver::Stop, kJointCount> kNoStops{};
+
+/** Coupled, well-conditioned inverse inertia. */
+Matrix coupled() {
+  Random random(5);
+  Matrix B;
+  for (Eigen::Index i = 0; i < B.size(); ++i)
+    B(i) = random.uniform(-0.4, 0.4);
+  return Matrix::Identity() + B * B.transpose();
+}
+
+TEST(FrictionSolver, HoldsExactlyStillWithinItsLimit) {
+  FrictionSolver solver;
+  Vector free = Vector::Constant(0.01);
+  const Vector velocity = solver.solve(coupled(), free, Vector::Constant(1.0), kNoStops, 0);
+  EXPECT_EQ(velocity, Vector::Zero());
+}
+
+TEST(FrictionSolver, SlidingAxisIsSlowedByTheFullFriction) {
+  FrictionSolver solver;
+  Vector free = Vector::Zero();
+  free[2] = 5.0;
+  Vector limit = Vector::Zero();
+  limit[2] = 0.3;
+  const Vector velocity = solver.solve(2.0 * Matrix::Identity(), free, limit, kNoStops, 0);
+  EXPECT_NEAR(velocity[2], 5.0 - 2.0 * 0.3, 1e-12);
+}
+
+TEST(FrictionSolver, NeverAddsEnergyAndOpposesEverySlidingAxis) {
+  const Matrix W = coupled();
+  Random random(9);
+  FrictionSolver solver;
+  for (int n = 0; n < 200; ++n) {
+    Vector free, limit;
+    for (Eigen::Index j = 0; j < 7; ++j) {
+      free[j] = random.uniform(-1, 1);
+      limit[j] = random.uniform(0, 0.5);
+    }
+    const Vector velocity = solver.solve(W, free, limit, kNoStops, 0);
+    const Vector impulse = W.inverse() * (velocity - free);
+    EXPECT_LE(velocity.dot(W.inverse() * velocity), free.dot(W.inverse() * free) + 1e-9);
+    for (Eigen::Index j = 0; j < 7; ++j) {
+      EXPECT_LE(std::abs(impulse[j]), limit[j] + 1e-6);
+      if (velocity[j] == 0.0) continue;
+      EXPECT_NEAR(impulse[j], velocity[j] > 0 ? -limit[j] : limit[j], 1e-6);
+    }
+  }
+}
+
+TEST(FrictionSolver, StopLetsNothingThroughAndPullsNothingBack) {
+  std::array<FrictionSolver::Stop, kJointCount> stops{};
+  stops[0].direction = Vector::Unit(0);
+  stops[0].least_rate = -0.1;
+  FrictionSolver solver;
+  Vector free = Vector::Zero();
+  free[0] = -3.0;
+  EXPECT_NEAR(solver.solve(coupled(), free, Vector::Zero(), stops, 1)[0], -0.1, 1e-7);
+  free[0] = 3.0;
+  EXPECT_NEAR(solver.solve(coupled(), free, Vector::Zero(), stops, 1)[0], 3.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::plant

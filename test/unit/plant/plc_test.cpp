@@ -1,0 +1,115 @@
+#include "plant/plc.h"
+
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/raven/board_channels.h"
+
+namespace raven2_trainer::plant {
+namespace {
+
+namespace pins = raven::pins;
+
+/** Output bytes of a healthy program: watchdog square wave of 50 cycles. */
+class Software {
+ public:
+  void run(Plc* plc, int cycles, std::uint8_t other_pins = 0) {
+    for (int k = 0; k < cycles; ++k) {
+      const bool high = (phase_++ / 25) % 2 == 1;
+      const auto out = static_cast<std::uint8_t>(other_pins | (high && alive ? pins::kWatchdog : 0));
+      plc->step({out, out});
+    }
+  }
+  bool alive{true};
+
+ private:
+  int phase_{0};
+};
+
+Plc inPedalDown(Software* software) {
+  Plc plc;
+  plc.pressStart();
+  software->run(&plc, 60);
+  software->run(&plc, 1, pins::kReady);
+  software->run(&plc, 1, pins::kReady | pins::kFootPedal);
+  EXPECT_EQ(plc.level(), RunLevel::kPedalDown);
+  return plc;
+}
+
+TEST(Plc, StaysInEStopWithoutTheStartButton) {
+  Plc plc;
+  Software software;
+  software.run(&plc, 1000, pins::kReady | pins::kFootPedal);
+  EXPECT_EQ(plc.level(), RunLevel::kEStop);
+  EXPECT_TRUE(plc.brakesOn());
+  EXPECT_FALSE(plc.powered());
+}
+
+TEST(Plc, StartButtonWaitsForTheWatchdog) {
+  Plc plc;
+  plc.pressStart();
+  for (int k = 0; k < 1000; ++k)
+    plc.step({});
+  EXPECT_EQ(plc.level(), RunLevel::kEStop);
+  Software software;
+  software.run(&plc, 30);
+  EXPECT_EQ(plc.level(), RunLevel::kInit);
+}
+
+TEST(Plc, ClimbsByReadyAndPedalWithTheBrakesOfEachLevel) {
+  Plc plc;
+  Software software;
+  plc.pressStart();
+  software.run(&plc, 60);
+  EXPECT_EQ(plc.level(), RunLevel::kInit);
+  EXPECT_FALSE(plc.brakesOn());
+  software.run(&plc, 1, pins::kReady);
+  EXPECT_EQ(plc.level(), RunLevel::kPedalUp);
+  EXPECT_TRUE(plc.brakesOn());
+  EXPECT_TRUE(plc.powered());
+  software.run(&plc, 1, pins::kReady | pins::kFootPedal);
+  EXPECT_EQ(plc.level(), RunLevel::kPedalDown);
+  EXPECT_FALSE(plc.brakesOn());
+  EXPECT_EQ(plc.inputPins(), 0xC0);
+  software.run(&plc, 1, pins::kReady);
+  EXPECT_EQ(plc.level(), RunLevel::kPedalUp);
+}
+
+TEST(Plc, DropsToEStop200CyclesAfterTheLastWatchdogEdge) {
+  Software software;
+  Plc plc = inPedalDown(&software);
+  software.alive = false;
+  software.run(&plc, 26, pins::kFootPedal);  // whatever phase it was in, no edge comes after this
+  int cycles = 26;
+  while (plc.level() != RunLevel::kEStop && cycles < 1000) {
+    software.run(&plc, 1, pins::kFootPedal);
+    ++cycles;
+  }
+  EXPECT_GE(cycles, 200 - 25);
+  EXPECT_LE(cycles, 200 + 25);
+}
+
+TEST(Plc, AnEStopLastsUntilStartIsPressedAgain) {
+  Software software;
+  Plc plc = inPedalDown(&software);
+  software.alive = false;
+  software.run(&plc, 300);
+  software.alive = true;
+  software.run(&plc, 5000, pins::kReady | pins::kFootPedal);
+  EXPECT_EQ(plc.level(), RunLevel::kEStop);
+  plc.pressStart();
+  software.run(&plc, 1);
+  EXPECT_EQ(plc.level(), RunLevel::kInit);
+}
+
+TEST(Plc, OneDeadBoardIsEnough) {
+  Software software;
+  Plc plc = inPedalDown(&software);
+  for (int k = 0; k < 250; ++k) {
+    const std::uint8_t wave = (k / 25) % 2 == 1 ? pins::kWatchdog : 0;
+    plc.step({wave, 0});
+  }
+  EXPECT_EQ(plc.level(), RunLevel::kEStop);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::plant
