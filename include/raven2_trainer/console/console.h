@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::console {
+
+/** Tool-tip positions of a recorded session, both arms, [m] in each arm's frame B, one a millisecond. */
+struct Recording {
+  std::vector<PerArm<Vec3>> tips;
+};
+
+/**
+ * Reads a CSV with the columns gold_x_um .. green_z_um (any order, others ignored).
+ * @throw ConfigException with FILE:LINE for a missing column, a value that is not a finite number, or no rows.
+ */
+Recording loadRecording(const std::string& path);
+
+/** The same from any stream; `path` is for messages. */
+Recording readRecording(std::istream& stream, const std::string& path);
+
+/** What the hands do with the pedals and grips, before the hand model adds the force's effect. */
+struct Intent {
+  bool pedal{};
+  PerArm<Vec3> hand_I{};   ///< [m] [@frame I] where each hand wants to be, from its start
+  PerArm<double> grasp{};  ///< [rad] wanted jaw opening
+  bool finished{};         ///< the motion is over, the pedal stays up
+};
+
+/** A source of motion, stepped once a millisecond. */
+class MotionSource {
+ public:
+  virtual ~MotionSource() = default;
+  virtual Intent tick() = 0;
+};
+
+/** Seeded, human-like two-arm ring task: minimum-jerk strokes between targets, pauses, 8 to 12 Hz tremor, clutching. */
+std::unique_ptr<MotionSource> makeScripted(const ConsoleConfig& config, const ArmsConfig& arms, std::uint64_t seed);
+
+/** A recording, its start reached by a minimum-jerk move from home; hand = tip x recording_scale. */
+std::unique_ptr<MotionSource> makeRecorded(const ConsoleConfig& config, const ArmsConfig& arms, Recording recording);
+
+/**
+ * The surgeon's hands on two masters: intent plus a mass-spring-damper that the force pushes, differenced into ITP
+ * increments with the rounding remainder carried. No sockets, no clock.
+ */
+class Console {
+ public:
+  Console(const ConsoleConfig& config, std::unique_ptr<MotionSource> source);
+  ~Console();
+
+  /** The robot is ready (run level PEDAL_UP seen in a force packet, or told so): the motion may start. */
+  void setReady(bool ready) noexcept;
+
+  /** Newest force from the daemon. */
+  void applyForce(const ForcePacket& force) noexcept;
+
+  /** One millisecond: the next packet. */
+  wire::ItpPacket tick();
+
+  bool finished() const noexcept;
+  /** [m] how far the force pushes each hand now. */
+  PerArm<Vec3> deflection() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raven2_trainer::console

@@ -1,0 +1,128 @@
+#include "raven2_trainer/console/console.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hand_model.h"
+#include "increment.h"
+#include "raven2_trainer/core/state.h"
+
+namespace raven2_trainer::console {
+namespace {
+
+constexpr double kMicrometresPerMetre = 1e6;
+constexpr double kMilliradiansPerRadian = 1e3;
+constexpr double kMaxForce = 20.0;  ///< [N] far above any such device (the Omni's peak is 3.3 N): what came is broken
+constexpr int kForceLifetime = 50;  ///< [ticks] a force not renewed is gone (reliability.md 2.2, rule 7)
+
+bool isPlausible(const ForcePacket& packet) noexcept {
+  for (const Vec3& force : packet.force_I) {
+    for (const double f : force) {
+      if (!(std::abs(f) <= kMaxForce)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+struct Console::Impl {
+  /** One hand, its master and what it has sent. */
+  struct Master {
+    explicit Master(const ConsoleConfig& config) : hand(config) {}
+    HandModel hand;
+    std::array<Increment, 3> position;
+    Increment grasp;
+  };
+
+  Impl(const ConsoleConfig& console_config, std::unique_ptr<MotionSource> motion)
+      : config(console_config), source(std::move(motion)), masters{Master(config), Master(config)} {}
+
+  bool mayMove() noexcept;
+  Vector3 forceOn(Arm arm) const noexcept;
+  void moveMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept;
+
+  const ConsoleConfig config;
+  std::unique_ptr<MotionSource> source;
+  PerArm<Master> masters;
+  Intent intent;
+  ForcePacket force;
+  int force_age{kForceLifetime};
+  bool ready{false};
+  bool started{false};
+  Tick ready_ticks{0};
+  std::uint32_t sequence{0};
+};
+
+Console::Console(const ConsoleConfig& config, std::unique_ptr<MotionSource> source)
+    : impl_(std::make_unique<Impl>(config, std::move(source))) {}
+Console::~Console() = default;
+
+void Console::setReady(bool ready) noexcept {
+  impl_->ready = ready;
+}
+
+void Console::applyForce(const ForcePacket& force) noexcept {
+  const auto newer_by = static_cast<std::int32_t>(force.sequence - impl_->force.sequence);
+  const bool is_late = newer_by < 0 && impl_->force_age < kForceLifetime;
+  if (is_late || !isPlausible(force)) return;
+  impl_->force = force;
+  impl_->force_age = 0;
+  if (force.runlevel == static_cast<std::uint8_t>(RunLevel::kPedalUp)) impl_->ready = true;
+}
+
+bool Console::finished() const noexcept {
+  return impl_->intent.finished;
+}
+
+PerArm<Vec3> Console::deflection() const noexcept {
+  return {toArray(impl_->masters[0].hand.deflection()), toArray(impl_->masters[1].hand.deflection())};
+}
+
+wire::ItpPacket Console::tick() {
+  wire::ItpPacket packet;
+  packet.sequence = ++impl_->sequence;
+  if (impl_->mayMove()) {
+    const bool is_first = !impl_->started;
+    impl_->started = true;
+    impl_->intent = impl_->source->tick();
+    packet.surgeon_mode = impl_->intent.pedal ? 1 : 0;
+    for (const Arm arm : kArms)
+      impl_->moveMaster(arm, impl_->intent.pedal && !is_first, &packet);
+  }
+  impl_->force_age = std::min(impl_->force_age + 1, kForceLifetime);
+  packet.checksum = wire::itpChecksum(packet);
+  return packet;
+}
+
+bool Console::Impl::mayMove() noexcept {
+  if (started) return true;
+  const bool is_over = ready && static_cast<double>(ready_ticks) * kTickSeconds >= config.start_delay;
+  ready_ticks = ready ? ready_ticks + 1 : 0;
+  return is_over;
+}
+
+Vector3 Console::Impl::forceOn(Arm arm) const noexcept {
+  const bool acts = intent.pedal && force_age < kForceLifetime;
+  return acts ? toEigen(at(force.force_I, arm)) : Vector3(0.0, 0.0, 0.0);
+}
+
+void Console::Impl::moveMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept {
+  Master& master = at(masters, arm);
+  master.hand.step(forceOn(arm));
+  const Vector3 steps =
+      kMicrometresPerMetre * config.scale * (toEigen(at(intent.hand_I, arm)) + master.hand.deflection());
+  const double closing = -kMilliradiansPerRadian * at(intent.grasp, arm);  // ITP: positive closes
+  if (!counts) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      master.position[axis].hold(steps[static_cast<Eigen::Index>(axis)]);
+    master.grasp.hold(closing);
+    return;
+  }
+  at(packet->delx_um, arm) = master.position[0].take(steps.x());
+  at(packet->dely_um, arm) = master.position[1].take(steps.y());
+  at(packet->delz_um, arm) = master.position[2].take(steps.z());
+  at(packet->grasp_mrad, arm) = master.grasp.take(closing);
+}
+
+}  // namespace raven2_trainer::console
