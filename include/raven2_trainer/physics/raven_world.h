@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/model/raven_model.h"
+
+namespace raven2_trainer::physics {
+
+/**
+ * Both arms of the nominal model and the training scene as one ODE world (double precision, dWorldStep, 1 ms).
+ *
+ * Traps of ODE 0.16.2 met here, all measured (performance.md section 0): its slider rate is wrong on a rotating
+ * parent, so joint rates are computed from the bodies; each world has its own threading implementation, or two
+ * worlds crash; capsule-trimesh contacts are incomplete, so collisions use primitives only; contacts are reduced to
+ * four a body pair; the space is a simple one, which allocates nothing.
+ *
+ * step() is real-time safe after a warm-up of some hundred steps. Not thread-safe: one thread owns a world.
+ */
+class RavenWorld {
+ public:
+  /** @throw ModelException if the models cannot be turned into bodies. */
+  RavenWorld(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config);
+  ~RavenWorld();
+  RavenWorld(const RavenWorld&) = delete;
+  RavenWorld& operator=(const RavenWorld&) = delete;
+
+  /** Puts an arm at joint positions `q` with rates `dq` (robot joint coordinates), all bodies exactly on the chain.
+   *  Whatever is not finite freezes the world, as in step(). */
+  void setJointState(Arm arm, const JointArray& q, const JointArray& dq) noexcept;
+
+  /** Joint positions and rates now (robot joint coordinates). */
+  void jointState(Arm arm, JointArray* q, JointArray* dq) const noexcept;
+
+  /** Joint torques [Nm; N] that would hold both arms against gravity at their present positions. */
+  JointArray gravityTorque(Arm arm) const noexcept;
+
+  /** One step of 1 ms under these joint torques (robot joint coordinates); friction and the inertia of the rotors
+   *  (src/physics/rotor_inertia.h) are added inside. Torques that are not finite freeze the world. */
+  void step(const PerArm<JointArray>& tau) noexcept;
+
+  /** Contact points on the arm in the last step, at most four for each pair of bodies. */
+  std::uint32_t contacts(Arm arm) const noexcept;
+
+  /** Free bodies of the scene, in W, in SceneModel order. */
+  void bodyPoses(std::array<RigidPose, kMaxSceneBodies>* poses) const noexcept;
+
+  /** Lets an arm collide with the scene and the other arm, or not (planning mode, fault runs). */
+  void setCollisions(Arm arm, bool enabled) noexcept;
+
+  /** False once ODE reported an internal error or a state is not finite; the world then no longer moves. */
+  bool healthy() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/**
+ * Once per process, before the first world, on the main thread. Safe to call again.
+ * ODE's errors become exceptions: ModelException in set-up; step() catches them and the world is unhealthy.
+ * @throw ModelException if ODE cannot be initialised.
+ */
+void initialiseOde();
+
+/** In every thread that steps a world, before its first step. */
+void attachOdeToThread();
+
+}  // namespace raven2_trainer::physics

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+
+// Counts the calls of the allocator. Include in exactly one source of a test program: it replaces the allocator of the
+// whole program, so that libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees
+// them (measured). Sanitizers bring their own allocator: nothing is defined under them.
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define RAVEN2_COUNTS_ALLOCATIONS
+
+namespace {
+thread_local bool counting = false;
+thread_local int calls = 0;
+
+void count() {
+  if (counting) ++calls;
+}
+}  // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void __libc_free(void*);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) {
+  count();
+  return __libc_calloc(number, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  count();
+  return __libc_realloc(memory, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+  count();
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr ? ENOMEM : 0;
+}
+void free(void* memory) {
+  count();
+  __libc_free(memory);
+}
+}
+
+namespace raven2_trainer::testing {
+
+/** Calls of the allocator on this thread while `body` runs. */
+template <typename Body>
+int allocatorCalls(const Body& body) {
+  calls = 0;
+  counting = true;
+  body();
+  counting = false;
+  return calls;
+}
+
+}  // namespace raven2_trainer::testing
+
+#endif

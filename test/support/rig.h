@@ -1,0 +1,142 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/plant/plant.h"
+#include "raven2_trainer/raven/control_software.h"
+#include "raven2_trainer/runtime/fault_director.h"
+#include "raven2_trainer/runtime/haptic_loop.h"
+#include "raven2_trainer/runtime/master_ingest.h"
+#include "raven2_trainer/runtime/physics_loop.h"
+#include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::testing {
+
+inline TrainerConfig packagedConfig() {
+  return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+}
+
+/** Makes ODE ready on this thread, once. */
+inline void useOde() {
+  physics::initialiseOde();
+  physics::attachOdeToThread();
+}
+
+/** The loops of daemon and virtual Raven, stepped by the test; the test is the console. */
+class Rig {
+ public:
+  explicit Rig(const TrainerConfig& configuration)
+      : config(configuration),
+        raven(model::loadRavenModel(config)),
+        scene(model::loadSceneModel(config)),
+        shared(std::make_unique<SharedState>()),
+        ingest(config.network.max_increment_um, shared.get()),
+        faults(config, shared.get()),
+        physics(config, raven, scene, shared.get()),
+        haptic(config, shared.get()),
+        link(config, shared.get()),
+        software(config.arms, config.virtual_raven),
+        plant(raven, config.virtual_raven) {
+    connect();
+  }
+
+  void connect() {
+    link.connected();
+    link.receive(buffer.data(), wire::encodeHello(++frame_sequence, true, buffer.data()), now_ns);
+  }
+
+  /** One millisecond with this command from the masters; its sequence number is filled in. */
+  void tick(MasterCommand command) {
+    now_ns += kTickNanoseconds;
+    command.sequence = ++master_sequence;
+    const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
+    ingest.receive(bytes.data(), bytes.size(), false);
+    faults.tick();
+    physics.tick(now_ns);
+    stepRobot();
+    haptic.tick(now_ns);
+    drain();
+  }
+
+  void tick(bool pedal, const Vec3& gold_dp_I = {}) {
+    MasterCommand command;
+    command.pedal = pedal ? 1 : 0;
+    command.dp_I[0] = gold_dp_I;
+    tick(command);
+  }
+
+  /** Steps with the pedal up until the robot is homed. @return false if it never is. */
+  bool home() {
+    for (int i = 0; i < 20000; ++i) {
+      tick(false);
+      if (shared->model.load().mode == Mode::kPedalUp) return true;
+    }
+    return false;
+  }
+
+  ModelState model() const { return shared->model.load(); }
+  RobotState robot() const { return shared->robot.load(); }
+  HapticState force() const { return shared->haptic.load(); }
+
+  double error(Arm arm) const {
+    return (toEigen(at(model().arms, arm).p_BT) - toEigen(at(robot().arms, arm).p_BT)).norm();
+  }
+
+  const TrainerConfig config;
+  const model::RavenModel raven;
+  const model::SceneModel scene;
+  std::unique_ptr<SharedState> shared;
+  runtime::MasterIngest ingest;
+  runtime::FaultDirector faults;
+  runtime::PhysicsLoop physics;
+  runtime::HapticLoop haptic;
+  runtime::RobotLink link;
+  raven::ControlSoftware software;
+  plant::Plant plant;
+  bool robot_connected{true};  ///< false: the robot's frames are lost, ours do not reach it
+  std::uint64_t relayed{0};
+  RelayPacket last_relay{};
+
+ private:
+  void stepRobot() {
+    RelayPacket packet;
+    while (shared->relay_packets.tryPop(&packet)) {
+      last_relay = packet;
+      ++relayed;
+      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(packet.command));
+      if (robot_connected) software.receive(bytes.data(), bytes.size());
+    }
+    plant.step(software.cycle(plant.read()));
+    FaultPlan plan;
+    if (robot_connected && shared->faults.tryLoad(&plan)) software.setFaults(plan);
+    if (!robot_connected) return;
+    link.receive(buffer.data(), wire::encodeState(++frame_sequence, software.state(), buffer.data()), now_ns);
+  }
+
+  /** What sender and recorder do elsewhere. */
+  void drain() {
+    TickRecord tick_record;
+    HapticRecord haptic_record;
+    CommandRecord command_record;
+    ForcePacket force_packet;
+    while (shared->tick_records.tryPop(&tick_record)) {
+    }
+    while (shared->haptic_records.tryPop(&haptic_record)) {
+    }
+    while (shared->command_records.tryPop(&command_record)) {
+    }
+    while (shared->force_packets.tryPop(&force_packet)) {
+    }
+  }
+
+  std::int64_t now_ns{0};
+  std::uint32_t frame_sequence{0}, master_sequence{0};
+  std::array<std::uint8_t, wire::kMaxFrame> buffer{};
+};
+
+}  // namespace raven2_trainer::testing

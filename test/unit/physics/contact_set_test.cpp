@@ -1,0 +1,77 @@
+#include "physics/contact_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/core/types.h"
+
+namespace raven2_trainer::physics {
+namespace {
+
+dContactGeom point(double x, double y, double depth) {
+  dContactGeom result{};
+  result.pos[0] = x;
+  result.pos[1] = y;
+  result.depth = depth;
+  return result;
+}
+
+TEST(ContactSet, KeepsAllOfFourPointsOrFewer) {
+  ContactSet set;
+  for (int i = 0; i < 4; ++i)
+    set.add(2, 1, point(i, 0.0, 0.1));
+  set.reduce();
+  ASSERT_EQ(set.end() - set.begin(), 1);
+  EXPECT_EQ(set.begin()->count, 4U);
+  EXPECT_EQ(set.begin()->first, 1);
+  EXPECT_EQ(set.begin()->second, 2);
+}
+
+TEST(ContactSet, KeepsTheDeepestPointAndSpreadsTheOthers) {
+  // GIVEN 24 points on a unit circle, the one at 90 degrees deepest
+  ContactSet set;
+  for (int i = 0; i < 24; ++i)
+    set.add(1, 2, point(std::cos(i * kPi / 12), std::sin(i * kPi / 12), i == 6 ? 0.2 : 0.1));
+  set.reduce();
+  const ContactSet::Pair& pair = *set.begin();
+  ASSERT_EQ(pair.count, 4U);
+  EXPECT_NEAR(pair.points[0].pos[1], 1.0, 1e-12);
+  // THEN the next is opposite and the last two are a quarter turn away: a square
+  EXPECT_NEAR(pair.points[1].pos[1], -1.0, 1e-12);
+  EXPECT_NEAR(std::abs(pair.points[2].pos[0]), 1.0, 1e-12);
+  EXPECT_NEAR(pair.points[2].pos[0] + pair.points[3].pos[0], 0.0, 1e-12);
+}
+
+TEST(ContactSet, SeparatesPairsWhateverTheirOrder) {
+  ContactSet set;
+  for (int i = 0; i < 10; ++i) {
+    set.add(1, 2, point(i, 0.0, 0.1));
+    set.add(2, 1, point(i, 1.0, 0.1));
+    set.add(1, 3, point(i, 2.0, 0.1));
+  }
+  set.reduce();
+  EXPECT_EQ(set.end() - set.begin(), 2);
+}
+
+TEST(ContactSet, DropsTheShallowestOfTooManyPoints) {
+  ContactSet set;
+  for (int i = 0; i < 1000; ++i)
+    set.add(1, 2, point(i, 0.0, i == 777 ? 1.0 : 0.001));
+  set.reduce();
+  EXPECT_EQ(set.begin()->count, 4U);
+  EXPECT_EQ(set.begin()->points[0].pos[0], 777.0);
+}
+
+TEST(ContactSet, IgnoresPairsBeyondItsSize) {
+  ContactSet set;
+  for (int i = 0; i < 1000; ++i)
+    set.add(0, i + 1, point(0.0, 0.0, 0.1));
+  EXPECT_EQ(static_cast<std::size_t>(set.end() - set.begin()), ContactSet::kMaxPairs);
+  set.clear();
+  EXPECT_EQ(set.begin(), set.end());
+}
+
+}  // namespace
+}  // namespace raven2_trainer::physics

@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/physics/raven_world.h"
+#include "support/allocation_counter.h"
+#include "test_drive.h"
+#include "test_models.h"
+
+#ifdef RAVEN2_COUNTS_ALLOCATIONS
+
+namespace raven2_trainer::physics {
+namespace {
+
+using raven2_trainer::testing::allocatorCalls;
+
+TEST(RavenWorldAlloc, TheCounterCounts) {
+  EXPECT_EQ(allocatorCalls([] { delete new volatile int(1); }), 2);
+}
+
+TEST(RavenWorldAlloc, StepsWithContactsDoNotTouchTheHeap) {
+  // GIVEN a warm-up without any contact, then both arms, the ring and the floor in touch, one large system of
+  // equations: memory for it must have been reserved at construction
+  const model::RavenModel raven = testing::makeCrossedArms();
+  RavenWorld world(raven, testing::makeFloorAndRing(), testing::modelConfig());
+  const JointArray home = raven.arms.geometry.home;
+  for (const Arm arm : kArms)
+    world.setCollisions(arm, false);
+  for (int i = 0; i < 200; ++i)
+    testing::driveStep(&world, {home, home});
+  for (const Arm arm : kArms)
+    world.setCollisions(arm, true);
+  std::uint32_t contacts = 0;
+  const int count = allocatorCalls([&] {
+    for (int i = 0; i < 4000; ++i) {
+      testing::driveStep(&world, testing::stirringTarget(home, i));
+      contacts += world.contacts(Arm::kGold);
+    }
+  });
+  EXPECT_EQ(count, 0);
+  EXPECT_GT(contacts, 1000U);
+}
+
+TEST(RavenWorldAlloc, ReadingAndSettingStatesDoNotTouchTheHeap) {
+  const model::RavenModel raven = testing::makeRaven();
+  RavenWorld world(raven, testing::makeFloorAndRing(), testing::modelConfig());
+  const int count = allocatorCalls([&] {
+    JointArray q, dq;
+    std::array<RigidPose, kMaxSceneBodies> poses;
+    world.jointState(Arm::kGold, &q, &dq);
+    world.setJointState(Arm::kGold, q, dq);
+    world.gravityTorque(Arm::kGold);
+    world.bodyPoses(&poses);
+    world.setCollisions(Arm::kGold, false);
+  });
+  EXPECT_EQ(count, 0);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::physics
+
+#endif
