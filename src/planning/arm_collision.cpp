@@ -1,0 +1,215 @@
+#include "planning/arm_collision.h"
+
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
+
+#include <algorithm>
+#include <string>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::planning {
+namespace {
+
+using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
+
+Geometry makeGeometry(const model::Description& description,
+                      const model::Link& link,
+                      const model::CollisionShape& shape,
+                      double grow) {
+  switch (shape.kind) {
+    case model::ShapeKind::kBox:
+      return std::make_shared<fcl::Boxd>(Vector3(shape.size.array() + 2 * grow));
+    case model::ShapeKind::kCapsule:
+      return std::make_shared<fcl::Capsuled>(shape.size.x() + grow, shape.size.y());
+    case model::ShapeKind::kSphere:
+      return std::make_shared<fcl::Sphered>(shape.size.x() + grow);
+    case model::ShapeKind::kMesh:
+      break;
+  }
+  throw ModelException(description.file + ":" + std::to_string(link.line) + ": link " + link.name +
+                       ": the planner takes boxes, cylinders and spheres as collision shapes, not meshes");
+}
+
+/** Axis of the thinnest capsule, or nearly, around a shape, in the shape's frame. */
+Segment boundingAxis(const model::CollisionShape& shape) {
+  Vector3 half = Vector3::Zero();
+  if (shape.kind == model::ShapeKind::kCapsule) half.z() = shape.size.y() / 2;
+  if (shape.kind == model::ShapeKind::kBox) {
+    int longest = 0;
+    shape.size.maxCoeff(&longest);
+    half(longest) = shape.size(longest) / 2;
+  }
+  return {-half, half};
+}
+
+double boundingRadius(const model::CollisionShape& shape, double grow) {
+  if (shape.kind != model::ShapeKind::kBox) return shape.size.x() + grow;
+  int longest = 0;
+  shape.size.maxCoeff(&longest);
+  Vector3 half = shape.size / 2;
+  half(longest) = 0.0;
+  // The box grows by its edges, so its corners get farther from the axis by more than `grow`.
+  return (half.array() + grow).matrix().norm();
+}
+
+/** FCL broad-phase callback; true ends the search. */
+bool stopAtFirst(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* hit) {
+  const auto body = [](const fcl::CollisionObjectd* object) { return static_cast<const Body*>(object->getUserData()); };
+  *static_cast<bool*>(hit) = body(a)->overlaps(*body(b));
+  return *static_cast<bool*>(hit);
+}
+
+}  // namespace
+
+Body::Body(const model::Description& description,
+           const model::Link& link,
+           const model::CollisionShape& shape,
+           double grow)
+    : object_(makeGeometry(description, link, shape, grow)),
+      X_LS_(shape.X_LS),
+      axis_S_(boundingAxis(shape)),
+      radius_(boundingRadius(shape, grow)),
+      round_(shape.kind != model::ShapeKind::kBox) {
+  object_.setUserData(this);
+}
+
+void Body::place(const Pose& X_WL) {
+  const Pose X_WS = X_WL * X_LS_;
+  object_.setTransform(X_WS.R, X_WS.p);
+  object_.computeAABB();
+  axis_W_ = {X_WS * axis_S_.a, X_WS * axis_S_.b};
+}
+
+bool Body::overlaps(const Body& other) const {
+  if (!object_.getAABB().overlap(other.object_.getAABB())) return false;
+  const double reach = radius_ + other.radius_;
+  if (squaredDistance(axis_W_, other.axis_W_) > reach * reach) return false;
+  if (round_ && other.round_) return true;
+  const fcl::CollisionRequestd request;
+  fcl::CollisionResultd result;
+  return fcl::collide(&object_, &other.object_, request, result) > 0;
+}
+
+SceneObstacles::SceneObstacles(const model::SceneModel& scene) {
+  const auto& links = scene.description.links;
+  std::vector<fcl::CollisionObjectd*> registered;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const bool free = std::count(scene.free_bodies.begin(), scene.free_bodies.end(), static_cast<int>(i)) > 0;
+    if (free) continue;
+    for (const model::CollisionShape& shape : links[i].collisions) {
+      bodies_.push_back(std::make_unique<Body>(scene.description, links[i], shape, 0.0));
+      bodies_.back()->place(scene.X_WL[i]);
+      registered.push_back(bodies_.back()->object());
+    }
+  }
+  tree_.registerObjects(registered);
+  tree_.setup();
+}
+
+bool SceneObstacles::touches(Body* body) const {
+  bool hit = false;
+  if (!tree_.empty()) tree_.collide(body->object(), &hit, stopAtFirst);
+  return hit;
+}
+
+ArmCollision::ArmCollision(const model::RavenModel& raven, const SceneObstacles& scene, Arm arm, double clearance)
+    : raven_(raven),
+      scene_(scene),
+      arm_(arm),
+      positions_(raven.description.links.size()),
+      poses_(raven.description.links.size()) {
+  q_.fill(raven.arms.geometry.home);
+  addShapes(clearance);
+  updatePoses();
+  for (const auto* shapes : {&grown_, &own_, &others_, &fixed_})
+    place(*shapes);
+  addPairs();
+}
+
+std::vector<ArmCollision::Owner> ArmCollision::linkOwners() const {
+  const auto& links = raven_.description.links;
+  std::vector<Owner> owners(links.size(), Owner::kFixed);
+  for (std::size_t i = 0; i < links.size(); ++i) {  // parents come first
+    const int parent = links[i].parent;
+    if (parent >= 0) owners[i] = owners[static_cast<std::size_t>(parent)];
+    if (owners[i] != Owner::kFixed || links[i].joint == model::JointKind::kFixed) continue;
+    const int first = static_cast<int>(i);
+    const bool mine = at(raven_.links, arm_)[kShoulder] == first;
+    owners[i] = mine ? Owner::kThisArm : Owner::kOtherArm;
+  }
+  return owners;
+}
+
+void ArmCollision::addShapes(double clearance) {
+  const std::vector<Owner> owners = linkOwners();
+  const auto& links = raven_.description.links;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto add = [&](const model::CollisionShape& shape, double grow, std::vector<Shape>* list) {
+      list->push_back({static_cast<int>(i), std::make_unique<Body>(raven_.description, links[i], shape, grow)});
+    };
+    for (const model::CollisionShape& shape : links[i].collisions) {
+      if (owners[i] == Owner::kThisArm) add(shape, clearance, &grown_);
+      if (owners[i] == Owner::kThisArm) add(shape, 0.0, &own_);
+      if (owners[i] == Owner::kOtherArm) add(shape, 0.0, &others_);
+      if (owners[i] == Owner::kFixed) add(shape, 0.0, &fixed_);
+    }
+  }
+}
+
+void ArmCollision::addPairs() {
+  const auto add = [this](const Shape& mine, const Shape& against) {
+    pairs_.emplace_back(mine.body.get(), against.body.get());
+  };
+  const auto addUnlessByDesign = [this, add](const Shape& mine, const Shape& against) {
+    if (!areNeighbours(mine.link, against.link) && !mine.body->overlaps(*against.body)) add(mine, against);
+  };
+  for (std::size_t i = 0; i < grown_.size(); ++i) {
+    for (std::size_t k = i + 1; k < own_.size(); ++k)
+      addUnlessByDesign(grown_[i], own_[k]);
+    for (const Shape& shape : fixed_)
+      addUnlessByDesign(grown_[i], shape);
+    for (const Shape& shape : others_)
+      add(grown_[i], shape);
+  }
+}
+
+bool ArmCollision::areNeighbours(int a, int b) const {
+  const auto& links = raven_.description.links;
+  const int parent_a = links[static_cast<std::size_t>(a)].parent;
+  const int parent_b = links[static_cast<std::size_t>(b)].parent;
+  return a == b || parent_a == b || parent_b == a || (parent_a == parent_b && parent_a >= 0);
+}
+
+void ArmCollision::updatePoses() {
+  raven_.linkPosesInWorld(q_, &positions_, &poses_);
+}
+
+void ArmCollision::place(const std::vector<Shape>& shapes) {
+  for (const Shape& shape : shapes)
+    shape.body->place(poses_[static_cast<std::size_t>(shape.link)]);
+}
+
+void ArmCollision::placeOther(const JointArray& other) {
+  at(q_, arm_ == Arm::kGold ? Arm::kGreen : Arm::kGold) = other;
+  updatePoses();
+  place(others_);
+}
+
+bool ArmCollision::touches(const JointArray& q) {
+  at(q_, arm_) = q;
+  updatePoses();
+  place(grown_);
+  const auto hits_scene = [this](const Shape& shape) { return scene_.touches(shape.body.get()); };
+  if (std::any_of(grown_.begin(), grown_.end(), hits_scene)) return true;
+  place(own_);
+  return touchesRobot();
+}
+
+bool ArmCollision::touchesRobot() const {
+  return std::any_of(pairs_.begin(), pairs_.end(), [](const auto& pair) { return pair.first->overlaps(*pair.second); });
+}
+
+}  // namespace raven2_trainer::planning

@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include "planning/joint_space.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/planning/path_planner.h"
+
+// The shipped robot, scene and configuration: from deep inside the dome out to the ring (paper, 3.3).
+
+namespace raven2_trainer::planning {
+namespace {
+
+const std::atomic<bool> kGoOn{false};
+
+struct Trainer {
+  TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+  model::RavenModel raven = model::loadRavenModel(config);
+  model::SceneModel scene = model::loadSceneModel(config);
+};
+
+const Trainer& trainer() {
+  static const Trainer loaded;
+  return loaded;
+}
+
+const ArmGeometry& geometry() {
+  return trainer().raven.arms.geometry;
+}
+
+/** Gold arm under the lid behind the left wire, tip near (49, 36, 21) mm; green at home. */
+PlanRequest insideTheDome() {
+  PlanRequest request;
+  request.start = {0.78, 1.62, 0.335, 0.06, -0.015, kPi / 4, kPi / 4};
+  request.other = geometry().home;
+  return request;
+}
+
+Vector3 tip(Arm arm, const JointArray& q) {
+  return at(trainer().raven.X_WB, arm) * kinematics::forward(geometry(), arm, q).p;
+}
+
+/** True if an edge touches nothing, clearance left aside, at a tenth of the planner's step. */
+bool isFreeOnCloseLook(const PathPlanner& judge, const PlanRequest& request, const JointArray& a, const JointArray& b) {
+  const JointSpace space(geometry(), kinematics::jawOpening(a));
+  const UnitState from = space.toUnit(a), to = space.toUnit(b);
+  const int count = static_cast<int>(10.0 * distance(from, to) / trainer().config.planner.edge_step) + 1;
+  for (int k = 0; k <= count; ++k) {
+    const JointArray q = space.toJoints(interpolate(from, to, k / static_cast<double>(count)));
+    if (judge.inCollision(request.arm, q, request.other)) return false;
+  }
+  return true;
+}
+
+TEST(FrsScene, HomeIsFreeForBothArms) {
+  const PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
+  for (const Arm arm : kArms)
+    EXPECT_FALSE(planner.inCollision(arm, geometry().home, geometry().home)) << name(arm);
+}
+
+TEST(FrsScene, TheStartLiesInsideTheDome) {
+  const Vector3 start = tip(Arm::kGold, insideTheDome().start);
+  EXPECT_GT(start.x(), 0.012 + 0.02);  // under the lid, which covers x beyond 12 mm (meshes/dimensions.yaml)
+  EXPECT_LT(start.z(), 0.025);         // lower than the towers
+}
+
+TEST(FrsScene, TwentySeedsOfTwentyFindTheWayToTheRing) {
+  PlannerConfig bare = trainer().config.planner;
+  bare.clearance = 0.0;
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
+  const PathPlanner judge(trainer().raven, trainer().scene, bare);
+  const PlanRequest request = insideTheDome();
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const PlanResult result = planner.plan(request, seed, true, kGoOn);
+    ASSERT_EQ(result.status, PlanStatus::kSuccess) << "seed " << seed;
+    EXPECT_GT(result.waypoint_count, 2u) << "something stands in the straight way";
+    const JointArray& last = result.waypoints[result.waypoint_count - 1];
+    EXPECT_LT((tip(Arm::kGold, last) - toEigen(trainer().config.planner.goal_W)).norm(), 1e-9);
+    for (std::size_t i = 1; i < result.waypoint_count; ++i)
+      EXPECT_TRUE(isFreeOnCloseLook(judge, request, result.waypoints[i - 1], result.waypoints[i])) << "seed " << seed;
+  }
+}
+
+TEST(FrsScene, BothArmsReachTheRingFromHome) {
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
+  for (const Arm arm : kArms) {
+    PlanRequest request = insideTheDome();
+    request.arm = arm;
+    request.start = geometry().home;
+    EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kSuccess) << name(arm);
+  }
+}
+
+TEST(FrsScene, TheStandIsAnObstacleTheRingIsNot) {
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
+  PlanRequest request = insideTheDome();
+  request.start = geometry().home;
+  request.has_goal = 1;
+  request.goal_W = {0.012, 0.0, 0.010};  // [m] inside the peg
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalInCollision);
+  request.goal_W = {0.012 - 0.009, 0.009, 0.022};  // [m] jaws about the ring's corner
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kSuccess);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::planning

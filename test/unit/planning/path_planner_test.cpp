@@ -1,0 +1,286 @@
+#include "raven2_trainer/planning/path_planner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "planning/joint_space.h"
+#include "planning_fixtures.h"
+#include "raven2_trainer/control/path_follower.h"
+#include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::planning {
+namespace {
+
+const std::atomic<bool> kGoOn{false};
+const JointArray kHome = test::geometry().home;
+
+/** A wall 4 mm thick across x = 12 mm, up to 60 mm: the tip passes above it. */
+model::SceneModel wall() {
+  return test::scene({test::box({0.004, 0.6, 0.12}, {Matrix3::Identity(), {0.012, 0, 0}})});
+}
+
+Vector3 tip(const model::RavenModel& raven, Arm arm, const JointArray& q) {
+  return at(raven.X_WB, arm) * kinematics::forward(raven.arms.geometry, arm, q).p;
+}
+
+/** Joints between, as the follower plays them. */
+JointArray between(const JointArray& a, const JointArray& b, double s) {
+  JointArray q{};
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    q[j] = a[j] + s * (b[j] - a[j]);
+  return q;
+}
+
+class PathPlannerTest : public ::testing::Test {
+ protected:
+  /** Gold arm, from home (tip at x = 25 mm, 52 mm high) to the other side of the wall. */
+  PlanRequest overTheWall() const {
+    PlanRequest request;
+    request.id = 17;
+    request.start = kHome;
+    request.other = kHome;
+    request.has_goal = 1;
+    request.goal_W = {-0.015, 0.055, 0.04};
+    return request;
+  }
+
+  PlanResult plan(const model::SceneModel& scene, const PlanRequest& request, std::uint64_t seed = 1) const {
+    return PathPlanner(raven_, scene, config_).plan(request, seed, true, kGoOn);
+  }
+
+  PlannerConfig config_ = test::plannerConfig();
+  const model::RavenModel raven_ = test::raven();
+};
+
+TEST_F(PathPlannerTest, GoesStraightWhereNothingIsInTheWay) {
+  config_.eta_length = 1.0;
+  config_.eta_acceleration = 0.0;
+  PlanRequest request = overTheWall();
+  request.goal_W = {0.0, 0.055, 0.05};
+  const PlanResult result = plan(test::scene({}), request);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  EXPECT_EQ(result.id, 17u);
+  EXPECT_EQ(result.arm, Arm::kGold);
+  ASSERT_EQ(result.waypoint_count, 2u);
+  EXPECT_EQ(result.waypoints[0], request.start);
+  EXPECT_LT((tip(raven_, Arm::kGold, result.waypoints[1]) - toEigen(request.goal_W)).norm(), 1e-9);
+  // THEN the cost is the Euclidean distance of the six joints, each over its range
+  const ArmGeometry g = test::geometry();
+  double sum = 0.0;
+  for (std::size_t j = kShoulder; j <= kWrist; ++j)
+    sum += std::pow((result.waypoints[1][j] - request.start[j]) / (g.q_max[j] - g.q_min[j]), 2);
+  // Mid-line at 90 degrees opening: grasper limits of 105 degrees leave it +-60 degrees.
+  const double midline = kinematics::jawMidline(result.waypoints[1]) - kinematics::jawMidline(request.start);
+  sum += std::pow(midline / (120.0 * kPi / 180.0), 2);
+  EXPECT_NEAR(result.cost, std::sqrt(sum), 1e-9);
+}
+
+TEST_F(PathPlannerTest, KeepsTheJawOpening) {
+  PlanRequest request = overTheWall();
+  request.start[kGrasp1] = 0.1;
+  request.start[kGrasp2] = 0.3;
+  const PlanResult result = plan(wall(), request);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  for (std::size_t i = 0; i < result.waypoint_count; ++i)
+    EXPECT_NEAR(kinematics::jawOpening(result.waypoints[i]), 0.4, 1e-12);
+}
+
+TEST_F(PathPlannerTest, EveryEdgeOfEveryPlanIsFreeAtTenTimesTheResolution) {
+  // GIVEN seeded problems across the wall, both arms in turn, judged afterwards for contact at a tenth of the step
+  PlannerConfig bare = config_;
+  bare.clearance = 0.0;
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  const PathPlanner judge(raven_, scene, bare);
+  Random random(2024);
+  int solved = 0;
+  for (int problem = 0; problem < 20; ++problem) {
+    PlanRequest request = overTheWall();
+    request.arm = kArms[static_cast<std::size_t>(problem % 2)];
+    const double side = request.arm == Arm::kGold ? 1.0 : -1.0;
+    request.goal_W = {random.uniform(-0.02, -0.008), side * random.uniform(0.045, 0.08), random.uniform(0.02, 0.05)};
+    request.start[kToolRotation] = random.uniform(-1.0, 1.0);
+    const PlanResult result = planner.plan(request, static_cast<std::uint64_t>(problem), true, kGoOn);
+    if (result.status != PlanStatus::kSuccess) continue;
+    ++solved;
+    ASSERT_GT(result.waypoint_count, 2u) << "through the wall";
+    for (std::size_t i = 1; i < result.waypoint_count; ++i) {
+      const JointArray &a = result.waypoints[i - 1], &b = result.waypoints[i];
+      const JointSpace space(raven_.arms.geometry, kinematics::jawOpening(a));
+      const int fine = static_cast<int>(10.0 * distance(space.toUnit(a), space.toUnit(b)) / config_.edge_step) + 1;
+      for (int k = 0; k <= fine; ++k) {
+        ASSERT_FALSE(judge.inCollision(request.arm, between(a, b, k / static_cast<double>(fine)), request.other))
+            << "problem " << problem << " edge " << i;
+      }
+    }
+    EXPECT_LT((tip(raven_, request.arm, result.waypoints[result.waypoint_count - 1]) - toEigen(request.goal_W)).norm(),
+              1e-9);
+  }
+  EXPECT_GE(solved, 15);
+}
+
+TEST_F(PathPlannerTest, CostAndArrivalAddUpOverTheEdges) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  const PlanResult result = planner.plan(overTheWall(), 3, true, kGoOn);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  double cost = 0.0, time = 0.0;
+  EXPECT_EQ(result.arrival[0], 0.0);
+  for (std::size_t i = 1; i < result.waypoint_count; ++i) {
+    const JointArray &a = result.waypoints[i - 1], &b = result.waypoints[i];
+    JointArray delta{};
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      delta[j] = b[j] - a[j];
+    cost += planner.edgeCost(Arm::kGold, a, b);
+    time += control::quinticDuration(delta, config_.velocity_limit, config_.acceleration_limit);
+    EXPECT_NEAR(result.arrival[i], time, 1e-12);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      EXPECT_GE(b[j], test::geometry().q_min[j] - 1e-9);
+      EXPECT_LE(b[j], test::geometry().q_max[j] + 1e-9);
+    }
+  }
+  EXPECT_NEAR(result.cost, cost, 1e-9);
+  EXPECT_EQ(result.samples, config_.samples);
+}
+
+TEST_F(PathPlannerTest, TheSameSeedGivesTheSameBytes) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  const PlanResult first = planner.plan(overTheWall(), 5, true, kGoOn);
+  ASSERT_EQ(first.status, PlanStatus::kSuccess);
+  planner.plan(overTheWall(), 6, true, kGoOn);  // whatever it did before
+  const PlanResult again = planner.plan(overTheWall(), 5, true, kGoOn);
+  const PlanResult fresh = plan(scene, overTheWall(), 5);
+  EXPECT_EQ(again.waypoints, first.waypoints);
+  EXPECT_EQ(again.cost, first.cost);
+  EXPECT_EQ(again.arrival, first.arrival);
+  EXPECT_EQ(again.planning_time, 0.0);
+  EXPECT_EQ(fresh.waypoints, first.waypoints);
+}
+
+TEST_F(PathPlannerTest, OtherSeedsGiveOtherPaths) {
+  const PlanResult first = plan(wall(), overTheWall(), 5);
+  const PlanResult second = plan(wall(), overTheWall(), 6);
+  EXPECT_NE(first.waypoints, second.waypoints);
+}
+
+TEST_F(PathPlannerTest, LockstepChangesNothingButTheClock) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  const PlanResult lockstep = planner.plan(overTheWall(), 5, true, kGoOn);
+  const PlanResult live = planner.plan(overTheWall(), 5, false, kGoOn);
+  EXPECT_EQ(live.waypoints, lockstep.waypoints);
+  EXPECT_GT(live.planning_time, 0.0);
+}
+
+TEST_F(PathPlannerTest, TakesTheGoalOfTheConfigurationIfNoneIsAsked) {
+  PlanRequest request = overTheWall();
+  request.has_goal = 0;
+  config_.goal_W = {-0.01, 0.06, 0.045};
+  const PlanResult result = plan(wall(), request);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  const JointArray& last = result.waypoints[result.waypoint_count - 1];
+  EXPECT_LT((tip(raven_, Arm::kGold, last) - toEigen(config_.goal_W)).norm(), 1e-9);
+}
+
+TEST_F(PathPlannerTest, RefusesAStartThatTouches) {
+  const model::SceneModel scene =
+      test::scene({test::sphere(0.02, {Matrix3::Identity(), tip(raven_, Arm::kGold, kHome)})});
+  const PlanResult result = plan(scene, overTheWall());
+  EXPECT_EQ(result.status, PlanStatus::kStartInCollision);
+  EXPECT_EQ(result.waypoint_count, 0u);
+}
+
+TEST_F(PathPlannerTest, RefusesAStartOutsideTheLimitsOrNotANumber) {
+  PlanRequest request = overTheWall();
+  request.start[kInsertion] = 0.60;
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kStartInCollision);
+  request = overTheWall();
+  request.start[kGrasp1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kStartInCollision);
+  request = overTheWall();
+  request.other[kElbow] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kStartInCollision);
+}
+
+TEST_F(PathPlannerTest, RefusesAGoalOutOfReach) {
+  PlanRequest request = overTheWall();
+  request.goal_W = {0.0, 0.0, 1.0};  // [m] above the remote centre: the tool points down
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kGoalUnreachable);
+  request.goal_W[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kGoalUnreachable);
+}
+
+TEST_F(PathPlannerTest, RefusesAGoalInsideAnObstacle) {
+  PlanRequest request = overTheWall();
+  request.goal_W = {0.012, 0.055, 0.04};  // in the wall, whatever the orientation
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kGoalInCollision);
+}
+
+TEST_F(PathPlannerTest, SaysSoWhenThereIsNoWay) {
+  // GIVEN a pit around the remote centre's foot, parted by a wall up to 90 mm, and a tool that cannot be withdrawn
+  // above it: the wrist stays 70 mm or more below the remote centre, and the sides keep the shaft within 45 degrees
+  model::RavenModel raven = test::raven();
+  raven.arms.geometry.q_max[kInsertion] = 0.40;
+  model::SceneModel pit = test::scene({test::box({0.4, 0.004, 0.4}, {Matrix3::Identity(), {0, 0.0143, 0}}),
+                                       test::box({0.4, 0.004, 0.4}, {Matrix3::Identity(), {0, 0.1143, 0}})});
+  const model::CollisionShape middle = test::box({0.001, 0.1, 0.18}, {Matrix3::Identity(), {0, 0.0643, 0}});
+  PlanRequest request = overTheWall();
+  request.start[kInsertion] = 0.38;
+  request.goal_W = {-0.018, 0.065, 0.03};
+  ASSERT_EQ(PathPlanner(raven, pit, config_).plan(request, 1, true, kGoOn).status, PlanStatus::kSuccess);
+  // WHEN the wall stands THEN start and goal are as free as before, but no path joins them
+  pit.description.links[0].collisions.push_back(middle);
+  pit.X_WL[0] = Pose{};
+  EXPECT_EQ(PathPlanner(raven, pit, config_).plan(request, 1, true, kGoOn).status, PlanStatus::kNoPath);
+}
+
+TEST_F(PathPlannerTest, APathTooHardForTheTimeLimitIsNone) {
+  config_.samples = 20000;
+  config_.time_limit = 0.01;
+  const model::SceneModel scene = wall();
+  const PlanResult result = PathPlanner(raven_, scene, config_).plan(overTheWall(), 1, false, kGoOn);
+  EXPECT_EQ(result.status, PlanStatus::kNoPath);
+  EXPECT_EQ(result.waypoint_count, 0u);
+}
+
+TEST_F(PathPlannerTest, IsCancelledBeforeItBegins) {
+  const std::atomic<bool> cancel{true};
+  const model::SceneModel scene = wall();
+  const PlanResult result = PathPlanner(raven_, scene, config_).plan(overTheWall(), 1, true, cancel);
+  EXPECT_EQ(result.status, PlanStatus::kCancelled);
+  EXPECT_EQ(result.waypoint_count, 0u);
+}
+
+TEST_F(PathPlannerTest, IsCancelledOnItsWay) {
+  // GIVEN a plan that would take minutes, WHEN another thread cancels it, THEN it ends (or this test never does)
+  config_.samples = 100000;
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  std::atomic<bool> cancel{false};
+  PlanResult result;
+  std::thread worker([&] { result = planner.plan(overTheWall(), 1, true, cancel); });
+  cancel = true;
+  worker.join();
+  EXPECT_EQ(result.status, PlanStatus::kCancelled);
+}
+
+TEST_F(PathPlannerTest, ThePlannedArmGivesWayToTheOther) {
+  // GIVEN the green arm with its tip where gold's shall go: planned there, with gold out of the way
+  PlanRequest request = overTheWall();
+  request.arm = Arm::kGreen;
+  request.goal_W = {0.02, 0.0, 0.05};
+  const PlanResult green = plan(test::scene({}), request);
+  ASSERT_EQ(green.status, PlanStatus::kSuccess);
+  request.arm = Arm::kGold;
+  ASSERT_EQ(plan(test::scene({}), request).status, PlanStatus::kSuccess);
+  request.other = green.waypoints[green.waypoint_count - 1];
+  EXPECT_EQ(plan(test::scene({}), request).status, PlanStatus::kGoalInCollision);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::planning
