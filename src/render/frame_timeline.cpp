@@ -1,0 +1,88 @@
+#include "render/frame_timeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::render {
+
+namespace {
+
+constexpr std::int64_t kTicksPerSecond = 1000;
+constexpr Tick kMaxTick = std::int64_t{1} << 40;  // 34 years; keeps the products below from overflowing
+
+std::int64_t ceilDivide(std::int64_t a, std::int64_t b) noexcept {
+  return (a + b - 1) / b;
+}
+
+std::int64_t frameAt(double seconds, std::int64_t fps) {
+  return std::llround(std::clamp(seconds, 0.0, 1e9) * static_cast<double>(fps));
+}
+
+std::string faultName(const std::vector<std::string>& scenarios, std::uint32_t id) {
+  if (id == 0) return "";
+  return id <= scenarios.size() ? scenarios[id - 1] : "unknown";
+}
+
+}  // namespace
+
+FrameTimeline::FrameTimeline(int fps, double from, double to)
+    : fps_(fps), span_{frameAt(from, fps), to < 0.0 ? std::numeric_limits<std::int64_t>::max() : frameAt(to, fps)} {}
+
+/** The first frame that is not before this tick shows it; null outside the span. */
+FrameTimeline::Slot* FrameTimeline::slotOf(Tick session_tick) {
+  if (session_tick < 0 || session_tick > kMaxTick) return nullptr;
+  // A tick before the span may be the newest one at its first frame.
+  const std::int64_t frame = std::max(ceilDivide(session_tick * fps_, kTicksPerSecond), span_.first);
+  if (frame >= span_.end) return nullptr;
+  const std::int64_t index = frame - span_.first;
+  if (index >= kMaxFrames) {
+    throw SessionException("more than " + std::to_string(kMaxFrames) + " frames; render a part with --from and --to");
+  }
+  if (static_cast<std::size_t>(index) >= slots_.size()) slots_.resize(static_cast<std::size_t>(index) + 1);
+  return &slots_[static_cast<std::size_t>(index)];
+}
+
+void FrameTimeline::add(const TickRecord& record) {
+  const Tick session_tick = record.model.session_tick;
+  if (session_tick < 0 || session_tick > kMaxTick) return;
+  Slot* slot = slotOf(session_tick);
+  origin_ = record.model.tick - session_tick;
+  last_ = std::max(last_, session_tick);
+  if (slot == nullptr || (slot->has_tick && slot->tick.model.session_tick > session_tick)) return;
+  slot->tick = record;
+  slot->has_tick = true;
+}
+
+void FrameTimeline::add(const HapticRecord& record) {
+  if (last_ < 0) return;
+  Slot* slot = slotOf(record.haptic.tick - origin_);
+  if (slot != nullptr && record.haptic.tick > slot->haptic.tick) slot->haptic = record.haptic;
+}
+
+std::int64_t FrameTimeline::sessionFrames() const noexcept {
+  return ((last_ + 1) * fps_ + kTicksPerSecond / 2) / kTicksPerSecond;
+}
+
+std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scenarios) const {
+  std::vector<Snapshot> out;
+  const std::int64_t count = std::min(std::min(span_.end, sessionFrames()) - span_.first, kMaxFrames);
+  Snapshot newest;
+  for (std::int64_t i = 0; i < count; ++i) {
+    if (static_cast<std::size_t>(i) < slots_.size()) {
+      const Slot& slot = slots_[static_cast<std::size_t>(i)];
+      if (slot.has_tick) {
+        newest.model = slot.tick.model;
+        newest.robot = slot.tick.robot;
+        newest.fault = faultName(scenarios, newest.robot.active_fault);
+      }
+      if (slot.haptic.tick >= 0) newest.haptic = slot.haptic;
+    }
+    out.push_back(newest);
+  }
+  return out;
+}
+
+}  // namespace raven2_trainer::render

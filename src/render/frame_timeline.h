@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/render/scene.h"
+
+namespace raven2_trainer::render {
+
+/** Span of frames to keep: first <= k < end. */
+struct FrameSpan {
+  std::int64_t first{0};
+  std::int64_t end{0};
+};
+
+/** Sorts the records of a log into frames. Frame k shows the newest record at or before session time k / fps. */
+class FrameTimeline {
+ public:
+  /** @param[in] fps [Hz]. @param[in] from,to [s] session time to keep; `to` negative: to the end. */
+  FrameTimeline(int fps, double from, double to);
+
+  /** Records in any order; those before the first pedal down and outside the span are ignored.
+   *  @throw SessionException if the span needs more than kMaxFrames. */
+  void add(const TickRecord& record);
+  void add(const HapticRecord& record);
+
+  /** Frames of the span, in order. `scenarios` names the faults: Fault::id is the position + 1. */
+  std::vector<Snapshot> frames(const std::vector<std::string>& scenarios) const;
+
+  /** round(duration x fps) of all records, whatever the span. */
+  std::int64_t sessionFrames() const noexcept;
+
+  static constexpr std::int64_t kMaxFrames = 500'000;  ///< 4.6 hours at 30 Hz, 1.2 GB
+
+ private:
+  struct Slot {
+    TickRecord tick;
+    HapticState haptic;
+    bool has_tick{false};
+  };
+  Slot* slotOf(Tick session_tick);
+
+  std::int64_t fps_;
+  FrameSpan span_;
+  Tick origin_{-1};  // model tick of session tick 0
+  Tick last_{-1};    // newest session tick
+  std::vector<Slot> slots_;
+};
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/gl.h"
+
+namespace raven2_trainer::render {
+
+/** An OSMesa context, core profile 3.3, and the memory it draws into: RGBA, 8 bit, top row first. */
+class GlContext {
+ public:
+  /** @throw RenderException if the size is not in 1..4096 or no context can be had. */
+  GlContext(int width, int height);
+  ~GlContext();
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
+
+  /** True once a context was made in this process: it must not fork drawing processes then. */
+  static bool isUsed() noexcept;
+
+  /** Binds it to the calling thread; cheap if it is bound already. */
+  void makeCurrent();
+
+  const std::vector<std::uint8_t>& rgba() const noexcept { return rgba_; }
+  int width() const noexcept { return width_; }
+  int height() const noexcept { return height_; }
+
+ private:
+  int width_, height_;
+  std::vector<std::uint8_t> rgba_;
+  OSMesaContext context_{nullptr};
+};
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "raven2_trainer/model/mesh.h"
+#include "render/gl.h"
+
+namespace raven2_trainer::render {
+
+/** A mesh in the renderer's memory. The context must be current on every call. */
+class GpuMesh {
+ public:
+  /** Triangles that name a vertex the mesh does not have are left out; a mesh without triangles draws nothing. */
+  explicit GpuMesh(const model::Mesh& mesh);
+  ~GpuMesh();
+  GpuMesh(const GpuMesh&) = delete;
+  GpuMesh& operator=(const GpuMesh&) = delete;
+
+  void draw() const noexcept;
+
+  /** [m] Distance of the farthest vertex from the mesh's origin. */
+  float radius() const noexcept { return radius_; }
+
+ private:
+  GLuint arrays_{0}, vertices_{0}, indices_{0};
+  GLsizei index_count_{0};
+  float radius_{0.0F};
+};
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,112 @@
+#include "render/passes.h"
+
+#include "render/projection.h"
+#include "render/shaders.h"
+
+namespace raven2_trainer::render {
+
+namespace {
+
+constexpr float kBackgroundTop[] = {0.93F, 0.94F, 0.955F};
+constexpr float kBackgroundBottom[] = {0.72F, 0.74F, 0.77F};
+
+/** A vertex array without attributes, which core profile demands even where the shader makes its own vertices. */
+GLuint makeEmptyArrays() {
+  GLuint arrays = 0;
+  glGenVertexArrays(1, &arrays);
+  return arrays;
+}
+
+}  // namespace
+
+ShadowPass::ShadowPass()
+    : program_(kShadowVertex, kShadowFragment), clip_from_mesh_(program_.uniform("clip_from_mesh")) {}
+
+void ShadowPass::draw(const std::vector<DrawItem>& opaque, const Eigen::Matrix4f& shadow_clip_from_world) {
+  target_.bind();
+  glViewport(0, 0, ShadowTarget::kSize, ShadowTarget::kSize);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(0.5F, 2.0F);  // against self-shadowing, together with the lift of MeshPass
+  program_.use();
+  for (const DrawItem& item : opaque) {
+    setUniform(clip_from_mesh_, Eigen::Matrix4f(shadow_clip_from_world * item.world_from_mesh));
+    item.mesh->draw();
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+MeshPass::MeshPass()
+    : background_(kScreenVertex, kBackgroundFragment),
+      program_(kMeshVertex, kMeshFragment),
+      no_arrays_(makeEmptyArrays()),
+      clip_from_mesh_(program_.uniform("clip_from_mesh")),
+      world_from_mesh_(program_.uniform("world_from_mesh")),
+      shadow_from_mesh_(program_.uniform("shadow_from_mesh")),
+      shadow_lift_(program_.uniform("shadow_lift")),
+      colour_(program_.uniform("colour")),
+      eye_W_(program_.uniform("eye_W")) {
+  background_.use();
+  glUniform3fv(background_.uniform("top"), 1, kBackgroundTop);
+  glUniform3fv(background_.uniform("bottom"), 1, kBackgroundBottom);
+  program_.use();
+  setUniform(program_.uniform("key_W"), keyLight());
+  setUniform(program_.uniform("fill_W"), fillLight());
+  glUniform1i(program_.uniform("shadow_map"), 0);
+}
+
+void MeshPass::draw(const std::vector<DrawItem>& opaque,
+                    const std::vector<DrawItem>& translucent,
+                    const model::Camera& camera,
+                    GLuint shadow_map,
+                    const Eigen::Matrix4f& shadow_clip_from_world) {
+  shadow_from_world_ = textureFromClip() * shadow_clip_from_world;
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glBindTexture(GL_TEXTURE_2D, shadow_map);
+  program_.use();
+  setUniform(eye_W_, Eigen::Vector3f(camera.X_WC.p.cast<float>()));
+  // A lit point is looked up 1.5 texels off its surface, or the map's steps would shade it.
+  const float texel = 2.0F / (shadow_clip_from_world.block<1, 3>(0, 0).norm() * ShadowTarget::kSize);
+  shadow_lift_W_ = 1.5F * texel;
+  drawItems(opaque, camera);
+  drawBackground();  // at the far plane: only where nothing is
+  program_.use();
+  drawTranslucent(translucent, camera);
+}
+
+void MeshPass::drawBackground() const {
+  background_.use();
+  glBindVertexArray(no_arrays_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void MeshPass::drawItems(const std::vector<DrawItem>& items, const model::Camera& camera) const {
+  const Eigen::Matrix4f clip_from_world = clipFromWorld(camera);
+  for (const DrawItem& item : items) {
+    if (!isInView(camera, item.centre_W, item.radius)) continue;
+    setUniform(clip_from_mesh_, Eigen::Matrix4f(clip_from_world * item.world_from_mesh));
+    setUniform(world_from_mesh_, item.world_from_mesh);
+    setUniform(shadow_from_mesh_, Eigen::Matrix4f(shadow_from_world_ * item.world_from_mesh));
+    glUniform1f(shadow_lift_, shadow_lift_W_ / item.scale);
+    setUniform(colour_, item.colour);
+    item.mesh->draw();
+  }
+}
+
+void MeshPass::drawTranslucent(const std::vector<DrawItem>& items, const model::Camera& camera) const {
+  if (items.empty()) return;
+  // Pushed back a little, so that where a ghost coincides with its arm the arm wins cleanly.
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.0F, 16.0F);
+  // Depth first, then colour: only the nearest surface shows, in whatever order the items come.
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  drawItems(items, camera);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  drawItems(items, camera);
+  glDisable(GL_BLEND);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,139 @@
+#include "raven2_trainer/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/edge_smoother.h"
+#include "render/gl_context.h"
+#include "render/overlay_painter.h"
+#include "render/passes.h"
+#include "render/projection.h"
+
+namespace raven2_trainer::render {
+
+struct Renderer::Impl {
+  Impl(int width, int height)
+      : context(width, height), smoother(width, height), overlay(width, height), rgb(context.rgba().size() / 4 * 3) {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glEnable(GL_CULL_FACE);
+  }
+
+  void sortItems(const Scene& scene, const Vector3& eye_W);
+  void drawView(const model::Camera& camera, int x, int y, int view_width, int view_height);
+  void drawInset(const model::Camera& inset);
+
+  GlContext context;
+  ShadowPass shadow;
+  MeshPass meshes;
+  EdgeSmoother smoother;
+  OverlayPainter overlay;
+  std::vector<std::unique_ptr<GpuMesh>> gpu_meshes;
+  std::vector<DrawItem> opaque, translucent;
+  Eigen::Matrix4f shadow_clip_from_world;
+  std::vector<std::uint8_t> rgb;
+};
+
+namespace {
+
+bool isFinite(const std::array<float, 4>& colour) noexcept {
+  return std::all_of(colour.begin(), colour.end(), [](float c) { return std::isfinite(c); });
+}
+
+bool isUsable(const model::Camera& c) noexcept {
+  return isDrawable(c.X_WC) && c.width > 0 && c.height > 0 && std::isfinite(c.fx) && std::isfinite(c.fy) &&
+         c.fx > 0.0 && c.fy > 0.0 && std::isfinite(c.cx) && std::isfinite(c.cy);
+}
+
+constexpr int kInsetMargin = 12;  // [px]
+constexpr int kInsetFrame = 2;    // [px]
+
+}  // namespace
+
+/** Sorts what can be drawn into opaque and translucent items. Near things come first: what they hide costs no shading.
+ */
+void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
+  opaque.clear();
+  translucent.clear();
+  for (const Drawable& drawable : scene.drawables) {
+    if (drawable.mesh < 0 || static_cast<std::size_t>(drawable.mesh) >= gpu_meshes.size()) continue;
+    if (!isDrawable(drawable.X_WM) || !isFinite(drawable.colour)) continue;
+    const GpuMesh* mesh = gpu_meshes[static_cast<std::size_t>(drawable.mesh)].get();
+    const double scale = drawable.X_WM.R.colwise().norm().maxCoeff();
+    if (scale < 1e-9) continue;
+    const auto& c = drawable.colour;
+    auto& items = c[3] < 1.0F ? translucent : opaque;
+    items.push_back({mesh,
+                     matrixOf(drawable.X_WM),
+                     drawable.X_WM.p,
+                     static_cast<float>(scale),
+                     scale * mesh->radius(),
+                     {c[0], c[1], c[2], c[3]}});
+  }
+  const auto nearness = [&eye_W](const DrawItem& item) { return (item.centre_W - eye_W).norm() + item.radius; };
+  std::stable_sort(opaque.begin(), opaque.end(),
+                   [&](const DrawItem& a, const DrawItem& b) { return nearness(a) < nearness(b); });
+}
+
+void Renderer::Impl::drawView(const model::Camera& camera, int x, int y, int view_width, int view_height) {
+  static const std::vector<DrawItem> kNothing;
+  const bool usable = isUsable(camera);
+  glViewport(x, y, view_width, view_height);
+  glScissor(x, y, view_width, view_height);
+  glEnable(GL_SCISSOR_TEST);
+  meshes.draw(usable ? opaque : kNothing, usable ? translucent : kNothing, camera, shadow.texture(),
+              shadow_clip_from_world);
+  glDisable(GL_SCISSOR_TEST);
+}
+
+/** A second view in the lower right corner, in a dark frame. */
+void Renderer::Impl::drawInset(const model::Camera& inset) {
+  const int w = inset.width, h = inset.height;
+  const int x = context.width() - kInsetMargin - w, y = kInsetMargin;
+  if (w < 1 || h < 1 || x < kInsetFrame || y + h + kInsetFrame > context.height()) return;
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(x - kInsetFrame, y - kInsetFrame, w + 2 * kInsetFrame, h + 2 * kInsetFrame);
+  glClearColor(0.13F, 0.15F, 0.18F, 1.0F);
+  glClear(GL_COLOR_BUFFER_BIT);
+  drawView(inset, x, y, w, h);
+}
+
+Renderer::Renderer(int width, int height) : impl_(std::make_unique<Impl>(width, height)) {}
+
+Renderer::~Renderer() {
+  impl_->context.makeCurrent();
+}
+
+int Renderer::width() const noexcept {
+  return impl_->context.width();
+}
+
+int Renderer::height() const noexcept {
+  return impl_->context.height();
+}
+
+int Renderer::addMesh(const model::Mesh& mesh) {
+  impl_->context.makeCurrent();
+  impl_->gpu_meshes.push_back(std::make_unique<GpuMesh>(mesh));
+  return static_cast<int>(impl_->gpu_meshes.size()) - 1;
+}
+
+const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
+                                                const model::Camera& camera,
+                                                const model::Camera* inset) {
+  Impl& impl = *impl_;
+  impl.context.makeCurrent();
+  const bool usable = isUsable(camera);
+  impl.sortItems(scene, usable ? camera.X_WC.p : Vector3(0, 0, 0));
+  impl.shadow_clip_from_world = shadowClipFromWorld(usable ? camera : model::Camera{});
+  impl.shadow.draw(impl.opaque, impl.shadow_clip_from_world);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  impl.drawView(camera, 0, 0, width(), height());
+  if (inset != nullptr) impl.drawInset(*inset);
+  glFinish();  // OSMesa fills its buffer here
+  impl.smoother.smooth(impl.context.rgba().data(), impl.rgb.data());
+  impl.overlay.paint(scene.overlay, &impl.rgb);
+  return impl.rgb;
+}
+
+}  // namespace raven2_trainer::render

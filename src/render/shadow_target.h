@@ -1,0 +1,25 @@
+#pragma once
+
+#include "render/gl.h"
+
+namespace raven2_trainer::render {
+
+/** Depth texture seen from a light. The context must be current on every call. */
+class ShadowTarget {
+ public:
+  static constexpr int kSize = 1024;  ///< [px] of each edge: 0.3 to 1.3 mm a pixel
+
+  /** @throw RenderException if the framebuffer is not complete. */
+  ShadowTarget();
+  ~ShadowTarget();
+  ShadowTarget(const ShadowTarget&) = delete;
+  ShadowTarget& operator=(const ShadowTarget&) = delete;
+
+  void bind() const noexcept { glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_); }
+  GLuint texture() const noexcept { return texture_; }
+
+ private:
+  GLuint framebuffer_{0}, texture_{0};
+};
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,131 @@
+#include "render/frame_timeline.h"
+
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::render {
+namespace {
+
+constexpr Tick kOrigin = 2500;  // model tick of the first pedal down
+
+TickRecord tickAt(Tick session_tick) {
+  TickRecord record;
+  record.model.session_tick = session_tick;
+  record.model.tick = kOrigin + session_tick;
+  return record;
+}
+
+HapticRecord hapticAt(Tick session_tick, double force) {
+  HapticRecord record;
+  record.haptic.tick = kOrigin + session_tick;
+  record.haptic.force_B[0] = {force, 0.0, 0.0};
+  return record;
+}
+
+void addTicks(Tick count, FrameTimeline* timeline) {
+  for (Tick t = 0; t < count; ++t)
+    timeline->add(tickAt(t));
+}
+
+TEST(FrameTimeline, FrameKShowsTheNewestTickAtItsTime) {
+  for (const int fps : {24, 25, 30, 60, 120}) {
+    FrameTimeline timeline(fps, 0.0, -1.0);
+    addTicks(2000, &timeline);
+    const auto frames = timeline.frames({});
+    ASSERT_EQ(frames.size(), static_cast<std::size_t>(2 * fps));
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      EXPECT_EQ(frames[k].model.session_tick, static_cast<Tick>(k * 1000 / static_cast<std::size_t>(fps)))
+          << fps << " " << k;
+    }
+  }
+}
+
+TEST(FrameTimeline, TheNumberOfFramesIsTheRoundedDurationTimesTheRate) {
+  for (const auto& [ticks, frames] :
+       {std::pair<Tick, std::size_t>{1000, 30}, {1016, 30}, {1017, 31}, {10, 0}, {17, 1}}) {
+    FrameTimeline timeline(30, 0.0, -1.0);
+    addTicks(ticks, &timeline);
+    EXPECT_EQ(timeline.frames({}).size(), frames) << ticks;
+    EXPECT_EQ(timeline.sessionFrames(), static_cast<std::int64_t>(frames));
+  }
+}
+
+TEST(FrameTimeline, TicksBeforeTheFirstPedalDownAreLeftOut) {
+  FrameTimeline timeline(30, 0.0, -1.0);
+  for (Tick t = 0; t < kOrigin; ++t) {
+    TickRecord record;
+    record.model.tick = t;
+    timeline.add(record);
+  }
+  EXPECT_EQ(timeline.sessionFrames(), 0);
+  addTicks(100, &timeline);
+  EXPECT_EQ(timeline.frames({}).size(), 3U);
+  EXPECT_EQ(timeline.frames({}).front().model.session_tick, 0);
+}
+
+TEST(FrameTimeline, AMissingStretchRepeatsTheLastFrameBeforeIt) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  addTicks(50, &timeline);
+  timeline.add(tickAt(99));
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 10U);
+  EXPECT_EQ(frames[5].model.session_tick, 49);
+  EXPECT_EQ(frames[9].model.session_tick, 49);
+}
+
+TEST(FrameTimeline, TheOrderOfRecordsDoesNotMatter) {
+  FrameTimeline timeline(30, 0.0, -1.0);
+  for (Tick t = 999; t >= 0; --t)
+    timeline.add(tickAt(t));
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 30U);
+  EXPECT_EQ(frames[1].model.session_tick, 33);
+}
+
+TEST(FrameTimeline, ASpanKeepsTheFramesOfItsTimes) {
+  FrameTimeline timeline(30, 0.5, 0.8);
+  addTicks(1000, &timeline);
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 9U);
+  EXPECT_EQ(frames.front().model.session_tick, 500);
+  EXPECT_EQ(frames.back().model.session_tick, 766);
+  EXPECT_EQ(timeline.sessionFrames(), 30);
+}
+
+TEST(FrameTimeline, TheForceIsTheNewestAtTheFrame) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  addTicks(60, &timeline);
+  for (Tick t = 0; t < 36; ++t)
+    timeline.add(hapticAt(t, static_cast<double>(t)));
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 6U);
+  EXPECT_EQ(frames[2].haptic.force_B[0][0], 20.0);
+  EXPECT_EQ(frames[3].haptic.force_B[0][0], 30.0);
+  EXPECT_EQ(frames[4].haptic.force_B[0][0], 35.0);
+  EXPECT_EQ(frames[5].haptic.force_B[0][0], 35.0);
+}
+
+TEST(FrameTimeline, TheFaultIsNamedWhileItActs) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  for (Tick t = 0; t < 50; ++t) {
+    TickRecord record = tickAt(t);
+    record.robot.active_fault = t >= 15 && t < 35 ? 2 : 0;
+    if (t >= 35) record.robot.active_fault = 77;
+    timeline.add(record);
+  }
+  const auto frames = timeline.frames({"sudden_jump", "stuck"});
+  EXPECT_EQ(frames[1].fault, "");
+  EXPECT_EQ(frames[2].fault, "stuck");
+  EXPECT_EQ(frames[4].fault, "unknown") << "a number that the log does not name";
+}
+
+TEST(FrameTimeline, AHostileTickCannotTakeTheMemory) {
+  FrameTimeline timeline(30, 0.0, -1.0);
+  EXPECT_THROW(timeline.add(tickAt(Tick{1} << 39)), SessionException);
+  EXPECT_NO_THROW(timeline.add(tickAt(std::int64_t{1} << 60)));
+  EXPECT_EQ(timeline.frames({}).size() < 1000, true);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render

@@ -1,0 +1,121 @@
+#include "render/overlay_painter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+namespace raven2_trainer::render {
+namespace {
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 360;
+
+std::vector<std::uint8_t> grey() {
+  return std::vector<std::uint8_t>(static_cast<std::size_t>(kWidth) * kHeight * 3, 128);
+}
+
+bool contains(const Region& r, int x, int y) {
+  return x >= r.left && x < r.right && y >= r.top && y < r.bottom;
+}
+
+/** Bytes that differ from grey; fails if one lies outside both regions. */
+int changedInside(const std::vector<std::uint8_t>& rgb, const Region& a, const Region& b) {
+  int changed = 0;
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    if (rgb[i] == 128) continue;
+    ++changed;
+    const int x = static_cast<int>(i / 3) % kWidth, y = static_cast<int>(i / 3) / kWidth;
+    EXPECT_TRUE(contains(a, x, y) || contains(b, x, y)) << x << ", " << y;
+    if (::testing::Test::HasFailure()) return -1;
+  }
+  return changed;
+}
+
+TEST(OverlayPainter, ChangesPixelsInItsRegionsOnly) {
+  const OverlayPainter painter(kWidth, kHeight);
+  Overlay overlay;
+  overlay.lines = {"time 1.000 s", "a longer line of text, with descenders: jgpqy"};
+  overlay.force = {1.0, 9.0};
+  overlay.max_force = 3.3;
+  overlay.banner = "FAULT: sudden_jump";
+  auto rgb = grey();
+  painter.paint(overlay, &rgb);
+  EXPECT_GT(changedInside(rgb, painter.panelRegion(overlay), painter.bannerRegion(overlay)), 5000);
+}
+
+TEST(OverlayPainter, AnEmptyOverlayChangesNothing) {
+  const OverlayPainter painter(kWidth, kHeight);
+  auto rgb = grey();
+  painter.paint(Overlay{}, &rgb);
+  EXPECT_EQ(rgb, grey());
+}
+
+TEST(OverlayPainter, OtherTextGivesOtherPixels) {
+  const OverlayPainter painter(kWidth, kHeight);
+  Overlay overlay;
+  overlay.lines = {"gold error 1.23 mm"};
+  auto one = grey(), other = grey();
+  painter.paint(overlay, &one);
+  overlay.lines = {"gold error 1.28 mm"};
+  painter.paint(overlay, &other);
+  EXPECT_NE(one, other);
+}
+
+TEST(OverlayPainter, BarsGrowWithTheForceUpToTheirEnd) {
+  const OverlayPainter painter(kWidth, kHeight);
+  const auto goldPixels = [&painter](double force) {
+    Overlay overlay;
+    overlay.lines = {"x"};
+    overlay.force = {force, 0.0};
+    overlay.max_force = 2.0;
+    auto rgb = grey();
+    painter.paint(overlay, &rgb);
+    int count = 0;
+    for (std::size_t i = 0; i < rgb.size(); i += 3)
+      count += rgb[i] == 236 && rgb[i + 1] == 186 && rgb[i + 2] == 60;
+    return count;
+  };
+  EXPECT_LT(goldPixels(0.0), goldPixels(1.0));
+  EXPECT_LT(goldPixels(1.0), goldPixels(2.0));
+  EXPECT_LT(goldPixels(5.0), goldPixels(2.0) + goldPixels(1.0)) << "a bar ends at max_force";
+}
+
+TEST(OverlayPainter, NotFiniteForcesAndEndlessTextStayInThePicture) {
+  const OverlayPainter painter(kWidth, kHeight);
+  Overlay overlay;
+  overlay.lines.assign(500, std::string(1000, 'W'));
+  overlay.force = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
+  overlay.max_force = 0.0;
+  overlay.banner = std::string(1000, 'M');
+  auto rgb = grey();
+  painter.paint(overlay, &rgb);
+  const Region panel = painter.panelRegion(overlay), banner = painter.bannerRegion(overlay);
+  EXPECT_LE(panel.right, kWidth);
+  EXPECT_LE(panel.bottom, kHeight);
+  EXPECT_GE(banner.left, 0);
+  EXPECT_GT(changedInside(rgb, panel, banner), 0);
+}
+
+TEST(StrokeFont, EveryPrintableCharacterHasItsOwnShape) {
+  const StrokeFont font(2.0);
+  const auto size = static_cast<std::size_t>(font.cellWidth() * font.cellHeight());
+  std::set<std::vector<std::uint8_t>> shapes;
+  for (char c = ' '; c <= '~'; ++c)
+    shapes.insert(std::vector<std::uint8_t>(font.mask(c), font.mask(c) + size));
+  EXPECT_EQ(shapes.size(), 95U);
+}
+
+TEST(StrokeFont, OnlyTheSpaceIsBlankAndUnknownCharactersShowAsQuestionMarks) {
+  const StrokeFont font(2.0);
+  const int size = font.cellWidth() * font.cellHeight();
+  for (char c = ' '; c <= '~'; ++c) {
+    EXPECT_EQ(std::any_of(font.mask(c), font.mask(c) + size, [](std::uint8_t m) { return m > 200; }), c != ' ') << c;
+  }
+  EXPECT_EQ(font.mask('\n'), font.mask('?'));
+  EXPECT_EQ(font.mask(static_cast<char>(0xE9)), font.mask('?'));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render

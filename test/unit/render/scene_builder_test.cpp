@@ -1,0 +1,174 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/render/renderer.h"
+
+namespace raven2_trainer::render {
+namespace {
+
+class SceneBuilderTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    config_ = new TrainerConfig(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml"));
+    raven_ = new model::RavenModel(model::loadRavenModel(*config_));
+    scene_ = new model::SceneModel(model::loadSceneModel(*config_));
+  }
+  static void TearDownTestSuite() {
+    delete scene_;
+    delete raven_;
+    delete config_;
+  }
+
+  SceneBuilderTest() : renderer_(320, 180), builder_(*raven_, *scene_, config_->haptics, &renderer_) {
+    for (const Arm arm : kArms)
+      place(config_->arms.geometry.home, arm);
+    snapshot_.robot.frame = 1;
+    for (std::size_t i = 0; i < scene_->free_bodies.size(); ++i) {
+      snapshot_.model.bodies[i] = toArray(scene_->X_WL[static_cast<std::size_t>(scene_->free_bodies[i])]);
+    }
+  }
+
+  /** Model and robot of an arm both at q. */
+  void place(const JointArray& q, Arm arm) {
+    const Vec3 tip = toArray(kinematics::forward(config_->arms.geometry, arm, q).p);
+    at(snapshot_.model.arms, arm).q = at(snapshot_.robot.arms, arm).q = q;
+    at(snapshot_.model.arms, arm).p_BT = at(snapshot_.robot.arms, arm).p_BT = tip;
+  }
+
+  /** Turns the robot's shoulder of an arm, so that its tip lies some way from the model's. */
+  double displaceRobot(Arm arm, double angle) {
+    auto& state = at(snapshot_.robot.arms, arm);
+    state.q[kShoulder] += angle;
+    state.p_BT = toArray(kinematics::forward(config_->arms.geometry, arm, state.q).p);
+    return (toEigen(state.p_BT) - toEigen(at(snapshot_.model.arms, arm).p_BT)).norm();
+  }
+
+  std::size_t translucent() {
+    std::size_t count = 0;
+    for (const Drawable& d : builder_.build(snapshot_).drawables)
+      count += d.colour[3] < 1.0F;
+    return count;
+  }
+
+  static TrainerConfig* config_;
+  static model::RavenModel* raven_;
+  static model::SceneModel* scene_;
+  Renderer renderer_;
+  SceneBuilder builder_;
+  Snapshot snapshot_;
+};
+
+TrainerConfig* SceneBuilderTest::config_ = nullptr;
+model::RavenModel* SceneBuilderTest::raven_ = nullptr;
+model::SceneModel* SceneBuilderTest::scene_ = nullptr;
+
+TEST_F(SceneBuilderTest, AYellowSphereMarksTheRemoteCentreOfEachArm) {
+  const Scene& scene = builder_.build(snapshot_);
+  for (const Arm arm : kArms) {
+    int found = 0;
+    for (const Drawable& d : scene.drawables) {
+      const bool yellow = d.colour[0] > 0.9F && d.colour[1] > 0.7F && d.colour[2] < 0.3F;
+      found += yellow && (d.X_WM.p - toEigen(at(config_->arms.rcm_W, arm))).norm() < 1e-9;
+    }
+    EXPECT_EQ(found, 1) << name(arm);
+  }
+}
+
+TEST_F(SceneBuilderTest, TheRobotAppearsAsAGhostOnlyBeyondTheHapticTolerance) {
+  EXPECT_EQ(translucent(), 0U);
+  ASSERT_LT(displaceRobot(Arm::kGold, 0.01), config_->haptics.tolerance);
+  EXPECT_EQ(translucent(), 0U);
+  ASSERT_GT(displaceRobot(Arm::kGold, 0.2), config_->haptics.tolerance);
+  const std::size_t one = translucent();
+  EXPECT_GT(one, 5U);
+  ASSERT_GT(displaceRobot(Arm::kGreen, 0.2), config_->haptics.tolerance);
+  EXPECT_EQ(translucent(), 2 * one);
+  snapshot_.robot.frame = 0;
+  EXPECT_EQ(translucent(), 0U) << "no frame from the robot yet";
+}
+
+TEST_F(SceneBuilderTest, AForceIsAnArrowAtTheModelsTipAlongTheForce) {
+  const std::size_t without = builder_.build(snapshot_).drawables.size();
+  snapshot_.haptic.force_B[1] = {0.0, 0.0, 2.0};  // green: z points left, W y
+  const Scene& scene = builder_.build(snapshot_);
+  ASSERT_EQ(scene.drawables.size(), without + 1);
+  const Drawable& arrow = scene.drawables.back();
+  const Pose& X_WB = at(raven_->X_WB, Arm::kGreen);
+  EXPECT_LT((arrow.X_WM.p - X_WB * toEigen(snapshot_.model.arms[1].p_BT)).norm(), 1e-12);
+  EXPECT_LT((arrow.X_WM.R.col(2).normalized() - Vector3(0.0, 1.0, 0.0)).norm(), 1e-9);
+  EXPECT_GT(arrow.X_WM.R.col(2).norm(), 0.02) << "[m] long enough to be seen";
+}
+
+TEST_F(SceneBuilderTest, FreeBodiesMoveWithTheModel) {
+  ASSERT_GE(scene_->free_bodies.size(), 1U);
+  const auto before = builder_.build(snapshot_).drawables;
+  snapshot_.model.bodies[0].p[2] += 0.25;
+  const auto after = builder_.build(snapshot_).drawables;
+  ASSERT_EQ(before.size(), after.size());
+  int moved = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double rise = after[i].X_WM.p.z() - before[i].X_WM.p.z();
+    if (std::abs(rise) < 1e-12) continue;
+    EXPECT_NEAR(rise, 0.25, 1e-12);
+    ++moved;
+  }
+  EXPECT_GE(moved, 1);
+}
+
+TEST_F(SceneBuilderTest, ThePictureShowsTheArmsMove) {
+  const model::Camera camera = model::makeCamera(config_->render.cameras.front(), 320, 180);
+  const std::vector<std::uint8_t> home = renderer_.draw(builder_.build(snapshot_), camera);
+  JointArray q = config_->arms.geometry.home;
+  q[kElbow] += 0.2;
+  place(q, Arm::kGreen);
+  const std::vector<std::uint8_t>& moved = renderer_.draw(builder_.build(snapshot_), camera);
+  int changed = 0;
+  for (std::size_t i = 0; i < home.size(); ++i)
+    changed += std::abs(home[i] - moved[i]) > 20;
+  EXPECT_GT(changed, 500);
+}
+
+TEST_F(SceneBuilderTest, JointsThatAreNotFiniteDoNotStopThePicture) {
+  snapshot_.model.arms[0].q[kElbow] = std::numeric_limits<double>::quiet_NaN();
+  snapshot_.robot.arms[1].q[kShoulder] = std::numeric_limits<double>::infinity();
+  snapshot_.robot.arms[1].p_BT = {1.0, 0.0, 0.0};
+  snapshot_.haptic.force_B[0] = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
+  const model::Camera camera = model::makeCamera(config_->render.cameras.front(), 320, 180);
+  EXPECT_EQ(renderer_.draw(builder_.build(snapshot_), camera).size(), 320U * 180U * 3U);
+}
+
+TEST_F(SceneBuilderTest, EveryConfiguredCameraSeesTheDomeAndTheSceneFitsTheBudget) {
+  for (const CameraConfig& camera : config_->render.cameras) {
+    double u = 0.0, v = 0.0;
+    const model::Camera c = model::makeCamera(camera, 1280, 720);
+    ASSERT_TRUE(c.project(Vector3(0.0, 0.0, 0.05), &u, &v)) << camera.name;
+    EXPECT_TRUE(u > 0 && u < 1280 && v > 0 && v < 720) << camera.name;
+  }
+  // 30,000 triangles draw in half a frame time at 30 Hz on one core.
+  std::size_t triangles = 0;
+  for (const model::Description* d : {&raven_->description, &scene_->description}) {
+    for (const model::Link& link : d->links) {
+      for (const model::VisualShape& v : link.visuals)
+        triangles += d->meshes[static_cast<std::size_t>(v.mesh)].triangles.size();
+    }
+  }
+  EXPECT_LT(triangles, 30'000U);
+}
+
+TEST_F(SceneBuilderTest, TheOverviewShowsBothRemoteCentresAndTheDome) {
+  const model::Camera c = model::makeCamera(config_->render.cameras.front(), 1280, 720);
+  ASSERT_EQ(config_->render.cameras.front().name, "overview");
+  for (const Arm arm : kArms) {
+    double u = 0.0, v = 0.0;
+    ASSERT_TRUE(c.project(toEigen(at(config_->arms.rcm_W, arm)), &u, &v));
+    EXPECT_TRUE(u > 300 && u < 980 && v > 100 && v < 620) << name(arm);
+    EXPECT_EQ(u < 640, arm == Arm::kGold) << "gold is the left arm";
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render

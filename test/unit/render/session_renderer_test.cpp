@@ -1,0 +1,144 @@
+#include "raven2_trainer/render/session_renderer.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/training/session_metrics.h"
+
+namespace raven2_trainer::render {
+namespace {
+
+constexpr Tick kBefore = 100;  // ticks before the first pedal down
+constexpr Tick kTicks = 400;   // of the session: 12 frames at 30 Hz
+
+class SessionRendererTest : public ::testing::Test {
+ protected:
+  SessionRendererTest()
+      : config_(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml")),
+        folder_(std::filesystem::temp_directory_path() / ("session_renderer_test_" + std::to_string(::getpid()))) {
+    config_.render.video_width = 128;
+    config_.render.video_height = 72;
+    config_.render.video_fps = 30;
+    std::filesystem::create_directories(folder_);
+  }
+  ~SessionRendererTest() override { std::filesystem::remove_all(folder_); }
+
+  void record(bool with_pedal) {
+    session::LogHeader header;
+    header.robot_urdf_hash = session::fileHash(config_.robot_urdf);
+    header.scene_urdf_hash = session::fileHash(config_.scene_urdf);
+    header.d4 = config_.arms.geometry.d4;
+    header.tolerance = config_.haptics.tolerance;
+    session::LogWriter writer(path("session.rlog"), header);
+    for (Tick t = 0; t < kBefore + kTicks; ++t) {
+      TickRecord tick;
+      tick.model.tick = t;
+      tick.model.session_tick = with_pedal && t >= kBefore ? t - kBefore : -1;
+      for (ArmState& arm : tick.model.arms) {
+        arm.q = config_.arms.geometry.home;
+        arm.q[kElbow] += 1e-3 * static_cast<double>(t);
+      }
+      writer.write(tick);
+    }
+    writer.finish(SessionCounts{});
+  }
+
+  std::string path(const std::string& file) const { return (folder_ / file).string(); }
+
+  TrainerConfig config_;
+  std::filesystem::path folder_;
+};
+
+std::string countFrames(const std::string& video) {
+  const std::string command = "ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 " + video;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 64> line{};
+  const bool got = std::fgets(line.data(), line.size(), pipe) != nullptr;
+  pclose(pipe);
+  return got ? line.data() : "";
+}
+
+TEST_F(SessionRendererTest, AWholeSessionGivesItsFramesAndSaysSoInTheMetrics) {
+  record(true);
+  training::writeMetrics(path("metrics.json"), training::computeMetrics(path("session.rlog")));
+  SessionRenderer renderer(config_, folder_.string());
+  std::uint64_t calls = 0, all = 0;
+  EXPECT_EQ(renderer.run({},
+                         [&](std::uint64_t done, std::uint64_t total) {
+                           EXPECT_EQ(done, ++calls);
+                           all = total;
+                         }),
+            12U);
+  EXPECT_EQ(calls, 12U);
+  EXPECT_EQ(all, 12U);
+  EXPECT_TRUE(renderer.warnings().empty());
+  EXPECT_EQ(countFrames(path("video.mp4")), "12\n");
+  std::ifstream file(path("metrics.json"));
+  const std::string metrics((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  EXPECT_NE(metrics.find("\"frames\": 12"), std::string::npos) << metrics;
+}
+
+TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
+  record(true);
+  SessionRenderOptions options;
+  options.from = 0.1;
+  options.to = 0.2;
+  options.camera = "top";
+  options.inset = "none";
+  options.output = path("pictures");
+  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+  EXPECT_TRUE(std::filesystem::exists(path("pictures/frame_000002.png")));
+  EXPECT_FALSE(std::filesystem::exists(path("pictures/frame_000003.png")));
+  EXPECT_NE(session::fileHash(path("pictures/frame_000000.png")), session::fileHash(path("pictures/frame_000002.png")));
+  EXPECT_FALSE(std::filesystem::exists(path("video.mp4")));
+}
+
+TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
+  record(true);
+  SessionRenderOptions options;
+  options.to = 0.1;
+  for (const char* folder : {"one", "two"}) {
+    options.output = path(folder);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+  }
+  for (const char* file : {"/frame_000000.png", "/frame_000002.png"}) {
+    EXPECT_EQ(session::fileHash(path("one") + file), session::fileHash(path("two") + file));
+  }
+}
+
+TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
+  EXPECT_THROW(SessionRenderer(config_, path("nowhere")), SessionException);
+  record(false);
+  SessionRenderer renderer(config_, folder_.string());
+  EXPECT_THROW(renderer.run({}, nullptr), SessionException) << "the pedal was never down";
+  record(true);
+  SessionRenderOptions options;
+  options.camera = "cellar";
+  EXPECT_THROW(renderer.run(options, nullptr), ConfigException);
+  options.camera = "top";
+  options.from = 5.0;
+  EXPECT_THROW(renderer.run(options, nullptr), SessionException);
+}
+
+TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {
+  record(true);
+  SessionRenderOptions options;
+  options.to = 0.04;
+  options.output = path("pictures");
+  SessionRenderer(config_, folder_.string()).run(options, nullptr);
+  config_.scene_urdf = config_.robot_urdf;
+  SessionRenderer renderer(config_, folder_.string());
+  EXPECT_ANY_THROW(renderer.run(options, nullptr));
+  ASSERT_EQ(renderer.warnings().size(), 1U);
+  EXPECT_NE(renderer.warnings()[0].find("scene"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render
