@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/net/udp_receiver.h"
+#include "raven2_trainer/net/udp_sender.h"
+#include "raven2_trainer/runtime/cyclic_thread.h"
+
+namespace raven2_trainer::runtime {
+
+/** The console's thread: one ITP packet a millisecond out, forces in. */
+class ConsoleRunner {
+ public:
+  /** @throw NetworkException. */
+  ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source);
+  void start();
+  void stop();
+  /** The motion is over; packets with the pedal up go on until stop(). */
+  bool finished() const noexcept { return finished_.load(std::memory_order_relaxed); }
+  /** Force packets that made sense, and those that did not. */
+  LinkCounts forceCounts() const noexcept { return force_counts_.load(); }
+  bool realtime() const noexcept { return thread_.realtime(); }
+
+ private:
+  void tick(std::int64_t now_ns) noexcept;
+  void receiveForces() noexcept;
+
+  console::Console console_;
+  net::UdpSender to_daemon_;
+  net::UdpReceiver from_daemon_;
+  const std::int64_t ready_timeout_ns_;
+  std::int64_t started_ns_{0};
+  bool ready_{false};
+  LinkCounts counts_{};
+  StateCell<LinkCounts> force_counts_;
+  StateCell<LoopTiming> timing_;
+  std::atomic<bool> finished_{false};
+  CyclicThread thread_;
+};
+
+}  // namespace raven2_trainer::runtime

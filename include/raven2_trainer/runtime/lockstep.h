@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/session/session_directory.h"
+
+namespace raven2_trainer::runtime {
+
+/** Newest states of a lockstep run. */
+struct LockstepView {
+  ModelState model{};
+  RobotState robot{};
+  HapticState haptic{};
+};
+
+/**
+ * Console, daemon and virtual Raven in one thread, stepped together tick by tick through the same bytes that
+ * otherwise cross the sockets: no sockets, no threads, no clocks, faster than real time, and the same bytes in the
+ * log from the same seed and configuration.
+ */
+class Lockstep {
+ public:
+  /** @throw ModelException, SessionException. `motion` goes into the log's header. */
+  Lockstep(const TrainerConfig& config,
+           std::unique_ptr<console::MotionSource> source,
+           const session::SessionPaths& paths,
+           const std::string& motion);
+  ~Lockstep();
+
+  /**
+   * Runs until `seconds` of session time (from the first pedal down).
+   * @param[in] progress called about every 100 ms of simulated time with the share done; may be empty.
+   * @return false if no pedal-down came within `runtime.start_timeout` of simulated time, or the model broke down.
+   */
+  bool run(double seconds, const std::function<void(double)>& progress);
+
+  /** One tick of everything, for tests. */
+  void tick();
+
+  /** Writes footer, metrics.json and faults.json. run() does it itself. */
+  void finish();
+
+  /** The state all loops share, for tests. */
+  const LockstepView& view() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raven2_trainer::runtime

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "raven2_trainer/control/joint_pid.h"
+#include "raven2_trainer/control/mode_table.h"
+#include "raven2_trainer/control/path_follower.h"
+#include "raven2_trainer/control/teleop_mapper.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/raven_world.h"
+
+namespace raven2_trainer::runtime {
+
+/**
+ * Body of the physics thread: masters' increments to desired joints, controllers, one ODE step, the relay to the robot,
+ * and the mode table. Owner of the live world. tick() is real-time safe once warm.
+ *
+ * Linking model and robot: while the pedal is up and the robot's state is fresh, the model is put on the robot's
+ * joints every tick; at pedal down both start from there. Increments count for neither until the robot reports
+ * PEDAL_DN, so that both apply the same ones. If the robot's link is lost while engaged, the model goes on alone and
+ * the robot is sent pedal-up until the surgeon's next pedal-down: it never moves, nor does the cue act, without a new
+ * start from a common pose.
+ */
+class PhysicsLoop {
+ public:
+  PhysicsLoop(const TrainerConfig& config,
+              const model::RavenModel& raven,
+              const model::SceneModel& scene,
+              SharedState* shared);
+
+  /** Advances the nominal model by one 1 ms step. @param[in] now_ns CLOCK_MONOTONIC; in lockstep tick x 1e6. */
+  void tick(std::int64_t now_ns) noexcept;
+
+  /** Simulated time was given up (CyclicThread): re-base, and engage only at the next pedal-down. */
+  void timeSlip() noexcept;
+
+ private:
+  struct Increments {
+    PerArm<Vec3> dp_I{};
+    PerArm<Quat> dq_I{{kIdentityQuat, kIdentityQuat}};
+    PerArm<double> dgrasp{};
+    std::uint32_t commands{};
+    std::uint32_t last_sequence{};
+  };
+
+  void readInputs(std::int64_t now_ns) noexcept;
+  void drainCommands() noexcept;
+  void drainRequests() noexcept;
+  void handleRequest(const Request& request) noexcept;
+  void handlePlanResult(const PlanResult& result) noexcept;
+  void scheduledPlan() noexcept;
+  void updateRobotEvents() noexcept;
+  void updatePedal() noexcept;
+  void enter(Mode next) noexcept;
+  void raise(control::Event event) noexcept;
+  void requestPlan(const Request& request) noexcept;
+  void answerPlan(const PlanResult& result) noexcept;
+  bool robotApplies() const noexcept;
+  void updateTargets() noexcept;
+  void moveModel() noexcept;
+  void followRobot() noexcept;
+  void driveModel() noexcept;
+  void relay() noexcept;
+  void publish(std::int64_t now_ns) noexcept;
+  void fillArm(Arm arm, ArmState* state) const noexcept;
+
+  const TrainerConfig& config_;
+  SharedState& shared_;
+  physics::RavenWorld world_;
+  PerArm<control::TeleopMapper> mappers_;
+  PerArm<control::JointPid> pids_;
+  control::PathFollower follower_;
+  faults::FaultEngine relay_faults_{FaultHost::kRelay};
+  std::int64_t stale_ns_, lost_ns_;
+  Tick silence_limit_;
+
+  ModelState state_{};
+  RobotState robot_{};
+  Increments increments_{};
+  PerArm<JointArray> q_d_{};
+  bool pedal_{false}, pedal_before_{false};
+  Tick silent_ticks_{0};     ///< since the last master command
+  bool robot_ready_{false};  ///< homed was seen
+  bool linked_{false};       ///< model and robot started from a common pose and nothing came between
+  bool plan_scheduled_{false};
+  bool stopped_by_robot_{false};
+  std::uint32_t relay_sequence_{0};
+  bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
+  bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed
+  std::uint32_t next_plan_id_{1};
+};
+
+}  // namespace raven2_trainer::runtime

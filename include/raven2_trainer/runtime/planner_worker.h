@@ -1,0 +1,34 @@
+#pragma once
+
+#include <atomic>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/planning/path_planner.h"
+
+namespace raven2_trainer::runtime {
+
+/** Body of the planner thread. Allocates, takes as long as it takes; never on a real-time thread. */
+class PlannerWorker {
+ public:
+  PlannerWorker(const TrainerConfig& config,
+                const model::RavenModel& raven,
+                const model::SceneModel& scene,
+                SharedState* shared);
+
+  /** Serves waiting requests. @return true if there was one. */
+  bool serve();
+  /** Gives up the running plan within 100 ms; any thread. */
+  void cancel() noexcept { cancel_.store(true); }
+
+  /** Lockstep: plans at once; the caller delivers the result a fixed number of ticks later. */
+  PlanResult planNow(const PlanRequest& request);
+
+ private:
+  planning::PathPlanner planner_;
+  SharedState& shared_;
+  std::uint64_t seed_;
+  std::atomic<bool> cancel_{false};
+};
+
+}  // namespace raven2_trainer::runtime

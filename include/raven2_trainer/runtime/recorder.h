@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/session/session_directory.h"
+#include "raven2_trainer/session/session_log.h"
+#include "raven2_trainer/training/session_metrics.h"
+
+namespace raven2_trainer::runtime {
+
+/** Body of the recorder thread: rings to the session log and the metrics. */
+class Recorder {
+ public:
+  /** Opens the log in `paths`. @throw SessionException. */
+  Recorder(const TrainerConfig& config,
+           const session::SessionPaths& paths,
+           const std::string& motion,
+           SharedState* shared);
+
+  /** Writes all that is waiting. */
+  void drain();
+
+  /** After the loops stopped: the rest, the footer, metrics.json and faults.json. */
+  void finish(const SessionCounts& counts);
+
+  /** Newest session tick written; -1 before the first pedal down. */
+  Tick sessionTick() const noexcept { return session_tick_; }
+
+ private:
+  template <typename Record, std::size_t Capacity>
+  void drainRing(SpscRing<Record, Capacity>* ring);
+
+  SharedState& shared_;
+  session::SessionPaths paths_;
+  session::LogHeader header_;
+  session::LogWriter log_;
+  training::MetricsAccumulator metrics_;
+  Tick session_tick_{-1};
+};
+
+/** Records that found a ring full, over all rings. */
+std::uint64_t recordsDropped(const SharedState& shared) noexcept;
+
+/** Header of a session's log. */
+session::LogHeader logHeader(const TrainerConfig& config, const std::string& motion);
+
+}  // namespace raven2_trainer::runtime

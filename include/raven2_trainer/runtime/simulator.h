@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/runtime/render_loop.h"
+#include "raven2_trainer/session/session_directory.h"
+
+namespace raven2_trainer::runtime {
+
+struct SimulatorOptions {
+  std::string output;  ///< session directory; empty: sessions/<UTC stamp>
+  std::string motion;  ///< what the console plays, for the record only
+  std::string version;
+  double duration{0.0};  ///< [s] of session time, from the first pedal down; 0: until stopped
+  bool strict{false};    ///< refuse to start without real-time scheduling
+  bool render{true};     ///< live picture
+};
+
+/** What the daemon is up to, for whoever waits for its end. */
+enum class SimulatorState : std::uint8_t {
+  kRunning,
+  kComplete,      ///< the wanted session time is reached
+  kNoPedal,       ///< no pedal-down within runtime.start_timeout
+  kRecordFailed,  ///< the session log could not be written
+};
+
+/**
+ * The daemon: owns the shared state, the loops and their threads. Construct, start(), poll state(), stop().
+ * Threads and what they own: doc/architecture.md.
+ */
+class Simulator {
+ public:
+  /** @throw ConfigException, ModelException, NetworkException, SessionException. Opens the sockets and the log. */
+  Simulator(const TrainerConfig& config, const SimulatorOptions& options);
+  ~Simulator();
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
+
+  /** Who gets the live pictures; before start(). */
+  void setImageSink(ImageSink sink);
+
+  /** @throw RealtimeException with `strict`, if SCHED_FIFO is refused. */
+  void start();
+
+  SimulatorState state() const;
+
+  /** Zero force first, then the threads in reverse order, then the session's files. Safe to call twice. */
+  void stop();
+
+  SharedState& shared() const noexcept;
+  const TrainerConfig& config() const noexcept;
+  const model::RavenModel& raven() const noexcept;
+  const session::SessionPaths& paths() const noexcept;
+  SessionCounts counts() const;
+  /** What scheduling and memory locking were granted, in words. */
+  std::string realtimeStatus() const;
+  /** Gives up a running plan. */
+  void cancelPlan() noexcept;
+  /** Port the masters send to. */
+  std::uint16_t masterPort() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raven2_trainer::runtime

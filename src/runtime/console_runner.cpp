@@ -1,0 +1,48 @@
+#include "raven2_trainer/runtime/console_runner.h"
+
+#include <array>
+
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::runtime {
+
+ConsoleRunner::ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
+    : console_(config.console, std::move(source)),
+      to_daemon_("127.0.0.1", config.network.master_port),
+      from_daemon_(config.network.console_host, config.network.force_port),
+      ready_timeout_ns_(static_cast<std::int64_t>(config.console.ready_timeout * 1e9)) {}
+
+void ConsoleRunner::start() {
+  CyclicThread::Hooks hooks;
+  hooks.tick = [this](std::int64_t now_ns) { tick(now_ns); };
+  thread_.start({"console", ThreadConfig{70, -1}}, CyclicPolicy{}, std::move(hooks), &timing_);
+}
+
+void ConsoleRunner::stop() {
+  thread_.stop();
+}
+
+void ConsoleRunner::tick(std::int64_t now_ns) noexcept {
+  if (started_ns_ == 0) started_ns_ = now_ns;
+  receiveForces();
+  if (ready_timeout_ns_ > 0 && now_ns - started_ns_ > ready_timeout_ns_) ready_ = true;
+  console_.setReady(ready_);
+  const wire::ItpBytes bytes = wire::encodeItp(console_.tick());
+  to_daemon_.send(bytes.data(), bytes.size());
+  finished_.store(console_.finished(), std::memory_order_relaxed);
+}
+
+void ConsoleRunner::receiveForces() noexcept {
+  std::array<std::uint8_t, 2 * wire::kForceSize> buffer;
+  while (const auto datagram = from_daemon_.receive(buffer.data(), buffer.size())) {
+    ForcePacket force;
+    const Reject reason = wire::decodeForce(buffer.data(), datagram->size, &force);
+    counts_.count(reason);
+    if (reason != Reject::kNone) continue;
+    console_.applyForce(force);
+    if (force.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp)) ready_ = true;
+  }
+  force_counts_.store(counts_);
+}
+
+}  // namespace raven2_trainer::runtime

@@ -1,0 +1,208 @@
+#include "raven2_trainer/runtime/lockstep.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "raven2_trainer/plant/plant.h"
+#include "raven2_trainer/raven/control_software.h"
+#include "raven2_trainer/runtime/fault_director.h"
+#include "raven2_trainer/runtime/haptic_loop.h"
+#include "raven2_trainer/runtime/master_ingest.h"
+#include "raven2_trainer/runtime/physics_loop.h"
+#include "raven2_trainer/runtime/planner_worker.h"
+#include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+constexpr Tick kProgressEvery = 100;
+
+}  // namespace
+
+/** The three processes, in the order of one millisecond. */
+struct Lockstep::Impl {
+  Impl(const TrainerConfig& configuration,
+       std::unique_ptr<console::MotionSource> source,
+       const session::SessionPaths& paths,
+       const std::string& motion)
+      : config(configuration),
+        raven(model::loadRavenModel(config)),
+        scene(model::loadSceneModel(config)),
+        shared(std::make_unique<SharedState>()),
+        hands(config.console, std::move(source)),
+        ingest(config.network.max_increment_um, shared.get()),
+        faults(config, shared.get()),
+        physics(config, raven, scene, shared.get()),
+        haptic(config, shared.get()),
+        link(config, shared.get()),
+        planner(config, raven, scene, shared.get()),
+        recorder(config, paths, motion, shared.get()),
+        software(config.arms, config.virtual_raven),
+        plant(raven, config.virtual_raven) {
+    connect();
+  }
+
+  void connect() {
+    link.connected();
+    const std::size_t size = wire::encodeHello(++frame_sequence, /*is_virtual=*/true, buffer.data());
+    link.receive(buffer.data(), size, 0);
+  }
+
+  void tick() {
+    now_ns += kTickNanoseconds;
+    stepConsole();
+    faults.tick();
+    physics.tick(now_ns);
+    servePlanner();
+    stepRobot();
+    haptic.tick(now_ns);
+    deliverForce();
+    recorder.drain();
+    refreshView();
+  }
+
+  void stepConsole() {
+    const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
+    ingest.receive(bytes.data(), bytes.size(), /*foreign=*/false);
+  }
+
+  /** Planning takes a fixed simulated time, so that the result does not depend on the machine. */
+  void servePlanner() {
+    PlanRequest request;
+    if (shared->plan_requests.tryPop(&request)) {
+      plan = planner.planNow(request);
+      plan->planning_time = static_cast<double>(config.runtime.lockstep_plan_delay) * kTickSeconds;
+      plan_due = now_ns + config.runtime.lockstep_plan_delay * kTickNanoseconds;
+    }
+    if (plan && now_ns >= plan_due) {
+      shared->plan_results.tryPush(*plan);
+      plan.reset();
+    }
+  }
+
+  void stepRobot() {
+    RelayPacket packet;
+    while (shared->relay_packets.tryPop(&packet)) {
+      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(packet.command));
+      software.receive(bytes.data(), bytes.size());
+      shared->relay_sent.add();
+    }
+    plant.step(software.cycle(plant.read()));
+    receiveFaultPlan();
+    const std::size_t size = wire::encodeState(++frame_sequence, software.state(), buffer.data());
+    link.receive(buffer.data(), size, now_ns);
+  }
+
+  void receiveFaultPlan() {
+    const std::size_t size = link.pendingFrame(buffer.data());
+    if (size == 0) return;
+    to_robot.feed(buffer.data(), size);
+    wire::Frame frame;
+    FaultPlan armed;
+    if (to_robot.next(&frame) == wire::FrameParser::Result::kFrame && wire::decodeFaultPlan(frame, &armed)) {
+      software.setFaults(armed);
+    }
+  }
+
+  void deliverForce() {
+    ForcePacket packet;
+    while (shared->force_packets.tryPop(&packet)) {
+      const wire::ForceBytes bytes = wire::encodeForce(packet);
+      ForcePacket received;
+      if (wire::decodeForce(bytes.data(), bytes.size(), &received) == Reject::kNone) {
+        hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp));
+        hands.applyForce(received);
+      }
+      shared->force_sent.add();
+    }
+  }
+
+  void refreshView() {
+    view.model = shared->model.load();
+    view.robot = shared->robot.load();
+    view.haptic = shared->haptic.load();
+  }
+
+  SessionCounts counts() const {
+    SessionCounts c;
+    c.master = ingest.counts();
+    c.master_used = shared->master_used.value();
+    c.robot_state = link.counts();
+    c.relay_sent = shared->relay_sent.value();
+    c.relay = view.robot.itp;
+    c.force_sent = shared->force_sent.value();
+    c.ik_clamped = shared->ik_clamped.value();
+    c.records_dropped = recordsDropped(*shared);
+    c.lockstep = 1;
+    return c;
+  }
+
+  const TrainerConfig config;
+  const model::RavenModel raven;
+  const model::SceneModel scene;
+  std::unique_ptr<SharedState> shared;
+  // the console
+  console::Console hands;
+  // the daemon
+  MasterIngest ingest;
+  FaultDirector faults;
+  PhysicsLoop physics;
+  HapticLoop haptic;
+  RobotLink link;
+  PlannerWorker planner;
+  Recorder recorder;
+  // the virtual Raven
+  raven::ControlSoftware software;
+  plant::Plant plant;
+  wire::FrameParser to_robot;
+
+  std::int64_t now_ns{0};
+  std::uint32_t frame_sequence{0};
+  std::array<std::uint8_t, wire::kMaxFrame> buffer{};
+  std::optional<PlanResult> plan;
+  std::int64_t plan_due{0};
+  LockstepView view{};
+  bool finished{false};
+};
+
+Lockstep::Lockstep(const TrainerConfig& config,
+                   std::unique_ptr<console::MotionSource> source,
+                   const session::SessionPaths& paths,
+                   const std::string& motion)
+    : impl_(std::make_unique<Impl>(config, std::move(source), paths, motion)) {}
+
+Lockstep::~Lockstep() = default;
+
+void Lockstep::tick() {
+  impl_->tick();
+}
+
+bool Lockstep::run(double seconds, const std::function<void(double)>& progress) {
+  const auto wanted = static_cast<Tick>(std::llround(seconds / kTickSeconds));
+  const auto timeout = static_cast<Tick>(std::llround(impl_->config.runtime.start_timeout / kTickSeconds));
+  for (;;) {
+    tick();
+    const ModelState& model = impl_->view.model;
+    if (model.session_tick + 1 >= wanted) break;
+    if (model.session_tick < 0 && timeout > 0 && model.tick >= timeout) return false;
+    if (progress && model.tick % kProgressEvery == 0) {
+      progress(static_cast<double>(std::max<Tick>(model.session_tick, 0)) / static_cast<double>(wanted));
+    }
+  }
+  finish();
+  return true;
+}
+
+void Lockstep::finish() {
+  if (!impl_->finished) impl_->recorder.finish(impl_->counts());
+  impl_->finished = true;
+}
+
+const LockstepView& Lockstep::view() const noexcept {
+  return impl_->view;
+}
+
+}  // namespace raven2_trainer::runtime

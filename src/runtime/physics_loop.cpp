@@ -1,0 +1,334 @@
+#include "raven2_trainer/runtime/physics_loop.h"
+
+#include <cmath>
+
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using control::Event;
+using kinematics::IkStatus;
+
+constexpr double kNanoseconds = 1e9;
+
+// A link silent for this long is lost: model and robot must start again from a common pose. Shorter gaps only
+// silence the cue (stale_after); a busy host stalls for some tens of milliseconds now and then.
+constexpr double kLostAfter = 0.5;
+
+Vec3 sum(const Vec3& a, const Vec3& b) noexcept {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+Quat product(const Quat& later, const Quat& earlier) noexcept {
+  if (later == kIdentityQuat) return earlier;  // exact, and the common case
+  return toArray((toEigen(later) * toEigen(earlier)).normalized());
+}
+
+}  // namespace
+
+PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
+                         const model::RavenModel& raven,
+                         const model::SceneModel& scene,
+                         SharedState* shared)
+    : config_(config),
+      shared_(*shared),
+      world_(raven, scene, config.model),
+      mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
+               control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
+      pids_{control::JointPid(config.model.gains), control::JointPid(config.model.gains)},
+      stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
+      lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
+      silence_limit_(static_cast<Tick>(std::llround(config.network.master_timeout / kTickSeconds))) {
+  for (const Arm arm : kArms) {
+    at(q_d_, arm) = config.arms.geometry.home;
+    world_.setJointState(arm, config.arms.geometry.home, JointArray{});
+    world_.setCollisions(arm, config.model.arm_contacts);
+  }
+}
+
+void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
+  // what arrived since the last tick
+  readInputs(now_ns);
+  updateRobotEvents();
+  drainRequests();
+  scheduledPlan();
+  updatePedal();
+  // where the arms shall be
+  updateTargets();
+  // the model follows, the robot is told
+  moveModel();
+  relay();
+  publish(now_ns);
+}
+
+void PhysicsLoop::readInputs(std::int64_t now_ns) noexcept {
+  FaultPlan plan;
+  if (shared_.faults.tryLoad(&plan)) relay_faults_.setPlan(plan);
+  shared_.robot.tryLoad(&robot_);
+  const std::int64_t age = now_ns - robot_.received_ns;
+  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
+  state_.robot_fresh = has_robot && age <= stale_ns_ ? 1 : 0;
+  if (!has_robot || age > lost_ns_) linked_ = false;
+  drainCommands();
+}
+
+void PhysicsLoop::drainCommands() noexcept {
+  increments_ = Increments{};
+  if (++silent_ticks_ > silence_limit_) pedal_ = false;
+  MasterCommand command;
+  while (shared_.master_commands.tryPop(&command)) {
+    shared_.command_records.tryPush({state_.tick + 1, command});
+    pedal_ = command.pedal != 0;
+    silent_ticks_ = 0;
+    increments_.last_sequence = command.sequence;
+    ++increments_.commands;
+    if (!pedal_) continue;
+    for (const Arm arm : kArms) {
+      at(increments_.dp_I, arm) = sum(at(increments_.dp_I, arm), at(command.dp_I, arm));
+      at(increments_.dq_I, arm) = product(at(command.dq_I, arm), at(increments_.dq_I, arm));
+      at(increments_.dgrasp, arm) += at(command.dgrasp, arm);
+    }
+  }
+}
+
+void PhysicsLoop::drainRequests() noexcept {
+  Request request;
+  while (shared_.requests.tryPop(&request)) {
+    shared_.request_records.tryPush({state_.tick + 1, request});
+    handleRequest(request);
+  }
+  PlanResult result;
+  while (shared_.plan_results.tryPop(&result)) {
+    handlePlanResult(result);
+    answerPlan(result);
+  }
+}
+
+void PhysicsLoop::handleRequest(const Request& request) noexcept {
+  switch (request.kind) {
+    case RequestKind::kEngage:
+      state_.engaged = 1;
+      break;
+    case RequestKind::kDisengage:
+      state_.engaged = 0;
+      linked_ = false;  // to engage again takes a new pedal-down from a common pose
+      break;
+    case RequestKind::kPlan:
+      requestPlan(request);
+      break;
+    case RequestKind::kCancelPlan:
+      follower_.stop();
+      raise(Event::kPlanFailed);
+      break;
+    case RequestKind::kNone:
+      break;
+  }
+}
+
+void PhysicsLoop::requestPlan(const Request& request) noexcept {
+  raise(Event::kPlanRequested);
+  if (state_.mode != Mode::kPlanning) {
+    // Refused in this mode: say so to whoever waits for this id.
+    PlanResult refused;
+    refused.id = request.id;
+    refused.status = PlanStatus::kCancelled;
+    answerPlan(refused);
+    return;
+  }
+  PlanRequest plan;
+  plan.id = request.id;
+  plan.requested_tick = state_.tick + 1;
+  plan.arm = request.arm;
+  plan.start = at(state_.arms, request.arm).q;
+  plan.other = state_.arms[1 - index(request.arm)].q;
+  plan.has_goal = request.has_goal;
+  plan.goal_W = request.goal_W;
+  if (!shared_.plan_requests.tryPush(plan)) raise(Event::kPlanFailed);
+}
+
+void PhysicsLoop::answerPlan(const PlanResult& result) noexcept {
+  shared_.last_plan.store(result);
+  shared_.plan_records.tryPush({state_.tick + 1, result});
+}
+
+void PhysicsLoop::handlePlanResult(const PlanResult& result) noexcept {
+  if (state_.mode != Mode::kPlanning) return;  // the pedal came first
+  if (result.status != PlanStatus::kSuccess) {
+    raise(Event::kPlanFailed);
+    return;
+  }
+  raise(Event::kPlanReady);
+  follower_.start(result);
+}
+
+void PhysicsLoop::scheduledPlan() noexcept {
+  if (plan_scheduled_ || config_.runtime.plan_at < 0.0) return;
+  const auto due = static_cast<Tick>(std::llround(config_.runtime.plan_at / kTickSeconds));
+  if (state_.session_tick < due || state_.mode != Mode::kPedalUp || pedal_) return;
+  plan_scheduled_ = true;
+  Request request;
+  request.kind = RequestKind::kPlan;
+  request.id = next_plan_id_++;
+  requestPlan(request);
+}
+
+void PhysicsLoop::updateRobotEvents() noexcept {
+  if (!world_.healthy()) raise(Event::kEmergencyStop);
+  if (state_.robot_fresh == 0) return;
+  const bool in_stop = robot_.runlevel == RunLevel::kEStop;
+  if (robot_ready_ && in_stop && state_.mode != Mode::kStopped) {
+    stopped_by_robot_ = true;
+    raise(Event::kEmergencyStop);
+  } else if (stopped_by_robot_ && robot_.runlevel >= RunLevel::kPedalUp) {
+    stopped_by_robot_ = false;
+    raise(Event::kStopCleared);
+  }
+  if (!robot_ready_ && robot_.homed != 0 && robot_.runlevel == RunLevel::kPedalUp) {
+    robot_ready_ = true;
+    raise(Event::kRobotReady);
+  }
+}
+
+void PhysicsLoop::updatePedal() noexcept {
+  const bool pressed = pedal_ && !pedal_before_;
+  const bool released = !pedal_ && pedal_before_;
+  const bool robot_not_ready = state_.robot_fresh != 0 && !robot_ready_;
+  if (pressed && robot_not_ready) return;  // asked again next tick: the pedal counts once the robot is homed
+  pedal_before_ = pedal_;
+  state_.pedal = pedal_ ? 1 : 0;
+  if (pressed) raise(Event::kPedalPressed);
+  if (released) raise(Event::kPedalReleased);
+}
+
+void PhysicsLoop::raise(Event event) noexcept {
+  const Mode next = control::nextMode(state_.mode, event);
+  if (next != state_.mode) enter(next);
+}
+
+void PhysicsLoop::enter(Mode next) noexcept {
+  const Mode before = state_.mode;
+  state_.mode = next;
+  if (before == Mode::kTracking) follower_.stop();
+  linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && state_.engaged != 0;
+  if (next == Mode::kTeleoperating && linked_) followRobot();
+  for (const Arm arm : kArms) {
+    JointArray q{}, dq{};
+    world_.jointState(arm, &q, &dq);
+    at(mappers_, arm).rebase(q);
+    at(pids_, arm).reset();
+    at(q_d_, arm) = q;
+  }
+  if (next == Mode::kTeleoperating && state_.session_tick < 0) state_.session_tick = 0;
+}
+
+/** Both sides must apply the same increments: the robot does so from the cycle in which it reports PEDAL_DN. */
+bool PhysicsLoop::robotApplies() const noexcept {
+  return !linked_ || robot_.runlevel == RunLevel::kPedalDown;
+}
+
+void PhysicsLoop::updateTargets() noexcept {
+  state_.commands_used = 0;
+  if (state_.mode == Mode::kTracking && follower_.active()) {
+    const Arm arm = follower_.arm();
+    at(q_d_, arm) = follower_.tick();
+  }
+  if (state_.mode != Mode::kTeleoperating || !robotApplies()) {
+    increments_.dp_I = {};
+    increments_.dq_I = {{kIdentityQuat, kIdentityQuat}};
+    increments_.dgrasp = {};
+    return;
+  }
+  for (const Arm arm : kArms) {
+    ArmState& state = at(state_.arms, arm);
+    const IkStatus status =
+        at(mappers_, arm)
+            .add(at(increments_.dp_I, arm), at(increments_.dq_I, arm), at(increments_.dgrasp, arm), state.q);
+    state.ik_status = static_cast<std::uint32_t>(status);
+    if (status == IkStatus::kClamped) shared_.ik_clamped.add();
+    at(q_d_, arm) = at(mappers_, arm).desired();
+  }
+  state_.commands_used = increments_.commands;
+  shared_.master_used.add(increments_.commands);
+}
+
+void PhysicsLoop::moveModel() noexcept {
+  const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp;
+  if (disengaged && state_.robot_fresh != 0) {
+    followRobot();
+  } else {
+    driveModel();
+  }
+}
+
+void PhysicsLoop::followRobot() noexcept {
+  for (const Arm arm : kArms) {
+    const JointArray& q = at(robot_.arms, arm).q;
+    world_.setJointState(arm, q, JointArray{});
+    at(q_d_, arm) = q;
+    at(state_.arms, arm).tau = {};
+  }
+}
+
+void PhysicsLoop::driveModel() noexcept {
+  PerArm<JointArray> tau{};
+  for (const Arm arm : kArms) {
+    JointArray q{}, dq{};
+    world_.jointState(arm, &q, &dq);
+    const JointArray feed = config_.model.gravity_compensation ? world_.gravityTorque(arm) : JointArray{};
+    at(tau, arm) = at(pids_, arm).torque(at(q_d_, arm), q, dq, feed);
+    at(state_.arms, arm).tau = at(tau, arm);
+  }
+  world_.step(tau);
+}
+
+void PhysicsLoop::relay() noexcept {
+  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
+  if (has_robot && !relay_in_step_) relay_sequence_ = robot_.last_sequence;
+  relay_started_ = relay_started_ || has_robot;
+  relay_in_step_ = has_robot;
+  if (!relay_started_) return;
+  RelayPacket packet;  // a robot whose state no longer reaches us is told pedal-up: its last word must not be "down"
+  packet.tick = state_.tick + 1;
+  packet.command.sequence = ++relay_sequence_;
+  packet.command.pedal = linked_ ? 1 : 0;
+  if (linked_) {
+    packet.command.dp_I = increments_.dp_I;
+    packet.command.dq_I = increments_.dq_I;
+    packet.command.dgrasp = increments_.dgrasp;
+  }
+  relay_faults_.beginCycle(linked_);
+  relay_faults_.applyToCommand(&packet.command);
+  shared_.relay_packets.tryPush(packet);
+}
+
+void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
+  ++state_.tick;
+  state_.time_ns = now_ns;
+  state_.linked = linked_ ? 1 : 0;
+  for (const Arm arm : kArms)
+    fillArm(arm, &at(state_.arms, arm));
+  world_.bodyPoses(&state_.bodies);
+  shared_.model.store(state_);
+  shared_.tick_records.tryPush({state_, robot_});
+  if (state_.session_tick >= 0) ++state_.session_tick;
+}
+
+void PhysicsLoop::fillArm(Arm arm, ArmState* state) const noexcept {
+  world_.jointState(arm, &state->q, &state->dq);
+  state->q_d = at(q_d_, arm);
+  state->contacts = world_.contacts(arm);
+  const ArmGeometry& geometry = config_.arms.geometry;
+  const Pose X_BT = kinematics::forward(geometry, arm, state->q);
+  const Eigen::Matrix<double, 7, 1> dq(state->dq.data());
+  const Vector3 v_BT = kinematics::jacobian(geometry, arm, state->q).topRows<3>() * dq;
+  state->p_BT = toArray(X_BT.p);
+  state->v_BT = toArray(v_BT);
+  state->q_BT = toArray(Quaternion(X_BT.R));
+}
+
+void PhysicsLoop::timeSlip() noexcept {
+  linked_ = false;
+}
+
+}  // namespace raven2_trainer::runtime

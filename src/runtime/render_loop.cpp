@@ -1,0 +1,42 @@
+#include "raven2_trainer/runtime/render_loop.h"
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::runtime {
+
+const CameraConfig& findCamera(const RenderConfig& config, const std::string& name) {
+  std::string known;
+  for (const CameraConfig& camera : config.cameras) {
+    if (camera.name == name) return camera;
+    known += " " + camera.name;
+  }
+  throw ConfigException("no camera is called \"" + name + "\"; known:" + known);
+}
+
+RenderLoop::RenderLoop(const TrainerConfig& config,
+                       const model::RavenModel& raven,
+                       const model::SceneModel& scene,
+                       SharedState* shared,
+                       ImageSink sink)
+    : config_(config),
+      shared_(*shared),
+      sink_(std::move(sink)),
+      renderer_(config.render.live_width, config.render.live_height),
+      builder_(raven, scene, config.haptics, &renderer_),
+      camera_(model::makeCamera(findCamera(config.render, config.render.live_camera),
+                                config.render.live_width,
+                                config.render.live_height)) {}
+
+void RenderLoop::frame() {
+  render::Snapshot snapshot;
+  snapshot.model = shared_.model.load();
+  snapshot.robot = shared_.robot.load();
+  snapshot.haptic = shared_.haptic.load();
+  const std::uint32_t fault = snapshot.robot.active_fault;
+  if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;
+  const std::vector<std::uint8_t>& rgb = renderer_.draw(builder_.build(snapshot), camera_);
+  shared_.frames.add();
+  if (sink_) sink_({rgb, camera_, snapshot.model.tick});
+}
+
+}  // namespace raven2_trainer::runtime

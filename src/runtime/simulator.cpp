@@ -1,0 +1,382 @@
+#include "raven2_trainer/runtime/simulator.h"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/net/event_fd.h"
+#include "raven2_trainer/net/tcp_client.h"
+#include "raven2_trainer/net/udp_receiver.h"
+#include "raven2_trainer/net/udp_sender.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/runtime/cyclic_thread.h"
+#include "raven2_trainer/runtime/fault_director.h"
+#include "raven2_trainer/runtime/haptic_loop.h"
+#include "raven2_trainer/runtime/master_ingest.h"
+#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/runtime/physics_loop.h"
+#include "raven2_trainer/runtime/planner_worker.h"
+#include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+constexpr int kIngestWaitMs = 50;
+constexpr int kLinkWaitMs = 5;
+constexpr int kSenderWaitMs = 20;
+constexpr std::int64_t kUnpinAfterNs = 500'000'000;   // a silent master may be replaced by another
+constexpr std::size_t kBackgroundStack = 16U << 20U;  // llvmpipe compiles its shaders on the render thread
+
+std::int64_t toNanoseconds(double seconds) {
+  return static_cast<std::int64_t>(std::llround(seconds * 1e9));
+}
+
+void sleepFor(double seconds) {
+  timespec time{};
+  time.tv_nsec = static_cast<long>(toNanoseconds(seconds));
+  clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
+}
+
+}  // namespace
+
+struct Simulator::Impl {
+  Impl(const TrainerConfig& configuration, const SimulatorOptions& wanted)
+      : config(configuration),
+        options(wanted),
+        started(std::chrono::steady_clock::now()),
+        raven(model::loadRavenModel(config)),
+        scene(model::loadSceneModel(config)),
+        shared(std::make_unique<SharedState>()),
+        receiver(config.network.bind_address, config.network.master_port),
+        to_robot(config.network.robot_host, config.network.robot_port),
+        to_console(config.network.console_host, config.network.force_port),
+        robot_client(config.network.robot_host,
+                     config.network.state_port,
+                     config.network.reconnect_min,
+                     config.network.reconnect_max),
+        ingest(config.network.max_increment_um, shared.get()),
+        link(config, shared.get()),
+        faults(config, shared.get()),
+        physics(config, raven, scene, shared.get()),
+        haptic(config, shared.get()),
+        planner(config, raven, scene, shared.get()),
+        paths(session::createSessionDirectory(options.output)),
+        meta(startMeta("simulator", options.version, options.motion)),
+        recorder(config, paths, options.motion, shared.get()) {}
+
+  void startLoops() {
+    const CyclicPolicy policy{config.runtime.max_catch_up,
+                              static_cast<std::int64_t>(std::llround(config.runtime.max_backlog / kTickSeconds))};
+    CyclicThread::Hooks physics_hooks;
+    physics_hooks.before = [] { physics::attachOdeToThread(); };
+    physics_hooks.tick = [this](std::int64_t now_ns) {
+      physics.tick(now_ns);
+      outgoing.signal();
+    };
+    physics_hooks.on_slip = [this] { physics.timeSlip(); };
+    CyclicThread::Hooks haptic_hooks;
+    haptic_hooks.tick = [this](std::int64_t now_ns) {
+      haptic.tick(now_ns);
+      outgoing.signal();
+    };
+    haptic_hooks.stale_reads = [this] { return haptic.staleReads(); };
+    physics_thread.start({"physics", config.runtime.physics}, policy, std::move(physics_hooks),
+                         &shared->physics_timing);
+    haptic_thread.start({"haptic", config.runtime.haptic}, policy, std::move(haptic_hooks), &shared->haptic_timing);
+  }
+
+  void startIo() {
+    ingest_thread.start({"ingest", config.runtime.ingest}, [this] { ingestLoop(); });
+    link_thread.start({"robot_link", config.runtime.robot_link}, [this] { linkLoop(); });
+    sender_thread.start({"sender", config.runtime.sender}, [this] { senderLoop(); });
+  }
+
+  void startBackground() {
+    const auto background = [this](const char* name) {
+      return ThreadOptions{name, ThreadConfig{0, -1}, config.runtime.background_nice, kBackgroundStack};
+    };
+    recorder_thread.start(background("recorder"), [this] { recorderLoop(); });
+    faults_thread.start(background("faults"), [this] { faultsLoop(); });
+    planner_thread.start(background("planner"), [this] { plannerLoop(); });
+    if (options.render) render_thread.start(background("render"), [this] { renderLoop(); });
+  }
+
+  bool stopping() const noexcept { return stop.load(std::memory_order_relaxed); }
+
+  void ingestLoop() {
+    std::array<std::uint8_t, 2 * wire::kItpSize> buffer;
+    std::int64_t heard_ns = net::monotonicNow();
+    while (!stopping()) {
+      receiver.wait(kIngestWaitMs);
+      while (const auto datagram = receiver.receive(buffer.data(), buffer.size())) {
+        const Reject reason = ingest.receive(buffer.data(), datagram->size, datagram->foreign);
+        if (reason == Reject::kForeignSource) continue;
+        heard_ns = net::monotonicNow();
+        if (reason == Reject::kNone && !receiver.pinnedSource()) receiver.pinSource(datagram->source);
+      }
+      if (net::monotonicNow() - heard_ns > kUnpinAfterNs) receiver.unpinSource();
+    }
+  }
+
+  void linkLoop() {
+    std::array<std::uint8_t, 8192> buffer;
+    while (!stopping()) {
+      switch (robot_client.poll(net::monotonicNow(), kLinkWaitMs)) {
+        case net::TcpClient::Event::kConnected:
+          link.connected();
+          break;
+        case net::TcpClient::Event::kDisconnected:
+          link.disconnected();
+          break;
+        case net::TcpClient::Event::kReadable:
+          receiveFrames(buffer.data(), buffer.size());
+          break;
+        case net::TcpClient::Event::kNone:
+          break;
+      }
+      const std::size_t size = link.pendingFrame(buffer.data());
+      if (size > 0) robot_client.send(buffer.data(), size);
+    }
+    link.disconnected();
+  }
+
+  void receiveFrames(std::uint8_t* buffer, std::size_t capacity) {
+    while (const std::size_t size = robot_client.receive(buffer, capacity)) {
+      if (link.receive(buffer, size, net::monotonicNow())) continue;
+      robot_client.disconnect();
+      return;
+    }
+  }
+
+  void senderLoop() {
+    while (!stopping()) {
+      outgoing.wait(kSenderWaitMs);
+      sendWaiting();
+    }
+    sendWaiting();
+    // Whatever happens next, the hand feels nothing from us.
+    ForcePacket silence = last_force;
+    silence.force_I = {};
+    sendForce(silence);
+  }
+
+  void sendWaiting() {
+    RelayPacket relay;
+    while (shared->relay_packets.tryPop(&relay)) {
+      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(relay.command));
+      to_robot.send(bytes.data(), bytes.size());
+      shared->relay_sent.add();
+    }
+    while (shared->force_packets.tryPop(&last_force))
+      sendForce(last_force);
+  }
+
+  void sendForce(const ForcePacket& force) {
+    const wire::ForceBytes bytes = wire::encodeForce(force);
+    to_console.send(bytes.data(), bytes.size());
+    shared->force_sent.add();
+  }
+
+  void recorderLoop() {
+    try {
+      while (!stopping()) {
+        recorder.drain();
+        sleepFor(config.runtime.recorder_period);
+      }
+    } catch (const SessionException& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+      record_failed.store(true);
+    }
+  }
+
+  void faultsLoop() {
+    while (!stopping()) {
+      faults.tick();
+      sleepFor(config.runtime.fault_period);
+    }
+  }
+
+  void plannerLoop() {
+    while (!stopping()) {
+      if (!planner.serve()) sleepFor(0.005);
+    }
+  }
+
+  void renderLoop() {
+    try {
+      RenderLoop loop(config, raven, scene, shared.get(), sink);
+      const std::int64_t period = 1'000'000'000 / config.render.live_fps;
+      std::int64_t due = net::monotonicNow();
+      while (!stopping()) {
+        loop.frame();
+        due += period;
+        const std::int64_t left = due - net::monotonicNow();
+        if (left > 0) {
+          sleepFor(static_cast<double>(left) * 1e-9);
+        } else {
+          due = net::monotonicNow();  // late: drop frames, never time
+        }
+      }
+    } catch (const Exception& e) {
+      std::fprintf(stderr, "%s; going on without a live picture\n", e.what());
+    }
+  }
+
+  void checkRealtime() const {
+    if (!options.strict || isRealtime()) return;
+    throw RealtimeException("--strict: SCHED_FIFO was refused to a 1 kHz thread; " + memory);
+  }
+
+  bool isRealtime() const { return physics_thread.realtime() && haptic_thread.realtime(); }
+
+  void stopThreads() {
+    haptic_thread.stop();
+    stop.store(true);
+    planner.cancel();
+    physics_thread.stop();
+    for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &faults_thread,
+                           &render_thread, &recorder_thread}) {
+      thread->join();
+    }
+  }
+
+  void writeFiles() {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - started;
+    meta.wall_duration = wall.count();
+    meta.realtime = realtimeStatus();
+    session::writeMeta(paths, meta, config);
+    recorder.finish(counts());
+  }
+
+  std::string realtimeStatus() const {
+    return std::string(isRealtime() ? "SCHED_FIFO" : "degraded: SCHED_FIFO was refused") + "; " + memory;
+  }
+
+  SessionCounts counts() const {
+    SessionCounts c;
+    c.master = shared->master_link.load();
+    c.master_used = shared->master_used.value();
+    c.robot_state = shared->robot_link.load();
+    c.relay_sent = shared->relay_sent.value();
+    c.relay = shared->robot.load().itp;
+    c.force_sent = shared->force_sent.value();
+    c.loops = {shared->physics_timing.load(), shared->haptic_timing.load()};
+    c.records_dropped = recordsDropped(*shared);
+    c.frames = shared->frames.value();
+    c.ik_clamped = shared->ik_clamped.value();
+    c.realtime = isRealtime() ? 1 : 0;
+    return c;
+  }
+
+  const TrainerConfig config;
+  const SimulatorOptions options;
+  const std::chrono::steady_clock::time_point started;
+  const model::RavenModel raven;
+  const model::SceneModel scene;
+  std::unique_ptr<SharedState> shared;
+
+  net::UdpReceiver receiver;
+  net::UdpSender to_robot, to_console;
+  net::TcpClient robot_client;
+  net::EventFd outgoing;
+
+  MasterIngest ingest;
+  RobotLink link;
+  FaultDirector faults;
+  PhysicsLoop physics;
+  HapticLoop haptic;
+  PlannerWorker planner;
+  session::SessionPaths paths;
+  session::SessionMeta meta;
+  Recorder recorder;
+
+  ImageSink sink;
+  ForcePacket last_force{};
+  std::string memory{"memory not locked"};
+  std::atomic<bool> stop{false};
+  std::atomic<bool> record_failed{false};
+  bool running{false};
+
+  CyclicThread physics_thread, haptic_thread;
+  Thread ingest_thread, link_thread, sender_thread, recorder_thread, faults_thread, planner_thread, render_thread;
+};
+
+Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {
+  physics::initialiseOde();
+  physics::attachOdeToThread();  // the world is built on this thread
+  impl_ = std::make_unique<Impl>(config, options);
+}
+
+Simulator::~Simulator() {
+  stop();
+}
+
+void Simulator::setImageSink(ImageSink sink) {
+  impl_->sink = std::move(sink);
+}
+
+void Simulator::start() {
+  impl_->memory = lockMemory();
+  impl_->running = true;
+  impl_->startBackground();
+  impl_->startIo();
+  impl_->startLoops();
+  sleepFor(0.05);  // the threads have asked for their priorities by then
+  impl_->checkRealtime();
+}
+
+SimulatorState Simulator::state() const {
+  if (impl_->record_failed.load()) return SimulatorState::kRecordFailed;
+  const ModelState model = impl_->shared->model.load();
+  const double session = static_cast<double>(model.session_tick + 1) * kTickSeconds;
+  if (impl_->options.duration > 0.0 && session >= impl_->options.duration) return SimulatorState::kComplete;
+  const double timeout = impl_->config.runtime.start_timeout;
+  const bool waited = static_cast<double>(model.tick) * kTickSeconds > timeout;
+  if (timeout > 0.0 && model.session_tick < 0 && waited) return SimulatorState::kNoPedal;
+  return SimulatorState::kRunning;
+}
+
+void Simulator::stop() {
+  if (!impl_->running) return;
+  impl_->running = false;
+  impl_->stopThreads();
+  impl_->writeFiles();
+}
+
+SharedState& Simulator::shared() const noexcept {
+  return *impl_->shared;
+}
+
+const TrainerConfig& Simulator::config() const noexcept {
+  return impl_->config;
+}
+
+const model::RavenModel& Simulator::raven() const noexcept {
+  return impl_->raven;
+}
+
+const session::SessionPaths& Simulator::paths() const noexcept {
+  return impl_->paths;
+}
+
+SessionCounts Simulator::counts() const {
+  return impl_->counts();
+}
+
+std::string Simulator::realtimeStatus() const {
+  return impl_->realtimeStatus();
+}
+
+void Simulator::cancelPlan() noexcept {
+  impl_->planner.cancel();
+}
+
+std::uint16_t Simulator::masterPort() const noexcept {
+  return impl_->receiver.port();
+}
+
+}  // namespace raven2_trainer::runtime

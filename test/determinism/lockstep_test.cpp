@@ -1,0 +1,69 @@
+#include "raven2_trainer/runtime/lockstep.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/training/session_metrics.h"
+#include "support/rig.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+constexpr double kSeconds = 10.0;  // one sudden jump, at 8 s
+
+class LockstepTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    raven2_trainer::testing::useOde();
+    folder_ = std::filesystem::temp_directory_path() / ("raven2_lockstep_" + std::to_string(getpid()));
+    std::filesystem::remove_all(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  session::SessionPaths run(const std::string& name, std::uint64_t seed, const std::string& hazard) {
+    TrainerConfig config = raven2_trainer::testing::packagedConfig();
+    config.seed = seed;
+    config.hazard = hazard;
+    const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
+    Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted");
+    EXPECT_TRUE(lockstep.run(kSeconds, {}));
+    return paths;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(LockstepTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
+  const std::string first = session::fileHash(run("a", 1, "sudden_jump").log());
+  EXPECT_EQ(session::fileHash(run("b", 1, "sudden_jump").log()), first);
+  EXPECT_NE(session::fileHash(run("c", 2, "sudden_jump").log()), first);
+}
+
+TEST_F(LockstepTest, AHazardIsFeltAndOnlyAHazard) {
+  const training::SessionMetrics jump = training::computeMetrics(run("jump", 1, "sudden_jump").log());
+  ASSERT_EQ(jump.faults.size(), 1U);
+  EXPECT_EQ(jump.faults[0].last_tick - jump.faults[0].first_tick + 1, 300) << "300 cycles are 300 cycles";
+  EXPECT_GT(jump.faults[0].max_error, 0.003);
+  EXPECT_GT(jump.faults[0].max_force, 0.0);
+  EXPECT_EQ(jump.error_max_force, 0.0);
+  const training::SessionMetrics calm = training::computeMetrics(run("calm", 1, "none").log());
+  EXPECT_TRUE(calm.faults.empty());
+  EXPECT_EQ(calm.max_force, 0.0);
+  EXPECT_EQ(calm.ticks, 10000U);
+}
+
+TEST_F(LockstepTest, EveryLinksCountersAddUp) {
+  const SessionCounts counts = training::computeMetrics(run("counts", 3, "sudden_jump").log()).counts;
+  for (const LinkCounts& link : {counts.master, counts.relay, counts.robot_state}) {
+    EXPECT_TRUE(link.addsUp());
+    EXPECT_GT(link.applied, 10000U);
+    EXPECT_EQ(link.rejectedTotal(), 0U);
+  }
+  EXPECT_EQ(counts.records_dropped, 0U);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
