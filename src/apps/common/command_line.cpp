@@ -1,0 +1,100 @@
+#include "apps/common/command_line.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "apps/common/paths.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::apps {
+namespace {
+
+constexpr int kBarWidth = 30;
+
+std::vector<std::string> withoutRemappings(int argc, char** argv) {
+  std::vector<std::string> arguments;
+  for (int i = argc - 1; i > 0; --i) {  // CLI11 takes them last first
+    if (std::string(argv[i]).find(":=") == std::string::npos) arguments.emplace_back(argv[i]);
+  }
+  return arguments;
+}
+
+void setPort(int option, std::uint16_t* port) {
+  if (option >= 0) *port = static_cast<std::uint16_t>(option);
+}
+
+}  // namespace
+
+void CommonOptions::add(CLI::App* app, bool with_ports) {
+  app->add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app->add_option("--hazard", hazard, "Hazard scenario to arm, or none (default: the configuration's)");
+  app->add_option("--seed", seed, "Seed of everything random (default: the configuration's)")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
+  app->add_option("--arm-contacts", arm_contacts, "Let the model's arms touch the scene (default: the configuration's)")
+      ->check(CLI::IsMember({"on", "off"}));
+  if (!with_ports) return;
+  app->add_option("--master-port", master_port, "UDP port console -> daemon")->check(CLI::Range(0, 65535));
+  app->add_option("--robot-port", robot_port, "UDP port daemon -> robot")->check(CLI::Range(1, 65535));
+  app->add_option("--force-port", force_port, "UDP port daemon -> console")->check(CLI::Range(1, 65535));
+  app->add_option("--state-port", state_port, "TCP port robot -> daemon")->check(CLI::Range(1, 65535));
+}
+
+TrainerConfig CommonOptions::load() const {
+  TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config);
+  if (!hazard.empty()) {
+    config::faultId(loaded, hazard);
+    loaded.hazard = hazard;
+  }
+  if (seed >= 0) loaded.seed = static_cast<std::uint64_t>(seed);
+  if (!arm_contacts.empty()) loaded.model.arm_contacts = arm_contacts == "on";
+  setPort(master_port, &loaded.network.master_port);
+  setPort(robot_port, &loaded.network.robot_port);
+  setPort(force_port, &loaded.network.force_port);
+  setPort(state_port, &loaded.network.state_port);
+  return loaded;
+}
+
+int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {
+  app->set_version_flag("--version", version());
+  try {
+    app->parse(withoutRemappings(argc, argv));
+  } catch (const CLI::ParseError& e) {
+    return app->exit(e);
+  }
+  try {
+    return body();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+}
+
+ProgressBar::ProgressBar(std::string label) : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+void ProgressBar::update(double share, const std::string& detail) {
+  const int percent = static_cast<int>(std::clamp(share, 0.0, 1.0) * 100.0);
+  if (!terminal_) {
+    if (percent / 25 <= shown_ / 25 && shown_ >= 0) return;
+    shown_ = percent;
+    std::fprintf(stderr, "%s %d %% %s\n", label_.c_str(), percent, detail.c_str());
+    return;
+  }
+  const int filled = percent * kBarWidth / 100;
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
+  std::fprintf(stderr, "\r%s [%s] %3d %% %s\033[K", label_.c_str(), bar.c_str(), percent, detail.c_str());
+  std::fflush(stderr);
+}
+
+void ProgressBar::done(const std::string& detail) {
+  std::fprintf(stderr, "%s%s: %s%s\n", terminal_ ? "\r" : "", label_.c_str(), detail.c_str(),
+               terminal_ ? "\033[K" : "");
+}
+
+}  // namespace raven2_trainer::apps

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "raven2_trainer/core/config.h"
+
+namespace CLI {
+class App;
+}
+
+namespace raven2_trainer::apps {
+
+/** Options that several programs share; add() registers them, load() reads the configuration and applies them. */
+struct CommonOptions {
+  std::string config;                                                   ///< --config FILE; the packaged one if empty
+  std::string hazard;                                                   ///< --hazard NAME|none; config's if empty
+  std::int64_t seed{-1};                                                ///< --seed N; config's if negative
+  std::string arm_contacts;                                             ///< --arm-contacts on|off; config's if empty
+  int master_port{-1}, robot_port{-1}, force_port{-1}, state_port{-1};  ///< config's if negative
+
+  void add(CLI::App* app, bool with_ports);
+  /** @throw ConfigException. */
+  TrainerConfig load() const;
+};
+
+/**
+ * Runs a program: parses the arguments (ROS remappings NAME:=VALUE are left out), calls `body`, turns every exception
+ * into one line on stderr. @return the exit code: that of body, 1 after an exception, CLI11's for --help and bad
+ * arguments.
+ */
+int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body);
+
+/** A progress bar on stderr: redrawn in place on a terminal, a line every 25 % otherwise. */
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::string label);
+  void update(double share, const std::string& detail = "");
+  void done(const std::string& detail);
+
+ private:
+  std::string label_;
+  bool terminal_;
+  int shown_{-1};
+};
+
+}  // namespace raven2_trainer::apps

@@ -1,0 +1,42 @@
+// export_session DIR: the session log as a table that any other program reads.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+#include "apps/common/command_line.h"
+#include "raven2_trainer/session/csv_export.h"
+#include "raven2_trainer/session/session_directory.h"
+
+namespace {
+
+int exportSession(const std::string& directory, const std::string& output) {
+  const auto paths = raven2_trainer::session::openSessionDirectory(directory);
+  const std::string csv = output.empty() ? paths.ticks() : output;
+  raven2_trainer::apps::ProgressBar bar("export");
+  const auto progress = [&bar](double share) { bar.update(share); };
+  const std::size_t rows = raven2_trainer::session::exportTicksCsv(paths.log(), csv, progress);
+  bar.done(csv + ": " + std::to_string(rows) + " rows");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Writes the ticks of a recorded session as a table, one row a millisecond and arm.", "export_session"};
+  app.footer(
+      "Columns (SI units; ticks count from the first pedal down):\n"
+      "  tick, t_s, arm, mode, runlevel, pedal\n"
+      "  q1..q7, dq1..dq7, tau1..tau7   model: joint position, velocity, torque\n"
+      "  rq1..rq7, rdq1..rdq7           robot: joint position, velocity\n"
+      "  px..pz, rpx..rpz               tool tip of model and robot in the arm's base frame\n"
+      "  fx..fz, fault                  force cue; fault scenario acting on the robot\n"
+      "Exit status: 0 written, 1 otherwise. Described in full in doc/session.md.");
+  std::string directory;
+  std::string format = "csv";
+  std::string output;
+  app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
+  app.add_option("--format", format, "Kind of file: csv")->check(CLI::IsMember({"csv"}))->capture_default_str();
+  app.add_option("--output", output, "File to write (default: DIR/ticks.csv)");
+  return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return exportSession(directory, output); });
+}

@@ -1,0 +1,55 @@
+// The surgeon's hands: both masters' ITP packets at 1 kHz from a script or a recording, moved by the force cue.
+
+#include <CLI/CLI.hpp>
+
+#include "apps/common/command_line.h"
+#include "apps/common/signals.h"
+#include "raven2_trainer/runtime/console_runner.h"
+#include "raven2_trainer/runtime/motion.h"
+
+namespace raven2_trainer {
+namespace {
+
+struct Options {
+  apps::CommonOptions common;
+  std::string motion{"scripted"};
+  double scale{0.0};
+  double duration{0.0};
+};
+
+int run(const Options& options) {
+  TrainerConfig config = options.common.load();
+  if (options.scale > 0.0) config.console.scale = options.scale;
+  runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion));
+  console.start();
+  bool told = false;
+  for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += 0.1) {
+    if (apps::waitForSignal(0.1)) break;
+    if (console.finished() && !told) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
+    told = console.finished();
+  }
+  console.stop();
+  const LinkCounts forces = console.forceCounts();
+  std::fprintf(stderr, "forces: %llu received, %llu applied\n", static_cast<unsigned long long>(forces.received),
+               static_cast<unsigned long long>(forces.applied));
+  return 0;
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  apps::blockSignals();
+  Options options;
+  CLI::App app{"The surgeon's hands: ITP packets at 1 kHz, force cue applied to a hand model."};
+  options.common.add(&app, /*with_ports=*/true);
+  app.add_option("--motion", options.motion, "scripted or recording:FILE (CSV of tip positions)")
+      ->capture_default_str();
+  app.add_option("--scale", options.scale, "Motion scale (default: the configuration's)")
+      ->check(CLI::Range(0.001, 1.0));
+  app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 86400.0));
+  return apps::runProgram(&app, argc, argv, [&] { return run(options); });
+}

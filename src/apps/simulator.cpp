@@ -1,0 +1,70 @@
+// The daemon on the surgeon's console host: nominal model, haptic cue, relay, faults, planner, pictures, record, ROS.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "apps/common/command_line.h"
+#include "apps/common/paths.h"
+#include "apps/common/signals.h"
+#include "raven2_trainer/ros/ros_bridge.h"
+#include "raven2_trainer/runtime/simulator.h"
+
+namespace raven2_trainer {
+namespace {
+
+using runtime::Simulator;
+using runtime::SimulatorState;
+
+/** Until the session is over or somebody ends it. @return true if it ended as it should. */
+bool watch(const Simulator& simulator, double duration) {
+  apps::ProgressBar bar("session");
+  for (;;) {
+    const bool interrupted = apps::waitForSignal(0.05);
+    const ModelState model = simulator.shared().model.load();
+    const double time = static_cast<double>(model.session_tick < 0 ? 0 : model.session_tick) * kTickSeconds;
+    char detail[96];
+    std::snprintf(detail, sizeof(detail), "%.1f s, %s", time, kModeNames[static_cast<std::size_t>(model.mode)]);
+    const SimulatorState state = simulator.state();
+    if (state == SimulatorState::kRunning && !interrupted) {
+      if (duration > 0.0) bar.update(time / duration, detail);
+      continue;
+    }
+    const char* ends[] = {"stopped", "complete", "no pedal-down before the start time-out", "the record failed"};
+    bar.done(std::string(ends[static_cast<std::size_t>(state)]) + " at " + detail);
+    return state == SimulatorState::kComplete || (interrupted && state == SimulatorState::kRunning);
+  }
+}
+
+int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& options, int argc, char** argv) {
+  const bool has_ros = ros_bridge::connect(argc, argv, "raven2_simulator");
+  if (!has_ros) std::fprintf(stderr, "no ROS master: running without topics and services\n");
+  Simulator simulator(common.load(), options);
+  std::unique_ptr<ros_bridge::RosBridge> bridge;
+  if (has_ros) bridge = std::make_unique<ros_bridge::RosBridge>(&simulator);
+  simulator.start();
+  if (bridge) bridge->start();
+  const bool good = watch(simulator, options.duration);
+  simulator.stop();
+  return good ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  apps::blockSignals();
+  apps::CommonOptions common;
+  runtime::SimulatorOptions options;
+  options.version = apps::version();
+  CLI::App app{"The training daemon: model, haptic cue, relay, faults, planner, pictures, record, ROS."};
+  common.add(&app, /*with_ports=*/true);
+  app.add_option("--duration", options.duration, "Session time from the first pedal down [s]; 0: until stopped")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 86400.0));
+  app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
+  app.add_option("--motion-label", options.motion, "What the console plays, for the record only");
+  app.add_flag("--strict", options.strict, "Refuse to start without real-time scheduling");
+  app.add_flag("!--no-render", options.render, "No live picture");
+  return apps::runProgram(&app, argc, argv, [&] { return run(common, options, argc, argv); });
+}

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/time.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/JointState.h>
+#include <trajectory_msgs/JointTrajectory.h>
+
+#include <string>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/runtime/render_loop.h"
+
+// Our structs to ROS messages. Names and joint coordinates as the real robot's /joint_states (raven2.md 5.4).
+
+namespace raven2_trainer::ros_bridge {
+
+/** Both arms: 14 names, position, velocity; effort of the model only. */
+sensor_msgs::JointState jointState(const ModelState& model, double d4, const ros::Time& stamp);
+sensor_msgs::JointState jointState(const RobotState& robot, double d4, const ros::Time& stamp);
+
+/** Force in the arm's base frame `model/base_link_L|R`. */
+geometry_msgs::WrenchStamped wrench(const HapticState& haptic, Arm arm, const ros::Time& stamp);
+
+geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& frame, const ros::Time& stamp);
+
+sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp);
+sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time& stamp);
+
+trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4);
+
+/** One status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */
+diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
+                                             const RobotState& robot,
+                                             const std::string& realtime,
+                                             const ros::Time& stamp);
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,122 @@
+#include "raven2_trainer/ros/ros_bridge.h"
+
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <memory>
+
+#include "ros/messages.h"
+#include "ros/periodic_thread.h"
+#include "ros/services.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_states
+constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
+constexpr std::uint32_t kQueue = 10;
+
+int every(double period, double base) {
+  return std::max(1, static_cast<int>(period / base + 0.5));
+}
+
+}  // namespace
+
+struct RosBridge::Impl {
+  explicit Impl(runtime::Simulator* daemon)
+      : simulator(*daemon),
+        services(&node, daemon),
+        model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
+        robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
+        forces{node.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", kQueue),
+               node.advertise<geometry_msgs::WrenchStamped>("haptic/green/force", kQueue)},
+        images(node.advertise<sensor_msgs::Image>("camera/image_raw", 2)),
+        camera_infos(node.advertise<sensor_msgs::CameraInfo>("camera/camera_info", 2)),
+        transforms(node.advertise<tf2_msgs::TFMessage>("/tf", kQueue)),
+        diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
+        spinner(1) {
+    positions.resize(simulator.raven().description.links.size());
+    poses.resize(positions.size());
+    simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
+  }
+
+  void publish() {
+    const ros::Time stamp = ros::Time::now();
+    const ModelState model = simulator.shared().model.load();
+    const RobotState robot = simulator.shared().robot.load();
+    const HapticState haptic = simulator.shared().haptic.load();
+    const double d4 = simulator.config().arms.geometry.d4;
+    model_joints.publish(jointState(model, d4, stamp));
+    if (robot.frame > 0 && robot.connected != 0) robot_joints.publish(jointState(robot, d4, stamp));
+    for (const Arm arm : kArms)
+      at(forces, arm).publish(wrench(haptic, arm, stamp));
+    const double period = simulator.config().runtime.ros_period;
+    if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
+    if (cycle % every(kDiagnosticsPeriod, period) == 0) {
+      diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, simulator.realtimeStatus(), stamp));
+    }
+    ++cycle;
+  }
+
+  void publishTransforms(const ModelState& model, const RobotState& robot, const ros::Time& stamp) {
+    tf2_msgs::TFMessage message;
+    addArms("model/", {model.arms[0].q, model.arms[1].q}, stamp, &message);
+    if (robot.frame > 0) addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message);
+    const RenderConfig& render = simulator.config().render;
+    const model::Camera camera = model::makeCamera(runtime::findCamera(render, render.live_camera), 2, 2);
+    message.transforms.push_back(transform(camera.X_WC, "camera_optical", stamp));
+    transforms.publish(message);
+  }
+
+  void addArms(const std::string& prefix,
+               const PerArm<JointArray>& q,
+               const ros::Time& stamp,
+               tf2_msgs::TFMessage* message) {
+    simulator.raven().linkPosesInWorld(q, &positions, &poses);
+    const auto& links = simulator.raven().description.links;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      message->transforms.push_back(transform(poses[i], prefix + links[i].name, stamp));
+    }
+  }
+
+  /** On the render thread; roscpp's publish is thread-safe. */
+  void publishImage(const runtime::LiveImage& picture) {
+    const ros::Time stamp = ros::Time::now();
+    if (images.getNumSubscribers() > 0) images.publish(image(picture, stamp));
+    camera_infos.publish(cameraInfo(picture.camera, stamp));
+  }
+
+  runtime::Simulator& simulator;
+  ros::NodeHandle node;
+  Services services;
+  ros::Publisher model_joints, robot_joints;
+  PerArm<ros::Publisher> forces;
+  ros::Publisher images, camera_infos, transforms, diagnostic_arrays;
+  ros::AsyncSpinner spinner;
+  PeriodicThread publisher;
+  std::vector<double> positions;
+  std::vector<Pose> poses;
+  int cycle{0};
+};
+
+RosBridge::RosBridge(runtime::Simulator* simulator) : impl_(std::make_unique<Impl>(simulator)) {}
+
+RosBridge::~RosBridge() {
+  stop();
+}
+
+void RosBridge::start() {
+  impl_->spinner.start();
+  impl_->publisher.start(impl_->simulator.config().runtime.ros_period, [this] { impl_->publish(); });
+}
+
+void RosBridge::stop() {
+  impl_->services.stop();
+  impl_->publisher.stop();
+  impl_->spinner.stop();
+  ros::shutdown();
+}
+
+}  // namespace raven2_trainer::ros_bridge

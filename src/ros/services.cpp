@@ -1,0 +1,94 @@
+#include "ros/services.h"
+
+#include <algorithm>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "ros/messages.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr std::uint32_t kFirstId = 1000;  // smaller ids belong to the daemon's own schedule
+constexpr double kGraceTime = 2.0;        // [s] beyond the planner's limit before an answer is given up
+
+}  // namespace
+
+Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator)
+    : simulator_(*simulator),
+      next_id_(kFirstId),
+      start_hazard_(node->advertiseService("start_hazard", &Services::startHazard, this)),
+      stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
+      plan_(node->advertiseService("plan", &Services::plan, this)),
+      engage_(node->advertiseService("engage", &Services::engage, this)),
+      disengage_(node->advertiseService("disengage", &Services::disengage, this)) {}
+
+bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
+  try {
+    const std::uint32_t id = config::faultId(simulator_.config(), request.name);
+    response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
+    response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";
+  } catch (const ConfigException& e) {
+    response.success = false;
+    response.message = e.what();
+  }
+  return true;
+}
+
+bool Services::stopHazard(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  response.success = simulator_.shared().fault_requests.tryPush({0, 0});
+  response.message = response.success ? "all hazards cleared" : "too many requests at once";
+  return true;
+}
+
+bool Services::post(RequestKind kind, std_srvs::Trigger::Response* response) {
+  Request request;
+  request.kind = kind;
+  response->success = simulator_.shared().requests.tryPush(request);
+  response->message = response->success ? "" : "too many requests at once";
+  return true;
+}
+
+bool Services::engage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  return post(RequestKind::kEngage, &response);
+}
+
+bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  return post(RequestKind::kDisengage, &response);
+}
+
+bool Services::plan(PlanPath::Request& message, PlanPath::Response& response) {
+  Request request;
+  request.kind = RequestKind::kPlan;
+  request.id = next_id_++;
+  request.arm = message.arm == "green" ? Arm::kGreen : Arm::kGold;
+  request.has_goal = message.default_goal ? 0 : 1;
+  std::copy(message.goal.begin(), message.goal.end(), request.goal_W.begin());
+  const bool is_known = message.arm.empty() || message.arm == "gold" || message.arm == "green";
+  PlanResult result;
+  if (!is_known) {
+    response.status = "unknown arm; known: gold, green";
+  } else if (!simulator_.shared().requests.tryPush(request) || !awaitPlan(request.id, &result)) {
+    response.status = "no answer from the planner";
+  } else {
+    response.success = result.status == PlanStatus::kSuccess;
+    response.status = kPlanStatusNames[static_cast<std::size_t>(result.status)];
+    response.cost = result.cost;
+    response.planning_time = result.planning_time;
+    response.trajectory = trajectory(result, simulator_.config().arms.geometry.d4);
+  }
+  return true;
+}
+
+bool Services::awaitPlan(std::uint32_t id, PlanResult* result) const {
+  const ros::WallTime deadline =
+      ros::WallTime::now() + ros::WallDuration(simulator_.config().planner.time_limit + kGraceTime);
+  while (ros::WallTime::now() < deadline && !stop_.load()) {
+    *result = simulator_.shared().last_plan.load();
+    if (result->id == id) return true;
+    ros::WallDuration(0.01).sleep();
+  }
+  return false;
+}
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,87 @@
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <set>
+
+#include "fixture.h"
+
+namespace raven2_trainer {
+namespace {
+
+TEST(NominalSession, ModelAndRobotFollowTheSurgeonTogetherAndNoForceIsFelt) {
+  Latest<sensor_msgs::JointState> model("model/joint_states"), robot("robot/joint_states");
+  Latest<geometry_msgs::WrenchStamped> gold("haptic/gold/force"), green("haptic/green/force");
+  ASSERT_TRUE(waitFor([&] { return isMoving(model) && isMoving(robot); }, kStartDeadline));
+  double worst = 0.0, force = 0.0;
+  const int begin = gold.count();
+  ASSERT_TRUE(waitFor(
+      [&] {
+        for (const char* joint : {"shoulder_L", "elbow_L", "shoulder_R", "elbow_R"}) {
+          worst = std::max(worst, std::abs(position(model.get(), joint) - position(robot.get(), joint)));
+        }
+        force = std::max({force, magnitude(gold.get()), magnitude(green.get())});
+        return gold.count() >= begin + 500;
+      },
+      20.0));
+  // 3 mm, where the cue begins, are 0.03 rad at 0.1 m from the remote centre.
+  EXPECT_LT(worst, 0.03);
+  EXPECT_EQ(force, 0.0);
+}
+
+TEST(NominalSession, JointStatesCarryTheRealRobotsNames) {
+  Latest<sensor_msgs::JointState> model("model/joint_states"), own("/joint_states");
+  ASSERT_TRUE(waitFor([&] { return model.count() > 0 && own.count() > 0; }, kStartDeadline));
+  const std::vector<std::string> expected{
+      "shoulder_L", "elbow_L", "insertion_L", "tool_roll_L", "wrist_joint_L", "grasper_joint_1_L", "grasper_joint_2_L",
+      "shoulder_R", "elbow_R", "insertion_R", "tool_roll_R", "wrist_joint_R", "grasper_joint_1_R", "grasper_joint_2_R"};
+  EXPECT_EQ(model.get().name, expected);
+  EXPECT_EQ(model.get().velocity.size(), expected.size());
+  EXPECT_EQ(model.get().effort.size(), expected.size());
+  ASSERT_EQ(own.get().name.size(), 28U) << "the robot adds the desired positions (raven2.md 5.4)";
+  EXPECT_EQ(own.get().name[14], "shoulder_L2");
+}
+
+TEST(NominalSession, PicturesComeWithTheirCamera) {
+  Latest<sensor_msgs::Image> image("camera/image_raw");
+  Latest<sensor_msgs::CameraInfo> info("camera/camera_info");
+  ASSERT_TRUE(waitFor([&] { return image.count() > 5 && info.count() > 5; }, kStartDeadline));
+  EXPECT_EQ(image.get().encoding, "rgb8");
+  EXPECT_EQ(image.get().data.size(), image.get().height * image.get().step);
+  EXPECT_EQ(image.get().width, info.get().width);
+  EXPECT_GT(info.get().K[0], 0.0);
+  const std::set<std::uint8_t> values(image.get().data.begin(), image.get().data.end());
+  EXPECT_GT(values.size(), 50U) << "an empty picture";
+  // the info that belongs to a picture carries its stamp
+  const ros::Time stamp = image.get().header.stamp;
+  EXPECT_TRUE(waitFor([&] { return info.get().header.stamp >= stamp; }, 2.0));
+}
+
+TEST(NominalSession, FramesOfModelAndRobotHaveTheirOwnPrefix) {
+  Latest<tf2_msgs::TFMessage> tf("/tf");
+  ASSERT_TRUE(waitFor([&] { return tf.count() > 0 && tf.get().transforms.size() > 30; }, kStartDeadline));
+  std::set<std::string> frames;
+  for (const auto& transform : tf.get().transforms)
+    frames.insert(transform.child_frame_id);
+  EXPECT_TRUE(frames.count("model/grasper1_L") == 1 && frames.count("robot/grasper1_L") == 1);
+  EXPECT_EQ(frames.count("camera_optical"), 1U);
+}
+
+TEST(NominalSession, EveryLinksCountersAddUp) {
+  Latest<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  ASSERT_TRUE(waitFor([&] { return diagnostics.count() > 1; }, kStartDeadline));
+  int links = 0;
+  for (const auto& status : diagnostics.get().status) {
+    if (status.name.find("link") == std::string::npos) continue;
+    ++links;
+    EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK) << status.name << ": " << status.message;
+  }
+  EXPECT_EQ(links, 3);
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+RAVEN2_INTEGRATION_MAIN("nominal_test")
