@@ -1,0 +1,111 @@
+#!/usr/bin/python3
+"""Checks who includes whom: the layers of doc/architecture.md, read from the #include lines.
+
+Exits 1 and names file, line and rule for every include that a module may not have. --junit FILE writes the result as
+JUnit XML for the test summary.
+"""
+import argparse
+import pathlib
+import re
+import sys
+from xml.sax.saxutils import escape
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+# module: (modules of ours it may include, foreign headers it may include)
+PURE = r"Eigen/"
+RULES = {
+    "core": ([], None),
+    "kinematics": (["core"], PURE),
+    "control": (["core", "kinematics"], PURE),
+    "haptics": (["core"], PURE),
+    "faults": (["core"], None),
+    "wire": (["core"], r"zlib\.h"),
+    "config": (["core"], r"yaml-cpp/"),
+    "model": (["core", "kinematics"], PURE + r"|urdf_|urdf_model/|urdf_parser/|assimp/|tinyxml|console_bridge/"),
+    "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h"),
+    "session": (["core"], r"zlib\.h|nlohmann/|sys/stat\.h|fcntl\.h|unistd\.h"),
+    "raven": (["core", "kinematics", "control", "faults", "wire"], PURE),
+    "console": (["core", "kinematics", "control", "wire"], PURE),
+    "physics": (["core", "kinematics", "model"], PURE + r"|ode/"),
+    "plant": (["core", "kinematics", "model", "raven", "physics"], PURE),
+    "training": (["core", "kinematics", "model", "session"], PURE + r"|nlohmann/"),
+    "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/"),
+    "render": (["core", "kinematics", "model", "session", "training"],
+               PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
+    "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "config", "model", "net", "session",
+                 "raven", "console", "physics", "plant", "training", "planning", "render"],
+                PURE + r"|pthread\.h|sched\.h|sys/|unistd\.h|time\.h"),
+    "ros": (["core", "kinematics", "config", "model", "runtime"], PURE + r"|ros/|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
+    "apps": (None, None),  # anything
+}
+# Standard headers that a pure module must not use: clocks, threads, files.
+PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "wire", "raven"}
+IMPURE = {"chrono", "thread", "mutex", "condition_variable", "future", "fstream", "filesystem", "iostream", "ctime"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
+
+
+def violations(module, path):
+    allowed, foreign = RULES[module]
+    if allowed is None:
+        return
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        bracket, header = match.groups()
+        if bracket == '"' and (path.parent / header).is_file():
+            continue  # a private header beside its source
+        reason = judge(module, header, bracket == '"', allowed, foreign)
+        if reason:
+            yield f"{path.relative_to(ROOT)}:{number}: {header}: {reason}"
+
+
+def judge(module, header, quoted, allowed, foreign):
+    if foreign and re.match(foreign, header):
+        return None
+    ours = re.match(r"raven2_trainer/([a-z]+)/", header) or (re.match(r"([a-z]+)/", header) if quoted else None)
+    if ours:
+        used = ours.group(1)
+        return None if used == module or used in allowed else f"{module} may not include {used}"
+    if quoted:
+        return "use the full path of the header"
+    if module in PURE_MODULES and header in IMPURE:
+        return f"{module} knows no threads, clocks or files"
+    is_standard = re.fullmatch(r"[a-z_]+", header) is not None
+    return None if is_standard else f"{module} may not include this"
+
+
+def sources():
+    for base in ("include/raven2_trainer", "src"):
+        for module in sorted(RULES):
+            for path in sorted((ROOT / base / module).rglob("*")):
+                if path.suffix in (".h", ".cpp"):
+                    yield module, path
+
+
+def write_junit(file, count, found):
+    text = "\n".join(found)
+    body = f"<failure>{escape(text)}</failure>" if found else ""
+    pathlib.Path(file).write_text(
+        f'<testsuite name="layering" tests="1" failures="{1 if found else 0}">'
+        f'<testcase name="includes_of_{count}_files" classname="layering">{body}</testcase></testsuite>\n')
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--junit", help="write the result as JUnit XML")
+    args = parser.parse_args()
+    files = list(sources())
+    found = [line for module, path in files for line in violations(module, path)]
+    print("\n".join(found) if found else f"{len(files)} files keep the layers")
+    if not files:
+        found = ["no files found"]
+    if args.junit:
+        write_junit(args.junit, len(files), found)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,66 @@
+# Shared by scripts/run and scripts/test: where things are, what is said, how the package is built. Sourced, not run.
+
+set -u
+ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+BUILD=${RAVEN2_TRAINER_BUILD:-$ROOT/build}
+LOGS=$BUILD/logs
+
+say() { printf '%s\n' "$*" >&2; }
+
+fail() {
+  say "raven2_trainer: $*"
+  exit 1
+}
+
+# step NAME LOG COMMAND...: runs quietly; on failure one line with the reason, and where the whole output is.
+step() {
+  local name=$1 log=$LOGS/$2 begin=$SECONDS
+  shift 2
+  mkdir -p "$LOGS"
+  [ -t 2 ] && printf '%s ...' "$name" >&2
+  if ! "$@" >"$log" 2>&1; then
+    [ -t 2 ] && printf '\r\033[K' >&2
+    fail "$name failed: $(grep -m1 -E 'error|Error|E: |cannot|fatal' "$log" || tail -n 1 "$log") (see $log)"
+  fi
+  [ -t 2 ] && printf '\r\033[K' >&2
+  say "$name: $((SECONDS - begin)) s"
+}
+
+# Debian's Python: a second one in PATH would lack catkin and numpy.
+configure_and_build() {
+  local targets=("$@")
+  if [ ! -f "$BUILD/CMakeCache.txt" ]; then
+    step "configure" configure.log cmake -S "$ROOT" -B "$BUILD" -DPYTHON_EXECUTABLE=/usr/bin/python3
+  fi
+  step "build" build.log cmake --build "$BUILD" -j "$(nproc)" "${targets[@]}"
+}
+
+# ROS environment of the devel space. Its scripts use unset variables.
+source_ros() {
+  set +u
+  # shellcheck disable=SC1091
+  source "$BUILD/devel/setup.bash" || fail "no ROS environment in $BUILD/devel"
+  set -u
+  export ROS_HOME=$BUILD/ros_home ROS_LOG_DIR=$BUILD/ros_home/log ROS_IP=127.0.0.1
+  mkdir -p "$ROS_LOG_DIR"
+}
+
+# free_port KIND PREFERRED [TAKEN...]: the preferred port if nobody listens on it, else one that the system chooses.
+free_port() {
+  /usr/bin/python3 - "$@" <<'PY'
+import socket, sys
+kind = socket.SOCK_DGRAM if sys.argv[1] == "udp" else socket.SOCK_STREAM
+taken = {int(p) for p in sys.argv[3:]}
+def usable(port):
+    with socket.socket(socket.AF_INET, kind) as s:
+        try:
+            s.bind(("127.0.0.1", port))
+        except OSError:
+            return 0
+        return s.getsockname()[1]
+port = 0 if int(sys.argv[2]) in taken else usable(int(sys.argv[2]))
+while not port or port in taken:
+    port = usable(0)
+print(port)
+PY
+}
