@@ -23,12 +23,11 @@ TEST(Plan, AnUnknownArmIsRefused) {
 
 TEST(Plan, ThePathFromTheDomeToTheRingIsTrackedByTheModelWhileTheRobotHolds) {
   Latest<sensor_msgs::JointState> model("model/joint_states"), robot("robot/joint_states");
-  ASSERT_TRUE(waitFor(
-      [&] {
-        return robot.count() > 0 && std::abs(position(robot.get(), "shoulder_L") - 0.5236) < 0.005 &&
-               std::abs(position(model.get(), "shoulder_L") - position(robot.get(), "shoulder_L")) < 1e-3;
-      },
-      kStartDeadline))
+  const auto isAtHome = [](const sensor_msgs::JointState& state) {
+    return std::abs(position(state, "shoulder_L") - 0.5236) < 0.002 &&
+           std::abs(position(state, "insertion_L") + 0.07) < 0.0002;
+  };
+  ASSERT_TRUE(waitFor([&] { return isAtHome(robot.get()) && isAtHome(model.get()); }, kStartDeadline))
       << "the robot did not home";
   const double held = position(robot.get(), "insertion_L");
 
