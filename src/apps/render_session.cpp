@@ -12,6 +12,8 @@
 
 namespace {
 
+constexpr double kEstimateAfter = 2.0;  // [s] the first frames compile shaders and say nothing of the rest
+
 struct Options {
   std::string directory, config, size;
   int fps{0};
@@ -61,7 +63,7 @@ int renderSession(const Options& o) {
     const double spent = std::chrono::duration<double>(Clock::now() - start).count();
     const double left = spent * static_cast<double>(all - done) / static_cast<double>(done);
     bar.update(static_cast<double>(done) / static_cast<double>(all),
-               std::to_string(static_cast<int>(left)) + " s left");
+               spent > kEstimateAfter ? std::to_string(static_cast<int>(left)) + " s left" : "");
   };
   const std::uint64_t frames = renderer.run(o.render, progress);
   bar.done(std::to_string(frames) + " frames in " +

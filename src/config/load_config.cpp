@@ -55,6 +55,7 @@ void readModel(Section& root, ModelConfig* c) {
     joint.finish();
   }
   gains.finish();
+  c->green_insertion_kd = root.number("green_insertion_kd", 0, kAny);
   c->gravity_compensation = root.boolean("gravity_compensation");
   c->viscous_friction = root.joints("viscous_friction", 0, 1e4);
   c->coulomb_friction = root.joints("coulomb_friction", 0, 1e4);

@@ -20,6 +20,12 @@ Vec3 sum(const Vec3& a, const Vec3& b) noexcept {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+std::array<JointGains, kJointCount> gainsOf(const ModelConfig& config, Arm arm) noexcept {
+  std::array<JointGains, kJointCount> gains = config.gains;
+  if (arm == Arm::kGreen) gains[kInsertion].kd = config.green_insertion_kd;
+  return gains;
+}
+
 Quat product(const Quat& later, const Quat& earlier) noexcept {
   if (later == kIdentityQuat) return earlier;  // exact, and the common case
   return toArray((toEigen(later) * toEigen(earlier)).normalized());
@@ -36,7 +42,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       world_(raven, scene, config.model),
       mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
-      pids_{control::JointPid(config.model.gains), control::JointPid(config.model.gains)},
+      pids_{control::JointPid(gainsOf(config.model, Arm::kGold)), control::JointPid(gainsOf(config.model, Arm::kGreen))},
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.master_timeout / kTickSeconds))) {

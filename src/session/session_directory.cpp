@@ -79,7 +79,6 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
             {"wall_duration_s", meta.wall_duration},
             {"realtime", meta.realtime},
             {"motion", meta.motion},
-            {"recording_clipped", meta.recording_clipped},
             {"seed", config.seed},
             {"hazard", config.hazard},
             {"config_files", describeFiles(config)}};

@@ -39,6 +39,7 @@ struct JointGains {
 /** config/model.yaml: dynamics and control of the nominal model. */
 struct ModelConfig {
   std::array<JointGains, kJointCount> gains{};
+  double green_insertion_kd{};     ///< [Ns/m] the one gain that differs between the robot's arms (raven2.md 3.6)
   bool gravity_compensation{};
   JointArray viscous_friction{};  ///< [Nms/rad; Ns/m]
   JointArray coulomb_friction{};  ///< [Nm; N]

@@ -35,7 +35,6 @@ struct SessionMeta {
   double wall_duration{};  ///< [s]
   std::string realtime;    ///< what scheduling was granted, in words; "lockstep"
   std::string motion;
-  double recording_clipped{};  ///< [-] share of the recording's samples that were clipped; 0 unless said
 };
 
 /** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file. */

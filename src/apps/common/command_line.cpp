@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,7 @@ TrainerConfig CommonOptions::load() const {
 
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {
   app->set_version_flag("--version", version());
+  app->name(std::filesystem::path(argv[0]).filename().string());
   try {
     app->parse(withoutRemappings(argc, argv));
   } catch (const CLI::ParseError& e) {

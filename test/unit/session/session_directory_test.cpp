@@ -89,7 +89,7 @@ TEST(SessionMeta, HoldsWhatWasGiven) {
   config.hazard = "sudden_jump";
   config.files = {file};
   config.robot_urdf = file;
-  SessionMeta meta{"simulate", "0.1.0", "2026-01-31T12:00:00Z", 12.5, "lockstep", "scripted", 0.25};
+  SessionMeta meta{"simulate", "0.1.0", "2026-01-31T12:00:00Z", 12.5, "lockstep", "scripted"};
   writeMeta(paths, meta, config);
   const Bytes bytes = readBytes(paths.meta());
   const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
@@ -99,7 +99,6 @@ TEST(SessionMeta, HoldsWhatWasGiven) {
   EXPECT_EQ(json.at("wall_duration_s"), 12.5);
   EXPECT_EQ(json.at("realtime"), "lockstep");
   EXPECT_EQ(json.at("motion"), "scripted");
-  EXPECT_EQ(json.at("recording_clipped"), 0.25);
   EXPECT_EQ(json.at("seed"), config.seed);
   EXPECT_EQ(json.at("hazard"), "sudden_jump");
   EXPECT_EQ(json.at("config_files").at(0).at("fnv1a"), "85944171f73967e8");
