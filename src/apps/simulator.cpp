@@ -44,7 +44,7 @@ int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& opti
   simulator.start();
   if (bridge) bridge->start();
   const bool good = watch(simulator, options.duration);
-  simulator.stop();
+  simulator.stop();  // its threads call into the bridge
   return good ? 0 : 1;
 }
 

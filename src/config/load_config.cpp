@@ -82,6 +82,7 @@ std::uint16_t port(Section& section, const std::string& key, int low) {
 void readNetwork(Section& root, NetworkConfig* c) {
   c->bind_address = root.text("bind_address");
   c->master_port = port(root, "master_port", 0);
+  c->daemon_host = root.text("daemon_host");
   c->robot_host = root.text("robot_host");
   c->robot_port = port(root, "robot_port", 1);
   c->console_host = root.text("console_host");

@@ -55,7 +55,14 @@ double toNumber(const YAML::Node& node, const std::string& where, double low, do
 }  // namespace
 
 Section::Section(const YAML::Node& node, std::string file, std::string path)
-    : node_(std::make_shared<YAML::Node>(node)), file_(std::move(file)), path_(std::move(path)) {}
+    : node_(std::make_shared<YAML::Node>(node)), file_(std::move(file)), path_(std::move(path)) {
+  std::set<std::string> keys;
+  for (const auto& entry : node) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+    if (!keys.insert(key).second)
+      throw ConfigException(place(file_, entry.first.Mark()) + path_ + key + " is given twice");
+  }
+}
 
 Section Section::fromFile(const std::string& path) {
   YAML::Node node;

@@ -33,11 +33,6 @@ struct RavenPublisher::Impl {
   void publish() {
     sensor_msgs::JointState message = jointState(state(), d4, ros::Time::now());
     message.velocity.clear();
-    const std::size_t measured = message.name.size();
-    for (std::size_t i = 0; i < measured; ++i) {
-      message.name.push_back(message.name[i] + "2");
-      message.position.push_back(message.position[i]);
-    }
     joints.publish(message);
   }
 

@@ -63,7 +63,7 @@ struct RosBridge::Impl {
   void publishTransforms(const ModelState& model, const RobotState& robot, const ros::Time& stamp) {
     tf2_msgs::TFMessage message;
     addArms("model/", {model.arms[0].q, model.arms[1].q}, stamp, &message);
-    if (robot.frame > 0) addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message);
+    if (robot.frame > 0 && robot.connected != 0) addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message);
     const RenderConfig& render = simulator.config().render;
     const model::Camera camera = model::makeCamera(runtime::findCamera(render, render.live_camera), 2, 2);
     message.transforms.push_back(transform(camera.X_WC, "camera_optical", stamp));

@@ -17,15 +17,32 @@ constexpr double kGraceTime = 2.0;        // [s] beyond the planner's limit befo
 Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator)
     : simulator_(*simulator),
       next_id_(kFirstId),
+      plan_node_(*node),
+      plan_spinner_(1, &plan_queue_),
       start_hazard_(node->advertiseService("start_hazard", &Services::startHazard, this)),
       stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
-      plan_(node->advertiseService("plan", &Services::plan, this)),
       engage_(node->advertiseService("engage", &Services::engage, this)),
-      disengage_(node->advertiseService("disengage", &Services::disengage, this)) {}
+      disengage_(node->advertiseService("disengage", &Services::disengage, this)) {
+  plan_node_.setCallbackQueue(&plan_queue_);
+  plan_ = plan_node_.advertiseService("plan", &Services::plan, this);
+  plan_spinner_.start();
+}
+
+void Services::stop() {
+  stop_.store(true);
+  plan_spinner_.stop();
+}
+
+bool Services::push(const Request& request) {
+  const std::lock_guard<std::mutex> lock(push_mutex_);
+  return simulator_.shared().requests.tryPush(request);
+}
 
 bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
+    const RobotState robot = simulator_.shared().robot.load();
+    if (robot.frame > 0 && robot.is_virtual == 0) throw ConfigException("a real robot is connected: nothing is armed");
     response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
     response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";
   } catch (const ConfigException& e) {
@@ -44,7 +61,7 @@ bool Services::stopHazard(std_srvs::Trigger::Request&, std_srvs::Trigger::Respon
 bool Services::post(RequestKind kind, std_srvs::Trigger::Response* response) {
   Request request;
   request.kind = kind;
-  response->success = simulator_.shared().requests.tryPush(request);
+  response->success = push(request);
   response->message = response->success ? "" : "too many requests at once";
   return true;
 }
@@ -68,7 +85,7 @@ bool Services::plan(PlanPath::Request& message, PlanPath::Response& response) {
   PlanResult result;
   if (!is_known) {
     response.status = "unknown arm; known: gold, green";
-  } else if (!simulator_.shared().requests.tryPush(request) || !awaitPlan(request.id, &result)) {
+  } else if (!push(request) || !awaitPlan(request.id, &result)) {
     response.status = "no answer from the planner";
   } else {
     response.success = result.status == PlanStatus::kSuccess;

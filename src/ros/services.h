@@ -1,10 +1,13 @@
 #pragma once
 
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
+#include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 
 #include "raven2_trainer/PlanPath.h"
 #include "raven2_trainer/StartHazard.h"
@@ -12,14 +15,14 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** start_hazard, stop_hazard, plan, engage, disengage: each only posts a request; one spinner thread calls them all,
- *  because the rings have one producer. */
+/** start_hazard, stop_hazard, plan, engage, disengage: each only posts a request. plan, which waits for its answer, has
+ * a queue and a thread of its own, so that nothing else ever waits behind it. */
 class Services {
  public:
   Services(ros::NodeHandle* node, runtime::Simulator* simulator);
 
-  /** Makes a waiting plan() return. */
-  void stop() noexcept { stop_.store(true); }
+  /** Makes a waiting plan() return and ends its thread. */
+  void stop();
 
  private:
   bool startHazard(StartHazard::Request& request, StartHazard::Response& response);
@@ -29,11 +32,16 @@ class Services {
   bool disengage(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   bool post(RequestKind kind, std_srvs::Trigger::Response* response);
+  bool push(const Request& request);
   bool awaitPlan(std::uint32_t id, PlanResult* result) const;
 
   runtime::Simulator& simulator_;
   std::uint32_t next_id_;
   std::atomic<bool> stop_{false};
+  std::mutex push_mutex_;  ///< the ring of requests has one producer at a time
+  ros::NodeHandle plan_node_;
+  ros::CallbackQueue plan_queue_;
+  ros::AsyncSpinner plan_spinner_;
   ros::ServiceServer start_hazard_, stop_hazard_, plan_, engage_, disengage_;
 };
 

@@ -8,8 +8,8 @@ namespace raven2_trainer::runtime {
 
 ConsoleRunner::ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
     : console_(config.console, std::move(source)),
-      to_daemon_("127.0.0.1", config.network.master_port),
-      from_daemon_(config.network.console_host, config.network.force_port),
+      to_daemon_(config.network.daemon_host, config.network.master_port),
+      from_daemon_(config.network.bind_address, config.network.force_port),
       ready_timeout_ns_(static_cast<std::int64_t>(config.console.ready_timeout * 1e9)) {}
 
 void ConsoleRunner::start() {

@@ -187,7 +187,10 @@ bool Lockstep::run(double seconds, const std::function<void(double)>& progress) 
     tick();
     const ModelState& model = impl_->view.model;
     if (model.session_tick + 1 >= wanted) break;
-    if (model.session_tick < 0 && timeout > 0 && model.tick >= timeout) return false;
+    if (model.session_tick < 0 && timeout > 0 && model.tick >= timeout) {
+      finish();
+      return false;
+    }
     if (progress && model.tick % kProgressEvery == 0) {
       progress(static_cast<double>(std::max<Tick>(model.session_tick, 0)) / static_cast<double>(wanted));
     }

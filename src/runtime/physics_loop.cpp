@@ -42,7 +42,8 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       world_(raven, scene, config.model),
       mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
-      pids_{control::JointPid(gainsOf(config.model, Arm::kGold)), control::JointPid(gainsOf(config.model, Arm::kGreen))},
+      pids_{control::JointPid(gainsOf(config.model, Arm::kGold)),
+            control::JointPid(gainsOf(config.model, Arm::kGreen))},
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.master_timeout / kTickSeconds))) {
@@ -107,7 +108,6 @@ void PhysicsLoop::drainRequests() noexcept {
   PlanResult result;
   while (shared_.plan_results.tryPop(&result)) {
     handlePlanResult(result);
-    answerPlan(result);
   }
 }
 
@@ -133,13 +133,10 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
 }
 
 void PhysicsLoop::requestPlan(const Request& request) noexcept {
-  raise(Event::kPlanRequested);
-  if (state_.mode != Mode::kPlanning) {
-    // Refused in this mode: say so to whoever waits for this id.
-    PlanResult refused;
-    refused.id = request.id;
-    refused.status = PlanStatus::kCancelled;
-    answerPlan(refused);
+  const bool is_busy = state_.mode == Mode::kPlanning;
+  if (!is_busy) raise(Event::kPlanRequested);
+  if (is_busy || state_.mode != Mode::kPlanning) {
+    refusePlan(request.id);
     return;
   }
   PlanRequest plan;
@@ -150,7 +147,18 @@ void PhysicsLoop::requestPlan(const Request& request) noexcept {
   plan.other = state_.arms[1 - index(request.arm)].q;
   plan.has_goal = request.has_goal;
   plan.goal_W = request.goal_W;
-  if (!shared_.plan_requests.tryPush(plan)) raise(Event::kPlanFailed);
+  awaited_plan_ = request.id;
+  if (shared_.plan_requests.tryPush(plan)) return;
+  raise(Event::kPlanFailed);
+  refusePlan(request.id);
+}
+
+/** Not in this mode, or one is under way: whoever waits for this id is told. */
+void PhysicsLoop::refusePlan(std::uint32_t id) noexcept {
+  PlanResult refused;
+  refused.id = id;
+  refused.status = PlanStatus::kCancelled;
+  answerPlan(refused);
 }
 
 void PhysicsLoop::answerPlan(const PlanResult& result) noexcept {
@@ -158,14 +166,17 @@ void PhysicsLoop::answerPlan(const PlanResult& result) noexcept {
   shared_.plan_records.tryPush({state_.tick + 1, result});
 }
 
-void PhysicsLoop::handlePlanResult(const PlanResult& result) noexcept {
-  if (state_.mode != Mode::kPlanning) return;  // the pedal came first
-  if (result.status != PlanStatus::kSuccess) {
+void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
+  const bool is_awaited = state_.mode == Mode::kPlanning && result.id == awaited_plan_;
+  if (!is_awaited) {
+    result.status = PlanStatus::kCancelled;  // the pedal, or a newer request, came first: nobody will follow it
+  } else if (result.status == PlanStatus::kSuccess) {
+    raise(Event::kPlanReady);
+    follower_.start(result);
+  } else {
     raise(Event::kPlanFailed);
-    return;
   }
-  raise(Event::kPlanReady);
-  follower_.start(result);
+  answerPlan(result);
 }
 
 void PhysicsLoop::scheduledPlan() noexcept {
@@ -181,6 +192,7 @@ void PhysicsLoop::scheduledPlan() noexcept {
 
 void PhysicsLoop::updateRobotEvents() noexcept {
   if (!world_.healthy()) raise(Event::kEmergencyStop);
+  forgetOldRobot();
   if (state_.robot_fresh == 0) return;
   const bool in_stop = robot_.runlevel == RunLevel::kEStop;
   if (robot_ready_ && in_stop && state_.mode != Mode::kStopped) {
@@ -194,6 +206,15 @@ void PhysicsLoop::updateRobotEvents() noexcept {
     robot_ready_ = true;
     raise(Event::kRobotReady);
   }
+}
+
+/** A robot that went away, started anew or is not homed is another robot: nothing known of the old one holds. */
+void PhysicsLoop::forgetOldRobot() noexcept {
+  const bool is_gone = robot_.connected == 0 || robot_.frame == 0;
+  const bool is_new = robot_.cycle < last_cycle_;
+  last_cycle_ = robot_.cycle;
+  if (is_gone || is_new || robot_.homed == 0) robot_ready_ = false;
+  if (!robot_ready_ || robot_.runlevel < RunLevel::kPedalUp) linked_ = false;
 }
 
 void PhysicsLoop::updatePedal() noexcept {
@@ -216,7 +237,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
   const Mode before = state_.mode;
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
-  linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && state_.engaged != 0;
+  linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && robot_ready_ && state_.engaged != 0;
   if (next == Mode::kTeleoperating && linked_) followRobot();
   for (const Arm arm : kArms) {
     JointArray q{}, dq{};
@@ -245,15 +266,17 @@ void PhysicsLoop::updateTargets() noexcept {
     increments_.dgrasp = {};
     return;
   }
+  bool is_clamped = false;
   for (const Arm arm : kArms) {
     ArmState& state = at(state_.arms, arm);
     const IkStatus status =
         at(mappers_, arm)
             .add(at(increments_.dp_I, arm), at(increments_.dq_I, arm), at(increments_.dgrasp, arm), state.q);
     state.ik_status = static_cast<std::uint32_t>(status);
-    if (status == IkStatus::kClamped) shared_.ik_clamped.add();
+    is_clamped = is_clamped || status == IkStatus::kClamped;
     at(q_d_, arm) = at(mappers_, arm).desired();
   }
+  if (is_clamped) shared_.ik_clamped.add();
   state_.commands_used = increments_.commands;
   shared_.master_used.add(increments_.commands);
 }
@@ -303,8 +326,10 @@ void PhysicsLoop::relay() noexcept {
     packet.command.dq_I = increments_.dq_I;
     packet.command.dgrasp = increments_.dgrasp;
   }
-  relay_faults_.beginCycle(linked_);
-  relay_faults_.applyToCommand(&packet.command);
+  if (robot_.is_virtual != 0) {  // never a real robot's commands
+    relay_faults_.beginCycle(linked_);
+    relay_faults_.applyToCommand(&packet.command);
+  }
   shared_.relay_packets.tryPush(packet);
 }
 

@@ -11,7 +11,6 @@ PlannerWorker::PlannerWorker(const TrainerConfig& config,
 bool PlannerWorker::serve() {
   PlanRequest request;
   if (!shared_.plan_requests.tryPop(&request)) return false;
-  cancel_.store(false);
   shared_.plan_results.tryPush(planner_.plan(request, seed_, /*lockstep=*/false, cancel_));
   return true;
 }

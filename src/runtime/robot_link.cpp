@@ -66,7 +66,7 @@ void RobotLink::applyState(std::int64_t now_ns) noexcept {
 }
 
 std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
-  if (!hello_) return 0;
+  if (!hello_ || state_.is_virtual == 0) return 0;  // no fault ever goes to a real robot
   FaultPlan plan;
   if (!shared_.faults.tryLoad(&plan) || plan.generation == sent_generation_) return 0;
   sent_generation_ = plan.generation;

@@ -326,7 +326,12 @@ void Simulator::start() {
   impl_->startIo();
   impl_->startLoops();
   sleepFor(0.05);  // the threads have asked for their priorities by then
-  impl_->checkRealtime();
+  try {
+    impl_->checkRealtime();
+  } catch (...) {
+    stop();  // before whoever gave us an image sink unwinds
+    throw;
+  }
 }
 
 SimulatorState Simulator::state() const {
@@ -369,10 +374,6 @@ SessionCounts Simulator::counts() const {
 
 std::string Simulator::realtimeStatus() const {
   return impl_->realtimeStatus();
-}
-
-void Simulator::cancelPlan() noexcept {
-  impl_->planner.cancel();
 }
 
 std::uint16_t Simulator::masterPort() const noexcept {

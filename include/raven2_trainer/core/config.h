@@ -64,6 +64,7 @@ struct HapticGains {
 struct NetworkConfig {
   std::string bind_address;     ///< of the daemon's and the robot's listeners
   std::uint16_t master_port{};  ///< UDP console -> daemon
+  std::string daemon_host;         ///< where the console sends to
   std::string robot_host;
   std::uint16_t robot_port{};  ///< UDP daemon -> robot
   std::string console_host;

@@ -8,9 +8,9 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * What the real robot publishes itself: /joint_states, 28 names (measured, then desired with suffix 2), positions only,
- * every 30 ms (raven2.md 5.4); and the start button as a service, `virtual_raven/press_start`. The desired ones are the
- * measured ones until the state frame carries them.
+ * What the real robot publishes itself: /joint_states, positions only, every 30 ms (raven2.md 5.4); its 14 measured
+ * joints, not yet the 14 desired ones (suffix 2), which the state frame does not carry. And the start button of the
+ * emulated PLC as a service, `virtual_raven/press_start`.
  */
 class RavenPublisher {
  public:

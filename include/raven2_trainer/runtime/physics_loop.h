@@ -51,7 +51,9 @@ class PhysicsLoop {
   void drainCommands() noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;
-  void handlePlanResult(const PlanResult& result) noexcept;
+  void handlePlanResult(PlanResult result) noexcept;
+  void refusePlan(std::uint32_t id) noexcept;
+  void forgetOldRobot() noexcept;
   void scheduledPlan() noexcept;
   void updateRobotEvents() noexcept;
   void updatePedal() noexcept;
@@ -92,6 +94,8 @@ class PhysicsLoop {
   bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed
   std::uint32_t next_plan_id_{1};
+  std::uint32_t awaited_plan_{0};
+  std::uint64_t last_cycle_{0};
 };
 
 }  // namespace raven2_trainer::runtime

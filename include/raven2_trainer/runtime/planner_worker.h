@@ -18,7 +18,7 @@ class PlannerWorker {
 
   /** Serves waiting requests. @return true if there was one. */
   bool serve();
-  /** Gives up the running plan within 100 ms; any thread. */
+  /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. */
   void cancel() noexcept { cancel_.store(true); }
 
   /** Lockstep: plans at once; the caller delivers the result a fixed number of ticks later. */

@@ -59,8 +59,6 @@ class Simulator {
   SessionCounts counts() const;
   /** What scheduling and memory locking were granted, in words. */
   std::string realtimeStatus() const;
-  /** Gives up a running plan. */
-  void cancelPlan() noexcept;
   /** Port the masters send to. */
   std::uint16_t masterPort() const noexcept;
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -24,6 +25,14 @@ std::vector<std::string> withoutRemappings(int argc, char** argv) {
     if (std::string(argv[i]).find(":=") == std::string::npos) arguments.emplace_back(argv[i]);
   }
   return arguments;
+}
+
+/** CLI::Range lets NaN through: every comparison with it is false. */
+bool holdsNan(const std::vector<std::string>& arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [](std::string word) {
+    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+    return word == "nan" || word == "-nan" || (word.size() > 4 && word.substr(word.size() - 4) == "=nan");
+  });
 }
 
 void setPort(int option, std::uint16_t* port) {
@@ -65,7 +74,9 @@ int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>&
   app->set_version_flag("--version", version());
   app->name(std::filesystem::path(argv[0]).filename().string());
   try {
-    app->parse(withoutRemappings(argc, argv));
+    const std::vector<std::string> arguments = withoutRemappings(argc, argv);
+    if (holdsNan(arguments)) throw CLI::ValidationError("NaN is not a value");
+    app->parse(std::vector<std::string>(arguments));
   } catch (const CLI::ParseError& e) {
     return app->exit(e);
   }

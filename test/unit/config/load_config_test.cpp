@@ -62,6 +62,11 @@ TEST_F(LoadConfig, AnUnknownKeyIsRefusedWithItsLine) {
   EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:3: unknown key stiffness"))) << message();
 }
 
+TEST_F(LoadConfig, AKeyGivenTwiceIsRefusedWithItsLine) {
+  replace("haptics.yaml", "kd: ", "kp: 2\nkd: ");
+  EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:3: kp is given twice"))) << message();
+}
+
 TEST_F(LoadConfig, AMissingKeyIsRefused) {
   replace("haptics.yaml", "tolerance: .*", "");
   EXPECT_NE(message().find("tolerance is missing"), std::string::npos) << message();

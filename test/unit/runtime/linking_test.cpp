@@ -106,6 +106,27 @@ TEST_F(Linking, AReturningRobotIsNotMovedNorFeltBeforeTheNextPedalDown) {
   EXPECT_EQ(rig->model().linked, 1);
 }
 
+TEST_F(Linking, ARobotThatStartsAnewIsNotLinkedBeforeItIsHomed) {
+  // GIVEN a robot that restarts behind the daemon's back: its E-STOP is never seen, its first frame says INIT
+  RobotState anew;
+  anew.cycle = 1;
+  anew.runlevel = RunLevel::kInit;
+  anew.arms = rig->robot().arms;
+  anew.arms[0].q[kShoulder] -= 0.1;
+  rig->robot_connected = false;
+  rig->link.disconnected();
+  rest(false, 5);
+  rig->connect();
+  std::array<std::uint8_t, wire::kMaxFrame> frame;
+  for (int i = 0; i < 200; ++i) {
+    ++anew.cycle;
+    rig->link.receive(frame.data(), wire::encodeState(1, anew, frame.data()), (1 << 30));
+    rig->tick(true);
+    ASSERT_EQ(rig->model().linked, 0);
+    ASSERT_EQ(rig->force().force_B[0], Vec3{});
+  }
+}
+
 TEST_F(Linking, DisengagedTheModelMovesAloneUntilEngagedAndPressedAgain) {
   Request request;
   request.kind = RequestKind::kDisengage;

@@ -50,6 +50,9 @@ TEST_F(RobotLinkTest, WhateverDoesNotSayVirtualIsReal) {
   hello(false);
   state(RobotState{}, 1);
   EXPECT_EQ(shared->robot.load().is_virtual, 0);
+  FaultDirector director(config, shared.get());
+  EXPECT_GT(shared->faults.load().count, 0U);
+  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << "no fault ever goes to a real robot";
 }
 
 TEST_F(RobotLinkTest, AStateBeforeTheHelloIsCountedAndNotUsed) {
