@@ -12,13 +12,30 @@ fail() {
   exit 1
 }
 
+# show_progress NAME LOG: the newest percentage or line of a log, in place on a terminal, else a line every 30 s. Ends with
+# this script, whatever ends it.
+show_progress() {
+  local every=30 begin='' end='\n' seconds=0 clock
+  [ -t 2 ] && every=1 begin='\r\033[K' end=''
+  exec {clock}<> <(:)  # read -t on it waits without a sleep process that would outlive us
+  while ! read -r -t 1 -u "$clock" && kill -0 $$ 2>/dev/null; do
+    seconds=$((seconds + 1))
+    [ $((seconds % every)) -eq 0 ] && printf "$begin%s: %s$end" "$1" "$(tail -n 1 "$2" | cut -c1-60)" >&2
+  done
+}
+
 # step NAME LOG COMMAND...: runs quietly; on failure one line with the reason, and where the whole output is.
 step() {
   local name=$1 log=$LOGS/$2 begin=$SECONDS
   shift 2
   mkdir -p "$LOGS"
-  [ -t 2 ] && printf '%s ...' "$name" >&2
-  if ! "$@" >"$log" 2>&1; then
+  : >"$log"
+  show_progress "$name" "$log" &
+  local progress=$! status=0
+  "$@" >"$log" 2>&1 || status=$?
+  kill "$progress" 2>/dev/null
+  wait "$progress" 2>/dev/null
+  if [ $status -ne 0 ]; then
     [ -t 2 ] && printf '\r\033[K' >&2
     fail "$name failed: $(grep -m1 -E 'error|Error|E: |cannot|fatal' "$log" || tail -n 1 "$log") (see $log)"
   fi
