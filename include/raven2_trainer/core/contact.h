@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "raven2_trainer/core/types.h"
+
+// Contacts of one physics step, for whoever scores or draws them. Bodies are numbered by the world that reports them
+// (physics::RavenWorld::bodyNames()); fixed parts of the scene have numbers too.
+
+namespace raven2_trainer {
+
+/** One contact point between two bodies at the end of a step. */
+struct Contact {
+  std::uint16_t a{}, b{};  ///< numbers of the two bodies, a < b
+  float depth{};           ///< [m] overlap
+  Vec3 p_W{};              ///< [m] place
+  Vec3 n_W{};              ///< [-] unit normal, from b towards a
+  Vec3 f_W{};              ///< [N] force on a, friction included; that on b is its opposite
+};
+
+constexpr std::size_t kMaxContacts = 32;
+
+/** All contacts of one step, sorted by a, then b. */
+struct ContactList {
+  Tick tick{};              ///< [1 ms] of the ModelState they belong to
+  std::uint32_t count{};    ///< contacts in use
+  std::uint32_t dropped{};  ///< contacts that acted but found no room here
+  std::array<Contact, kMaxContacts> contacts{};
+};
+static_assert(std::is_trivially_copyable<ContactList>::value, "crosses threads word by word");
+
+}  // namespace raven2_trainer
