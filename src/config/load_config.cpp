@@ -24,11 +24,20 @@ Config readFile(const std::string& path, TrainerConfig* all, Read read) {
   return config;
 }
 
+void readTools(Section& root, ArmsConfig* c) {
+  Section tools = root.section("tools");
+  const std::vector<std::string> names = tools.keys();
+  if (names.empty()) throw ConfigException(root.where("tools") + " is empty");
+  for (const std::string& name : names) {
+    Section tool = tools.section(name);
+    c->tools.push_back({name, tool.number("d4", -1.0, 0.0), tool.number("lw", 0.001, 0.1)});
+    tool.finish();
+  }
+  c->tool = root.text("tool", names);
+}
+
 void readArms(Section& root, ArmsConfig* c) {
-  Section kinematics = root.section("kinematics");
-  c->geometry.d4 = kinematics.number("d4", -1.0, 0.0);
-  c->geometry.lw = kinematics.number("lw", 0.001, 0.1);
-  kinematics.finish();
+  readTools(root, c);
   Section limits = root.section("limits");
   c->geometry.q_min = limits.joints("min", -10.0, 10.0);
   c->geometry.q_max = limits.joints("max", -10.0, 10.0);
@@ -44,6 +53,7 @@ void readArms(Section& root, ArmsConfig* c) {
   for (const Arm arm : kArms)
     at(c->rcm_W, arm) = rcm.vec3(name(arm), -1.0, 1.0);
   rcm.finish();
+  c->geometry = toolGeometry(*c, c->tool);
 }
 
 void readModel(Section& root, ModelConfig* c) {
@@ -345,6 +355,20 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   root.finish();
   faultId(c, c.hazard);  // refuses an unknown one
   return c;
+}
+
+ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name) {
+  std::string known;
+  for (const ToolPreset& tool : arms.tools) {
+    if (tool.name == name) {
+      ArmGeometry geometry = arms.geometry;
+      geometry.d4 = tool.d4;
+      geometry.lw = tool.lw;
+      return geometry;
+    }
+    known += (known.empty() ? "" : ", ") + tool.name;
+  }
+  throw ConfigException("no tool is called \"" + name + "\"; known: " + known);
 }
 
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {

@@ -87,6 +87,13 @@ YAML::Node Section::find(const std::string& key) {
   return value;
 }
 
+std::vector<std::string> Section::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : *node_)
+    names.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
+  return names;
+}
+
 Section Section::section(const std::string& key) {
   const YAML::Node value = find(key);
   if (!value.IsMap()) throw ConfigException(where(key) + " is not a mapping");

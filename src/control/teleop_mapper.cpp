@@ -41,14 +41,13 @@ IkStatus TeleopMapper::add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, co
   }
   opening_ = std::clamp(opening_ - dgrasp, kMinOpening, kMaxOpening);
 
-  kinematics::IkResult result = kinematics::inverse(geometry_, arm_, X_BTd_, opening_, current);
-  if (result.status != IkStatus::kOk) return result.status;
-  if (kinematics::applyJointLimits(geometry_, &result.q)) {
+  const kinematics::IkResult result = kinematics::inverseWithinLimits(geometry_, arm_, X_BTd_, opening_, current);
+  if (result.status == IkStatus::kClamped) {
     rebase(result.q);
-    return IkStatus::kClamped;
+  } else if (kinematics::isUsable(result.status)) {
+    q_d_ = result.q;
   }
-  q_d_ = result.q;
-  return IkStatus::kOk;
+  return result.status;
 }
 
 }  // namespace raven2_trainer::control

@@ -48,7 +48,8 @@ void checkChainAt(const RavenModel& model, Arm arm, const JointArray& q) {
     const double error = difference(toolFromJaw(poses[static_cast<std::size_t>(link)], turn), X_WT);
     if (error <= kSame) continue;
     std::ostringstream what;
-    what << "the chain differs by " << error << " (allowed " << kSame << ") from the DH chain of arms.yaml";
+    what << "the chain differs by " << error << " (allowed " << kSame << ") from the DH chain of arms.yaml with tool "
+         << model.arms.tool << "; run scripts/generate_description";
     failAtLink(model, link, what.str());
   }
 }
@@ -85,8 +86,8 @@ void checkLimits(const RavenModel& model, Arm arm) {
         std::max(std::abs(link.lower - std::min(a[j], b[j])), std::abs(link.upper - std::max(a[j], b[j])));
     if (error <= kSameLimit) continue;
     std::ostringstream what;
-    what << "limits of joint '" << link.joint_name << "' differ by " << error
-         << " from arms.yaml; run scripts/generate_description";
+    what << "limits of joint '" << link.joint_name << "' differ by " << error << " from arms.yaml with tool "
+         << model.arms.tool << "; run scripts/generate_description";
     failAtLink(model, at(model.links, arm)[j], what.str());
   }
 }

@@ -65,7 +65,7 @@ GoalChoice findGoal(const ArmGeometry& geometry,
     for (const JointArray& seed : seeds(geometry, space, X_BT)) {
       const kinematics::IkResult ik = kinematics::inverse(geometry, arm, X_BT, opening, seed);
       const UnitState goal = space.toUnit(ik.q);
-      if (ik.status == kinematics::IkStatus::kOk && space.contains(goal, 0.0))
+      if (kinematics::isUsable(ik.status) && space.contains(goal, 0.0))
         candidates.push_back({distance(from, goal), goal});
     }
   }

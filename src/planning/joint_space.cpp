@@ -49,8 +49,7 @@ JointArray JointSpace::toJoints(const UnitState& unit) const noexcept {
   for (std::size_t i = 0; i < kMidline; ++i)
     q[i] = lower_[i] + unit[i] * range_[i];
   const double midline = lower_[kMidline] + unit[kMidline] * range_[kMidline];
-  q[kGrasp1] = opening_ / 2 - midline;
-  q[kGrasp2] = opening_ / 2 + midline;
+  kinematics::setJaws(midline, opening_, &q);
   return q;
 }
 

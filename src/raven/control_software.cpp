@@ -155,10 +155,10 @@ void ControlSoftware::Impl::runHoming() noexcept {
 }
 
 bool ControlSoftware::Impl::solveInverse(Mechanism* mech) noexcept {
-  kinematics::IkResult ik =
-      kinematics::inverse(geometry, mech->arm, mech->pos_d.pose(), mech->pos_d.opening(), mech->jpos);
-  if (ik.status != kinematics::IkStatus::kOk) return false;
-  if (kinematics::applyJointLimits(geometry, &ik.q)) {
+  const kinematics::IkResult ik =
+      kinematics::inverseWithinLimits(geometry, mech->arm, mech->pos_d.pose(), mech->pos_d.opening(), mech->jpos);
+  if (!kinematics::isUsable(ik.status)) return false;
+  if (ik.status == kinematics::IkStatus::kClamped) {
     // Re-based to the limit, so that the master cannot wind up past it.
     mech->pos_d.rebasePose(kinematics::forward(geometry, mech->arm, ik.q));
     network.target(mech->arm).rebasePose(mech->pos_d.pose());

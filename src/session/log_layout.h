@@ -74,7 +74,7 @@ struct Layout<ArmState> {
     v.field("q_BT", s.q_BT, "", "tool orientation in B, unit quaternion x y z w");
     v.field("ik_status", s.ik_status, "",
             "outcome of the inverse kinematics: 0 ok, 1 clamped, 2 out of reach, "
-            "3 at the remote centre, 4 too far");
+            "3 at the remote centre, 4 too far, 5 singular wrist (roll kept, motion goes on)");
     v.field("contacts", s.contacts, "points", "contact points on this arm");
   }
 };

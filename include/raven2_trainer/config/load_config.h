@@ -17,6 +17,9 @@ TrainerConfig loadTrainerConfig(const std::string& path);
 /** One scenario file. `id` becomes Fault::id. @throw ConfigException, also for a trigger that can never fire. */
 Scenario loadScenario(const std::string& path, std::uint32_t id);
 
+/** The arms' geometry with another tool. @throw ConfigException listing the known names. */
+ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name);
+
 /** Position + 1 of a scenario by name; 0 for "none". @throw ConfigException listing the known names. */
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name);
 

@@ -23,6 +23,8 @@ class Section {
   /** Parses a file of at most 1 MiB whose root is a mapping. */
   static Section fromFile(const std::string& path);
 
+  /** All keys in the file's order; those not read later are still refused by finish(). */
+  std::vector<std::string> keys() const;
   Section section(const std::string& key);
   std::vector<Section> list(const std::string& key);
   double number(const std::string& key, double low, double high);

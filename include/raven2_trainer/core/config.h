@@ -22,10 +22,19 @@ struct ArmGeometry {
   JointArray home{};   ///< [rad, m]
 };
 
+/** Constants of an instrument (config/arms.yaml, `tools`). */
+struct ToolPreset {
+  std::string name;
+  double d4{};  ///< [m] ArmGeometry::d4
+  double lw{};  ///< [m] ArmGeometry::lw
+};
+
 /** config/arms.yaml */
 struct ArmsConfig {
-  ArmGeometry geometry{};
-  PerArm<Vec3> rcm_W{};  ///< [m] remote centres of motion in W
+  ArmGeometry geometry{};         ///< with the chosen tool
+  std::string tool;               ///< its name
+  std::vector<ToolPreset> tools;  ///< all known ones, in the file's order
+  PerArm<Vec3> rcm_W{};           ///< [m] remote centres of motion in W
 };
 
 /** Gains of one joint controller of the nominal model. */

@@ -57,6 +57,37 @@ TEST_F(LoadConfig, ThePackagedFilesAreGood) {
   EXPECT_EQ(config.scenarios.at(0).name, "sudden_jump");
 }
 
+TEST_F(LoadConfig, TheChosenToolIsThatOfTheArms) {
+  replace("arms.yaml", "tool: raven_grasper", "tool: raven2_sim");
+  const ArmsConfig arms = loadTrainerConfig(root()).arms;
+  EXPECT_EQ(arms.tool, "raven2_sim");
+  EXPECT_EQ(arms.geometry.d4, -0.45869);
+  EXPECT_EQ(arms.geometry.lw, 0.0145);
+  const ArmGeometry other = toolGeometry(arms, "da_vinci");
+  EXPECT_EQ(other.d4, -0.47);
+  EXPECT_EQ(other.lw, 0.009);
+  EXPECT_EQ(other.home, arms.geometry.home);
+  EXPECT_EQ(other.q_max, arms.geometry.q_max);
+}
+
+TEST_F(LoadConfig, AnUnknownToolIsRefusedWithItsLineAndTheKnownOnes) {
+  try {
+    toolGeometry(loadTrainerConfig(root()).arms, "hook");
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigException& e) {
+    EXPECT_NE(std::string(e.what()).find("\"hook\"; known: raven_grasper, da_vinci, raven2_sim"), std::string::npos);
+  }
+  replace("arms.yaml", "tool: raven_grasper", "tool: hook");
+  EXPECT_TRUE(std::regex_search(
+      message(), std::regex("arms.yaml:2: tool is \"hook\", expected one of: raven_grasper, da_vinci, raven2_sim")))
+      << message();
+}
+
+TEST_F(LoadConfig, AToolsConstantsAreChecked) {
+  replace("arms.yaml", "lw: 0.009", "lw: 0.9");
+  EXPECT_TRUE(std::regex_search(message(), std::regex("arms.yaml:5: tools/da_vinci/lw is 0.9, expected"))) << message();
+}
+
 TEST_F(LoadConfig, AnUnknownKeyIsRefusedWithItsLine) {
   replace("haptics.yaml", "kd: ", "stiffness: 1\nkd: ");
   EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:3: unknown key stiffness"))) << message();

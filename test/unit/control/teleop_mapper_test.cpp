@@ -88,6 +88,19 @@ TEST(TeleopMapper, KeepsTheJointsWhenTheTargetIsRefused) {
   EXPECT_EQ(mapper.desired(), g.home);
 }
 
+TEST(TeleopMapper, GoesOnThroughASingularWrist) {
+  // The jaw axis passes through the remote centre where lw = d cos(wrist), d the insertion above it.
+  const ArmGeometry g = raven();
+  JointArray q{0.6, 1.5, 0.0, 0.4, 0.9, 0.2, 0.5};
+  q[kInsertion] = g.lw / std::cos(q[kWrist]) - g.d4;
+  TeleopMapper mapper(g, Arm::kGold);
+  mapper.rebase(q);
+  EXPECT_EQ(mapper.add({}, kIdentityQuat, 0.1, q), IkStatus::kSingularWrist);
+  EXPECT_NEAR(kinematics::jawOpening(mapper.desired()), 0.6, 1e-9) << "the jaws still close";
+  EXPECT_NEAR(mapper.desired()[kToolRotation], q[kToolRotation], 1e-9);
+  EXPECT_LT((kinematics::forward(g, Arm::kGold, mapper.desired()).p - mapper.desiredPose().p).norm(), 1e-12);
+}
+
 TEST(TeleopMapper, ClampsTheGrasp) {
   const ArmGeometry g = raven();
   TeleopMapper mapper(g, Arm::kGold);

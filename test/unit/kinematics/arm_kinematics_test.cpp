@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <set>
+#include <string>
+
 #include "raven2_trainer/core/random.h"
 
 namespace raven2_trainer::kinematics {
@@ -90,7 +94,7 @@ TEST(Inverse, RecoversJointsOverTheWholeRangeOfBothArms) {
       if (isNearRcm(g, q)) continue;
       const Pose X = forward(g, arm, q);
       const IkResult result = inverse(g, arm, X, jawOpening(q), q);
-      ASSERT_EQ(result.status, IkStatus::kOk);
+      ASSERT_TRUE(isUsable(result.status));
       for (std::size_t j = 0; j < kJointCount; ++j)
         ASSERT_NEAR(result.q[j], q[j], 1e-7);
       ASSERT_LT((forward(g, arm, result.q).p - X.p).norm(), 1e-9);
@@ -119,6 +123,144 @@ TEST(Inverse, RefusesWhatTheRobotRefuses) {
   EXPECT_EQ(inverse(g, Arm::kGold, forward(g, Arm::kGold, moved), kPi / 2, home).status, IkStatus::kOk);
   moved[kInsertion] = 0.381;
   EXPECT_EQ(inverse(g, Arm::kGold, forward(g, Arm::kGold, moved), kPi / 2, home).status, IkStatus::kTooFar);
+}
+
+/** The jaw axis passes through the remote centre: lw = d cos(wrist), d the insertion above it. */
+JointArray singularWrist(const ArmGeometry& g) {
+  JointArray q{0.6, 1.5, 0.0, 0.4, 0.9, 0.2, 0.5};
+  q[kInsertion] = g.lw / std::cos(q[kWrist]) - g.d4;
+  return q;
+}
+
+TEST(Inverse, KeepsTheRollWhereTheWristIsSingular) {
+  const ArmGeometry g = raven();
+  const JointArray q = singularWrist(g);
+  for (const Arm arm : kArms) {
+    const Pose X = forward(g, arm, q);
+    for (const double roll : {-0.02, 0.0, 0.02}) {
+      JointArray current = q;
+      current[kToolRotation] += roll;
+      const IkResult result = inverse(g, arm, X, jawOpening(q), current);
+      ASSERT_EQ(result.status, IkStatus::kSingularWrist);
+      EXPECT_NEAR(result.q[kToolRotation], current[kToolRotation], 1e-9);
+      EXPECT_LT((forward(g, arm, result.q).p - X.p).norm(), 1e-12);
+      EXPECT_LT((forward(g, arm, result.q).R - X.R).cwiseAbs().maxCoeff(), 1e-12);
+      EXPECT_NEAR(jawOpening(result.q), jawOpening(q), 1e-12);
+    }
+  }
+}
+
+TEST(Inverse, FlagsTheNeighbourhoodOfTheSingularWristAndNothingBeyond) {
+  const ArmGeometry g = raven();
+  JointArray q = singularWrist(g);
+  const double at = q[kInsertion];
+  for (const auto& [step, status] : {std::pair{1e-9, IkStatus::kSingularWrist},
+                                     {5e-6, IkStatus::kSingularWrist},
+                                     {5e-5, IkStatus::kOk},
+                                     {1e-3, IkStatus::kOk}}) {
+    q[kInsertion] = at + step;
+    const IkResult result = inverse(g, Arm::kGreen, forward(g, Arm::kGreen, q), jawOpening(q), q);
+    EXPECT_EQ(result.status, status) << step;
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      EXPECT_NEAR(result.q[j], q[j], 1e-6) << step;
+  }
+}
+
+TEST(Inverse, NotFiniteInputIsOutOfReachAndGivesNoNan) {
+  const ArmGeometry g = raven();
+  const JointArray home{30 * kDegree, kPi / 2, 0.40, 0, 0, kPi / 4, kPi / 4};
+  const Pose X = forward(g, Arm::kGold, home);
+  ASSERT_EQ(inverse(g, Arm::kGold, X, kPi / 2, home).status, IkStatus::kOk);
+  const auto expectRefused = [&](const Pose& pose, double opening, const JointArray& current) {
+    const IkResult result = inverse(g, Arm::kGold, pose, opening, current);
+    EXPECT_EQ(result.status, IkStatus::kOutOfReach);
+    EXPECT_EQ(result.q, JointArray{});
+  };
+  Pose huge = X;
+  huge.p.setConstant(1e308);
+  expectRefused(huge, kPi / 2, home);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (Eigen::Index i = 0; i < 9; ++i) {
+      Pose pose = X;
+      pose.R(i / 3, i % 3) = bad;
+      expectRefused(pose, kPi / 2, home);
+      IkSolutions solutions;
+      EXPECT_EQ(inverseAll(g, Arm::kGold, pose, 0.0, &solutions), IkStatus::kOutOfReach);
+      for (const IkSolution& solution : solutions)
+        EXPECT_FALSE(solution.valid);
+    }
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      Pose pose = X;
+      pose.p(i) = bad;
+      expectRefused(pose, kPi / 2, home);
+    }
+    expectRefused(X, bad, home);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      JointArray current = home;
+      current[j] = bad;
+      expectRefused(X, kPi / 2, current);
+    }
+  }
+}
+
+TEST(Inverse, APoseThatTheArmCannotPointAtIsOutOfReach) {
+  // Elbow stretched: the shaft is at most 75 + 52 degrees from the shoulder's axis, z of B, so it never points along +z
+  // from below the remote centre on gold.
+  const ArmGeometry g = raven();
+  const JointArray home{30 * kDegree, kPi / 2, 0.40, 0, 0, kPi / 4, kPi / 4};
+  int refused = 0;
+  for (const double z : {-0.1, 0.1}) {
+    const Pose X{Matrix3::Identity(), Vector3(0.0, 0.001, z)};
+    refused += inverse(g, Arm::kGold, X, 0.0, home).status == IkStatus::kOutOfReach;
+  }
+  EXPECT_EQ(refused, 2);
+}
+
+TEST(InverseWithinLimits, SaysClampedAndStaysInside) {
+  const ArmGeometry g = raven();
+  JointArray q{30 * kDegree, 130 * kDegree, 0.40, 0, 0, 0, 0};
+  JointArray beyond = q;
+  beyond[kElbow] = 140 * kDegree;
+  for (const Arm arm : kArms) {
+    EXPECT_EQ(inverseWithinLimits(g, arm, forward(g, arm, q), 0.0, q).status, IkStatus::kOk);
+    const IkResult result = inverseWithinLimits(g, arm, forward(g, arm, beyond), 0.0, q);
+    EXPECT_EQ(result.status, IkStatus::kClamped);
+    EXPECT_EQ(result.q[kElbow], g.q_max[kElbow]);
+    EXPECT_NEAR(result.q[kShoulder], q[kShoulder], 1e-9);
+  }
+}
+
+TEST(InverseWithinLimits, LeavesRefusalsAsTheyAre) {
+  const ArmGeometry g = raven();
+  const JointArray home{30 * kDegree, kPi / 2, 0.40, 0, 0, kPi / 4, kPi / 4};
+  JointArray moved = home;
+  moved[kInsertion] = 0.20;  // beyond a limit, but refused before limits are looked at
+  EXPECT_EQ(inverseWithinLimits(g, Arm::kGold, forward(g, Arm::kGold, moved), 0.0, home).status, IkStatus::kTooFar);
+}
+
+TEST(IkStatus, UsableOnesAndNames) {
+  std::set<std::string> names;
+  for (const IkStatus status : {IkStatus::kOk, IkStatus::kClamped, IkStatus::kOutOfReach, IkStatus::kSingularRcm,
+                                IkStatus::kTooFar, IkStatus::kSingularWrist}) {
+    names.insert(name(status));
+    const bool refused =
+        status == IkStatus::kOutOfReach || status == IkStatus::kSingularRcm || status == IkStatus::kTooFar;
+    EXPECT_EQ(isUsable(status), !refused) << name(status);
+  }
+  EXPECT_EQ(names,
+            (std::set<std::string>{"ok", "clamped", "out_of_reach", "singular_rcm", "too_far", "singular_wrist"}));
+  EXPECT_STREQ(name(IkStatus::kSingularWrist), "singular_wrist");
+  EXPECT_STREQ(name(IkStatus::kTooFar), "too_far");
+}
+
+TEST(Jaws, MidlineAndOpeningGoBothWays) {
+  JointArray q{0.1, 0.2, 0.3, 0.4, 0.5, 0.0, 0.0};
+  setJaws(0.25, 0.8, &q);
+  EXPECT_DOUBLE_EQ(q[kGrasp1], 0.15);  // raven2.md 2.3: g1 = -J5 + grasp / 2, g2 = J5 + grasp / 2
+  EXPECT_DOUBLE_EQ(q[kGrasp2], 0.65);
+  EXPECT_DOUBLE_EQ(jawMidline(q), 0.25);
+  EXPECT_DOUBLE_EQ(jawOpening(q), 0.8);
+  EXPECT_EQ(q[kWrist], 0.5);
 }
 
 TEST(Jacobian, EqualsCentralDifferences) {

@@ -279,6 +279,21 @@ TEST(RavenModelErrors, BaseAndLimitsMustAgreeWithTheConfiguration) {
   EXPECT_THROW(loadRavenModel(config), ModelException);
 }
 
+TEST(RavenModelErrors, ADescriptionOfAnotherToolSaysWhatToRun) {
+  for (const char* tool : {"da_vinci", "raven2_sim"}) {
+    TrainerConfig config = shippedConfig();
+    config.arms.tool = tool;
+    config.arms.geometry = config::toolGeometry(config.arms, tool);
+    try {
+      loadRavenModel(config);
+      ADD_FAILURE() << "accepted: " << tool;
+    } catch (const ModelException& e) {
+      EXPECT_NE(std::string(e.what()).find("run scripts/generate_description"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(tool), std::string::npos) << e.what();
+    }
+  }
+}
+
 TEST(SceneModelErrors, TooManyFreeBodiesAndMechanismsAreRefused) {
   const Scratch scratch;
   TrainerConfig config = shippedConfig();
