@@ -20,7 +20,6 @@ namespace {
 using apps::CsvWriter;
 using Row = std::vector<double>;
 
-constexpr int kBadInput = 2;
 constexpr std::size_t kProgressEvery = 1'000'000;  // [rows]
 constexpr double kRotationTolerance = 1e-5;        // of R^T R: poses rounded to six digits are welcome
 
@@ -91,22 +90,17 @@ Conversion jacobian(const ArmGeometry& geometry, Arm arm) {
 }
 
 int convert(const Conversion& conversion) {
-  try {
-    std::ios::sync_with_stdio(false);
-    apps::CsvReader reader(std::cin, "stdin", conversion.in);
-    CsvWriter writer(stdout);
-    writer.header(conversion.out);
-    Row row;
-    for (std::size_t rows = 1; reader.next(&row); ++rows) {
-      conversion.row(row, reader, &writer);
-      writer.endRow();
-      if (rows % kProgressEvery == 0) std::fprintf(stderr, "kinematics: %zu rows\n", rows);
-    }
-    writer.flush();
-  } catch (const apps::CsvException& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return kBadInput;
+  std::ios::sync_with_stdio(false);
+  apps::CsvReader reader(std::cin, "stdin", conversion.in);
+  CsvWriter writer(stdout);
+  writer.header(conversion.out);
+  Row row;
+  for (std::size_t rows = 1; reader.next(&row); ++rows) {
+    conversion.row(row, reader, &writer);
+    writer.endRow();
+    if (rows % kProgressEvery == 0) std::fprintf(stderr, "kinematics: %zu rows\n", rows);
   }
+  writer.flush();
   return 0;
 }
 

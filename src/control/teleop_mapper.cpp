@@ -15,9 +15,9 @@ constexpr double kMinOpening = -0.174;
 constexpr double kMaxOpening = 1.570;
 
 /** Whole micrometres, toward zero, as the robot's mapping does. The nudge undoes the binary error of 1e-6. */
-double truncateToMicrometre(double metres) noexcept {
+double wholeMicrometres(double metres) noexcept {
   const double um = metres * 1e6;
-  return std::trunc(um + std::copysign(1e-6, um)) * 1e-6;
+  return std::trunc(um + std::copysign(1e-6, um));
 }
 
 }  // namespace
@@ -28,13 +28,16 @@ TeleopMapper::TeleopMapper(const ArmGeometry& geometry, Arm arm) noexcept : geom
 
 void TeleopMapper::rebase(const JointArray& q) noexcept {
   X_BTd_ = kinematics::forward(geometry_, arm_, q);
+  p_um_ = (X_BTd_.p * 1e6).unaryExpr([](double um) { return std::trunc(um); });
+  X_BTd_.p = p_um_ * 1e-6;
   opening_ = kinematics::jawOpening(q);
   q_d_ = q;
 }
 
 IkStatus TeleopMapper::add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept {
   const Matrix3& C = itpToBase(arm_);
-  X_BTd_.p += (C * toEigen(dp_I)).unaryExpr(&truncateToMicrometre);
+  p_um_ += (C * toEigen(dp_I)).unaryExpr(&wholeMicrometres);
+  X_BTd_.p = p_um_ * 1e-6;
   if (dq_I != kIdentityQuat) {
     const Quaternion turned(C * toEigen(dq_I).toRotationMatrix() * C.transpose() * X_BTd_.R);
     X_BTd_.R = turned.normalized().toRotationMatrix();  // keeps a million products orthonormal

@@ -13,6 +13,16 @@
 namespace raven2_trainer::physics {
 namespace {
 
+// A joint that dry friction holds creeps, at most this fast, so that the friction's row in ODE's matrix is a little
+// compliant. Rigid, it makes the Dantzig solver fail now and then where several joints come to rest at once: a stroke
+// of the elbow at 1 rad/s ended at 20 rad/s. Ours; a session's error is the same from 0.01 to 1 mrad/s.
+constexpr double kCreepRate = 1e-4;   // [rad/s]
+constexpr double kCreepSpeed = 1e-5;  // [m/s]
+
+double creepCompliance(double creep, double coulomb) noexcept {
+  return coulomb > 0.0 ? creep / coulomb : 0.0;
+}
+
 /** Joint motion in the joint frame. */
 Pose jointPose(bool slides, const Vector3& axis, double position) noexcept {
   Pose X;
@@ -115,6 +125,7 @@ void ArmBodies::createHinge(dWorldID world, Part* part, const Vector3& anchor, c
   for (int i = 0; i < 3; ++i)
     dJointSetAMotorAxis(part->motor, i, 1, axis.x(), axis.y(), axis.z());
   dJointSetAMotorParam(part->motor, dParamFMax2, part->coulomb);
+  dJointSetAMotorParam(part->motor, dParamCFM2, creepCompliance(kCreepRate, part->coulomb));
   dJointSetAMotorParam(part->motor, dParamLoStop3, part->lower);
   dJointSetAMotorParam(part->motor, dParamHiStop3, part->upper);
   dJointSetAMotorParam(part->motor, dParamStopERP3, stop_erp_);
@@ -134,6 +145,7 @@ void ArmBodies::createSlider(dWorldID world, Part* part, const Vector3& axis) {
   for (int i = 0; i < 2; ++i)
     dJointSetLMotorAxis(part->motor, i, 1, axis.x(), axis.y(), axis.z());
   dJointSetLMotorParam(part->motor, dParamFMax2, part->coulomb);
+  dJointSetLMotorParam(part->motor, dParamCFM2, creepCompliance(kCreepSpeed, part->coulomb));
 }
 
 void ArmBodies::findCarried() noexcept {

@@ -20,12 +20,6 @@ Vec3 sum(const Vec3& a, const Vec3& b) noexcept {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-std::array<JointGains, kJointCount> gainsOf(const ModelConfig& config, Arm arm) noexcept {
-  std::array<JointGains, kJointCount> gains = config.gains;
-  if (arm == Arm::kGreen) gains[kInsertion].kd = config.green_insertion_kd;
-  return gains;
-}
-
 Quat product(const Quat& later, const Quat& earlier) noexcept {
   if (later == kIdentityQuat) return earlier;  // exact, and the common case
   return toArray((toEigen(later) * toEigen(earlier)).normalized());
@@ -42,8 +36,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       world_(raven, scene, config.model),
       mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
-      pids_{control::JointPid(gainsOf(config.model, Arm::kGold)),
-            control::JointPid(gainsOf(config.model, Arm::kGreen))},
+      driver_(config.model, &world_),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.master_timeout / kTickSeconds))) {
@@ -243,7 +236,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
     JointArray q{}, dq{};
     world_.jointState(arm, &q, &dq);
     at(mappers_, arm).rebase(q);
-    at(pids_, arm).reset();
+    driver_.reset(arm);
     at(q_d_, arm) = q;
   }
   if (next == Mode::kTeleoperating && state_.session_tick < 0) state_.session_tick = 0;
@@ -300,15 +293,9 @@ void PhysicsLoop::followRobot() noexcept {
 }
 
 void PhysicsLoop::driveModel() noexcept {
-  PerArm<JointArray> tau{};
-  for (const Arm arm : kArms) {
-    JointArray q{}, dq{};
-    world_.jointState(arm, &q, &dq);
-    const JointArray feed = config_.model.gravity_compensation ? world_.gravityTorque(arm) : JointArray{};
-    at(tau, arm) = at(pids_, arm).torque(at(q_d_, arm), q, dq, feed);
+  const PerArm<JointArray> tau = driver_.step(q_d_);
+  for (const Arm arm : kArms)
     at(state_.arms, arm).tau = at(tau, arm);
-  }
-  world_.step(tau);
 }
 
 void PhysicsLoop::relay() noexcept {

@@ -10,13 +10,15 @@ namespace raven2_trainer::control {
  * model follows the same commands to the same places: increments are truncated to whole micrometres in frame B and
  * added to the desired position; rotations multiply from the left in B; the analytic inverse picks the solution
  * nearest to where the arm is and refuses one too far; a joint at its limit re-bases the desired pose, so that the
- * surgeon cannot wind up past it. Real-time safe.
+ * surgeon cannot wind up past it. The desired position is whole micrometres, as in the robot, also after re-basing: at
+ * a limit that happens every tick, and what is cut off each time adds up to a millimetre in some seconds. Real-time
+ * safe.
  */
 class TeleopMapper {
  public:
   TeleopMapper(const ArmGeometry& geometry, Arm arm) noexcept;
 
-  /** The desired pose becomes that of joints `q`: at pedal down. */
+  /** The desired pose becomes that of joints `q`, in whole micrometres: at pedal down. */
   void rebase(const JointArray& q) noexcept;
 
   /**
@@ -36,7 +38,8 @@ class TeleopMapper {
  private:
   ArmGeometry geometry_;
   Arm arm_;
-  Pose X_BTd_;
+  Pose X_BTd_;    // its position is p_um_
+  Vector3 p_um_;  // [um] whole numbers, so that model and robot round alike
   double opening_{};
   JointArray q_d_{};
 };

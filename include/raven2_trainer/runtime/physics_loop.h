@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/control/joint_pid.h"
 #include "raven2_trainer/control/mode_table.h"
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/control/teleop_mapper.h"
@@ -12,6 +11,7 @@
 #include "raven2_trainer/faults/fault_engine.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/runtime/model_driver.h"
 
 namespace raven2_trainer::runtime {
 
@@ -74,7 +74,7 @@ class PhysicsLoop {
   SharedState& shared_;
   physics::RavenWorld world_;
   PerArm<control::TeleopMapper> mappers_;
-  PerArm<control::JointPid> pids_;
+  ModelDriver driver_;
   control::PathFollower follower_;
   faults::FaultEngine relay_faults_{FaultHost::kRelay};
   std::int64_t stale_ns_, lost_ns_;

@@ -1,5 +1,7 @@
 #include "apps/common/command_line.h"
 
+#include "apps/common/csv_table.h"
+
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -70,6 +72,9 @@ TrainerConfig CommonOptions::load() const {
   return loaded;
 }
 
+/** Exit status for a table that is wrong, so that a script can tell it from a program that failed. */
+constexpr int kBadTable = 2;
+
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {
   app->set_version_flag("--version", version());
   app->name(std::filesystem::path(argv[0]).filename().string());
@@ -82,6 +87,9 @@ int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>&
   }
   try {
     return body();
+  } catch (const CsvException& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return kBadTable;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

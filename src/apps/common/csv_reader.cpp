@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 
 #include "apps/common/csv_table.h"
 
@@ -87,6 +88,17 @@ double CsvReader::number(std::size_t column) const {
 
 void CsvReader::fail(const std::string& what) const {
   throw CsvException(place() + ": " + what);
+}
+
+std::vector<std::vector<double>> readTable(const std::string& path, const std::vector<std::string>& columns) {
+  std::ifstream file(path);
+  if (!file) throw CsvException(path + ": cannot be read");
+  CsvReader reader(file, path, columns);
+  std::vector<std::vector<double>> rows;
+  for (std::vector<double> row; reader.next(&row);)
+    rows.push_back(row);
+  if (rows.empty()) throw CsvException(path + ": no rows below the header");
+  return rows;
 }
 
 }  // namespace raven2_trainer::apps

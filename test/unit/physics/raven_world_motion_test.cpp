@@ -327,6 +327,8 @@ TEST(RavenWorldMotion, ViscousFrictionSlowsAsTheExponentialDoes) {
   EXPECT_NEAR(rate(world, Arm::kGold)[kToolRotation], 2.0 * std::exp(-0.1 * 1e-3 / inertia), 0.03);
 }
 
+// "Holds" means creeping at the same share of 0.1 mrad/s, of 0.01 mm/s: a rigid row makes ODE's solver fail at times
+// (src/physics/arm_bodies.cpp, kCreepRate).
 TEST(RavenWorldMotion, CoulombFrictionHoldsBelowItsLimitAndBrakesAboveIt) {
   ModelConfig config = modelConfig();
   config.coulomb_friction = {0.5, 0.5, 5.0, 0.002, 0.002, 0.002, 0.002};
@@ -347,7 +349,8 @@ TEST(RavenWorldMotion, CoulombFrictionHoldsBelowItsLimitAndBrakesAboveIt) {
       for (std::size_t j = 0; j < kJointCount; ++j) {
         const double moved = std::abs(position(world, arm)[j] - raven.arms.geometry.home[j]);
         if (share < 1.0) {
-          EXPECT_LT(moved, 1e-7) << name(arm) << " " << kJointNames[j];
+          const double creep = 0.5 * share * (j == kInsertion ? 1e-5 : 1e-4);
+          EXPECT_NEAR(moved, creep, 0.02 * creep) << name(arm) << " " << kJointNames[j];
         } else {
           EXPECT_GT(moved, 1e-3) << name(arm) << " " << kJointNames[j];
         }
