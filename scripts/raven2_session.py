@@ -43,7 +43,8 @@ def dtype_of(fields):
 
 
 class SessionLog:
-    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `counts` as structured arrays.
+    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `contacts`, `counts` as
+    structured arrays.
 
     Damaged records are left out, as the C++ reader does: `bad_bytes` says how much. `clean` is true if the log ends
     with the session's counters, `truncated_bytes` the size of a last record that was cut short.
@@ -62,6 +63,7 @@ class SessionLog:
         self.commands = self._arrays["command"]
         self.requests = self._arrays["request"]
         self.plans = self._arrays["plan"]
+        self.contacts = self._arrays.get("contact")  # None in logs older than contact records
         self.counts = self._arrays["counts"]
         self.clean = len(self.counts) > 0
 

@@ -213,12 +213,12 @@ def jaw_mesh(d):
     teeth = 6
     for i in range(2 * teeth + 1):
         s = i / (2 * teeth)
-        x = 0.0018 + s * (length - 0.0018)
+        x = t['jaw_start'] + s * (length - t['jaw_start'])
         height = t['jaw_height'] + s * (t['jaw_tip_height'] - t['jaw_height'])
-        half = w * (1.0 - 0.45 * s * s)
+        half = w * (1.0 - 0.2 * s * s)
         inner = 0.00005 if i % 2 == 0 else 0.00035
-        sections.append([(x, inner, -half), (x, height * 0.7, -half), (x, height, -half * 0.55),
-                         (x, height, half * 0.55), (x, height * 0.7, half), (x, inner, half)])
+        sections.append([(x, inner, -half), (x, height * 0.8, -half), (x, height, -half * 0.75),
+                         (x, height, half * 0.75), (x, height * 0.8, half), (x, inner, half)])
     blade = m.loft(sections)
     hub = m.cylinder(0.0021, 0.0001, 0.0013, 14, 0.0002)
     neck = m.box_between((0.0, 0.0001, 0.0001), (0.0030, 0.0018, 0.0013))
@@ -310,8 +310,8 @@ def collisions(d, side, lw, length):
                        insertion @ np.array([0, k2['rail_offset'], (k2['rail_near'] + k2['rail_far']) / 2]), insertion)
     face = -k2['rail_offset'] + k2['rail_thickness'] / 2
     half3, w3 = k3['carriage_length'] / 2, k3['carriage_width'] / 2
-    r = t['jaw_capsule_radius']
-    jaw = lambda y: [u.capsule((0, y * r, 0), (t['jaw_length'] - r, y * r, 0), r)]
+    tip, half_width = t['jaw_length'], t['jaw_box_width'] / 2
+    jaw = lambda y: [u.box_shape_between((0, 0, -half_width), (tip, y * t['jaw_box_height'], half_width))]
     return {
         'base': base,
         'link1': u.capsule_chain(arc_points(k1['radius'], 0, end1, 6, side.to_link1), 0.5 * k1['width']),

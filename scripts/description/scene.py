@@ -159,8 +159,10 @@ def ring_shapes(d):
 
 def tower_shapes(d):
     t = d['towers']
-    r, f = t['radius'], 0.9 * t['foot_radius']
-    return [u.capsule((0, 0, r), (0, 0, t['height'] - r), r), u.box_shape_between((-f, -f, 0), (f, f, 0.003))]
+    r, f = t['radius'], t['foot_radius']
+    corners = f * np.array([[0.924, 0.383], [0.707, 0.707], [0.383, 0.924]])  # three boxes in the foot's circle
+    foot = [u.box_shape_between((-x, -y, 0), (x, y, 0.003)) for x, y in corners]
+    return [u.capsule((0, 0, r), (0, 0, t['height'] - r), r)] + foot
 
 
 def document(d, built):

@@ -70,6 +70,7 @@ int run(const Options& options) {
   common.config = options.config;
   const TrainerConfig config = common.load();
   const auto desired = apps::readTable(options.desired, numbered("q", "_d"));
+  if (desired.empty()) throw apps::CsvException(options.desired + ": no rows below the header");
   physics::initialiseOde();
   physics::attachOdeToThread();
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(options.out.c_str(), "wb"), &std::fclose);

@@ -32,8 +32,15 @@ void renderVideo(const TrainerConfig& config, const std::string& directory) {
   bar.done(std::to_string(frames) + " frames");
 }
 
+/** The recorded surgeon worked in another scene: unless told otherwise the model's arms pass through ours. */
+apps::CommonOptions common(const Options& options) {
+  apps::CommonOptions result = options.common;
+  if (result.arm_contacts.empty() && options.motion.rfind("recording:", 0) == 0) result.arm_contacts = "off";
+  return result;
+}
+
 int simulate(const Options& options) {
-  const TrainerConfig config = options.common.load();
+  const TrainerConfig config = common(options).load();
   physics::initialiseOde();
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
@@ -69,7 +76,8 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.seconds, "Session time from the first pedal down [s]")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 86400.0));
-  app.add_option("--motion", options.motion, "scripted or recording:FILE")->capture_default_str();
+  app.add_option("--motion", options.motion, "scripted or recording:FILE (its arms pass through the scene)")
+      ->capture_default_str();
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
   return apps::runProgram(&app, argc, argv, [&] { return simulate(options); });

@@ -13,6 +13,7 @@ using kinematics::IkStatus;
 // Grasp clamps of the robot's software: -10 and 90 degrees, in its milliradians (raven2 local_io.cpp).
 constexpr double kMinOpening = -0.174;
 constexpr double kMaxOpening = 1.570;
+constexpr double kGraspResync = 45.0 * kPi / 180.0;  // the wanted opening survives a smaller difference (1.4)
 
 /** Whole micrometres, toward zero, as the robot's mapping does. The nudge undoes the binary error of 1e-6. */
 double wholeMicrometres(double metres) noexcept {
@@ -23,15 +24,22 @@ double wholeMicrometres(double metres) noexcept {
 }  // namespace
 
 TeleopMapper::TeleopMapper(const ArmGeometry& geometry, Arm arm) noexcept : geometry_(geometry), arm_(arm) {
+  opening_ = kinematics::jawOpening(geometry.home);
   rebase(geometry.home);
 }
 
-void TeleopMapper::rebase(const JointArray& q) noexcept {
+void TeleopMapper::rebasePose(const JointArray& q) noexcept {
   X_BTd_ = kinematics::forward(geometry_, arm_, q);
   p_um_ = (X_BTd_.p * 1e6).unaryExpr([](double um) { return std::trunc(um); });
   X_BTd_.p = p_um_ * 1e-6;
-  opening_ = kinematics::jawOpening(q);
   q_d_ = q;
+  kinematics::setJaws(kinematics::jawMidline(q), opening_, &q_d_);
+}
+
+void TeleopMapper::rebase(const JointArray& q) noexcept {
+  const double actual = kinematics::jawOpening(q);
+  if (std::abs(actual - opening_) > kGraspResync) opening_ = actual;
+  rebasePose(q);
 }
 
 IkStatus TeleopMapper::add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept {
@@ -46,7 +54,7 @@ IkStatus TeleopMapper::add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, co
 
   const kinematics::IkResult result = kinematics::inverseWithinLimits(geometry_, arm_, X_BTd_, opening_, current);
   if (result.status == IkStatus::kClamped) {
-    rebase(result.q);
+    rebasePose(result.q);
   } else if (kinematics::isUsable(result.status)) {
     q_d_ = result.q;
   }

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <string>
 
+#include <Eigen/Cholesky>
+
 #include "physics/bodies.h"
-#include "physics/gravity.h"
 #include "physics/ode_maths.h"
-#include "physics/rotor_inertia.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 
@@ -23,21 +23,18 @@ double creepCompliance(double creep, double coulomb) noexcept {
   return coulomb > 0.0 ? creep / coulomb : 0.0;
 }
 
-/** Joint motion in the joint frame. */
-Pose jointPose(bool slides, const Vector3& axis, double position) noexcept {
-  Pose X;
-  if (slides) {
-    X.p = axis * position;
-  } else {
-    X.R = Eigen::AngleAxisd(position, axis).toRotationMatrix();
-  }
-  return X;
+// Jump within a step [rad; m] from which it is an impact (a stop), not a motion: 20 rad/s in a millisecond.
+constexpr double kSmooth = 0.02;
+constexpr double kStiff = 0.5;  // b h / I from which a decay is no polynomial in time any more
+
+Vector7 toVector(const JointArray& values) noexcept {
+  return Eigen::Map<const Vector7>(values.data());
 }
 
-/** Angle of a rotation about `axis`, in [-pi, pi]. */
-double angleAbout(const Vector3& axis, const Matrix3& R) noexcept {
-  const Vector3 twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-  return std::atan2(axis.dot(twice_sine), R.trace() - 1.0);
+JointArray toJoints(const Vector7& values) noexcept {
+  JointArray result{};
+  Eigen::Map<Vector7>(result.data()) = values;
+  return result;
 }
 
 std::size_t uindex(int i) noexcept {
@@ -49,11 +46,13 @@ std::size_t uindex(int i) noexcept {
                        reason);
 }
 
-bool isFinite(const JointArray& values) noexcept {
-  for (const double value : values) {
-    if (!std::isfinite(value)) return false;
-  }
-  return true;
+/**
+ * Share t of the new rate so that (1 - (1 - t) z) / (1 + t z) = exp(-z): exact for a joint with nothing but friction
+ * (Liniger and Willoughby, SIAM J. Numer. Anal. 7, 1970). z = b h / I.
+ */
+double implicitShare(double z) noexcept {
+  constexpr double kSmall = 1e-3;  // below, the difference of the two quotients is lost in rounding
+  return z < kSmall ? 0.5 + z / 12.0 : 1.0 / (1.0 - std::exp(-z)) - 1.0 / z;
 }
 
 }  // namespace
@@ -63,17 +62,21 @@ ArmBodies::ArmBodies(dWorldID world,
                      const std::vector<Carrier>& carriers,
                      const std::vector<Pose>& X_WL,
                      Arm arm,
-                     const ModelConfig& config)
-    : arm_(arm), d4_(raven.arms.geometry.d4), stop_erp_(config.erp) {
-  constexpr JointArray kRotor = rotorInertia();
+                     const ModelConfig& config,
+                     double step)
+    : arm_(arm),
+      d4_(raven.arms.geometry.d4),
+      stop_erp_(config.erp),
+      step_(step),
+      recursion_(config.gravity),
+      rotor_(toVector(config.rotor_inertia)),
+      viscous_(toVector(config.viscous_friction)) {
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    parts_[j].rotor = kRotor[j];
-    parts_[j].viscous = config.viscous_friction[j];
     parts_[j].coulomb = config.coulomb_friction[j];
     createPart(world, raven, carriers, X_WL, j);
   }
-  findCarried();
   setState(raven.arms.geometry.home, JointArray{});
+  chooseShares();
 }
 
 /** Bodies and joints are created at URDF position zero, so that ODE's slider position is the URDF's. */
@@ -86,40 +89,44 @@ void ArmBodies::createPart(dWorldID world,
   const std::array<int, kJointCount>& links = at(raven.links, arm_);
   const model::Link& link = robot.links.at(uindex(links[j]));
   Part& part = parts_[j];
-  part.slides = link.joint == model::JointKind::kPrismatic;
-  if (!part.slides && link.joint != model::JointKind::kRevolute) refuse(robot, link, "neither turns nor slides");
+  ArmLink moving;
+  moving.slides = link.joint == model::JointKind::kPrismatic;
+  if (!moving.slides && link.joint != model::JointKind::kRevolute) refuse(robot, link, "neither turns nor slides");
   if (link.parent < 0) refuse(robot, link, "has no parent");
 
   const Carrier& carrier = carriers[uindex(link.parent)];
   for (std::size_t i = 0; i < j; ++i) {
-    if (links[i] == carrier.link) part.parent = static_cast<int>(i);
+    if (links[i] == carrier.link) moving.parent = static_cast<int>(i);
   }
-  if (carrier.link >= 0 && part.parent < 0) refuse(robot, link, "hangs on a moving link that is not of this arm");
-  part.X_PJ = (part.parent < 0 ? X_WL.at(uindex(link.parent)) : carrier.X_KL) * link.X_PJ;
-  part.axis = link.axis.normalized();
+  if (carrier.link >= 0 && moving.parent < 0) refuse(robot, link, "hangs on a moving link that is not of this arm");
+  moving.X_PJ = (moving.parent < 0 ? X_WL.at(uindex(link.parent)) : carrier.X_KL) * link.X_PJ;
+  moving.axis = link.axis.normalized();
+  moving.inertial = combinedInertial(robot, carriers, links[j]);
+  recursion_.setLink(j, moving);
   part.lower = link.lower;
   part.upper = link.upper;
-  part.inertial = combinedInertial(robot, carriers, links[j]);
 
-  const Pose X_WJ = jointFrame(part);
-  part.body = createBody(world, part.inertial);
-  setBodyPose(part.body, {X_WJ.R, X_WJ * part.inertial.com});
-  const Vector3 axis = X_WJ.R * part.axis;
-  if (part.slides) {
-    createSlider(world, &part, axis);
+  const PlacedLink placed = recursion_.place(Vector7::Zero())[j];
+  part.body = createBody(world, moving.inertial);
+  dBodySetGyroscopicMode(part.body, 0);  // applyTorque() has that term and gravity, at the middle of the step
+  dBodySetGravityMode(part.body, 0);
+  setBodyPose(part.body, {placed.X_WL.R, placed.X_WL.p + placed.com});
+  if (moving.slides) {
+    createSlider(world, j, placed.axis);
   } else {
-    createHinge(world, &part, X_WJ.p, axis);
+    createHinge(world, j, placed.X_WL.p, placed.axis);
   }
 }
 
-void ArmBodies::createHinge(dWorldID world, Part* part, const Vector3& anchor, const Vector3& axis) {
+void ArmBodies::createHinge(dWorldID world, std::size_t j, const Vector3& anchor, const Vector3& axis) {
+  Part* part = &parts_[j];
   part->joint = dJointCreateHinge(world, nullptr);
-  dJointAttach(part->joint, part->body, parentBody(*part));
+  dJointAttach(part->joint, part->body, parentBody(j));
   dJointSetHingeAnchor(part->joint, anchor.x(), anchor.y(), anchor.z());
   dJointSetHingeAxis(part->joint, axis.x(), axis.y(), axis.z());
 
   part->motor = dJointCreateAMotor(world, nullptr);
-  dJointAttach(part->motor, part->body, parentBody(*part));
+  dJointAttach(part->motor, part->body, parentBody(j));
   dJointSetAMotorMode(part->motor, dAMotorUser);
   dJointSetAMotorNumAxes(part->motor, 3);  // rotor and viscous friction, Coulomb friction, stops
   for (int i = 0; i < 3; ++i)
@@ -131,16 +138,17 @@ void ArmBodies::createHinge(dWorldID world, Part* part, const Vector3& anchor, c
   dJointSetAMotorParam(part->motor, dParamStopERP3, stop_erp_);
 }
 
-void ArmBodies::createSlider(dWorldID world, Part* part, const Vector3& axis) {
+void ArmBodies::createSlider(dWorldID world, std::size_t j, const Vector3& axis) {
+  Part* part = &parts_[j];
   part->joint = dJointCreateSlider(world, nullptr);
-  dJointAttach(part->joint, part->body, parentBody(*part));
+  dJointAttach(part->joint, part->body, parentBody(j));
   dJointSetSliderAxis(part->joint, axis.x(), axis.y(), axis.z());
   dJointSetSliderParam(part->joint, dParamLoStop, part->lower);
   dJointSetSliderParam(part->joint, dParamHiStop, part->upper);
   dJointSetSliderParam(part->joint, dParamStopERP, stop_erp_);
 
   part->motor = dJointCreateLMotor(world, nullptr);
-  dJointAttach(part->motor, part->body, parentBody(*part));
+  dJointAttach(part->motor, part->body, parentBody(j));
   dJointSetLMotorNumAxes(part->motor, 2);  // rotor and viscous friction, Coulomb friction
   for (int i = 0; i < 2; ++i)
     dJointSetLMotorAxis(part->motor, i, 1, axis.x(), axis.y(), axis.z());
@@ -148,149 +156,181 @@ void ArmBodies::createSlider(dWorldID world, Part* part, const Vector3& axis) {
   dJointSetLMotorParam(part->motor, dParamCFM2, creepCompliance(kCreepSpeed, part->coulomb));
 }
 
-void ArmBodies::findCarried() noexcept {
-  for (std::size_t k = 0; k < kJointCount; ++k) {
-    for (int j = static_cast<int>(k); j >= 0; j = parts_[uindex(j)].parent)
-      parts_[uindex(j)].carries[k] = true;
+dBodyID ArmBodies::parentBody(std::size_t j) const noexcept {
+  const int parent = recursion_.link(j).parent;
+  return parent < 0 ? nullptr : parts_[uindex(parent)].body;
+}
+
+void ArmBodies::chooseShares() noexcept {
+  const Vector7 inertia = recursion_.massMatrix(placed_).diagonal() + rotor_;
+  for (Eigen::Index j = 0; j < 7; ++j) {
+    const double z = viscous_[j] * step_ / inertia[j];
+    share_[j] = implicitShare(z);
+    stiff_ = stiff_ || z > kStiff;
   }
-}
-
-dBodyID ArmBodies::parentBody(const Part& part) const noexcept {
-  return part.parent < 0 ? nullptr : parts_[uindex(part.parent)].body;
-}
-
-Pose ArmBodies::linkPose(int part) const noexcept {
-  Pose X = bodyPose(parts_[uindex(part)].body);
-  X.p -= X.R * parts_[uindex(part)].inertial.com;
-  return X;
-}
-
-Pose ArmBodies::jointFrame(const Part& part) const noexcept {
-  return part.parent < 0 ? part.X_PJ : linkPose(part.parent) * part.X_PJ;
 }
 
 void ArmBodies::setState(const JointArray& q, const JointArray& dq) noexcept {
   q_ = q;
   dq_ = dq;
-  urdf_q_ = kinematics::toUrdf(arm_, d4_, q);
-  urdf_dq_ = kinematics::rateToUrdf(arm_, dq);
-  std::array<Pose, kJointCount> X_WL;
+  urdf_q_ = toVector(kinematics::toUrdf(arm_, d4_, q));
+  urdf_dq_ = toVector(kinematics::rateToUrdf(arm_, dq));
+  acceleration_.setZero();
+  placeBodies();
+}
+
+/** Where they are in the middle of the coming step, with the velocities of its beginning. */
+void ArmBodies::placeBodies() noexcept {
+  placed_ = recursion_.place(urdf_q_ + 0.5 * step_ * urdf_dq_);
   std::array<Vector3, kJointCount> v, w;  // of the link's origin
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const Part& part = parts_[j];
-    const bool fixed = part.parent < 0;
-    const std::size_t p = fixed ? 0 : uindex(part.parent);
-    const Pose X_WJ = fixed ? part.X_PJ : X_WL[p] * part.X_PJ;
-    const Vector3 axis = X_WJ.R * part.axis;
-    X_WL[j] = X_WJ * jointPose(part.slides, part.axis, urdf_q_[j]);
-    w[j] = fixed ? Vector3(Vector3::Zero()) : w[p];
-    v[j] = fixed ? Vector3(Vector3::Zero()) : Vector3(v[p] + w[p].cross(X_WL[j].p - X_WL[p].p));
-    (part.slides ? v[j] : w[j]) += axis * urdf_dq_[j];
+    const ArmLink& link = recursion_.link(j);
+    const PlacedLink& here = placed_[j];
+    w[j] = v[j] = Vector3::Zero();
+    if (link.parent >= 0) {
+      const std::size_t p = uindex(link.parent);
+      w[j] = w[p];
+      v[j] = v[p] + w[p].cross(here.X_WL.p - placed_[p].X_WL.p);
+    }
+    (link.slides ? v[j] : w[j]) += here.axis * urdf_dq_[static_cast<Eigen::Index>(j)];
 
-    setBodyPose(part.body, {X_WL[j].R, X_WL[j] * part.inertial.com});
-    const Vector3 v_com = v[j] + w[j].cross(X_WL[j].R * part.inertial.com);
-    dBodySetLinearVel(part.body, v_com.x(), v_com.y(), v_com.z());
-    dBodySetAngularVel(part.body, w[j].x(), w[j].y(), w[j].z());
+    setBodyPose(parts_[j].body, {here.X_WL.R, here.X_WL.p + here.com});
+    const Vector3 v_com = v[j] + w[j].cross(here.com);
+    dBodySetLinearVel(parts_[j].body, v_com.x(), v_com.y(), v_com.z());
+    dBodySetAngularVel(parts_[j].body, w[j].x(), w[j].y(), w[j].z());
   }
 }
 
-/** Turns are counted: of all angles that differ by whole turns, the one nearest to the last. */
-double ArmBodies::position(const Part& part, double last) const noexcept {
-  const Pose X_WJ = jointFrame(part);
-  const Matrix3 R = rotationFromOde(dBodyGetRotation(part.body));
-  if (part.slides) {
-    const Vector3 origin = vectorFromOde(dBodyGetPosition(part.body)) - R * part.inertial.com;
-    return (X_WJ.R * part.axis).dot(origin - X_WJ.p);
-  }
-  return last + std::remainder(angleAbout(part.axis, X_WJ.R.transpose() * R) - last, 2.0 * kPi);
-}
-
-double ArmBodies::rate(const Part& part) const noexcept {
-  const Vector3 axis = rotationFromOde(dBodyGetRotation(part.body)) * part.axis;
-  const dBodyID parent = parentBody(part);
-  if (!part.slides) {
-    Vector3 w = vectorFromOde(dBodyGetAngularVel(part.body));
+/** From the bodies' velocities, along the axes of the step that has just been made. */
+double ArmBodies::rate(std::size_t j) const noexcept {
+  const dBodyID body = parts_[j].body, parent = parentBody(j);
+  if (!recursion_.link(j).slides) {
+    Vector3 w = vectorFromOde(dBodyGetAngularVel(body));
     if (parent != nullptr) w -= vectorFromOde(dBodyGetAngularVel(parent));
-    return axis.dot(w);
+    return placed_[j].axis.dot(w);
   }
-  Vector3 v = vectorFromOde(dBodyGetLinearVel(part.body));
+  Vector3 v = vectorFromOde(dBodyGetLinearVel(body));
   if (parent != nullptr) {
-    const Vector3 lever = vectorFromOde(dBodyGetPosition(part.body)) - vectorFromOde(dBodyGetPosition(parent));
+    const PlacedLink& carrier = placed_[uindex(recursion_.link(j).parent)];
+    const Vector3 lever = placed_[j].X_WL.p + placed_[j].com - carrier.X_WL.p - carrier.com;
     v -= vectorFromOde(dBodyGetLinearVel(parent)) + vectorFromOde(dBodyGetAngularVel(parent)).cross(lever);
   }
-  return axis.dot(v);
+  return placed_[j].axis.dot(v);
 }
 
-bool ArmBodies::measure() noexcept {
-  JointArray q, dq;
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    q[j] = position(parts_[j], urdf_q_[j]);
-    dq[j] = rate(parts_[j]);
+/**
+ * ODE's solution balances the forces at q* and at the expected rates. Here they are balanced on average over the step
+ * (Simpson's rule), along the path that the solution itself describes: acceleration a + j s at time s from the middle.
+ * Torques, contacts and dry friction are what ODE made of them, constant within the step. One pass makes the step
+ * third order, the second one fourth.
+ */
+ArmBodies::Motion ArmBodies::correct(const Vector7& solved) const noexcept {
+  const double h = step_;
+  const Vector7 &q = urdf_q_, &dq = urdf_dq_;
+  const Matrix7 mass = recursion_.massMatrix(placed_);
+  const Eigen::LLT<Matrix7> felt(mass + Matrix7(rotor_.asDiagonal()));
+  const PlacedLinks first = recursion_.place(q);
+  const Matrix7 mass_first = recursion_.massMatrix(first);
+  const Vector7 bias_first = recursion_.torques(first, dq, Vector7::Zero());
+  const Vector7 balanced = bias_ + mass * solved;
+  Motion motion{solved, Vector7::Zero()};
+  Vector7 &a = motion.mean, &j = motion.slope;
+  Vector7 growth;
+  for (int pass = 0; pass < 2; ++pass) {
+    const Vector7 q_last = q + h * (dq + h * (0.5 * a - h / 12.0 * j)), dq_last = dq + h * a;
+    const PlacedLinks last = recursion_.place(q_last);
+    const Vector7 force_first = bias_first + mass_first * a, force_last = recursion_.torques(last, dq_last, a);
+    j = felt.solve((force_first - force_last) / h - viscous_.cwiseProduct(a));
+
+    const Vector7 dq_middle = dq + h * (0.5 * a - 0.125 * h * j);
+    const PlacedLinks middle = recursion_.place(q + h * (0.5 * dq + h * (0.125 * a - h / 24.0 * j)));
+    const Vector7 force_middle = recursion_.torques(middle, dq_middle, a);
+    if (pass == 0) growth = h / 12.0 * (recursion_.massMatrix(last) * j - mass_first * j);
+    const Vector7 mean = (force_first + 4.0 * force_middle + force_last) / 6.0 + growth;
+    const Vector7 friction = h * viscous_.cwiseProduct(share_.cwiseProduct(solved) - 0.5 * a + h / 12.0 * j);
+    a += felt.solve(balanced - mean + rotor_.cwiseProduct(solved - a) + friction);
   }
-  if (!isFinite(q) || !isFinite(dq)) return false;
+  return motion;
+}
+
+bool ArmBodies::advance(bool touched) noexcept {
+  Vector7 dq;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    dq[static_cast<Eigen::Index>(j)] = rate(j);
+  const Vector7 solved = (dq - urdf_dq_) / step_;
+  if (!dq.allFinite()) return false;
+  const double h = step_;
+  Vector7 q = urdf_q_ + h * (urdf_dq_ + share_.cwiseProduct(h * solved));
+  Vector7 acceleration = Vector7::Zero();
+  if (!stiff_ && !touched && h * h * solved.cwiseAbs().maxCoeff() < kSmooth) {
+    const Motion motion = correct(solved);
+    dq = urdf_dq_ + h * motion.mean;
+    q = urdf_q_ + h * (urdf_dq_ + 0.5 * h * motion.mean - h * h / 12.0 * motion.slope);
+    acceleration = motion.mean + 0.5 * h * motion.slope;
+  }
+  if (!q.allFinite() || !dq.allFinite()) return false;
   urdf_q_ = q;
   urdf_dq_ = dq;
-  q_ = kinematics::fromUrdf(arm_, d4_, q);
-  dq_ = kinematics::rateToUrdf(arm_, dq);
+  acceleration_ = acceleration;
+  q_ = kinematics::fromUrdf(arm_, d4_, toJoints(q));
+  dq_ = kinematics::rateToUrdf(arm_, toJoints(dq));
+  placed_before_ = placed_;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    v_com_[j] = vectorFromOde(dBodyGetLinearVel(parts_[j].body));
+    w_[j] = vectorFromOde(dBodyGetAngularVel(parts_[j].body));
+  }
+  placeBodies();
   return true;
 }
 
+Excess ArmBodies::excess(std::size_t joint, const Vector3& point) const noexcept {
+  const PlacedLink &before = placed_before_[joint], &after = placed_[joint];
+  const Vector3 com_before = before.X_WL.p + before.com, com_after = after.X_WL.p + after.com;
+  const Vector3 lever = point - com_before;
+  const Matrix3 turned = after.X_WL.R * before.X_WL.R.transpose();
+  // A thousandth of a radian or so: the sine is the angle to 1e-10.
+  const Vector3 angle =
+      0.5 * Vector3(turned(2, 1) - turned(1, 2), turned(0, 2) - turned(2, 0), turned(1, 0) - turned(0, 1));
+  const Vector3 straight = step_ * (v_com_[joint] + w_[joint].cross(lever));
+  return {com_after + turned * lever - point - straight, angle - step_ * w_[joint]};
+}
+
 JointArray ArmBodies::gravityTorque() const noexcept {
-  std::array<Vector3, kJointCount> centres;
-  for (std::size_t k = 0; k < kJointCount; ++k)
-    centres[k] = vectorFromOde(dBodyGetPosition(parts_[k].body));
-  JointArray tau{};
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    const Part& part = parts_[j];
-    const Pose X_WJ = jointFrame(part);
-    const Vector3 axis = X_WJ.R * part.axis;
-    for (std::size_t k = 0; k < kJointCount; ++k) {
-      if (!part.carries[k]) continue;
-      const Vector3 direction = part.slides ? axis : Vector3(axis.cross(centres[k] - X_WJ.p));  // column of J
-      tau[j] += parts_[k].inertial.mass * kGravity * direction.z();
-    }
-  }
-  return kinematics::rateToUrdf(arm_, tau);
+  const Vector7 still = Vector7::Zero();
+  return kinematics::rateToUrdf(arm_, toJoints(recursion_.torques(recursion_.place(urdf_q_), still, still)));
 }
 
 void ArmBodies::applyTorque(const JointArray& tau) noexcept {
-  const JointArray urdf_tau = kinematics::rateToUrdf(arm_, tau);
+  bias_ = recursion_.torques(placed_, urdf_dq_ + 0.5 * step_ * acceleration_, Vector7::Zero());
+  const Vector7 torque = toVector(kinematics::rateToUrdf(arm_, tau)) - bias_;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const Part& part = parts_[j];
-    if (part.slides) {
-      dJointAddSliderForce(part.joint, urdf_tau[j]);
+    if (recursion_.link(j).slides) {
+      dJointAddSliderForce(parts_[j].joint, torque[static_cast<Eigen::Index>(j)]);
     } else {
-      dJointAddHingeTorque(part.joint, urdf_tau[j]);
+      dJointAddHingeTorque(parts_[j].joint, torque[static_cast<Eigen::Index>(j)]);
     }
-    setMotor(part, urdf_q_[j], urdf_dq_[j]);
+    setMotor(j);
   }
 }
 
-/** For a slider -ax . (w2 x (v1 - v2)), centripetal; none for hinges, whose axis only turns about itself in w1 - w2. */
-double ArmBodies::biasAcceleration(const Part& part) const noexcept {
-  const dBodyID parent = parentBody(part);
-  if (!part.slides || parent == nullptr) return 0.0;
-  const Vector3 axis = rotationFromOde(dBodyGetRotation(part.body)) * part.axis;
-  const Vector3 v = vectorFromOde(dBodyGetLinearVel(part.body)) - vectorFromOde(dBodyGetLinearVel(parent));
-  return -axis.dot(vectorFromOde(dBodyGetAngularVel(parent)).cross(v));
-}
-
-void ArmBodies::setMotor(const Part& part, double position, double rate) const noexcept {
-  const double inertial = part.rotor / kTickSeconds;
-  const double total = inertial + part.viscous;
+void ArmBodies::setMotor(std::size_t j) const noexcept {
+  const auto k = static_cast<Eigen::Index>(j);
+  const dJointID motor = parts_[j].motor;
+  const double inertial = rotor_[k] / step_;
+  const double total = inertial + viscous_[k] * share_[k];
   const double limit = total > 0.0 ? dInfinity : 0.0;
-  const double target = total > 0.0 ? rate * inertial / total - kTickSeconds * biasAcceleration(part) : 0.0;
   const double cfm = total > 0.0 ? 1.0 / total : 0.0;
-  if (part.slides) {
-    dJointSetLMotorParam(part.motor, dParamFMax, limit);
-    dJointSetLMotorParam(part.motor, dParamVel, target);
-    dJointSetLMotorParam(part.motor, dParamCFM, cfm);
+  const double target = cfm * (inertial - viscous_[k] * (1.0 - share_[k])) * urdf_dq_[k];
+  if (recursion_.link(j).slides) {
+    dJointSetLMotorParam(motor, dParamFMax, limit);
+    dJointSetLMotorParam(motor, dParamVel, target);
+    dJointSetLMotorParam(motor, dParamCFM, cfm);
     return;
   }
-  dJointSetAMotorParam(part.motor, dParamFMax, limit);
-  dJointSetAMotorParam(part.motor, dParamVel, target);
-  dJointSetAMotorParam(part.motor, dParamCFM, cfm);
-  dJointSetAMotorAngle(part.motor, 2, position);
+  dJointSetAMotorParam(motor, dParamFMax, limit);
+  dJointSetAMotorParam(motor, dParamVel, target);
+  dJointSetAMotorParam(motor, dParamCFM, cfm);
+  dJointSetAMotorAngle(motor, 2, urdf_q_[k]);
 }
 
 }  // namespace raven2_trainer::physics

@@ -5,65 +5,84 @@
 
 #include <ode/ode.h>
 
+#include "physics/arm_recursion.h"
 #include "physics/rigid_links.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::physics {
 
+/** What a link did in a step beyond moving with the velocity that ODE found: second order, from going along arcs. */
+struct Excess {
+  Vector3 shift{0, 0, 0};  ///< [m] in W, of a point of the link
+  Vector3 turn{0, 0, 0};   ///< [rad] in W
+};
+
 /**
  * The seven moving bodies of one arm and the joints between them.
  *
+ * A step of h is: bodies exactly on the chain in the middle of the step, q* = q + h/2 dq, so that hinges never open;
+ * what gravity and the turning of the links cost there (Coriolis, centrifugal, gyroscopic: ODE sees them standing)
+ * taken off the joint torques; ODE's solution for the mean acceleration a with rotors, contacts, stops and friction;
+ * and what changes within the step corrected (correct()), fourth order in h. doc/model.md, Dynamics.
+ *
  * Each robot joint is an ODE hinge or slider, and beside it an ODE motor joint along the same axis that adds
- *  - rotor inertia and viscous friction as one implicit row: the motor's velocity equation
- *    J v + cfm lambda = target, with cfm = 1 / (I/h + b) and target = dq_old (I/h) / (I/h + b) - h Jdot v, says
- *    lambda = -I (dq - dq_old) / h - b dq with dq = J v + h Jdot v: stable for any I and b;
+ *  - rotor inertia and viscous friction as one implicit row: the motor's velocity equation J v + cfm lambda = target,
+ *    with 1 / cfm = I/h + b t and target / cfm = (I/h - b (1 - t)) dq, says
+ *    lambda = -I (dq' - dq) / h - b (t dq' + (1 - t) dq), t from 1/2 (second order) to 1 (implicit) so that a decay
+ *    exp(-b h / I) is met for any step: stable for any I and b;
  *  - Coulomb friction as a bounded row (no chatter, real sticking), only where it is not zero;
  *  - the stops of hinges: those of ODE's own hinge end at +-pi, the tool roll goes further.
  *
- * Positions and rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent,
- * performance.md section 0). Real-time safe after construction.
+ * Rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent, performance.md
+ * section 0). Real-time safe after construction.
  */
 class ArmBodies {
  public:
-  /** `X_WL`: pose in W of every link of the robot, used for the links that are fixed. @throw ModelException */
+  /** `X_WL`: pose in W of every link of the robot, used for the links that are fixed. `step`: [s].
+   *  @throw ModelException */
   ArmBodies(dWorldID world,
             const model::RavenModel& raven,
             const std::vector<Carrier>& carriers,
             const std::vector<Pose>& X_WL,
             Arm arm,
-            const ModelConfig& config);
+            const ModelConfig& config,
+            double step);
 
-  /** Puts all bodies on the chain at `q`, moving with `dq`. */
+  /** The arm at `q`, moving with `dq`; forgets the past. */
   void setState(const JointArray& q, const JointArray& dq) noexcept;
 
-  /** Reads positions and rates from the bodies. @return false, nothing changed, if one is not finite. */
-  bool measure() noexcept;
+  /** Of the last step, for the point of link `joint` that was at `point` [m, in W] when it began (or h v further: that
+   *  makes no difference of second order). */
+  Excess excess(std::size_t joint, const Vector3& point) const noexcept;
+
+  /** Hands torques, rotor inertia, friction and the terms of the turning to the coming step. */
+  void applyTorque(const JointArray& tau) noexcept;
+
+  /** After the step: takes the new rates from the bodies, moves the joints on and puts the bodies on the chain for the
+   *  next step. `touched`: contacts acted on the arm; impacts within a step are no smooth path and are not corrected.
+   *  @return false, nothing changed, if a number is not finite. */
+  bool advance(bool touched) noexcept;
 
   const JointArray& q() const noexcept { return q_; }
   const JointArray& dq() const noexcept { return dq_; }
 
   JointArray gravityTorque() const noexcept;
 
-  /** Hands torques, rotor inertia and friction to the coming step. */
-  void applyTorque(const JointArray& tau) noexcept;
-
   dBodyID body(std::size_t joint) const noexcept { return parts_[joint].body; }
-  const Vector3& com(std::size_t joint) const noexcept { return parts_[joint].inertial.com; }
+  const Vector3& com(std::size_t joint) const noexcept { return recursion_.link(joint).inertial.com; }
 
  private:
   struct Part {
-    int parent{-1};         // index of the part that carries the joint; -1: the world
-    Pose X_PJ;              // joint in the parent's link frame, or in W
-    Vector3 axis{0, 0, 1};  // in the joint frame, and so in the link frame
-    bool slides{};
     double lower{}, upper{};  // URDF coordinates
-    double rotor{};           // [kg m2; kg]
-    double viscous{}, coulomb{};
-    model::Inertial inertial;
-    std::array<bool, kJointCount> carries{};  // this joint moves that part
+    double coulomb{};
     dBodyID body{nullptr};
     dJointID joint{nullptr};
     dJointID motor{nullptr};
+  };
+
+  /** The motion within a step: the mean acceleration and its slope. */
+  struct Motion {
+    Vector7 mean, slope;
   };
 
   void createPart(dWorldID world,
@@ -71,23 +90,31 @@ class ArmBodies {
                   const std::vector<Carrier>& carriers,
                   const std::vector<Pose>& X_WL,
                   std::size_t j);
-  void createHinge(dWorldID world, Part* part, const Vector3& anchor, const Vector3& axis);
-  void createSlider(dWorldID world, Part* part, const Vector3& axis);
-  void findCarried() noexcept;
-  dBodyID parentBody(const Part& part) const noexcept;
-  Pose linkPose(int part) const noexcept;
-  Pose jointFrame(const Part& part) const noexcept;
-  double position(const Part& part, double last) const noexcept;
-  double rate(const Part& part) const noexcept;
-  double biasAcceleration(const Part& part) const noexcept;  // part of the joint's acceleration at constant velocities
-  void setMotor(const Part& part, double position, double rate) const noexcept;
+  void createHinge(dWorldID world, std::size_t j, const Vector3& anchor, const Vector3& axis);
+  void createSlider(dWorldID world, std::size_t j, const Vector3& axis);
+  void chooseShares() noexcept;
+  dBodyID parentBody(std::size_t j) const noexcept;
+  void placeBodies() noexcept;
+  double rate(std::size_t j) const noexcept;
+  Motion correct(const Vector7& solved) const noexcept;
+  void setMotor(std::size_t j) const noexcept;
 
   Arm arm_;
   double d4_;
   double stop_erp_;
+  double step_;
+  ArmRecursion recursion_;
   std::array<Part, kJointCount> parts_{};
-  JointArray urdf_q_{}, urdf_dq_{};  // in URDF coordinates
-  JointArray q_{}, dq_{};            // in robot coordinates
+  Vector7 rotor_, viscous_;                         // [kg m2; kg], [Nms/rad; Ns/m]
+  Vector7 share_{Vector7::Constant(0.5)};           // of the new rate in viscous friction
+  bool stiff_{false};                               // friction ends a motion within the step: nothing to correct
+  JointArray q_{}, dq_{};                           // robot joint coordinates, at the end of the last step
+  Vector7 urdf_q_, urdf_dq_;                        // the same in URDF coordinates
+  Vector7 acceleration_{Vector7::Zero()};           // at the end of the last step: the guess for the next one
+  PlacedLinks placed_before_{};                     // and in the step before
+  std::array<Vector3, kJointCount> v_com_{}, w_{};  // of the bodies, as ODE found them in the last step
+  PlacedLinks placed_;                              // in the middle of the coming step
+  Vector7 bias_{Vector7::Zero()};                   // [Nm; N] that gravity and the turning of the links cost there
 };
 
 }  // namespace raven2_trainer::physics

@@ -5,14 +5,14 @@
 namespace raven2_trainer::physics {
 namespace {
 
-dGeomID createGeom(dSpaceID space, const model::CollisionShape& shape) {
+dGeomID createPrimitive(const model::CollisionShape& shape) {
   switch (shape.kind) {
     case model::ShapeKind::kBox:
-      return dCreateBox(space, shape.size.x(), shape.size.y(), shape.size.z());
+      return dCreateBox(nullptr, shape.size.x(), shape.size.y(), shape.size.z());
     case model::ShapeKind::kCapsule:
-      return dCreateCapsule(space, shape.size.x(), shape.size.y());
+      return dCreateCapsule(nullptr, shape.size.x(), shape.size.y());
     case model::ShapeKind::kSphere:
-      return dCreateSphere(space, shape.size.x());
+      return dCreateSphere(nullptr, shape.size.x());
     case model::ShapeKind::kMesh:
       break;
   }
@@ -44,23 +44,10 @@ dBodyID createBody(dWorldID world, const model::Inertial& inertial) {
   return body;
 }
 
-void addGeoms(dSpaceID space,
-              const model::Link& link,
-              const Pose& X_OL,
-              const Vector3& com,
-              Owner* owner,
-              unsigned long category,
-              unsigned long collides) {
-  for (const model::CollisionShape& shape : link.collisions) {
-    const dGeomID geom = createGeom(space, shape);
-    if (geom == nullptr) continue;
-    Pose X = X_OL * shape.X_LS;
-    X.p -= com;
-    place(geom, X, owner->body);
-    dGeomSetData(geom, owner);
-    dGeomSetCategoryBits(geom, category);
-    dGeomSetCollideBits(geom, collides);
-  }
+Geom createGeom(const model::CollisionShape& shape, const Pose& X_OS, dBodyID body) {
+  Geom geom(createPrimitive(shape));
+  if (geom) place(geom.get(), X_OS, body);
+  return geom;
 }
 
 }  // namespace raven2_trainer::physics

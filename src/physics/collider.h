@@ -2,12 +2,16 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "physics/bodies.h"
+#include "physics/contact_forces.h"
 #include "physics/contact_set.h"
 #include "physics/ode_handles.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::physics {
@@ -15,48 +19,81 @@ namespace raven2_trainer::physics {
 /**
  * The shapes of arms and scene, and the contact joints of each step.
  *
- * An arm meets the scene and its free bodies; its tool (shaft, wrist, jaws) also the other arm's tool; nothing meets
- * its own arm. Simple spaces: they allocate nothing (reliability.md section 0). Real-time safe after construction.
+ * An arm meets the scene, its free bodies and the other arm; nothing meets its own arm (the jaws' stop against each
+ * other is a joint, jaw_stop.h). The pairs of links that may meet are listed once; boxes around links, then around
+ * shapes, rule most of them out, and what stands still is boxed once. No ODE space: they build their lists anew each
+ * step, and some allocate (reliability.md section 0). Real-time safe after construction.
  */
 class Collider {
  public:
   Collider(dWorldID world, const ModelConfig& config);
+  Collider(const Collider&) = delete;
+  Collider& operator=(const Collider&) = delete;
 
-  /** Set-up. `link` poses as for addGeoms(); all shapes added under one `id` share the four points of a pair. */
-  void addArmLink(Arm arm,
-                  bool is_tool,
-                  int id,
-                  dBodyID body,
-                  const model::Link& link,
-                  const Pose& X_OL,
-                  const Vector3& com);
+  /**
+   * Set-up. Shapes added under one `id` are one body in reports and share the four points of a pair.
+   * @param[in] X_OL Link in the body's link frame, or in W where it is fixed.
+   * @param[in] com Centre of mass in the body's link frame.
+   */
+  void
+  addArmLink(Arm arm, Joint joint, int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com);
   void addFreeLink(int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com);
   void addFixedLink(int id, const model::Link& link, const Pose& X_WL);
 
   void setCollisions(Arm arm, bool enabled) noexcept { at(enabled_, arm) = enabled; }
+  bool collisions(Arm arm) const noexcept { return at(enabled_, arm); }
 
   /** Finds the contacts and makes their joints. Throws what ODE's handlers throw. */
   void createContacts();
+  /** After a step: keeps the forces. */
+  void readForces() noexcept { forces_.read(); }
   /** Removes the joints of createContacts(). */
   void removeContacts() noexcept { dJointGroupEmpty(joints_.get()); }
 
   std::uint32_t contacts(Arm arm) const noexcept { return at(counts_, arm); }
+  /** Contacts of the last step; the tick is left alone. */
+  void report(ContactList* list) const noexcept { forces_.report(list); }
 
  private:
-  static void onNear(void* self, dGeomID a, dGeomID b);
-  Owner* newOwner(int id, int arm, dBodyID body);
-  void createJoint(const dContactGeom& point);
-  void count(const Owner& owner) noexcept;
+  struct Bounds {
+    dReal low_high[6];  // x, x, y, y, z, z, as ODE has them
+  };
+  struct Shape {
+    Geom geom;
+    Bounds bounds;
+  };
+  /** The shapes of one link. */
+  struct Group {
+    int id{};     // of its body; orders and tells apart the pairs of a contact
+    int arm{-1};  // index of Arm, -1: scene
+    bool is_jaw{false};
+    dBodyID body{nullptr};  // null: fixed
+    std::vector<Shape> shapes;
+    Bounds bounds{};
+  };
+
+  static bool overlap(const Bounds& a, const Bounds& b) noexcept;
+  static bool mayMeet(const Group& a, const Group& b) noexcept;
+  static void updateBounds(Group* group) noexcept;
+  void addGroup(Group group, const model::Link& link, const Pose& X_OL, const Vector3& com);
+  bool isEnabled(const Group& group) const noexcept;
+  static const Group& groupOf(dGeomID geom) noexcept;
+  void collide(const Group& a, const Group& b);
+  void collide(dGeomID a, dGeomID b);
+  void createJoints(const ContactSet::Pair& pair);
+  void createJoint(const dContactGeom& point, double limit);
 
   dWorldID world_;
+  double mu_, jaw_mu_;
   dSurfaceParameters surface_{};
-  std::vector<std::unique_ptr<Owner>> owners_;
+  std::vector<std::unique_ptr<Group>> groups_;
+  std::vector<std::pair<Group*, Group*>> pairs_;
   JointGroup joints_;
-  PerArm<Space> arms_;
-  Space free_, fixed_;
   PerArm<bool> enabled_{};
   PerArm<std::uint32_t> counts_{};
   ContactSet found_;
+  std::array<const ContactSet::Pair*, ContactSet::kMaxPairs> order_{};
+  ContactForces forces_;
 };
 
 }  // namespace raven2_trainer::physics

@@ -8,8 +8,15 @@
 namespace raven2_trainer::physics {
 namespace {
 
+constexpr double kSamePoint = 2.0e-4;  // [m]
+
 bool isShallower(const dContactGeom& a, const dContactGeom& b) noexcept {
   return a.depth < b.depth;
+}
+
+/** Neighbouring shapes of one body often touch at one place. */
+bool isSame(const dContactGeom& a, const dContactGeom& b) noexcept {
+  return (vectorFromOde(a.pos) - vectorFromOde(b.pos)).squaredNorm() < kSamePoint * kSamePoint;
 }
 
 /** Squared distance from a point to the nearest of points[0, kept). */
@@ -62,6 +69,11 @@ ContactSet::Pair* ContactSet::findPair(int first, int second) noexcept {
 void ContactSet::add(int a, int b, const dContactGeom& point) noexcept {
   Pair* pair = findPair(std::min(a, b), std::max(a, b));
   if (pair == nullptr) return;
+  for (std::size_t i = 0; i < pair->count; ++i) {
+    if (!isSame(pair->points[i], point)) continue;
+    if (isShallower(pair->points[i], point)) pair->points[i] = point;
+    return;
+  }
   if (pair->count < kMaxCandidates) {
     pair->points[pair->count++] = point;
     return;

@@ -5,15 +5,15 @@
 
 #include <ode/ode.h>
 
-// Owners of ODE's handles. Bodies and joints belong to their world and geoms to their space, so those need none.
+// Owners of ODE's handles. Bodies and joints belong to their world, so those need none; geoms here are in no space.
 
 namespace raven2_trainer::physics {
 
 struct DestroyWorld {
   void operator()(dxWorld* world) const noexcept { dWorldDestroy(world); }
 };
-struct DestroySpace {
-  void operator()(dxSpace* space) const noexcept { dSpaceDestroy(space); }
+struct DestroyGeom {
+  void operator()(dxGeom* geom) const noexcept { dGeomDestroy(geom); }
 };
 struct DestroyJointGroup {
   void operator()(dxJointGroup* group) const noexcept { dJointGroupDestroy(group); }
@@ -23,7 +23,7 @@ struct FreeThreading {
 };
 
 using World = std::unique_ptr<dxWorld, DestroyWorld>;
-using Space = std::unique_ptr<dxSpace, DestroySpace>;
+using Geom = std::unique_ptr<dxGeom, DestroyGeom>;
 using JointGroup = std::unique_ptr<dxJointGroup, DestroyJointGroup>;
 using Threading = std::unique_ptr<dxThreadingImplementation, FreeThreading>;
 

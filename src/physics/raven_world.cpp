@@ -7,11 +7,12 @@
 
 #include "physics/arm_bodies.h"
 #include "physics/collider.h"
-#include "physics/gravity.h"
+#include "physics/jaw_stop.h"
 #include "physics/ode_handles.h"
 #include "physics/ode_maths.h"
 #include "physics/rigid_links.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::physics {
 namespace {
@@ -23,11 +24,6 @@ constexpr double kPartingSpeed = 0.5;
 // The solver's arena is reserved for the largest number of contacts once, not grown in the loop. [bytes]
 constexpr unsigned kSolverMemory = 8U << 20U;
 constexpr unsigned long kSeed = 1;
-// A free body slower than this for 50 ms sleeps until something that moves touches it: ODE's choice among equal
-// contact points lets a resting ring twitch by micrometres otherwise.
-constexpr double kSleepSpeed = 3.0e-3;  // [m/s]
-constexpr double kSleepTurning = 0.1;   // [rad/s]
-constexpr int kSleepSteps = 50;
 
 bool isFinite(const JointArray& values) noexcept {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
@@ -39,7 +35,7 @@ bool isFinite(const dReal* values, int count) noexcept {
 
 World createWorld(const ModelConfig& config) {
   World world(dWorldCreate());
-  dWorldSetGravity(world.get(), 0.0, 0.0, -kGravity);
+  dWorldSetGravity(world.get(), 0.0, 0.0, -config.gravity);
   dWorldSetERP(world.get(), config.erp);
   dWorldSetCFM(world.get(), config.cfm);
   dWorldSetContactSurfaceLayer(world.get(), kContactLayer);
@@ -50,12 +46,14 @@ World createWorld(const ModelConfig& config) {
   return world;
 }
 
-void letSleep(dBodyID body) {
-  dBodySetAutoDisableFlag(body, 1);
-  dBodySetAutoDisableLinearThreshold(body, kSleepSpeed);
-  dBodySetAutoDisableAngularThreshold(body, kSleepTurning);
-  dBodySetAutoDisableSteps(body, kSleepSteps);
-  dBodySetAutoDisableTime(body, 0.0);
+/** The same springs and dampers of contacts for steps shorter than a tick: with k h = erp / cfm and d = (1 - erp) / cfm
+ *  of a tick, cfm = 1 / (k h + d) and erp = k h cfm. */
+ModelConfig forSubSteps(ModelConfig config) {
+  const double spring = config.contact_erp / config.sub_steps;
+  const double total = spring + 1.0 - config.contact_erp;
+  config.contact_cfm /= total;
+  config.contact_erp = spring / total;
+  return config;
 }
 
 std::vector<Pose> fixedPoses(const model::RavenModel& raven) {
@@ -65,11 +63,28 @@ std::vector<Pose> fixedPoses(const model::RavenModel& raven) {
   return poses;
 }
 
+/** ODE collides meshes incompletely, and not at all from two threads (performance.md section 0). */
+void checkShapes(const model::Description& description, const model::Link& link) {
+  const auto is_mesh = [](const model::CollisionShape& shape) { return shape.kind == model::ShapeKind::kMesh; };
+  if (link.collisions.empty() || !std::all_of(link.collisions.begin(), link.collisions.end(), is_mesh)) return;
+  throw ModelException(description.file + ":" + std::to_string(link.line) + ": link " + link.name +
+                       " collides by a mesh only, expected at least one box, cylinder or sphere");
+}
+
 /** A body of the scene that no joint holds. */
 struct FreeBody {
   dBodyID body{nullptr};
   Vector3 com{0, 0, 0};
-  Pose X_WL;  ///< last finite pose of the link
+  Pose X_WL;       ///< last finite pose of the link
+  std::size_t id;  ///< by which the collider reports it
+
+  void move(const Vector3& shift, const Vector3& turn) noexcept {
+    const Pose X_WC = bodyPose(body);
+    const Quaternion small(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z());
+    const Pose moved{small.normalized().toRotationMatrix() * X_WC.R, X_WC.p + shift};
+    setBodyPose(body, moved);
+    X_WL = {moved.R, moved.p - moved.R * com};
+  }
 };
 
 }  // namespace
@@ -78,34 +93,45 @@ struct RavenWorld::Impl {
   Impl(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config);
   ~Impl();
 
+  int newId(const model::Description& description, int link);
   void addArmShapes(const model::RavenModel& raven);
+  void addJawStops(const model::RavenModel& raven, const ModelConfig& config);
   void addScene(const model::SceneModel& scene);
   void addFreeBody(const model::SceneModel& scene, int link);
   void step(const PerArm<JointArray>& tau);
+  bool subStep(const PerArm<JointArray>& tau);
   bool measure() noexcept;
+  void carryFreeBodies() noexcept;
   void freeze() noexcept;
 
+  int sub_steps;
+  double step_time;  // [s] of a sub-step
   Threading threading;
   World world;
   std::vector<Carrier> carriers;
   PerArm<ArmBodies> arms;
   Collider collider;
+  std::vector<JawStop> jaw_stops;
   std::vector<FreeBody> bodies;
-  int next_id{0};
+  ContactList list{};
+  std::vector<std::string> names;  // of bodies, by the numbers the collider reports
   bool healthy{true};
   bool cut_off{false};  // ODE reported an error in the midst of a step
 };
 
 RavenWorld::Impl::Impl(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config)
-    : threading(dThreadingAllocateSelfThreadedImplementation()),
+    : sub_steps(config.sub_steps),
+      step_time(kTickSeconds / config.sub_steps),
+      threading(dThreadingAllocateSelfThreadedImplementation()),
       world(createWorld(config)),
       carriers(findCarriers(raven.description)),
-      arms{ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGold, config),
-           ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGreen, config)},
-      collider(world.get(), config) {
+      arms{ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGold, config, step_time),
+           ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGreen, config, step_time)},
+      collider(world.get(), forSubSteps(config)) {
   dWorldSetStepThreadingImplementation(world.get(), dThreadingImplementationGetFunctions(threading.get()),
                                        threading.get());
   addArmShapes(raven);
+  addJawStops(raven, config);
   addScene(scene);
 }
 
@@ -116,16 +142,30 @@ RavenWorld::Impl::~Impl() {
   static_cast<void>(threading.release());
 }
 
+int RavenWorld::Impl::newId(const model::Description& description, int link) {
+  names.push_back(description.links[static_cast<std::size_t>(link)].name);
+  return static_cast<int>(names.size()) - 1;
+}
+
+void RavenWorld::Impl::addJawStops(const model::RavenModel& raven, const ModelConfig& config) {
+  for (const Arm arm : kArms) {
+    const dBodyID jaw1 = at(arms, arm).body(kGrasp1), jaw2 = at(arms, arm).body(kGrasp2);
+    const Vector3 axis = raven.description.links[static_cast<std::size_t>(at(raven.links, arm)[kGrasp1])].axis;
+    jaw_stops.emplace_back(world.get(), jaw1, jaw2, bodyPose(jaw1).R * axis.normalized(), config.erp);
+  }
+}
+
 /** The fixed links of the robot get none: they stand outside the dome and touch the first links at their joints. */
 void RavenWorld::Impl::addArmShapes(const model::RavenModel& raven) {
   const std::vector<model::Link>& links = raven.description.links;
   for (const Arm arm : kArms) {
     for (std::size_t j = 0; j < kJointCount; ++j) {
-      const int id = next_id++;
+      const int id = newId(raven.description, at(raven.links, arm)[j]);
       for (std::size_t i = 0; i < links.size(); ++i) {
         if (carriers[i].link != at(raven.links, arm)[j]) continue;
+        checkShapes(raven.description, links[i]);
         const ArmBodies& bodies_of_arm = at(arms, arm);
-        collider.addArmLink(arm, j >= kToolRotation, id, bodies_of_arm.body(j), links[i], carriers[i].X_KL,
+        collider.addArmLink(arm, static_cast<Joint>(j), id, bodies_of_arm.body(j), links[i], carriers[i].X_KL,
                             bodies_of_arm.com(j));
       }
     }
@@ -137,7 +177,9 @@ void RavenWorld::Impl::addScene(const model::SceneModel& scene) {
   for (std::size_t i = 0; i < scene_carriers.size(); ++i) {
     const int carrier = scene_carriers[i].link;
     if (carrier < 0) {
-      collider.addFixedLink(next_id++, scene.description.links[i], scene.X_WL.at(i));
+      checkShapes(scene.description, scene.description.links[i]);
+      collider.addFixedLink(newId(scene.description, static_cast<int>(i)), scene.description.links[i],
+                            scene.X_WL.at(i));
     } else if (std::count(scene.free_bodies.begin(), scene.free_bodies.end(), carrier) == 0) {
       const model::Link& link = scene.description.links[i];
       throw ModelException(scene.description.file + ":" + std::to_string(link.line) + ": link " + link.name +
@@ -156,24 +198,37 @@ void RavenWorld::Impl::addFreeBody(const model::SceneModel& scene, int link) {
   const std::vector<Carrier> scene_carriers = findCarriers(scene.description);
   const model::Inertial inertial = combinedInertial(scene.description, scene_carriers, link);
   const Pose& X_WL = scene.X_WL.at(static_cast<std::size_t>(link));
-  const FreeBody free{createBody(world.get(), inertial), inertial.com, X_WL};
+  const int id = newId(scene.description, link);
+  const FreeBody free{createBody(world.get(), inertial), inertial.com, X_WL, static_cast<std::size_t>(id)};
   setBodyPose(free.body, {X_WL.R, X_WL * inertial.com});
-  letSleep(free.body);
   bodies.push_back(free);
-  const int id = next_id++;
   for (std::size_t i = 0; i < scene_carriers.size(); ++i) {
     if (scene_carriers[i].link != link) continue;
+    checkShapes(scene.description, scene.description.links[i]);
     collider.addFreeLink(id, free.body, scene.description.links[i], scene_carriers[i].X_KL, inertial.com);
   }
 }
 
+/** The contacts of a tick serve all its sub-steps: finding them costs more than the sub-steps do. */
 void RavenWorld::Impl::step(const PerArm<JointArray>& tau) {
   collider.createContacts();
-  for (const Arm arm : kArms)
-    at(arms, arm).applyTorque(at(tau, arm));
-  if (dWorldStep(world.get(), kTickSeconds) == 0) throw ModelException("ODE: no memory for a step");
+  bool finite = true;
+  for (int i = 0; i < sub_steps && finite; ++i)
+    finite = subStep(tau);
   collider.removeContacts();
-  if (!measure()) freeze();
+  if (!finite) freeze();
+}
+
+bool RavenWorld::Impl::subStep(const PerArm<JointArray>& tau) {
+  for (const Arm arm : kArms) {
+    at(arms, arm).applyTorque(at(tau, arm));
+    jaw_stops[index(arm)].update(kinematics::jawOpening(at(arms, arm).q()), collider.collisions(arm));
+  }
+  if (dWorldStep(world.get(), step_time) == 0) throw ModelException("ODE: no memory for a step");
+  collider.readForces();
+  if (!measure()) return false;
+  carryFreeBodies();
+  return true;
 }
 
 bool RavenWorld::Impl::measure() noexcept {
@@ -183,9 +238,33 @@ bool RavenWorld::Impl::measure() noexcept {
     free.X_WL = {X_WC.R, X_WC.p - X_WC.R * free.com};
   }
   // Both arms, whatever the first one says: neither keeps an older state than the other.
-  const bool gold = at(arms, Arm::kGold).measure();
-  const bool green = at(arms, Arm::kGreen).measure();
+  const bool gold = at(arms, Arm::kGold).advance(collider.contacts(Arm::kGold) > 0);
+  const bool green = at(arms, Arm::kGreen).advance(collider.contacts(Arm::kGreen) > 0);
   return gold && green;
+}
+
+/**
+ * An arm's links move along arcs, a free body in a straight line within a step: held by the jaws it would creep
+ * outwards by h^2/2 times the centripetal acceleration a step, a millimetre in a minute of fast strokes, friction or
+ * not. So what touches an arm moves along with it, by the mean of the links it touches, weighted by their forces.
+ */
+void RavenWorld::Impl::carryFreeBodies() noexcept {
+  collider.report(&list);
+  for (FreeBody& free : bodies) {
+    Vector3 shift = Vector3::Zero(), turn = Vector3::Zero();
+    double weight = 0.0;
+    for (std::size_t i = 0; i < list.count; ++i) {
+      const Contact& contact = list.contacts[i];
+      const std::size_t link = contact.a;  // arms have the lowest numbers
+      if (contact.b != free.id || link >= kArmCount * kJointCount) continue;
+      const double force = std::abs(toEigen(contact.f_W).dot(toEigen(contact.n_W)));
+      const Excess excess = arms[link / kJointCount].excess(link % kJointCount, bodyPose(free.body).p);
+      shift += force * excess.shift;
+      turn += force * excess.turn;
+      weight += force;
+    }
+    if (weight > 0.0) free.move(shift / weight, turn / weight);
+  }
 }
 
 /** The last finite state stays readable; the world is not stepped again. */
@@ -238,6 +317,14 @@ void RavenWorld::step(const PerArm<JointArray>& tau) noexcept {
 
 std::uint32_t RavenWorld::contacts(Arm arm) const noexcept {
   return impl_->collider.contacts(arm);
+}
+
+void RavenWorld::contactList(ContactList* list) const noexcept {
+  impl_->collider.report(list);
+}
+
+const std::vector<std::string>& RavenWorld::bodyNames() const noexcept {
+  return impl_->names;
 }
 
 void RavenWorld::bodyPoses(std::array<RigidPose, kMaxSceneBodies>* poses) const noexcept {

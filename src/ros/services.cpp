@@ -23,6 +23,13 @@ Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator)
       stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
       engage_(node->advertiseService("engage", &Services::engage, this)),
       disengage_(node->advertiseService("disengage", &Services::disengage, this)) {
+  for (const Arm arm : kArms) {
+    using Callback = boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)>;
+    const Callback callback = [this, arm](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+      return setCollisions(arm, request, &response);
+    };
+    at(set_collisions_, arm) = node->advertiseService(std::string(name(arm)) + "/set_collisions", callback);
+  }
   plan_node_.setCallbackQueue(&plan_queue_);
   plan_ = plan_node_.advertiseService("plan", &Services::plan, this);
   plan_spinner_.start();
@@ -72,6 +79,18 @@ bool Services::engage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& 
 
 bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   return post(RequestKind::kDisengage, &response);
+}
+
+bool Services::setCollisions(Arm arm,
+                             const std_srvs::SetBool::Request& request,
+                             std_srvs::SetBool::Response* response) {
+  Request order;
+  order.kind = RequestKind::kSetCollisions;
+  order.arm = arm;
+  order.enabled = request.data ? 1 : 0;
+  response->success = push(order);
+  response->message = response->success ? "" : "too many requests at once";
+  return true;
 }
 
 bool Services::plan(PlanPath::Request& message, PlanPath::Response& response) {

@@ -3,6 +3,7 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
+#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
 #include <atomic>
@@ -15,8 +16,8 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** start_hazard, stop_hazard, plan, engage, disengage: each only posts a request. plan, which waits for its answer, has
- * a queue and a thread of its own, so that nothing else ever waits behind it. */
+/** start_hazard, stop_hazard, plan, engage, disengage, {gold,green}/set_collisions: each only posts a request. plan,
+ * which waits for its answer, has a queue and a thread of its own, so that nothing else ever waits behind it. */
 class Services {
  public:
   Services(ros::NodeHandle* node, runtime::Simulator* simulator);
@@ -31,6 +32,7 @@ class Services {
   bool engage(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool disengage(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
+  bool setCollisions(Arm arm, const std_srvs::SetBool::Request& request, std_srvs::SetBool::Response* response);
   bool post(RequestKind kind, std_srvs::Trigger::Response* response);
   bool push(const Request& request);
   bool awaitPlan(std::uint32_t id, PlanResult* result) const;
@@ -43,6 +45,7 @@ class Services {
   ros::CallbackQueue plan_queue_;
   ros::AsyncSpinner plan_spinner_;
   ros::ServiceServer start_hazard_, stop_hazard_, plan_, engage_, disengage_;
+  PerArm<ros::ServiceServer> set_collisions_;
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -39,7 +39,7 @@ struct Lockstep::Impl {
         haptic(config, shared.get()),
         link(config, shared.get()),
         planner(config, raven, scene, shared.get()),
-        recorder(config, paths, motion, shared.get()),
+        recorder(config, physics.bodyNames(), paths, motion, shared.get()),
         software(config.arms, config.virtual_raven),
         plant(raven, config.virtual_raven) {
     connect();

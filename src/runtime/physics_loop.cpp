@@ -1,8 +1,10 @@
 #include "raven2_trainer/runtime/physics_loop.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/runtime/contact_records.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -18,6 +20,19 @@ constexpr double kLostAfter = 0.5;
 
 Vec3 sum(const Vec3& a, const Vec3& b) noexcept {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+// While the pedal is up the model moves to the robot's joints, so that what the jaws hold stays held. A robot farther
+// away than this (first seen, homing) is another matter: the model is put there. Shoulder to wrist.
+constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  // [rad, m]
+
+constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
+
+bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
+  for (std::size_t j = 0; j < kFollowReach.size(); ++j) {
+    if (std::abs(q[j] - target[j]) > kFollowReach[j]) return false;
+  }
+  return true;
 }
 
 Quat product(const Quat& later, const Quat& earlier) noexcept {
@@ -43,7 +58,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
   for (const Arm arm : kArms) {
     at(q_d_, arm) = config.arms.geometry.home;
     world_.setJointState(arm, config.arms.geometry.home, JointArray{});
-    world_.setCollisions(arm, config.model.arm_contacts);
+    world_.setCollisions(arm, at(config.model.arm_contacts, arm));
   }
 }
 
@@ -119,6 +134,9 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
     case RequestKind::kCancelPlan:
       follower_.stop();
       raise(Event::kPlanFailed);
+      break;
+    case RequestKind::kSetCollisions:
+      world_.setCollisions(request.arm, request.enabled != 0);
       break;
     case RequestKind::kNone:
       break;
@@ -231,13 +249,13 @@ void PhysicsLoop::enter(Mode next) noexcept {
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
   linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && robot_ready_ && state_.engaged != 0;
-  if (next == Mode::kTeleoperating && linked_) followRobot();
+  if (next == Mode::kTeleoperating && linked_) joinRobot();
   for (const Arm arm : kArms) {
     JointArray q{}, dq{};
     world_.jointState(arm, &q, &dq);
-    at(mappers_, arm).rebase(q);
+    at(mappers_, arm).rebasePose(q);
     driver_.reset(arm);
-    at(q_d_, arm) = q;
+    at(q_d_, arm) = at(mappers_, arm).desired();
   }
   if (next == Mode::kTeleoperating && state_.session_tick < 0) state_.session_tick = 0;
 }
@@ -276,24 +294,46 @@ void PhysicsLoop::updateTargets() noexcept {
 
 void PhysicsLoop::moveModel() noexcept {
   const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp;
+  PerArm<JointArray> target = q_d_;
   if (disengaged && state_.robot_fresh != 0) {
-    followRobot();
-  } else {
-    driveModel();
+    for (const Arm arm : kArms)
+      at(target, arm) = followRobot(arm);
   }
+  driveModel(target);
 }
 
-void PhysicsLoop::followRobot() noexcept {
+/** Shoulder to wrist get the rates that bring them to the robot's joints within some milliseconds: they move there,
+ * what the jaws hold moves along. @return what to ask of the controllers, so that they do not brake it. */
+JointArray PhysicsLoop::followRobot(Arm arm) noexcept {
+  at(mappers_, arm).rebase(at(robot_.arms, arm).q);
+  at(q_d_, arm) = at(mappers_, arm).desired();
+  const JointArray& wanted = at(q_d_, arm);
+  JointArray q{}, dq{};
+  world_.jointState(arm, &q, &dq);
+  if (!isWithinReach(q, wanted)) {
+    world_.setJointState(arm, wanted, JointArray{});
+    return wanted;
+  }
+  for (std::size_t j = 0; j < kFollowReach.size(); ++j)
+    dq[j] = (wanted[j] - q[j]) / kFollowTime;
+  world_.setJointState(arm, q, dq);
+  JointArray target = driver_.leading(arm, q, dq);
+  std::copy(wanted.begin() + kGrasp1, wanted.end(), target.begin() + kGrasp1);
+  return target;
+}
+
+/** The common pose from which both start at pedal down. The jaws stay where they are: they may hold something. */
+void PhysicsLoop::joinRobot() noexcept {
   for (const Arm arm : kArms) {
-    const JointArray& q = at(robot_.arms, arm).q;
+    JointArray q{}, dq{};
+    world_.jointState(arm, &q, &dq);
+    std::copy_n(at(robot_.arms, arm).q.begin(), kFollowReach.size(), q.begin());
     world_.setJointState(arm, q, JointArray{});
-    at(q_d_, arm) = q;
-    at(state_.arms, arm).tau = {};
   }
 }
 
-void PhysicsLoop::driveModel() noexcept {
-  const PerArm<JointArray> tau = driver_.step(q_d_);
+void PhysicsLoop::driveModel(const PerArm<JointArray>& target) noexcept {
+  const PerArm<JointArray> tau = driver_.step(target);
   for (const Arm arm : kArms)
     at(state_.arms, arm).tau = at(tau, arm);
 }
@@ -328,8 +368,17 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
     fillArm(arm, &at(state_.arms, arm));
   world_.bodyPoses(&state_.bodies);
   shared_.model.store(state_);
+  publishContacts();
   shared_.tick_records.tryPush({state_, robot_});
   if (state_.session_tick >= 0) ++state_.session_tick;
+}
+
+void PhysicsLoop::publishContacts() noexcept {
+  world_.contactList(&contacts_);
+  contacts_.tick = state_.tick;
+  shared_.contacts.store(contacts_);
+  if (contacts_.count == 0) return;
+  forEachPair(contacts_, [this](const ContactRecord& record) { shared_.contact_records.tryPush(record); });
 }
 
 void PhysicsLoop::fillArm(Arm arm, ArmState* state) const noexcept {

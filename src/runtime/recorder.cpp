@@ -14,10 +14,12 @@ std::string combinedHash(const std::vector<std::string>& files) {
 
 std::uint64_t recordsDropped(const SharedState& shared) noexcept {
   return shared.tick_records.dropped() + shared.haptic_records.dropped() + shared.command_records.dropped() +
-         shared.request_records.dropped() + shared.plan_records.dropped();
+         shared.request_records.dropped() + shared.plan_records.dropped() + shared.contact_records.dropped();
 }
 
-session::LogHeader logHeader(const TrainerConfig& config, const std::string& motion) {
+session::LogHeader logHeader(const TrainerConfig& config,
+                             const std::vector<std::string>& body_names,
+                             const std::string& motion) {
   session::LogHeader header;
   header.seed = config.seed;
   for (const Scenario& scenario : config.scenarios)
@@ -30,16 +32,18 @@ session::LogHeader logHeader(const TrainerConfig& config, const std::string& mot
   header.d4 = config.arms.geometry.d4;
   header.tolerance = config.haptics.tolerance;
   header.arm_contacts = config.model.arm_contacts;
+  header.body_names = body_names;
   return header;
 }
 
 Recorder::Recorder(const TrainerConfig& config,
+                   const std::vector<std::string>& body_names,
                    const session::SessionPaths& paths,
                    const std::string& motion,
                    SharedState* shared)
     : shared_(*shared),
       paths_(paths),
-      header_(logHeader(config, motion)),
+      header_(logHeader(config, body_names, motion)),
       log_(paths.log(), header_),
       metrics_(header_) {}
 
@@ -60,6 +64,7 @@ void Recorder::drain() {
   drainRing(&shared_.command_records);
   drainRing(&shared_.request_records);
   drainRing(&shared_.plan_records);
+  drainRing(&shared_.contact_records);
   drainRing(&shared_.tick_records);
   drainRing(&shared_.haptic_records);
 }

@@ -66,7 +66,7 @@ struct Simulator::Impl {
         planner(config, raven, scene, shared.get()),
         paths(session::createSessionDirectory(options.output)),
         meta(startMeta("simulator", options.version, options.motion)),
-        recorder(config, paths, options.motion, shared.get()) {}
+        recorder(config, physics.bodyNames(), paths, options.motion, shared.get()) {}
 
   void startLoops() {
     const CyclicPolicy policy{config.runtime.max_catch_up,

@@ -25,7 +25,8 @@ Json describeRecord(const char* name) {
 Json describeRecords() {
   return Json::array({describeRecord<TickRecord>("tick"), describeRecord<HapticRecord>("haptic"),
                       describeRecord<CommandRecord>("command"), describeRecord<RequestRecord>("request"),
-                      describeRecord<PlanRecord>("plan"), describeRecord<SessionCounts>("counts")});
+                      describeRecord<PlanRecord>("plan"), describeRecord<ContactRecord>("contact"),
+                      describeRecord<SessionCounts>("counts")});
 }
 
 /** What decides over bytes: names, types and shapes; units and meanings may be reworded. */
@@ -68,6 +69,7 @@ std::string headerToJson(const LogHeader& header) {
                   {"d4", header.d4},
                   {"tolerance", header.tolerance},
                   {"arm_contacts", header.arm_contacts},
+                  {"body_names", header.body_names},
                   {"arm_names", kArmNames},
                   {"joint_names", kJointNames},
                   {"loop_names", kLoopNames},
@@ -96,6 +98,7 @@ LogHeader headerFromJson(const std::string& text) {
   json.at("d4").get_to(header.d4);
   json.at("tolerance").get_to(header.tolerance);
   json.at("arm_contacts").get_to(header.arm_contacts);
+  json.at("body_names").get_to(header.body_names);
   return header;
 }
 

@@ -162,6 +162,7 @@ struct Layout<Request> {
     v.field("kind", s.kind, "", "what was asked for");
     v.field("arm", s.arm, "", "of which arm");
     v.field("has_goal", s.has_goal, "", "0: the goal of planner.yaml");
+    v.field("enabled", s.enabled, "", "set_collisions: 1 the arm meets scene and other arm");
     v.field("goal_W", s.goal_W, "m", "tip position to reach, in the world frame W");
     v.field("id", s.id, "", "chosen by the sender, comes back in the plan");
   }
@@ -246,6 +247,21 @@ struct Layout<PlanRecord> {
   static void visit(Visitor& v, Record& s) {
     v.field("tick", s.tick, "ms", "physics tick that consumed it");
     v.field("result", s.result, "", "the planner's answer");
+  }
+};
+
+template <>
+struct Layout<ContactRecord> {
+  static constexpr const char* kMeaning = "the contact points of one pair of bodies in one physics tick";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick that found them");
+    v.field("a", s.a, "", "first body: position in body_names");
+    v.field("b", s.b, "", "second body");
+    v.field("points", s.points, "points", "how many");
+    v.field("depth", s.depth, "m", "deepest overlap");
+    v.field("p_W", s.p_W, "m", "place, mean of the points, in the world frame W");
+    v.field("f_W", s.f_W, "N", "force on a, friction included, in W; that on b is its opposite");
   }
 };
 

@@ -38,6 +38,8 @@ Outcome dispatch(const FrameHeader& header, const std::uint8_t* payload, const L
       return deliver(header, payload, visitor.request);
     case RecordType::kPlan:
       return deliver(header, payload, visitor.plan);
+    case RecordType::kContact:
+      return deliver(header, payload, visitor.contact);
     case RecordType::kCounts:
       return deliver(header, payload, visitor.counts);
     case RecordType::kHeader:

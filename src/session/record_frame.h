@@ -12,14 +12,14 @@
 namespace raven2_trainer::session {
 
 constexpr std::uint32_t kMagic = 0x4C325652;    ///< the bytes "RV2L"
-constexpr std::uint16_t kRecordVersion = 1;     ///< of every record; raised when a layout changes
+constexpr std::uint16_t kRecordVersion = 2;     ///< of every record; raised when a layout changes
 constexpr int kFormatVersion = 1;               ///< of the frame
 constexpr std::size_t kFrameHeaderSize = 20;    ///< [bytes]
 constexpr std::size_t kCrcSize = 4;             ///< [bytes]
 constexpr std::size_t kMaxPayload = 16 * 1024;  ///< [bytes] of a record; the largest today, a plan, takes 4.1 KiB
 constexpr std::size_t kMaxHeaderPayload = 1024 * 1024;  ///< [bytes] of the JSON in the first record
 
-enum class RecordType : std::uint16_t { kHeader, kTick, kHaptic, kCommand, kRequest, kPlan, kCounts };
+enum class RecordType : std::uint16_t { kHeader, kTick, kHaptic, kCommand, kRequest, kPlan, kCounts, kContact };
 
 /** Type number of each record struct. */
 template <typename T>
@@ -43,6 +43,10 @@ struct RecordTypeOf<RequestRecord> {
 template <>
 struct RecordTypeOf<PlanRecord> {
   static constexpr RecordType kType = RecordType::kPlan;
+};
+template <>
+struct RecordTypeOf<ContactRecord> {
+  static constexpr RecordType kType = RecordType::kContact;
 };
 template <>
 struct RecordTypeOf<SessionCounts> {

@@ -18,7 +18,12 @@ class TeleopMapper {
  public:
   TeleopMapper(const ArmGeometry& geometry, Arm arm) noexcept;
 
-  /** The desired pose becomes that of joints `q`, in whole micrometres: at pedal down. */
+  /** The desired position and orientation become those of joints `q`, in whole micrometres. The wanted jaw opening
+   *  stays, so that what is held stays held. */
+  void rebasePose(const JointArray& q) noexcept;
+
+  /** The robot's rule with the pedal up: rebasePose(), and the wanted opening too if it is more than 45 degrees from
+   *  that of `q`, the robot's joints (raven2.md 1.4). */
   void rebase(const JointArray& q) noexcept;
 
   /**

@@ -34,15 +34,16 @@ struct ForcePacket {
 };
 
 /** Orders from operators (ROS services, schedules) to the physics loop. */
-enum class RequestKind : std::uint8_t { kNone, kEngage, kDisengage, kPlan, kCancelPlan };
-constexpr std::size_t kRequestKindCount = 5;
+enum class RequestKind : std::uint8_t { kNone, kEngage, kDisengage, kPlan, kCancelPlan, kSetCollisions };
+constexpr std::size_t kRequestKindCount = 6;
 constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{"none", "engage", "disengage", "plan",
-                                                                       "cancel_plan"};
+                                                                       "cancel_plan", "set_collisions"};
 
 struct Request {
   RequestKind kind{RequestKind::kNone};
   Arm arm{Arm::kGold};
   std::uint8_t has_goal{};  ///< 0: the goal of planner.yaml
+  std::uint8_t enabled{};   ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through
   Vec3 goal_W{};            ///< [m] [@frame W] tip position to reach, orientation free
   std::uint32_t id{};       ///< chosen by the sender, comes back in PlanResult::id
 };

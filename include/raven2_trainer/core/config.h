@@ -50,14 +50,18 @@ struct ModelConfig {
   std::array<JointGains, kJointCount> gains{};
   double green_insertion_kd{};     ///< [Ns/m] the one gain that differs between the robot's arms (raven2.md 3.6)
   bool gravity_compensation{};
+  double gravity{};               ///< [m/s2] along -z of W
+  int sub_steps{1};               ///< [-] steps of ODE a tick
+  JointArray rotor_inertia{};     ///< [kg m2; kg] of the motors, as the joints feel it
   JointArray viscous_friction{};  ///< [Nms/rad; Ns/m]
   JointArray coulomb_friction{};  ///< [Nm; N]
   double erp{};                   ///< [-] ODE error reduction
   double cfm{};                   ///< [-] ODE constraint force mixing
   double contact_mu{};            ///< [-] Coulomb friction of contacts
+  double jaw_mu{};                ///< [-] of contacts with a jaw
   double contact_erp{};           ///< [-]
   double contact_cfm{};           ///< [-]
-  bool arm_contacts{};            ///< arms collide with the scene (paper, 3.2 switches it off in fault runs)
+  PerArm<bool> arm_contacts{};    ///< arms collide with the scene (paper, 3.2 switches it off in fault runs)
 };
 
 /** config/haptics.yaml: eqs. (5) and (6) of the paper. */

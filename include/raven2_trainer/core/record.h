@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/state.h"
 
@@ -39,6 +40,16 @@ struct RequestRecord {
 struct PlanRecord {
   Tick tick{};
   PlanResult result{};
+};
+
+/** All contact points of one pair of bodies in one physics tick, taken together. */
+struct ContactRecord {
+  Tick tick{};             ///< [1 ms] of the ModelState they belong to
+  std::uint16_t a{}, b{};  ///< numbers of the two bodies, a < b (physics::RavenWorld::bodyNames())
+  std::uint32_t points{};  ///< contact points of the pair
+  double depth{};          ///< [m] deepest overlap
+  Vec3 p_W{};              ///< [m] place: mean of the points
+  Vec3 f_W{};              ///< [N] force on a: sum over the points
 };
 
 enum class LoopId : std::uint8_t { kPhysics, kHaptic };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/record.h"
@@ -18,6 +19,8 @@ struct SharedState {
   // --- latest values -------------------------------------------------------------------------------------------
   // written by physics
   StateCell<ModelState> model;
+  // written by physics
+  StateCell<ContactList> contacts;
   // written by haptic
   StateCell<HapticState> haptic;
   // written by robot_link
@@ -60,6 +63,8 @@ struct SharedState {
   SpscRing<RequestRecord, 64> request_records;
   // physics -> recorder
   SpscRing<PlanRecord, 8> plan_records;
+  // physics -> recorder
+  SpscRing<ContactRecord, 8192> contact_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;  // physics

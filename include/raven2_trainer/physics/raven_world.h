@@ -3,8 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
 
@@ -15,8 +18,9 @@ namespace raven2_trainer::physics {
  *
  * Traps of ODE 0.16.2 met here, all measured (performance.md section 0): its slider rate is wrong on a rotating
  * parent, so joint rates are computed from the bodies; each world has its own threading implementation, or two
- * worlds crash; capsule-trimesh contacts are incomplete, so collisions use primitives only; contacts are reduced to
- * four a body pair; the space is a simple one, which allocates nothing.
+ * worlds crash; capsule-trimesh contacts are incomplete, so collisions use primitives only, and a link that collides by
+ * meshes only is refused; contacts are reduced to four a body pair; friction is bounded by the normal forces of the step
+ * before (src/physics/contact_forces.h). Nothing is ever glued.
  *
  * step() is real-time safe after a warm-up of some hundred steps. Not thread-safe: one thread owns a world.
  */
@@ -39,11 +43,18 @@ class RavenWorld {
   JointArray gravityTorque(Arm arm) const noexcept;
 
   /** One step of 1 ms under these joint torques (robot joint coordinates); friction and the inertia of the rotors
-   *  (src/physics/rotor_inertia.h) are added inside. Torques that are not finite freeze the world. */
+   *  (ModelConfig) are added inside. Torques that are not finite freeze the world. */
   void step(const PerArm<JointArray>& tau) noexcept;
 
   /** Contact points on the arm in the last step, at most four for each pair of bodies. */
   std::uint32_t contacts(Arm arm) const noexcept;
+
+  /** Contacts of the last step: places and normals from its beginning, the forces it made, friction included. What finds
+   *  no room is counted; `tick` is left to the caller. Fixed shapes never meet. Real-time safe. */
+  void contactList(ContactList* list) const noexcept;
+
+  /** Names of the URDF links, robot's and scene's, by the numbers of the contact list. */
+  const std::vector<std::string>& bodyNames() const noexcept;
 
   /** Free bodies of the scene, in W, in SceneModel order. */
   void bodyPoses(std::array<RigidPose, kMaxSceneBodies>* poses) const noexcept;

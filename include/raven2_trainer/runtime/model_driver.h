@@ -16,12 +16,17 @@ class ModelDriver {
   /** Forgets the integral of an arm: it starts anew from where it is. */
   void reset(Arm arm) noexcept { at(pids_, arm).reset(); }
 
+  /** [rad; m] What to ask for so that a joint at `q` moving with `dq` is where it should be: the law damps velocity,
+   *  so a plain `q` would be followed with a lag of (kd + viscous friction) / kp. The jaws are left at `q`. */
+  JointArray leading(Arm arm, const JointArray& q, const JointArray& dq) const noexcept;
+
   /** One step of 1 ms towards `q_d` [rad; m], robot joint coordinates. @return the torques applied [Nm; N]. */
   PerArm<JointArray> step(const PerArm<JointArray>& q_d) noexcept;
 
  private:
   physics::RavenWorld& world_;
   PerArm<control::JointPid> pids_;
+  PerArm<JointArray> lag_{};  ///< [s]
   bool gravity_compensation_;
 };
 

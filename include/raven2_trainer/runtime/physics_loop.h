@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "raven2_trainer/control/mode_table.h"
 #include "raven2_trainer/control/path_follower.h"
@@ -19,11 +21,11 @@ namespace raven2_trainer::runtime {
  * Body of the physics thread: masters' increments to desired joints, controllers, one ODE step, the relay to the robot,
  * and the mode table. Owner of the live world. tick() is real-time safe once warm.
  *
- * Linking model and robot: while the pedal is up and the robot's state is fresh, the model is put on the robot's
- * joints every tick; at pedal down both start from there. Increments count for neither until the robot reports
- * PEDAL_DN, so that both apply the same ones. If the robot's link is lost while engaged, the model goes on alone and
- * the robot is sent pedal-up until the surgeon's next pedal-down: it never moves, nor does the cue act, without a new
- * start from a common pose.
+ * Linking model and robot: while the pedal is up and the robot's state is fresh, the model's controllers bring it to
+ * the robot's joints (what the jaws hold stays held); at pedal down it is put exactly there, and both start from one
+ * pose. Increments count for neither until the robot reports PEDAL_DN, so that both apply the same ones. If the robot's
+ * link is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next
+ * pedal-down: it never moves, nor does the cue act, without a new start from a common pose.
  */
 class PhysicsLoop {
  public:
@@ -37,6 +39,9 @@ class PhysicsLoop {
 
   /** Simulated time was given up (CyclicThread): re-base, and engage only at the next pedal-down. */
   void timeSlip() noexcept;
+
+  /** Bodies by the numbers of contacts. */
+  const std::vector<std::string>& bodyNames() const noexcept { return world_.bodyNames(); }
 
  private:
   struct Increments {
@@ -64,10 +69,12 @@ class PhysicsLoop {
   bool robotApplies() const noexcept;
   void updateTargets() noexcept;
   void moveModel() noexcept;
-  void followRobot() noexcept;
-  void driveModel() noexcept;
+  JointArray followRobot(Arm arm) noexcept;
+  void joinRobot() noexcept;
+  void driveModel(const PerArm<JointArray>& target) noexcept;
   void relay() noexcept;
   void publish(std::int64_t now_ns) noexcept;
+  void publishContacts() noexcept;
   void fillArm(Arm arm, ArmState* state) const noexcept;
 
   const TrainerConfig& config_;
@@ -82,6 +89,7 @@ class PhysicsLoop {
 
   ModelState state_{};
   RobotState robot_{};
+  ContactList contacts_{};
   Increments increments_{};
   PerArm<JointArray> q_d_{};
   bool pedal_{false}, pedal_before_{false};

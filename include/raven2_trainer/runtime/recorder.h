@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
@@ -14,8 +15,9 @@ namespace raven2_trainer::runtime {
 /** Body of the recorder thread: rings to the session log and the metrics. */
 class Recorder {
  public:
-  /** Opens the log in `paths`. @throw SessionException. */
+  /** Opens the log in `paths`. `body_names`: PhysicsLoop::bodyNames(). @throw SessionException. */
   Recorder(const TrainerConfig& config,
+           const std::vector<std::string>& body_names,
            const session::SessionPaths& paths,
            const std::string& motion,
            SharedState* shared);
@@ -45,6 +47,8 @@ class Recorder {
 std::uint64_t recordsDropped(const SharedState& shared) noexcept;
 
 /** Header of a session's log. */
-session::LogHeader logHeader(const TrainerConfig& config, const std::string& motion);
+session::LogHeader logHeader(const TrainerConfig& config,
+                             const std::vector<std::string>& body_names,
+                             const std::string& motion);
 
 }  // namespace raven2_trainer::runtime

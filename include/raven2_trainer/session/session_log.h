@@ -22,10 +22,11 @@ struct LogHeader {
   std::vector<std::string> scenarios;                         ///< names; Fault::id is the position + 1
   std::string hazard;                                         ///< armed at the start, or "none"
   std::string robot_urdf_hash, scene_urdf_hash, config_hash;  ///< FNV-1a, hex
-  std::string motion;  ///< "scripted" or "recording:FILE", as the console was started; "" unknown
-  double d4{};         ///< [m] for conversions of joint coordinates
-  double tolerance{};  ///< [m] of the haptic cue
-  bool arm_contacts{};
+  std::string motion;                   ///< "scripted" or "recording:FILE", as the console was started; "" unknown
+  double d4{};                          ///< [m] for conversions of joint coordinates
+  double tolerance{};                   ///< [m] of the haptic cue
+  PerArm<bool> arm_contacts{};          ///< the model's arm meets the scene, at the start
+  std::vector<std::string> body_names;  ///< by the numbers of contact records
 };
 
 /**
@@ -44,6 +45,7 @@ class LogWriter {
   void write(const CommandRecord& record);
   void write(const RequestRecord& record);
   void write(const PlanRecord& record);
+  void write(const ContactRecord& record);
   /** Last record: the counters. A log without it ended uncleanly. Closes the file. */
   void finish(const SessionCounts& counts);
 
@@ -59,6 +61,7 @@ struct LogVisitor {
   std::function<void(const CommandRecord&)> command;
   std::function<void(const RequestRecord&)> request;
   std::function<void(const PlanRecord&)> plan;
+  std::function<void(const ContactRecord&)> contact;
   std::function<void(const SessionCounts&)> counts;
 };
 

@@ -64,7 +64,7 @@ TrainerConfig CommonOptions::load() const {
     loaded.hazard = hazard;
   }
   if (seed >= 0) loaded.seed = static_cast<std::uint64_t>(seed);
-  if (!arm_contacts.empty()) loaded.model.arm_contacts = arm_contacts == "on";
+  if (!arm_contacts.empty()) loaded.model.arm_contacts.fill(arm_contacts == "on");
   setPort(master_port, &loaded.network.master_port);
   setPort(robot_port, &loaded.network.robot_port);
   setPort(force_port, &loaded.network.force_port);

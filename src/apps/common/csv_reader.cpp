@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iostream>
 
 #include "apps/common/csv_table.h"
 
@@ -91,13 +92,13 @@ void CsvReader::fail(const std::string& what) const {
 }
 
 std::vector<std::vector<double>> readTable(const std::string& path, const std::vector<std::string>& columns) {
+  const bool piped = path == "-";
   std::ifstream file(path);
-  if (!file) throw CsvException(path + ": cannot be read");
-  CsvReader reader(file, path, columns);
+  if (!piped && !file) throw CsvException(path + ": cannot be read");
+  CsvReader reader(piped ? std::cin : file, piped ? "stdin" : path, columns);
   std::vector<std::vector<double>> rows;
   for (std::vector<double> row; reader.next(&row);)
     rows.push_back(row);
-  if (rows.empty()) throw CsvException(path + ": no rows below the header");
   return rows;
 }
 

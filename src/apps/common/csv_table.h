@@ -53,8 +53,7 @@ class CsvReader {
   std::vector<std::size_t> columns_;  // of the cells wanted
 };
 
-/** A whole file: a row of wanted columns each. @throw CsvException also for a file that cannot be read or has no rows.
- */
+/** A whole file, or standard input for "-": a row of wanted columns each. @throw CsvException. */
 std::vector<std::vector<double>> readTable(const std::string& path, const std::vector<std::string>& columns);
 
 /** Writes rows of cells to a stream, numbers with 17 significant digits: they read back as the same bits. */

@@ -21,7 +21,7 @@ const TrainerConfig& trainerConfig() {
 
 ModelConfig freeArms() {
   ModelConfig config = trainerConfig().model;
-  config.arm_contacts = false;
+  config.arm_contacts.fill(false);
   return config;
 }
 

@@ -66,7 +66,7 @@ TEST(RavenWorldContact, ABrickOnASlopeSlidesAsFrictionAllows) {
                           testing::inertial(0.005, Vector3::Zero(), 2.1e-7, 2.1e-7, 3.3e-7));
     ModelConfig config = modelConfig();
     config.contact_mu = mu;
-    config.arm_contacts = false;
+    config.arm_contacts.fill(false);
     RavenWorld world(makeRaven(), scene, config);
     std::array<Vector3, 3> p;
     for (Vector3& sample : p) {
@@ -78,7 +78,7 @@ TEST(RavenWorldContact, ABrickOnASlopeSlidesAsFrictionAllows) {
       EXPECT_LT((p[2] - p[0]).norm(), 1e-4);
     } else {
       const double a = 9.81 * (0.5 - 0.2 * std::cos(30 * testing::kDegree));
-      // ODE bounds friction by the normal forces it found without friction: some per cent off Coulomb's law
+      // friction is bounded by the normal force of the step before
       EXPECT_NEAR((p[2] - 2.0 * p[1] + p[0]).norm() / (0.2 * 0.2), a, 0.05 * a);
     }
   }
@@ -110,7 +110,7 @@ TEST(RavenWorldContact, ToolsStopAtTheFloorUnlessCollisionsAreOff) {
 
 TEST(RavenWorldContact, ArmContactsCanStartSwitchedOff) {
   ModelConfig config = modelConfig();
-  config.arm_contacts = false;
+  config.arm_contacts.fill(false);
   const model::RavenModel raven = makeRaven();
   RavenWorld world(raven, makeFloorAndRing(), config);
   JointArray deep = raven.arms.geometry.home;

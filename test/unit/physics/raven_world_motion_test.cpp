@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "physics/rotor_inertia.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "test_drive.h"
@@ -25,7 +24,7 @@ constexpr double kG = 9.81;
 /** Without contacts: the arms may pass through each other. */
 ModelConfig modelConfig() {
   ModelConfig config = testing::modelConfig();
-  config.arm_contacts = false;
+  config.arm_contacts.fill(false);
   return config;
 }
 
@@ -70,7 +69,7 @@ double kineticEnergy(const model::RavenModel& raven, const PerArm<JointArray>& q
     for (std::size_t j = 0; j < kJointCount; ++j) {
       before[a][j] -= kStep * dq[a][j];
       after[a][j] += kStep * dq[a][j];
-      energy += 0.5 * rotorInertia()[j] * dq[a][j] * dq[a][j];
+      energy += 0.5 * testing::kRotor[j] * dq[a][j] * dq[a][j];
     }
   }
   const std::vector<Pose> X0 = chain(raven, before), X1 = chain(raven, after);
@@ -127,7 +126,6 @@ TEST(RavenWorldMotion, ReadsBackWhatWasSetAfterOneStep) {
 
 TEST(RavenWorldMotion, PositiveTorqueAcceleratesEveryJointPositively) {
   // The sign conventions of dJointAddHingeTorque and dJointAddSliderForce, of both arms' joints and of the motors.
-  constexpr JointArray kRotor = rotorInertia();
   for (const Arm arm : kArms) {
     for (std::size_t j = 0; j < kJointCount; ++j) {
       RavenWorld world(makeRaven(), makeEmptyScene(), modelConfig());
@@ -135,7 +133,7 @@ TEST(RavenWorldMotion, PositiveTorqueAcceleratesEveryJointPositively) {
       const double extra = j == kInsertion ? 1.0 : 0.01;
       at(tau, arm)[j] += extra;
       world.step(tau);
-      const double most = extra * kTickSeconds / kRotor[j];  // nothing but the rotor to move
+      const double most = extra * kTickSeconds / testing::kRotor[j];  // nothing but the rotor to move
       EXPECT_GT(rate(world, arm)[j], 0.02 * most) << name(arm) << " " << kJointNames[j];
       EXPECT_LT(rate(world, arm)[j], most) << name(arm) << " " << kJointNames[j];
     }
@@ -237,7 +235,7 @@ double measuredPeriod(double amplitude) {
 
 /** Exact period of a pendulum: 4 sqrt(I / m g l) K(sin(amplitude / 2)). */
 double exactPeriod(double amplitude) {
-  const double inertia = 1.0 * 0.5 * 0.5 + 1e-6 + rotorInertia()[kShoulder];
+  const double inertia = 1.0 * 0.5 * 0.5 + 1e-6 + testing::kRotor[kShoulder];
   return 4.0 * std::sqrt(inertia / (1.0 * kG * 0.5)) * std::comp_ellint_1(std::sin(0.5 * amplitude));
 }
 
@@ -323,7 +321,7 @@ TEST(RavenWorldMotion, ViscousFrictionSlowsAsTheExponentialDoes) {
   world.setJointState(Arm::kGold, raven.arms.geometry.home, dq);
   for (int i = 0; i < 100; ++i)
     world.step(gravity(world));
-  const double inertia = rotorInertia()[kToolRotation] + 1.0e-6 + 2 * 1.0e-7;  // about: the jaws hang askew
+  const double inertia = testing::kRotor[kToolRotation] + 1.0e-6 + 2 * 1.0e-7;  // about: the jaws hang askew
   EXPECT_NEAR(rate(world, Arm::kGold)[kToolRotation], 2.0 * std::exp(-0.1 * 1e-3 / inertia), 0.03);
 }
 

@@ -50,15 +50,22 @@ inline ArmsConfig armsConfig() {
   return arms;
 }
 
+/** Rotors of about the robot's: raven2.md 6.2 and maxon's RE30 through the transmissions of its 3.2. */
+constexpr JointArray kRotor{0.4311, 0.3432, 108.29, 9.75e-5, 2.709e-4, 2.709e-4, 2.709e-4};
+
 inline ModelConfig modelConfig() {
   ModelConfig config;
+  config.gravity = 9.81;
+  config.sub_steps = 1;
+  config.rotor_inertia = kRotor;
   config.gravity_compensation = true;
   config.erp = 0.2;
   config.cfm = 0.0;
   config.contact_mu = 0.8;
+  config.jaw_mu = 0.8;
   config.contact_erp = 0.2;
   config.contact_cfm = 1.0e-5;
-  config.arm_contacts = true;
+  config.arm_contacts.fill(true);
   return config;
 }
 

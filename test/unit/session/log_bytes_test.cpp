@@ -42,6 +42,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   record.request.kind = RequestKind::kPlan;
   record.request.arm = Arm::kGreen;
   record.request.has_goal = 1;
+  record.request.enabled = 1;
   record.request.goal_W = {1.0, -2.0, 0.5};
   record.request.id = 0xA1B2C3D4U;
   const std::string path = scratchPath("golden.rlog");
@@ -51,13 +52,14 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 1, 2);                      // version
-  append(&expected, 8 + 3 + 24 + 4, 4);         // payload length
+  append(&expected, 2, 2);                      // version
+  append(&expected, 8 + 4 + 24 + 4, 4);         // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
   append(&expected, 3, 1);                      // kPlan
   append(&expected, 1, 1);                      // green
   append(&expected, 1, 1);                      // has_goal
+  append(&expected, 1, 1);                      // enabled
   append(&expected, 0x3FF0000000000000ULL, 8);  // 1.0 in IEEE 754
   append(&expected, 0xC000000000000000ULL, 8);  // -2.0
   append(&expected, 0x3FE0000000000000ULL, 8);  // 0.5
@@ -73,7 +75,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 1, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 2, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
@@ -111,7 +113,8 @@ TEST(SessionLogSchema, AnnouncesAsManyBytesAsAreWritten) {
   const std::map<std::string, std::size_t> written{
       {"tick", payloadSize<TickRecord>()},       {"haptic", payloadSize<HapticRecord>()},
       {"command", payloadSize<CommandRecord>()}, {"request", payloadSize<RequestRecord>()},
-      {"plan", payloadSize<PlanRecord>()},       {"counts", payloadSize<SessionCounts>()}};
+      {"plan", payloadSize<PlanRecord>()},       {"contact", payloadSize<ContactRecord>()},
+      {"counts", payloadSize<SessionCounts>()}};
   ASSERT_EQ(json.at("records").size(), written.size());
   for (const auto& record : json.at("records")) {
     EXPECT_EQ(schemaSize(record.at("fields")), written.at(record.at("name"))) << record.at("name");
@@ -144,14 +147,16 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(RobotState), 3 * 8 + 2 * 4 + 6 + /*padding*/ 2 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
   EXPECT_EQ(sizeof(HapticState), 2 * 8 + 12 * 8 + 2 * 8 + 1 + /*padding*/ 7u);
   EXPECT_EQ(sizeof(MasterCommand), 4 + 1 + /*padding*/ 3 + 2 * (3 + 4 + 1) * 8u);
-  EXPECT_EQ(sizeof(Request), 3 + /*padding*/ 5 + 3 * 8 + 4 + /*padding*/ 4u);
+  EXPECT_EQ(sizeof(Request), 4 + /*padding*/ 4 + 3 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(LoopTiming), 8 * 8u);
   EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 6 * 8 + 2 * sizeof(LoopTiming) + 2 + /*padding*/ 6u);
   EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 4);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 7);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
-  EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 9);
+  EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 8);
+  EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);
+  EXPECT_EQ(payloadSize<ContactRecord>(), sizeof(ContactRecord));
   EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 10);
   EXPECT_EQ(payloadSize<SessionCounts>(), sizeof(SessionCounts) - 6);
 }

@@ -176,9 +176,9 @@ Found readWithRecord(const Bytes& record) {
 }
 
 TEST(DamagedLog, RefusesAValueBeyondItsEnumEvenWithARightCrc) {
-  Bytes request(39);
-  request[8] = 200;  // RequestKind has five
-  const Bytes record = sealed(4, 1, request);
+  Bytes request(40);
+  request[8] = 200;  // RequestKind has six
+  const Bytes record = sealed(4, kRecordVersion, request);
   const Found found = readWithRecord(record);
   EXPECT_TRUE(found.ids.empty());
   EXPECT_EQ(found.summary.bad_bytes, record.size());
@@ -187,20 +187,20 @@ TEST(DamagedLog, RefusesAValueBeyondItsEnumEvenWithARightCrc) {
 TEST(DamagedLog, RefusesAPlanWithMoreWaypointsThanItHolds) {
   Bytes plan(8 + 4 + 2 + 4 + 64 * 64 + 8 + 8 + 4);
   plan[14] = 65;  // waypoint_count, of at most 64
-  EXPECT_EQ(readWithRecord(sealed(5, 1, plan)).summary.records, 0u);
+  EXPECT_EQ(readWithRecord(sealed(5, kRecordVersion, plan)).summary.records, 0u);
   plan[14] = 64;
-  EXPECT_EQ(readWithRecord(sealed(5, 1, plan)).summary.records, 1u);
+  EXPECT_EQ(readWithRecord(sealed(5, kRecordVersion, plan)).summary.records, 1u);
 }
 
 TEST(DamagedLog, RefusesARecordOfTheWrongLength) {
-  for (const std::size_t size : {0u, 38u, 40u}) {
-    EXPECT_EQ(readWithRecord(sealed(4, 1, Bytes(size))).summary.records, 0u) << size;
+  for (const std::size_t size : {0u, 39u, 41u}) {
+    EXPECT_EQ(readWithRecord(sealed(4, kRecordVersion, Bytes(size))).summary.records, 0u) << size;
   }
-  EXPECT_EQ(readWithRecord(sealed(4, 1, Bytes(39))).summary.records, 1u);
+  EXPECT_EQ(readWithRecord(sealed(4, kRecordVersion, Bytes(40))).summary.records, 1u);
 }
 
 TEST(DamagedLog, PassesOverKindsAndVersionsItDoesNotKnow) {
-  for (const Bytes& record : {sealed(77, 1, Bytes(10)), sealed(4, 2, Bytes(60))}) {
+  for (const Bytes& record : {sealed(77, kRecordVersion, Bytes(10)), sealed(4, kRecordVersion + 1, Bytes(60))}) {
     const Found found = readWithRecord(record);
     EXPECT_TRUE(found.ids.empty());
     EXPECT_EQ(found.summary.bad_bytes, 0u);
@@ -215,7 +215,7 @@ TEST(DamagedLog, IsNoLogIfMissingOrAFolder) {
 TEST(DamagedLog, IsRefusedWithAnotherFormatVersion) {
   const std::string json = R"({"format": "raven2_trainer session log", "format_version": 2})";
   const std::string path = scratchPath("newer.rlog");
-  Bytes bytes = sealed(0, 1, Bytes(json.begin(), json.end()));
+  Bytes bytes = sealed(0, kRecordVersion, Bytes(json.begin(), json.end()));
   writeBytes(path, bytes);
   try {
     readLog(path, {});
@@ -229,7 +229,7 @@ TEST(DamagedLog, IsRefusedWithAnotherFormatVersion) {
 LogHeader readHeaderOf(const nlohmann::ordered_json& json) {
   const std::string text = json.dump();
   const std::string path = scratchPath("header_only.rlog");
-  writeBytes(path, sealed(0, 1, Bytes(text.begin(), text.end())));
+  writeBytes(path, sealed(0, kRecordVersion, Bytes(text.begin(), text.end())));
   return readLogHeader(path);
 }
 
@@ -241,7 +241,7 @@ TEST(DamagedLog, IsRefusedWithAnotherLayoutOfItsRecords) {
   longer["records"][0]["fields"][0]["fields"].erase(3);
   EXPECT_THROW(readHeaderOf(longer), SessionException);
   auto newer = ours;
-  newer["records"][1]["version"] = 2;
+  newer["records"][1]["version"] = kRecordVersion + 1;
   EXPECT_THROW(readHeaderOf(newer), SessionException);
   auto fewer = ours;
   fewer["records"].erase(4);

@@ -16,6 +16,7 @@ struct Contents {
     v.command = [this](const CommandRecord& r) { values.push_back(valuesOf(r)); };
     v.request = [this](const RequestRecord& r) { values.push_back(valuesOf(r)); };
     v.plan = [this](const PlanRecord& r) { values.push_back(valuesOf(r)); };
+    v.contact = [this](const ContactRecord& r) { values.push_back(valuesOf(r)); };
     v.counts = [this](const SessionCounts& r) { values.push_back(valuesOf(r)); };
     return v;
   }
@@ -34,7 +35,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   Contents expected;
   LogWriter log(path, LogHeader{});
   for (int i = 0; i < rounds; ++i) {
-    switch (random.next() % 5) {
+    switch (random.next() % 6) {
       case 0:
         writeRandom<TickRecord>(&log, random, &expected);
         break;
@@ -45,6 +46,9 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
         writeRandom<CommandRecord>(&log, random, &expected);
         break;
       case 3:
+        writeRandom<ContactRecord>(&log, random, &expected);
+        break;
+      case 4:
         writeRandom<RequestRecord>(&log, random, &expected);
         break;
       default:
@@ -75,7 +79,7 @@ TEST(SessionLog, GivesBackEveryRecordBitForBit) {
 TEST(SessionLog, GivesBackRecordsThatStraddleItsReadingWindow) {
   // GIVEN a log of more than thirty windows of 256 KiB
   const std::string path = scratchPath("long.rlog");
-  const Contents expected = writeRandomLog(path, 99, 8000);
+  const Contents expected = writeRandomLog(path, 99, 10000);
   ASSERT_GT(readBytes(path).size(), 9u * 1024 * 1024);
   Contents got;
   readLog(path, got.visitor());
@@ -94,7 +98,8 @@ TEST(SessionLog, GivesBackItsHeader) {
   header.motion = "recording:teleop.csv";
   header.d4 = -0.47;
   header.tolerance = 0.1 + 0.2;  // not a short decimal
-  header.arm_contacts = true;
+  header.arm_contacts = {true, false};
+  header.body_names = {"link1_L", "ring"};
   LogWriter(path, header).finish({});
   for (const LogHeader& got : {readLog(path, {}).header, readLogHeader(path)}) {
     EXPECT_EQ(got.seed, header.seed);
@@ -107,6 +112,7 @@ TEST(SessionLog, GivesBackItsHeader) {
     EXPECT_EQ(got.d4, header.d4);
     EXPECT_EQ(got.tolerance, header.tolerance);
     EXPECT_EQ(got.arm_contacts, header.arm_contacts);
+    EXPECT_EQ(got.body_names, header.body_names);
   }
 }
 

@@ -1,0 +1,136 @@
+#include "physics/arm_recursion.h"
+
+#include <cmath>
+
+namespace raven2_trainer::physics {
+namespace {
+
+std::size_t uindex(int i) noexcept {
+  return static_cast<std::size_t>(i);
+}
+
+/** Mass, first moment and second moment about the origin of W. */
+struct Composite {
+  double mass{};
+  Vector3 moment{0, 0, 0};
+  Matrix3 inertia{Matrix3::Zero()};
+};
+
+/** R, turned about the unit vector `axis` (Rodrigues), column by column. */
+void turn(const Vector3& axis, double cosine, double sine, Matrix3* R) noexcept {
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vector3 column = R->col(i);
+    R->col(i) = cosine * column + sine * axis.cross(column) + (1.0 - cosine) * axis.dot(column) * axis;
+  }
+}
+
+Composite composite(const model::Inertial& body, const PlacedLink& placed) noexcept {
+  const Vector3 c = placed.X_WL.p + placed.com;
+  const Matrix3& R = placed.X_WL.R;
+  Composite result{body.mass, body.mass * c, Matrix3::Zero()};
+  const Matrix3 half = R * body.inertia;
+  result.inertia.noalias() = half * R.transpose() - result.moment * c.transpose();
+  result.inertia.diagonal().array() += result.moment.dot(c);
+  return result;
+}
+
+}  // namespace
+
+void ArmRecursion::setLink(std::size_t joint, const ArmLink& link) noexcept {
+  links_[joint] = link;
+  for (int j = static_cast<int>(joint); j >= 0; j = links_[uindex(j)].parent)
+    links_[uindex(j)].carries[joint] = true;
+}
+
+PlacedLinks ArmRecursion::place(const Vector7& q) const noexcept {
+  PlacedLinks placed;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const ArmLink& link = links_[j];
+    PlacedLink& here = placed[j];
+    here.X_WL = link.parent < 0 ? link.X_PJ : placed[uindex(link.parent)].X_WL * link.X_PJ;
+    here.axis = here.X_WL.R * link.axis;
+    const double position = q[static_cast<Eigen::Index>(j)];
+    if (link.slides) {
+      here.X_WL.p += here.axis * position;
+    } else {
+      turn(here.axis, std::cos(position), std::sin(position), &here.X_WL.R);
+    }
+    here.com = here.X_WL.R * link.inertial.com;
+  }
+  return placed;
+}
+
+Vector7 ArmRecursion::torques(const PlacedLinks& placed, const Vector7& dq, const Vector7& ddq) const noexcept {
+  std::array<Vector3, kJointCount> w, alpha, a;    // a: of the link's origin
+  std::array<Vector3, kJointCount> force, moment;  // on a link and all it carries; about its origin
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const ArmLink& link = links_[j];
+    const PlacedLink& here = placed[j];
+    const Vector3 rate = here.axis * dq[static_cast<Eigen::Index>(j)];
+    const Vector3 gain = here.axis * ddq[static_cast<Eigen::Index>(j)];
+    if (link.parent < 0) {
+      w[j] = alpha[j] = Vector3::Zero();
+      a[j] = Vector3(0.0, 0.0, gravity_);  // the world accelerates upwards instead of gravity pulling down
+    } else {
+      const std::size_t p = uindex(link.parent);
+      const Vector3 arm = here.X_WL.p - placed[p].X_WL.p;
+      w[j] = w[p];
+      alpha[j] = alpha[p];
+      a[j] = a[p] + alpha[p].cross(arm) + w[p].cross(w[p].cross(arm));
+    }
+    if (link.slides) {
+      a[j] += gain + 2.0 * w[j].cross(rate);
+    } else {
+      alpha[j] += gain + w[j].cross(rate);
+      w[j] += rate;
+    }
+    const Matrix3& R = here.X_WL.R;
+    const Vector3 momentum = R * (link.inertial.inertia * (R.transpose() * w[j]));
+    const Vector3 turning = R * (link.inertial.inertia * (R.transpose() * alpha[j]));
+    force[j] = link.inertial.mass * (a[j] + alpha[j].cross(here.com) + w[j].cross(w[j].cross(here.com)));
+    moment[j] = turning + w[j].cross(momentum) + here.com.cross(force[j]);
+  }
+  Vector7 tau;
+  for (std::size_t j = kJointCount; j-- > 0;) {
+    const ArmLink& link = links_[j];
+    tau[static_cast<Eigen::Index>(j)] = placed[j].axis.dot(link.slides ? force[j] : moment[j]);
+    if (link.parent < 0) continue;
+    const std::size_t p = uindex(link.parent);
+    force[p] += force[j];
+    moment[p] += moment[j] + (placed[j].X_WL.p - placed[p].X_WL.p).cross(force[j]);
+  }
+  return tau;
+}
+
+/** Column by column: the momentum of all that joint j carries when it alone turns at 1 rad/s, seen by the joints above.
+ */
+Matrix7 ArmRecursion::massMatrix(const PlacedLinks& placed) const noexcept {
+  std::array<Composite, kJointCount> carried;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    carried[j] = composite(links_[j].inertial, placed[j]);
+  Matrix7 M = Matrix7::Zero();
+  for (std::size_t j = kJointCount; j-- > 0;) {
+    const ArmLink& link = links_[j];
+    const Composite& body = carried[j];
+    const Vector3& axis = placed[j].axis;
+    // velocity at the origin of W, momentum, and its moment about the origin
+    const Vector3 v = link.slides ? axis : Vector3(placed[j].X_WL.p.cross(axis));
+    const Vector3 linear = link.slides ? Vector3(body.mass * v) : Vector3(body.mass * v + axis.cross(body.moment));
+    const Vector3 angular =
+        link.slides ? Vector3(body.moment.cross(v)) : Vector3(body.moment.cross(v) + body.inertia * axis);
+    for (int k = static_cast<int>(j); k >= 0; k = links_[uindex(k)].parent) {
+      const PlacedLink& above = placed[uindex(k)];
+      const double seen =
+          links_[uindex(k)].slides ? above.axis.dot(linear) : above.axis.dot(angular - above.X_WL.p.cross(linear));
+      M(k, static_cast<Eigen::Index>(j)) = M(static_cast<Eigen::Index>(j), k) = seen;
+    }
+    if (link.parent < 0) continue;
+    Composite& parent = carried[uindex(link.parent)];
+    parent.mass += body.mass;
+    parent.moment += body.moment;
+    parent.inertia += body.inertia;
+  }
+  return M;
+}
+
+}  // namespace raven2_trainer::physics

@@ -1,0 +1,19 @@
+#include "physics/jaw_stop.h"
+
+namespace raven2_trainer::physics {
+
+JawStop::JawStop(dWorldID world, dBodyID jaw1, dBodyID jaw2, const Vector3& axis_W, double erp)
+    : motor_(dJointCreateAMotor(world, nullptr)) {
+  dJointAttach(motor_, jaw1, jaw2);
+  dJointSetAMotorMode(motor_, dAMotorUser);
+  dJointSetAMotorNumAxes(motor_, 1);
+  dJointSetAMotorAxis(motor_, 0, 1, axis_W.x(), axis_W.y(), axis_W.z());
+  dJointSetAMotorParam(motor_, dParamStopERP, erp);
+}
+
+void JawStop::update(double opening, bool enabled) noexcept {
+  dJointSetAMotorParam(motor_, dParamLoStop, enabled ? 0.0 : -dInfinity);
+  dJointSetAMotorAngle(motor_, 0, opening);
+}
+
+}  // namespace raven2_trainer::physics
