@@ -118,7 +118,7 @@ constexpr const char* kFooter =
     "inverse picks the solution nearest to J1..J7 now and clamps it to the software limits, as the robot does:\n"
     "  ok              the tool is at the pose\n"
     "  clamped         joints at a software limit, the tool is not at the pose\n"
-    "  singular_wrist  at the pose; the jaw axis passes the remote centre, so roll is free and kept as it was\n"
+    "  singular_wrist  at the pose; the jaw axis passes the remote centre, so roll is free, kept where possible\n"
     "  out_of_reach, singular_rcm (wrist at the remote centre), too_far (further in one step than the robot accepts):\n"
     "                  no solution, J1..J7 are those of the input\n"
     "A wrong table ends it with stdin:LINE: reason; the rows before that line are written.\n"

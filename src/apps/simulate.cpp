@@ -20,6 +20,8 @@ struct Options {
   double seconds{30.0};
   std::string motion{"scripted"};
   std::string output;
+  std::string homing;  ///< the configuration's if empty
+  double motion_scale{0.0};  ///< [-] the configuration's if 0
   bool video{false};
 };
 
@@ -40,7 +42,9 @@ apps::CommonOptions common(const Options& options) {
 }
 
 int simulate(const Options& options) {
-  const TrainerConfig config = common(options).load();
+  TrainerConfig config = common(options).load();
+  if (!options.homing.empty()) config.virtual_raven.full_homing = options.homing == "full";
+  if (options.motion_scale > 0.0) config.console.scale = options.motion_scale;
   physics::initialiseOde();
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
@@ -78,7 +82,12 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.001, 86400.0));
   app.add_option("--motion", options.motion, "scripted or recording:FILE (its arms pass through the scene)")
       ->capture_default_str();
+  app.add_option("--motion-scale", options.motion_scale,
+                 "Motion scale of the master [-] (default: the configuration's)")
+      ->check(CLI::Range(0.001, 1.0));
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
+  app.add_option("--homing", options.homing, "full: search of the hard stops, quick: joints known (default: config's)")
+      ->check(CLI::IsMember({"full", "quick"}));
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
   return apps::runProgram(&app, argc, argv, [&] { return simulate(options); });
 }

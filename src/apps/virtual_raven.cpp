@@ -1,6 +1,8 @@
-// The robot when there is none: emulated Raven control software on an emulated plant, over the real robot's sockets.
+// The robot when there is none: emulated Raven control software on an emulated plant, over the real robot's
+// sockets; or driven by a recording, in lockstep.
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <memory>
 
 #include "apps/common/command_line.h"
@@ -9,26 +11,58 @@
 #include "raven2_trainer/ros/ros_bridge.h"
 #include "raven2_trainer/runtime/cyclic_thread.h"
 #include "raven2_trainer/runtime/raven_server.h"
+#include "raven2_trainer/runtime/replay.h"
 
 namespace raven2_trainer {
 namespace {
 
 constexpr double kReportEvery = 1.0;  // [s]
 
-int run(const apps::CommonOptions& common, double duration, int argc, char** argv) {
-  const TrainerConfig config = common.load();
+struct Options {
+  apps::CommonOptions common;
+  double duration{0.0};
+  std::string homing, behaviour;  ///< the configuration's if empty
+  std::string replay, output;
+  runtime::ReplayOptions replay_options;
+
+  TrainerConfig load() const {
+    TrainerConfig config = common.load();
+    if (!homing.empty()) config.virtual_raven.full_homing = homing == "full";
+    if (!behaviour.empty()) config.virtual_raven.behaviour = behaviour;
+    return config;
+  }
+};
+
+int replay(const Options& options) {
+  const TrainerConfig config = options.load();
+  apps::ProgressBar bar("replay");
+  const auto start = std::chrono::steady_clock::now();
+  const runtime::ReplaySummary summary = runtime::replayFile(config, options.replay_options, options.replay,
+                                                             options.output, [&](double share) { bar.update(share); });
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  char text[160];
+  std::snprintf(text, sizeof(text), "%.1f s in %.1f s (%.0f x real time); ITP %llu received, %llu applied",
+                summary.seconds, wall.count(), summary.seconds / wall.count(),
+                static_cast<unsigned long long>(summary.itp.received),
+                static_cast<unsigned long long>(summary.itp.applied));
+  bar.done(text);
+  return 0;
+}
+
+int run(const Options& options, int argc, char** argv) {
+  apps::blockSignals();
+  const TrainerConfig config = options.load();
   const bool has_ros = ros_bridge::connect(argc, argv, "virtual_raven");
   runtime::RavenServer server(config);
   std::unique_ptr<ros_bridge::RavenPublisher> publisher;
   if (has_ros) {
-    publisher = std::make_unique<ros_bridge::RavenPublisher>(
-        config.arms.geometry.d4, [&] { return server.state(); }, [&] { server.pressStart(); });
+    publisher = std::make_unique<ros_bridge::RavenPublisher>(config.arms.geometry.d4, &server);
   }
   std::fprintf(stderr, "behaviour %s; %s\n", config.virtual_raven.behaviour.c_str(), runtime::lockMemory().c_str());
   server.start();
   if (publisher) publisher->start();
   RunLevel shown = RunLevel::kEStop;
-  for (double time = 0.0; (duration <= 0.0 || time < duration) && !apps::waitForSignal(kReportEvery);
+  for (double time = 0.0; (options.duration <= 0.0 || time < options.duration) && !apps::waitForSignal(kReportEvery);
        time += kReportEvery) {
     const RunLevel level = server.state().runlevel;
     if (level != shown) std::fprintf(stderr, "run level %s\n", kRunLevelNames[static_cast<std::size_t>(level)]);
@@ -37,9 +71,14 @@ int run(const apps::CommonOptions& common, double duration, int argc, char** arg
   if (publisher) publisher->stop();
   server.stop();
   const LinkCounts itp = server.state().itp;
-  std::fprintf(stderr, "%llu cycles; ITP %llu received, %llu applied\n",
+  const runtime::StateServer& link = server.stateServer();
+  std::fprintf(stderr, "%llu cycles; ITP %llu received, %llu applied; %llu frames lost by slow readers\n",
                static_cast<unsigned long long>(server.state().cycle), static_cast<unsigned long long>(itp.received),
-               static_cast<unsigned long long>(itp.applied));
+               static_cast<unsigned long long>(itp.applied), static_cast<unsigned long long>(link.framesDropped()));
+  if (publisher) {
+    std::fprintf(stderr, "%llu messages of /ravenstate lost\n",
+                 static_cast<unsigned long long>(server.reportsDropped()));
+  }
   return itp.addsUp() ? 0 : 1;
 }
 
@@ -48,13 +87,26 @@ int run(const apps::CommonOptions& common, double duration, int argc, char** arg
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
-  apps::blockSignals();
-  apps::CommonOptions common;
-  double duration = 0.0;
+  Options options;
   CLI::App app{"Virtual Raven: emulated control software and plant. ITP in on UDP, state frames out on TCP."};
-  common.add(&app, /*with_ports=*/true);
-  app.add_option("--duration", duration, "End after this long [s]; 0: until stopped")
+  options.common.add(&app, /*with_ports=*/true);
+  app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
-  return apps::runProgram(&app, argc, argv, [&] { return run(common, duration, argc, argv); });
+  app.add_option("--homing", options.homing, "full: search of the hard stops, quick: joints known (default: config's)")
+      ->check(CLI::IsMember({"full", "quick"}));
+  app.add_option("--behaviour", options.behaviour, "compat: a real Raven's rules (default: config's)")
+      ->check(CLI::IsMember({"compat", "hardened"}));
+  auto* input = app.add_option("--replay", options.replay, "Recorded datagrams, .csv or .csv.gz: no sockets, no ROS");
+  app.add_option("--output", options.output, "State recording to write, .csv or .csv.gz")->needs(input);
+  app.add_flag("--skip-homing", options.replay_options.skip_homing, "Replay from the home pose in PEDAL_UP")
+      ->needs(input);
+  app.add_option("--press-start", options.replay_options.press_start,
+                 "Replay: press the start button this long after an E-STOP [s]; negative: never")
+      ->capture_default_str()
+      ->check(CLI::Range(-1.0, 3600.0))
+      ->needs(input);
+  input->needs("--output");
+  return apps::runProgram(&app, argc, argv,
+                          [&] { return options.replay.empty() ? run(options, argc, argv) : replay(options); });
 }

@@ -212,15 +212,75 @@ MotorAxis readAxis(Section& axes, const char* joint) {
   m.transmission = axis.number("transmission", 0, kAny);
   m.torque_per_amp = axis.number("torque_per_amp", 0, kAny);
   m.counts_per_amp = axis.number("counts_per_amp", 0, kAny);
-  m.inertia = axis.number("inertia", 0, kAny);
-  m.coulomb = axis.number("coulomb", 0, kAny);
-  m.viscous = axis.number("viscous", 0, kAny);
   m.kp = axis.number("kp", 0, kAny);
   m.kd = axis.number("kd", 0, kAny);
   m.ki = axis.number("ki", 0, kAny);
   m.dac_clip = static_cast<std::int32_t>(axis.integer("dac_clip", 0, 32767));
   axis.finish();
   return m;
+}
+
+std::array<std::int32_t, kJointCount> readCounts(Section& root, const std::string& key) {
+  const JointArray values = root.joints(key, 0, 32767);
+  std::array<std::int32_t, kJointCount> counts;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    counts[j] = static_cast<std::int32_t>(values[j]);
+    if (counts[j] != values[j]) throw ConfigException(root.where(key) + " holds a fraction, expected whole counts");
+  }
+  return counts;
+}
+
+/** Puts one training level in place of the values of the file; a level not chosen is read and checked all the same. */
+void readTrainingLevel(Section level, bool chosen, VirtualRavenConfig* c) {
+  const auto clip = readCounts(level, "dac_clip");
+  const auto homing = readCounts(level, "homing_dac");
+  const auto max_inst = static_cast<std::int32_t>(level.integer("max_inst_dac", 1, 32767));
+  const JointArray kp = level.joints("kp", 0, kAny);
+  const JointArray ki = level.joints("ki", 0, kAny);
+  level.finish();
+  if (!chosen) return;
+  c->homing_dac = homing;
+  c->max_inst_dac = max_inst;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    c->axes[j].dac_clip = clip[j];
+    c->axes[j].kp = kp[j];
+    c->axes[j].ki = ki[j];
+  }
+}
+
+void readTrainingLevels(Section& root, VirtualRavenConfig* c) {
+  c->training_level = root.text("training_level", {"beginner", "moderate", "advanced", "authors"});
+  Section levels = root.section("training_levels");
+  for (const char* name : {"beginner", "advanced", "authors"})
+    readTrainingLevel(levels.section(name), c->training_level == name, c);
+  levels.finish();
+}
+
+PlantAxis readPlantAxis(Section& axes, const char* joint) {
+  Section axis = axes.section(joint);
+  PlantAxis a;
+  a.torque_gain = axis.number("torque_gain", 0.1, 10);
+  a.torque_offset = axis.number("torque_offset", -1, 1);
+  a.inertia = axis.number("inertia", 1e-7, 1);
+  a.coulomb = axis.number("coulomb", 0, 10);
+  a.viscous = axis.number("viscous", 0, 10);
+  a.link_coulomb = axis.number("link_coulomb", 0, 1e3);
+  a.link_viscous = axis.number("link_viscous", 0, 1e4);
+  a.cable_stiffness = axis.number("cable_stiffness", 100, 1e12);
+  a.cable_damping = axis.number("cable_damping", 0, 1e9);
+  axis.finish();
+  return a;
+}
+
+void readPlant(Section& root, PlantConfig* c) {
+  c->title = root.text("title");
+  c->elastic_cables = root.text("cables", {"rigid", "elastic"}) == "elastic";
+  c->amplifier_limit = root.number("amplifier_limit", 0.1, 10);
+  c->amplifier_offset = root.number("amplifier_offset", -1, 1);
+  Section axes = root.section("axes");
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    c->axes[j] = readPlantAxis(axes, kJointNames[j]);
+  axes.finish();
 }
 
 void readVirtualRaven(Section& root, VirtualRavenConfig* c) {
@@ -237,8 +297,15 @@ void readVirtualRaven(Section& root, VirtualRavenConfig* c) {
   c->max_inst_dac = static_cast<std::int32_t>(root.integer("max_inst_dac", 1, 32767));
   c->master_timeout = root.integer("master_timeout", 1, 1000000000);
   c->gravity_compensation = root.boolean("gravity_compensation");
+  c->homing_dac = readCounts(root, "homing_dac");
+  readTrainingLevels(root, c);
+  c->overdrive_policy = static_cast<OverdrivePolicy>(root.choice("overdrive_policy", kOverdrivePolicyNames));
+  c->low_pass = root.boolean("low_pass");
+  c->full_homing = root.text("homing", {"full", "quick"}) == "full";
   c->start_offset = root.joints("start_offset", -1, 1);
   c->homing_time = root.number("homing_time", 0.1, 60);
+  c->plant_name = root.text("plant");
+  c->plants_folder = (fs::absolute(root.file()).parent_path() / "plants").string();
 }
 
 std::int8_t readAxisOrJoint(Section& root, FaultTarget target) {
@@ -354,6 +421,7 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.render = readFile<RenderConfig>(file("render"), &c, readRender);
   c.console = readFile<ConsoleConfig>(file("console"), &c, readConsole);
   c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);
+  selectPlant(&c, c.virtual_raven.plant_name);
   c.scenarios = readScenarios(file("faults"), &c);
   c.robot_urdf = file("robot_urdf");
   c.scene_urdf = file("scene_urdf");
@@ -376,6 +444,18 @@ ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name) {
     known += (known.empty() ? "" : ", ") + tool.name;
   }
   throw ConfigException("no tool is called \"" + name + "\"; known: " + known);
+}
+
+void selectPlant(TrainerConfig* config, const std::string& name) {
+  VirtualRavenConfig& robot = config->virtual_raven;
+  const auto fileOf = [&](const std::string& plant) {
+    const bool is_file = fs::path(plant).extension() == ".yaml";
+    return is_file ? plant : (fs::path(robot.plants_folder) / (plant + ".yaml")).string();
+  };
+  auto& files = config->files;
+  files.erase(std::remove(files.begin(), files.end(), fileOf(robot.plant_name)), files.end());
+  robot.plant = readFile<PlantConfig>(fileOf(name), config, readPlant);
+  robot.plant_name = name;
 }
 
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {

@@ -81,7 +81,9 @@ bool applyJointLimits(const ArmGeometry& geometry, JointArray* q) noexcept {
   for (std::size_t j = 0; j <= kWrist; ++j) {
     (*q)[j] = std::clamp((*q)[j], geometry.q_min[j], geometry.q_max[j]);
   }
-  (*q)[kGrasp1] = std::max((*q)[kGrasp1], geometry.q_min[kGrasp1]);
+  // The robot's sixth joint is the jaws' mid-line; it is held against grasper 1's lower limit and no other.
+  const double midline = jawMidline(*q);
+  if (midline < geometry.q_min[kGrasp1]) setJaws(geometry.q_min[kGrasp1], jawOpening(*q), q);
   return before != *q;
 }
 

@@ -27,6 +27,9 @@ struct TcpServer::Client {
   FileDescriptor fd;
   OutgoingQueue queue{kQueueFrames};
   bool gone{false};
+  bool has_taken{false};          // some byte, since the last poll
+  std::int64_t waiting_since{0};  // [ns] the first poll at which something waited and nothing had been taken; 0 none
+  ReaderInfo info;
 };
 
 TcpServer::TcpServer(const std::string& bind_address, std::uint16_t port) {
@@ -46,7 +49,7 @@ TcpServer::TcpServer(const std::string& bind_address, std::uint16_t port) {
 
 TcpServer::~TcpServer() = default;
 
-void TcpServer::poll(int timeout_ms, Listener& listener) {
+void TcpServer::poll(int timeout_ms, Listener& listener, std::int64_t now_ns) {
   timeout_ms = std::max(timeout_ms, 0);
   std::array<pollfd, kMaxClients + 1> entries{};
   entries[kMaxClients] = {listening_.get(), POLLIN, 0};
@@ -66,22 +69,40 @@ void TcpServer::poll(int timeout_ms, Listener& listener) {
     reap(listener);  // before accepting: places become free
     if ((entries[kMaxClients].revents & POLLIN) != 0) acceptAll(listener);
   }
+  closeStalled(now_ns);
   reap(listener);
+}
+
+void TcpServer::closeStalled(std::int64_t now_ns) noexcept {
+  for (const std::unique_ptr<Client>& place : clients_) {
+    if (!place) continue;
+    const bool is_waiting = place->queue.size() > 0 && !place->has_taken;
+    place->has_taken = false;
+    if (!is_waiting) place->waiting_since = 0;
+    if (is_waiting && place->waiting_since == 0) place->waiting_since = now_ns;
+    if (!is_waiting || now_ns - place->waiting_since < kStallNs) continue;
+    place->info.stalled = true;
+    place->gone = true;
+  }
 }
 
 void TcpServer::acceptAll(Listener& listener) {
   for (int i = 0; i < kAcceptsPerPoll; ++i) {
-    FileDescriptor fd(::accept4(listening_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    sockaddr_in address{};
+    socklen_t size = sizeof(address);
+    FileDescriptor fd(
+        ::accept4(listening_.get(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (!fd.isOpen()) return;
-    admit(std::move(fd), listener);
+    admit(std::move(fd), fromSockaddr(address), listener);
   }
 }
 
-void TcpServer::admit(FileDescriptor fd, Listener& listener) {
+void TcpServer::admit(FileDescriptor fd, const Endpoint& peer, Listener& listener) {
   for (std::unique_ptr<Client>& place : clients_) {
     if (place) continue;
     tuneTcp(fd.get());
     place = std::make_unique<Client>(next_id_++, std::move(fd));
+    place->info.peer = peer;
     listener.onConnect(place->id);
     return;
   }
@@ -124,7 +145,10 @@ std::size_t TcpServer::broadcast(const std::uint8_t* frame, std::size_t size) no
 }
 
 void TcpServer::enqueue(Client& client, const std::uint8_t* frame, std::size_t size) noexcept {
-  frames_dropped_ += client.queue.push(frame, size);
+  const std::size_t dropped = client.queue.push(frame, size);
+  ++client.info.frames_sent;
+  client.info.frames_dropped += dropped;
+  frames_dropped_ += dropped;
   flush(client);
 }
 
@@ -136,6 +160,7 @@ void TcpServer::flush(Client& client) noexcept {
       return;
     }
     client.queue.consume(static_cast<std::size_t>(sent));
+    client.has_taken = true;
   }
 }
 
@@ -148,10 +173,16 @@ void TcpServer::drop(ClientId client) noexcept {
 void TcpServer::reap(Listener& listener) {
   for (std::unique_ptr<Client>& place : clients_) {
     if (!place || !place->gone) continue;
-    const ClientId id = place->id;
+    listener.onDisconnect(place->id);
     place.reset();
-    listener.onDisconnect(id);
   }
+}
+
+TcpServer::ReaderInfo TcpServer::reader(ClientId client) const noexcept {
+  for (const std::unique_ptr<Client>& place : clients_) {
+    if (place && place->id == client) return place->info;
+  }
+  return {};
 }
 
 std::size_t TcpServer::clientCount() const noexcept {

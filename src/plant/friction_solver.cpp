@@ -11,41 +11,54 @@ constexpr double kConverged = 1e-7;  // [rad/s] of a motor: a thousandth of a co
 
 }  // namespace
 
-FrictionSolver::Vector FrictionSolver::solve(const Matrix& W,
+double FrictionSolver::sweepFriction(const Matrix& admittance, const Vector& limit) noexcept {
+  double change = 0.0;
+  for (Eigen::Index j = 0; j < kRates; ++j) {
+    if (limit[j] == 0.0) continue;
+    const double gain = admittance(j, j);
+    const double wanted = std::clamp(impulse_[j] - rate_[j] / gain, -limit[j], limit[j]);
+    const double delta = wanted - impulse_[j];
+    impulse_[j] = wanted;
+    rate_.noalias() += admittance.col(j) * delta;
+    change = std::max(change, std::abs(delta * gain));
+  }
+  return change;
+}
+
+double FrictionSolver::sweepStops(const Matrix& admittance, const Stops& stops, std::size_t stop_count) noexcept {
+  double change = 0.0;
+  for (std::size_t k = 0; k < stop_count; ++k) {
+    const Stop& stop = stops[k];
+    const auto column = admittance.col(stop.coordinate);
+    const double missing = stop.least_rate - stop.sign * rate_[stop.coordinate];
+    const double wanted = std::max(0.0, push_[k] + missing / column[stop.coordinate]);
+    const double delta = wanted - push_[k];
+    push_[k] = wanted;
+    rate_.noalias() += column * (stop.sign * delta);
+    change = std::max(change, std::abs(delta) * column.cwiseAbs().maxCoeff());
+  }
+  return change;
+}
+
+FrictionSolver::Vector FrictionSolver::solve(const Matrix& admittance,
                                              const Vector& free,
                                              const Vector& limit,
-                                             const std::array<Stop, kJointCount>& stops,
+                                             const Stops& stops,
                                              std::size_t stop_count) noexcept {
   impulse_ = impulse_.cwiseMax(-limit).cwiseMin(limit);
-  Vector velocity = free + W * impulse_;
-  std::array<double, kJointCount> push{};
-  std::array<Vector, kJointCount> response;
-  for (std::size_t k = 0; k < stop_count; ++k)
-    response[k].noalias() = W * stops[k].direction;
-
+  rate_ = free;
+  for (Eigen::Index j = 0; j < kRates; ++j) {
+    if (impulse_[j] != 0.0) rate_.noalias() += admittance.col(j) * impulse_[j];
+  }
+  push_.fill(0.0);
   for (iterations_ = 1; iterations_ <= kMaxSweeps; ++iterations_) {
-    double change = 0.0;
-    for (Eigen::Index j = 0; j < 7; ++j) {
-      const double wanted = std::clamp(impulse_[j] - velocity[j] / W(j, j), -limit[j], limit[j]);
-      const double delta = wanted - impulse_[j];
-      impulse_[j] = wanted;
-      velocity.noalias() += W.col(j) * delta;
-      change = std::max(change, std::abs(delta * W(j, j)));
-    }
-    for (std::size_t k = 0; k < stop_count; ++k) {
-      const double gain = stops[k].direction.dot(response[k]);
-      const double rate = stops[k].direction.dot(velocity);
-      const double wanted = std::max(0.0, push[k] - (rate - stops[k].least_rate) / gain);
-      velocity.noalias() += response[k] * (wanted - push[k]);
-      change = std::max(change, std::abs((wanted - push[k]) * response[k].cwiseAbs().maxCoeff()));
-      push[k] = wanted;
-    }
-    if (change < kConverged) break;
+    const double friction = sweepFriction(admittance, limit);
+    if (std::max(friction, sweepStops(admittance, stops, stop_count)) < kConverged) break;
   }
-  for (Eigen::Index j = 0; j < 7; ++j) {
-    if (std::abs(impulse_[j]) < limit[j]) velocity[j] = 0.0;  // held: exactly still
+  for (Eigen::Index j = 0; j < kRates; ++j) {
+    if (std::abs(impulse_[j]) < limit[j]) rate_[j] = 0.0;  // held: exactly still
   }
-  return velocity;
+  return rate_;
 }
 
 }  // namespace raven2_trainer::plant

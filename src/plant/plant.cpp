@@ -11,11 +11,16 @@ struct Plant::Impl {
 
   Plc plc;
   PerArm<ArmPlant> arms;
-  PerArm<raven::UsbOut> boards{};  // a board keeps its last command
+  PerArm<raven::UsbOut> boards{};                                 // a board keeps its last command
+  PerArm<std::array<std::int32_t, raven::kChannels>> power_on{};  // [counts] where the encoders began
 };
 
 Plant::Plant(const model::RavenModel& raven, const VirtualRavenConfig& config)
     : impl_(std::make_unique<Impl>(raven, config)) {
+  for (const Arm arm : kArms) {
+    at(impl_->power_on, arm) = at(impl_->arms, arm).encoders();
+    raven::decodeOut(raven::startUpWrite(), &at(impl_->boards, arm));
+  }
   pressStart();
 }
 
@@ -24,7 +29,10 @@ Plant::~Plant() = default;
 PerArm<raven::UsbInBytes> Plant::read() const noexcept {
   PerArm<raven::UsbInBytes> in;
   for (const Arm arm : kArms) {
-    at(in, arm) = raven::encodeIn({impl_->plc.inputPins(), at(impl_->arms, arm).encoders()});
+    raven::UsbIn packet{impl_->plc.inputPins(), at(impl_->arms, arm).encoders()};
+    for (std::size_t k = 0; k < raven::kChannels; ++k)
+      packet.encoder[k] -= at(impl_->power_on, arm)[k];
+    at(in, arm) = raven::encodeIn(packet);
   }
   return in;
 }
@@ -41,6 +49,10 @@ void Plant::step(const PerArm<raven::UsbOutBytes>& out) noexcept {
 
 void Plant::pressStart() noexcept {
   impl_->plc.pressStart();
+}
+
+void Plant::startInPedalUp() noexcept {
+  impl_->plc.startIn(RunLevel::kPedalUp);
 }
 
 RunLevel Plant::runLevel() const noexcept {

@@ -42,6 +42,12 @@ void Plc::step(const PerArm<std::uint8_t>& board_pins) noexcept {
   if (level_ != RunLevel::kEStop) start_pressed_ = false;
 }
 
+void Plc::startIn(RunLevel level) noexcept {
+  level_ = level;
+  start_pressed_ = false;
+  edge_age_ = {};
+}
+
 std::uint8_t Plc::inputPins() const noexcept {
   return static_cast<std::uint8_t>(static_cast<unsigned>(level_) << pins::kLevelShift);
 }

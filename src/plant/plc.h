@@ -19,6 +19,9 @@ class Plc {
   /** Pressed until it has taken effect. */
   void pressStart() noexcept { start_pressed_ = true; }
 
+  /** Starts in a level with the watchdogs taken as just seen. */
+  void startIn(RunLevel level) noexcept;
+
   RunLevel level() const noexcept { return level_; }
   std::uint8_t inputPins() const noexcept;
   /** Brakes of the positioning joints; released in INIT for homing and in PEDAL_DN. */

@@ -27,9 +27,22 @@ class MotorController {
   JointArray integral_{};  // [rad s]
 };
 
-/** Overdrive check, policy SOFT: a command above `max_inst_dac` becomes 0 and stops the robot; one above its clip is
- *  clipped from INIT on. Grasp2 is never looked at: the robot's loop ends one joint early (raven2.md 4.5).
- *  @return true if the robot must stop. */
-bool overdriveDetect(const VirtualRavenConfig& config, bool clips, DacArray* dac) noexcept;
+/** Overdrive check (raven2.md 4.5): a command above `max_inst_dac` becomes 0 and stops the robot; one above its clip is
+ *  treated as the policy says, from INIT on. Grasp2 is never looked at: the robot's loop ends one joint early.
+ * Real-time safe. */
+class OverdriveCheck {
+ public:
+  explicit OverdriveCheck(const VirtualRavenConfig& config) noexcept;
+  /** @param[in] clips false in E-STOP. @return true if the robot must stop. */
+  bool check(bool clips, DacArray* dac) noexcept;
+
+ private:
+  bool regulate(std::size_t joint, std::int32_t* command) noexcept;
+
+  std::array<std::int32_t, kJointCount> clip_{};  // [counts]
+  std::int32_t max_inst_dac_;
+  OverdrivePolicy policy_;
+  int count_{0};  // policy HARD: commands above their clip, of all joints of both arms
+};
 
 }  // namespace raven2_trainer::raven

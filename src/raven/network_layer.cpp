@@ -42,16 +42,27 @@ Reject NetworkLayer::judge(const std::uint8_t* bytes,
   const Reject size_reason = wire::decodeItp(bytes, std::min(size, wire::kItpSize), packet);
   if (size_reason != Reject::kNone) return size_reason;
   injectFaults(faults, packet);
-  const Reject order_reason = rule_.check(packet->sequence);
-  if (order_reason != Reject::kNone) return order_reason;
-  return checkQuaternions(*packet);
+  return rule_.check(packet->sequence);
 }
 
 void NetworkLayer::apply(const wire::ItpPacket& packet) noexcept {
   pedal_ = packet.surgeon_mode != 0;
-  silent_cycles_ = 0;
+  last_accepted_ = packet.sequence;
+  silent_cycles_ = -1;
   for (const Arm arm : kArms)
     at(targets_, arm).add(arm, packet);
+}
+
+void NetworkLayer::automove(const PerArm<Vec3>& dp_um_base0, const PerArm<Quat>& dq) noexcept {
+  silent_cycles_ = -1;
+  for (const Arm arm : kArms)
+    at(targets_, arm).addInBase(at(dp_um_base0, arm), at(dq, arm));
+}
+
+void NetworkLayer::rebase(const PerArm<const MasterTarget*>& poses) noexcept {
+  silent_cycles_ = -1;
+  for (const Arm arm : kArms)
+    at(targets_, arm).rebase(*at(poses, arm));
 }
 
 void NetworkLayer::tick() noexcept {

@@ -32,6 +32,12 @@ void StateMachine::step(bool homed) noexcept {
   soft_estopped_ = false;
 }
 
+void StateMachine::startInPedalUp() noexcept {
+  level_ = RunLevel::kPedalUp;
+  sub_level_ = 3;
+  initialized_ = true;
+}
+
 void StateMachine::stepInit(bool homed) noexcept {
   switch (sub_level_) {
     case 0:

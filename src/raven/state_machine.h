@@ -24,6 +24,8 @@ class StateMachine {
   RunLevel runLevel() const noexcept { return level_; }
   std::uint8_t subLevel() const noexcept { return sub_level_; }
   bool initialized() const noexcept { return initialized_; }
+  /** PEDAL_UP, initialised: where homing and the PLC would have led. */
+  void startInPedalUp() noexcept;
   bool softEstopped() const noexcept { return soft_estopped_; }
   /** INIT with sub-level 3, not yet READY: the time of homing. */
   bool mayHome() const noexcept { return level_ == RunLevel::kInit && sub_level_ == 3 && !initialized_; }

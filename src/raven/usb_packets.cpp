@@ -58,6 +58,12 @@ bool decodeIn(const UsbInBytes& bytes, UsbIn* packet) noexcept {
   return true;
 }
 
+UsbOutBytes startUpWrite() noexcept {
+  UsbOut packet;
+  packet.dac.fill(static_cast<std::int16_t>(-kDacOffset));
+  return encodeOut(packet);
+}
+
 bool decodeOut(const UsbOutBytes& bytes, UsbOut* packet) noexcept {
   if (bytes[0] != kTypeOut || bytes[1] != kChannels) return false;
   for (std::size_t k = 0; k < kChannels; ++k) {

@@ -3,6 +3,7 @@
 #include <sensor_msgs/image_encodings.h>
 
 #include "raven2_trainer/kinematics/joint_conventions.h"
+#include "raven2_trainer/wire/robot_frame.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -59,9 +60,10 @@ DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
   return s;
 }
 
-DiagnosticStatus robotStatus(const RobotState& robot) {
+DiagnosticStatus robotStatus(const RobotState& robot, std::uint16_t refused_version) {
   const bool up = robot.connected != 0 && robot.frame > 0;
   DiagnosticStatus s = status("robot", up, up ? kRunLevelNames[static_cast<std::size_t>(robot.runlevel)] : "no robot");
+  if (!up && refused_version != 0) s.message = wire::refusalText("robot", refused_version);
   s.values = {value("cycle", robot.cycle), value("virtual", static_cast<int>(robot.is_virtual)),
               value("homed", static_cast<int>(robot.homed)), value("active_fault", robot.active_fault)};
   return s;
@@ -159,6 +161,7 @@ trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4) {
 
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
+                                             std::uint16_t refused_version,
                                              const std::string& realtime,
                                              const ros::Time& stamp) {
   diagnostic_msgs::DiagnosticArray array;
@@ -168,7 +171,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(linkStatus("master to daemon", counts.master));
   array.status.push_back(linkStatus("daemon to robot", counts.relay));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
-  array.status.push_back(robotStatus(robot));
+  array.status.push_back(robotStatus(robot, refused_version));
   array.status.push_back(status("real time", counts.realtime != 0, realtime));
   if (counts.realtime == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
   array.status.push_back(

@@ -55,7 +55,8 @@ struct RosBridge::Impl {
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
     if (cycle % every(kDiagnosticsPeriod, period) == 0) {
-      diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, simulator.realtimeStatus(), stamp));
+      diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, simulator.shared().robot_version_refused.load(),
+                                            simulator.realtimeStatus(), stamp));
     }
     ++cycle;
   }

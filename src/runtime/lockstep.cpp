@@ -92,7 +92,9 @@ struct Lockstep::Impl {
     }
     plant.step(software.cycle(plant.read()));
     receiveFaultPlan();
-    const std::size_t size = wire::encodeState(++frame_sequence, software.state(), buffer.data());
+    RobotState state = software.state();
+    state.time_ns = now_ns;
+    const std::size_t size = wire::encodeState(++frame_sequence, state, buffer.data());
     link.receive(buffer.data(), size, now_ns);
   }
 

@@ -9,7 +9,7 @@ RobotLink::RobotLink(const TrainerConfig& config, SharedState* shared)
 
 void RobotLink::connected() noexcept {
   parser_.reset();
-  hello_ = false;
+  is_first_ = true;
   state_ = RobotState{};
   sent_generation_ = ~std::uint64_t{0};
 }
@@ -27,31 +27,60 @@ bool RobotLink::receive(const std::uint8_t* bytes, std::size_t size, std::int64_
       case wire::FrameParser::Result::kNeedMore:
         return true;
       case wire::FrameParser::Result::kFrame:
-        counts_.count(apply(frame, now_ns) ? Reject::kNone : Reject::kBadFrame);
-        shared_.robot_link.store(counts_);
+        count(apply(frame, now_ns));
         break;
       case wire::FrameParser::Result::kBroken:
-        counts_.count(Reject::kBadFrame);
-        shared_.robot_link.store(counts_);
+        count(parser_.refusedVersion() != 0 ? Reject::kBadVersion : Reject::kBadFrame);
         return false;
     }
   }
 }
 
-bool RobotLink::apply(const wire::Frame& frame, std::int64_t now_ns) noexcept {
-  if (frame.type == wire::FrameType::kHello) {
-    bool is_virtual = false;
-    hello_ = wire::decodeHello(frame, &is_virtual);
-    state_.is_virtual = hello_ && is_virtual ? 1 : 0;  // whatever does not say "virtual" is real
-    return hello_;
-  }
-  if (frame.type != wire::FrameType::kState || !hello_) return false;
-  if (!wire::decodeState(frame, &state_)) return false;
-  applyState(now_ns);
-  return true;
+void RobotLink::count(Reject reason) noexcept {
+  counts_.count(reason);
+  shared_.robot_link.store(counts_);
+  const std::uint16_t refused = parser_.refusedVersion();
+  if (refused != refused_version_) shared_.robot_version_refused.store(refused);
+  refused_version_ = refused;
 }
 
-void RobotLink::applyState(std::int64_t now_ns) noexcept {
+Reject RobotLink::apply(const wire::Frame& frame, std::int64_t now_ns) noexcept {
+  switch (frame.type) {
+    case wire::FrameType::kHello:
+      return applyHello(frame);
+    case wire::FrameType::kState:
+      return applyState(frame, now_ns);
+    default:
+      return Reject::kBadFrame;
+  }
+}
+
+// A robot must not turn virtual under way, so a hello counts only as the first frame; without one the robot is real.
+Reject RobotLink::applyHello(const wire::Frame& frame) noexcept {
+  if (!is_first_) return Reject::kOutOfOrder;
+  is_first_ = false;
+  state_.is_virtual = wire::saysVirtual(frame) ? 1 : 0;
+  return Reject::kNone;
+}
+
+Reject RobotLink::checkOrder(const RobotState& next) const noexcept {
+  if (state_.frame == 0) return Reject::kNone;
+  if (next.cycle == state_.cycle) return Reject::kDuplicate;
+  return next.cycle < state_.cycle || next.time_ns < state_.time_ns ? Reject::kOutOfOrder : Reject::kNone;
+}
+
+Reject RobotLink::applyState(const wire::Frame& frame, std::int64_t now_ns) noexcept {
+  is_first_ = false;
+  RobotState next = state_;
+  Reject reason = wire::decodeState(frame, &next);
+  if (reason == Reject::kNone) reason = checkOrder(next);
+  if (reason != Reject::kNone) return reason;
+  state_ = next;
+  publish(now_ns);
+  return Reject::kNone;
+}
+
+void RobotLink::publish(std::int64_t now_ns) noexcept {
   state_.connected = 1;
   state_.received_ns = now_ns;
   ++state_.frame;
@@ -66,7 +95,7 @@ void RobotLink::applyState(std::int64_t now_ns) noexcept {
 }
 
 std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
-  if (!hello_ || state_.is_virtual == 0) return 0;  // no fault ever goes to a real robot
+  if (state_.is_virtual == 0) return 0;  // no fault ever goes to a real robot
   FaultPlan plan;
   if (!shared_.faults.tryLoad(&plan) || plan.generation == sent_generation_) return 0;
   sent_generation_ = plan.generation;

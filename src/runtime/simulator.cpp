@@ -147,9 +147,17 @@ struct Simulator::Impl {
   void receiveFrames(std::uint8_t* buffer, std::size_t capacity) {
     while (const std::size_t size = robot_client.receive(buffer, capacity)) {
       if (link.receive(buffer, size, net::monotonicNow())) continue;
+      reportVersion(shared->robot_version_refused.load());
       robot_client.disconnect();
       return;
     }
+  }
+
+  /** Once for each version met, however often the robot is tried again. */
+  void reportVersion(std::uint16_t version) {
+    if (version == reported_version) return;
+    reported_version = version;
+    if (version != 0) std::fprintf(stderr, "%s\n", wire::refusalText("robot", version).c_str());
   }
 
   void senderLoop() {
@@ -286,6 +294,7 @@ struct Simulator::Impl {
 
   MasterIngest ingest;
   RobotLink link;
+  std::uint16_t reported_version{0};  // robot_link's own
   FaultDirector faults;
   PhysicsLoop physics;
   HapticLoop haptic;

@@ -74,7 +74,7 @@ struct Layout<ArmState> {
     v.field("q_BT", s.q_BT, "", "tool orientation in B, unit quaternion x y z w");
     v.field("ik_status", s.ik_status, "",
             "outcome of the inverse kinematics: 0 ok, 1 clamped, 2 out of reach, "
-            "3 at the remote centre, 4 too far, 5 singular wrist (roll kept, motion goes on)");
+            "3 at the remote centre, 4 too far, 5 singular wrist (roll kept where possible, motion goes on)");
     v.field("contacts", s.contacts, "points", "contact points on this arm");
   }
 };
@@ -105,6 +105,9 @@ struct Layout<RobotArmState> {
     v.field("dq", s.dq, "rad/s, [2] m/s", "joint velocity");
     v.field("motor", s.motor, "rad", "motor position");
     v.field("dac", s.dac, "counts", "last motor command, after clipping and faults");
+    v.field("jstate", s.jstate, "",
+            "homing state of each joint: 0 not_ready, 1 pos_unknown, 2 homing1, 3 homing2, 4 ready, 5 wait, "
+            "6 hard_stop, 255 unknown");
     v.field("p_BT", s.p_BT, "m", "tool tip in the arm base frame B");
     v.field("v_BT", s.v_BT, "m/s", "its velocity");
   }
@@ -116,6 +119,7 @@ struct Layout<RobotState> {
   static void visit(Visitor& v, State& s) {
     v.field("cycle", s.cycle, "ms", "robot control cycle that sent the frame");
     v.field("frame", s.frame, "frames", "applied so far; 0 = none yet, the rest is then meaningless");
+    v.field("time_ns", s.time_ns, "ns", "monotonic clock of the robot's computer in that cycle; in lockstep tick x 1e6");
     v.field("received_ns", s.received_ns, "ns", "monotonic clock of the receipt; in lockstep tick x 1e6");
     v.field("last_sequence", s.last_sequence, "", "newest ITP sequence number that the robot took");
     v.field("active_fault", s.active_fault, "", "fault acting in that cycle: position in scenarios + 1, 0 none");

@@ -14,14 +14,16 @@ constexpr std::size_t kHelloSize = 8;
 constexpr char kVirtual[kHelloSize] = {'v', 'i', 'r', 't', 'u', 'a', 'l', '\0'};
 constexpr char kReal[kHelloSize] = {'r', 'e', 'a', 'l', '\0', '\0', '\0', '\0'};
 
-constexpr std::size_t kStateArmSize = 3 * kJointCount * sizeof(double) + kJointCount * sizeof(std::int32_t);
+constexpr std::uint16_t kFrameVersion = kFrameMajor << 8U | kFrameMinor;
+
+constexpr std::size_t kStateArmSize = 3 * kJointCount * sizeof(double) + kJointCount * (sizeof(std::int32_t) + 1);
 constexpr std::size_t kCountsSize = (2 + kRejectCount) * sizeof(std::uint64_t);
-constexpr std::size_t kStateSize = 8 + 4 + 4 + 4 + kArmCount * kStateArmSize + kCountsSize;
-static_assert(kStateSize == 540, "the layout of doc/wire.md; another size needs another kFrameVersion");
+constexpr std::size_t kStateSize = 8 + 8 + 4 + 4 + 4 + kArmCount * kStateArmSize + kCountsSize;
+static_assert(kStateSize == 570, "the layout of doc/wire.md; another size needs another version");
 
 constexpr std::size_t kFaultPlanHead = 8 + 4;
 constexpr std::size_t kFaultSize = 4 + 4 + 2 + 4 * sizeof(std::int64_t) + sizeof(double);
-static_assert(kFaultSize == 50, "the layout of doc/wire.md; another size needs another kFrameVersion");
+static_assert(kFaultSize == 50, "the layout of doc/wire.md; another size needs another version");
 static_assert(kFaultPlanHead + kMaxFaults * kFaultSize <= kMaxPayload && kStateSize <= kMaxPayload, "fits a frame");
 
 /** Far more than a drained parser ever holds; more means a caller that feeds and never takes. */
@@ -36,9 +38,11 @@ struct Header {
   std::uint32_t crc{};
 };
 
-std::uint32_t payloadCrc(const std::uint8_t* payload, std::size_t size) noexcept {
-  // zlib takes a null buffer as "give me the initial value", which is also the CRC of nothing.
-  return static_cast<std::uint32_t>(crc32(0, size == 0 ? nullptr : payload, static_cast<uInt>(size)));
+/** Of the header up to the CRC and of the payload, which lie around it. */
+std::uint32_t frameCrc(const std::uint8_t* frame, std::size_t payload_size) noexcept {
+  const uLong header = crc32(0, frame, static_cast<uInt>(kFrameHeaderSize - sizeof(std::uint32_t)));
+  // zlib takes a null buffer as "give me the initial value": ours is never null.
+  return static_cast<std::uint32_t>(crc32(header, frame + kFrameHeaderSize, static_cast<uInt>(payload_size)));
 }
 
 /** Puts the header in front of a payload already written. @return size of the frame. */
@@ -49,7 +53,7 @@ std::size_t finishFrame(FrameType type, std::uint32_t sequence, std::size_t payl
   header.put(static_cast<std::uint16_t>(type));
   header.put(static_cast<std::uint32_t>(payload_size));
   header.put(sequence);
-  header.put(payloadCrc(out + kFrameHeaderSize, payload_size));
+  header.put(frameCrc(out, payload_size));
   return kFrameHeaderSize + payload_size;
 }
 
@@ -65,17 +69,53 @@ Header readHeader(const std::uint8_t* bytes) noexcept {
   return header;
 }
 
-bool isUsable(const Header& header) noexcept {
-  const bool is_known = header.type >= static_cast<std::uint16_t>(FrameType::kHello) &&
-                        header.type <= static_cast<std::uint16_t>(FrameType::kFaultPlan);
-  return header.magic == kFrameMagic && header.version == kFrameVersion && is_known && header.length <= kMaxPayload;
+std::string versionText(std::uint16_t version) {
+  return std::to_string(version >> 8U) + "." + std::to_string(version & 0xFFU);
 }
 
-bool isFinite(const JointArray& values) noexcept {
+bool isOtherVersion(const Header& header) noexcept {
+  return header.magic == kFrameMagic && header.version >> 8U != kFrameMajor;
+}
+
+bool isUsable(const Header& header) noexcept {
+  const bool is_newer = (header.version & 0xFFU) > kFrameMinor;
+  const bool is_known = header.type >= static_cast<std::uint16_t>(FrameType::kHello) &&
+                        header.type <= static_cast<std::uint16_t>(FrameType::kFaultPlan);
+  return header.magic == kFrameMagic && (is_known || is_newer) && header.length <= kMaxPayload;
+}
+
+/** Of a payload of fixed size: a newer minor version may have appended to it. */
+bool hasSize(const Frame& frame, std::size_t size) noexcept {
+  return frame.minor > kFrameMinor ? frame.size >= size : frame.size == size;
+}
+
+// What a Raven can say at all: an encoder counts 24 bits, homing may shift it by as much again, and 4000 counts are a
+// turn of the motor. Joints turn less than their motors (the smallest transmission is 5.4). Speeds: no drive of the
+// robot comes near a thousandth of this, but one wild encoder count gives such a difference.
+constexpr double kMaxMotor = 2.0 * 8388608.0 / 4000.0 * 2.0 * kPi;  // [rad]
+constexpr double kMaxJoint = 1e4;                                   // [rad; m]
+constexpr double kMaxSpeed = 1e7;                                   // [rad/s; m/s]
+
+Reject checkValues(const JointArray& values, double limit) noexcept {
   for (const double value : values) {
-    if (!std::isfinite(value)) return false;
+    if (!std::isfinite(value)) return Reject::kNotFinite;
+    if (std::abs(value) > limit) return Reject::kOutOfRange;
   }
-  return true;
+  return Reject::kNone;
+}
+
+Reject checkArm(const RobotArmState& arm) noexcept {
+  for (const Reject reason :
+       {checkValues(arm.q, kMaxJoint), checkValues(arm.dq, kMaxSpeed), checkValues(arm.motor, kMaxMotor)}) {
+    if (reason != Reject::kNone) return reason;
+  }
+  for (const std::int32_t dac : arm.dac) {
+    if (dac < INT16_MIN || dac > INT16_MAX) return Reject::kOutOfRange;
+  }
+  for (const std::uint8_t state : arm.jstate) {
+    if (state > kMaxJointState && state != kJointStateUnknown) return Reject::kOutOfRange;
+  }
+  return Reject::kNone;
 }
 
 template <typename Array>
@@ -95,14 +135,16 @@ void putArm(ByteWriter& out, const RobotArmState& arm) noexcept {
   putAll(out, arm.dq);
   putAll(out, arm.motor);
   putAll(out, arm.dac);
+  putAll(out, arm.jstate);
 }
 
-bool getArm(ByteReader& in, RobotArmState* arm) noexcept {
+Reject getArm(ByteReader& in, RobotArmState* arm) noexcept {
   getAll(in, &arm->q);
   getAll(in, &arm->dq);
   getAll(in, &arm->motor);
   getAll(in, &arm->dac);
-  return isFinite(arm->q) && isFinite(arm->dq) && isFinite(arm->motor);
+  getAll(in, &arm->jstate);
+  return checkArm(*arm);
 }
 
 void putCounts(ByteWriter& out, const LinkCounts& counts) noexcept {
@@ -185,6 +227,7 @@ std::size_t encodeHello(std::uint32_t sequence, bool is_virtual, std::uint8_t* o
 std::size_t encodeState(std::uint32_t sequence, const RobotState& state, std::uint8_t* out) noexcept {
   ByteWriter payload(out + kFrameHeaderSize, kMaxPayload);
   payload.put(state.cycle);
+  payload.put(state.time_ns);
   payload.put(state.last_sequence);
   payload.put(state.active_fault);
   payload.put(static_cast<std::uint8_t>(state.runlevel));
@@ -207,28 +250,33 @@ std::size_t encodeFaultPlan(std::uint32_t sequence, const FaultPlan& plan, std::
   return finishFrame(FrameType::kFaultPlan, sequence, payload.size(), out);
 }
 
-bool decodeHello(const Frame& frame, bool* is_virtual) noexcept {
-  if (frame.type != FrameType::kHello || frame.size != kHelloSize) return false;
-  const bool says_virtual = std::memcmp(frame.payload, kVirtual, kHelloSize) == 0;
-  if (!says_virtual && std::memcmp(frame.payload, kReal, kHelloSize) != 0) return false;
-  *is_virtual = says_virtual;
-  return true;
+std::string refusalText(const std::string& who, std::uint16_t version) {
+  return who + " refused: it speaks frame version " + versionText(version) + ", this program " +
+         versionText(kFrameVersion);
 }
 
-bool decodeState(const Frame& frame, RobotState* state) noexcept {
-  if (frame.type != FrameType::kState || frame.size != kStateSize) return false;
+bool saysVirtual(const Frame& hello) noexcept {
+  return hello.type == FrameType::kHello && hello.size == kHelloSize &&
+         std::memcmp(hello.payload, kVirtual, kHelloSize) == 0;
+}
+
+Reject decodeState(const Frame& frame, RobotState* state) noexcept {
+  if (frame.type != FrameType::kState) return Reject::kBadFrame;
+  if (!hasSize(frame, kStateSize)) return Reject::kWrongSize;
   ByteReader in(frame.payload, frame.size);
   RobotState decoded = *state;
   decoded.cycle = in.get<std::uint64_t>();
+  decoded.time_ns = in.get<std::int64_t>();
   decoded.last_sequence = in.get<std::uint32_t>();
   decoded.active_fault = in.get<std::uint32_t>();
-  if (!getStatus(in, &decoded)) return false;
+  if (!getStatus(in, &decoded) || decoded.time_ns < 0) return Reject::kOutOfRange;
   for (RobotArmState& arm : decoded.arms) {
-    if (!getArm(in, &arm)) return false;
+    const Reject reason = getArm(in, &arm);
+    if (reason != Reject::kNone) return reason;
   }
   getCounts(in, &decoded.itp);
   *state = decoded;
-  return true;
+  return Reject::kNone;
 }
 
 bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept {
@@ -237,7 +285,7 @@ bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept {
   FaultPlan decoded;
   decoded.generation = in.get<std::uint64_t>();
   decoded.count = in.get<std::uint32_t>();
-  if (decoded.count > kMaxFaults || frame.size != kFaultPlanHead + decoded.count * kFaultSize) return false;
+  if (decoded.count > kMaxFaults || !hasSize(frame, kFaultPlanHead + decoded.count * kFaultSize)) return false;
   for (std::uint32_t i = 0; i < decoded.count; ++i) {
     if (!getFault(in, &decoded.faults[i])) return false;
   }
@@ -261,17 +309,20 @@ FrameParser::Result FrameParser::next(Frame* frame) noexcept {
   const std::size_t left = buffer_.size() - begin_;
   if (left < kFrameHeaderSize) return Result::kNeedMore;
   const Header header = readHeader(buffer_.data() + begin_);
-  if (!isUsable(header)) {
+  const bool is_other_version = isOtherVersion(header);
+  if (is_other_version) refused_version_ = header.version;
+  if (is_other_version || !isUsable(header)) {
     broken_ = true;
     return Result::kBroken;
   }
   if (left < kFrameHeaderSize + header.length) return Result::kNeedMore;
   const std::uint8_t* payload = buffer_.data() + begin_ + kFrameHeaderSize;
-  if (payloadCrc(payload, header.length) != header.crc) {
+  if (frameCrc(buffer_.data() + begin_, header.length) != header.crc) {
     broken_ = true;
     return Result::kBroken;
   }
-  *frame = {static_cast<FrameType>(header.type), header.sequence, payload, header.length};
+  *frame = {static_cast<FrameType>(header.type), static_cast<std::uint8_t>(header.version), header.sequence, payload,
+            header.length};
   begin_ += kFrameHeaderSize + header.length;
   return Result::kFrame;
 }
@@ -280,6 +331,7 @@ void FrameParser::reset() noexcept {
   buffer_.clear();
   begin_ = 0;
   broken_ = false;
+  refused_version_ = 0;
 }
 
 }  // namespace raven2_trainer::wire

@@ -18,7 +18,9 @@
 namespace raven2_trainer::testing {
 
 inline TrainerConfig packagedConfig() {
-  return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+  TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+  config.virtual_raven.full_homing = false;  // 3 s to PEDAL_UP instead of 17
+  return config;
 }
 
 /** Makes ODE ready on this thread, once. */

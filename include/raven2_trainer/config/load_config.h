@@ -20,6 +20,10 @@ Scenario loadScenario(const std::string& path, std::uint32_t id);
 /** The arms' geometry with another tool. @throw ConfigException listing the known names. */
 ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name);
 
+/** Replaces the virtual Raven's plant: a name of config/plants, or the path of a file ending in .yaml.
+ *  @throw ConfigException. */
+void selectPlant(TrainerConfig* config, const std::string& name);
+
 /** Position + 1 of a scenario by name; 0 for "none". @throw ConfigException listing the known names. */
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name);
 

@@ -30,7 +30,7 @@ class TeleopMapper {
    * Adds one tick's increments.
    * @param[in] dp_I [m] [@frame I] position increment. @param[in] dq_I [@frame I] rotation increment.
    * @param[in] dgrasp [rad] positive closes. @param[in] current [rad; m] where the arm is.
-   * @return kOk, kClamped (a limit was reached), kSingularWrist (goes on, roll kept), or why the arm stays:
+   * @return kOk, kClamped (a limit was reached), kSingularWrist (goes on, roll kept where possible), or why the arm stays:
    *         kOutOfReach, kSingularRcm, kTooFar.
    */
   kinematics::IkStatus add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept;

@@ -21,13 +21,15 @@ enum class Reject : std::uint8_t {
   kSequenceZero,  ///< compat: "reflect" packet
   kReset,         ///< numbering reset: this packet re-bases the count and is not used
   kForeignSource,
-  kBadFrame,  ///< TCP: magic, version, length or CRC
+  kBadFrame,  ///< TCP: magic, length or CRC; a frame of another kind than expected
   kQueueFull,
+  kBadVersion,  ///< TCP: another major version of the frames
 };
-constexpr std::size_t kRejectCount = 14;
+constexpr std::size_t kRejectCount = 15;
 constexpr std::array<const char*, kRejectCount> kRejectNames{
-    "none",         "wrong_size",    "not_finite",    "bad_quaternion", "out_of_range",   "duplicate", "out_of_order",
-    "sequence_gap", "sequence_jump", "sequence_zero", "reset",          "foreign_source", "bad_frame", "queue_full"};
+    "none",      "wrong_size",     "not_finite",   "bad_quaternion", "out_of_range",
+    "duplicate", "out_of_order",   "sequence_gap", "sequence_jump",  "sequence_zero",
+    "reset",     "foreign_source", "bad_frame",    "queue_full",     "bad_version"};
 
 /** Plain copy of the counters of one link. Invariant: received == applied + sum of rejected. */
 struct LinkCounts {

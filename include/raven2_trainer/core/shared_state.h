@@ -33,6 +33,8 @@ struct SharedState {
   StateCell<LinkCounts> master_link;
   // written by robot_link
   StateCell<LinkCounts> robot_link;
+  // written by robot_link: frame version for which the robot was refused, major << 8 | minor; 0 none
+  StateCell<std::uint16_t> robot_version_refused;
   // written by physics
   StateCell<LoopTiming> physics_timing;
   // written by haptic

@@ -60,12 +60,19 @@ struct ModelState {
 };
 static_assert(std::is_trivially_copyable<ModelState>::value, "crosses threads word by word");
 
+/** The robot's `jstate` (raven2.md 4.4): 0 not_ready, 1 pos_unknown, 2 homing1, 3 homing2, 4 ready, 5 wait, 6
+ * hard_stop. */
+constexpr std::uint8_t kMaxJointState = 6;
+constexpr std::uint8_t kJointStateUnknown = 255;  ///< a robot that does not tell it
+constexpr std::array<std::uint8_t, kJointCount> kNoJointStates{255, 255, 255, 255, 255, 255, 255};
+
 /** One arm of the robot as received. */
 struct RobotArmState {
   JointArray q{};                               ///< [rad; m for kInsertion]
   JointArray dq{};                              ///< [rad/s; m/s for kInsertion]
   JointArray motor{};                           ///< [rad] motor position
   std::array<std::int32_t, kJointCount> dac{};  ///< [counts] last command, after the robot's clipping and after faults
+  std::array<std::uint8_t, kJointCount> jstate = kNoJointStates;  ///< homing state of each joint
   Vec3 p_BT{};                                  ///< [m] tool tip by forward kinematics of `q`
   Vec3 v_BT{};                                  ///< [m/s] J dq (paper, eq. 3)
 };
@@ -74,6 +81,7 @@ struct RobotArmState {
 struct RobotState {
   std::uint64_t cycle{};          ///< robot control cycle that sent the frame
   std::uint64_t frame{};          ///< frames applied so far; 0 = none yet, the rest is then meaningless
+  std::int64_t time_ns{};         ///< [ns] the robot computer's CLOCK_MONOTONIC in that cycle; in lockstep tick x 1e6
   std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt; in lockstep tick x 1e6
   std::uint32_t last_sequence{};  ///< newest ITP sequence number that the robot took as its last
   std::uint32_t active_fault{};   ///< Fault::id acting in that cycle, 0 none

@@ -106,7 +106,8 @@ IkResult inverseWithinLimits(const ArmGeometry& geometry,
                              const JointArray& current) noexcept;
 
 /**
- * Clamps as the robot does: joints 0 to 4 at both limits, grasp1 at its lower one (raven2.md 2.3). Real-time safe.
+ * Clamps as the robot does: joints 0 to 4 at both limits, the jaws' mid-line at grasp1's lower one (raven2.md 2.3).
+ * Real-time safe.
  * @return true if any joint was changed.
  */
 bool applyJointLimits(const ArmGeometry& geometry, JointArray* q) noexcept;

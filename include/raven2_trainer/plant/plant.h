@@ -25,7 +25,7 @@ class Plant {
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
 
-  /** What the boards send at the start of a cycle. */
+  /** What the boards send at the start of a cycle. Encoders count from 0 at power-on. */
   PerArm<raven::UsbInBytes> read() const noexcept;
 
   /** 1 ms under these board commands: PLC, brakes, motors, links. */
@@ -33,6 +33,9 @@ class Plant {
 
   /** The start button: leaves E-STOP as soon as the watchdog is alive. An E-STOP lasts until this is called. */
   void pressStart() noexcept;
+
+  /** PEDAL_UP, as if homing had just ended where the arms stand. Before the first step. */
+  void startInPedalUp() noexcept;
 
   /** Level the PLC holds now; the software sees it a few cycles later. */
   RunLevel runLevel() const noexcept;

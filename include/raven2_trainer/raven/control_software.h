@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/raven/usb_packets.h"
 
@@ -29,12 +30,28 @@ class ControlSoftware {
   /** Faults to apply from the next cycle on. */
   void setFaults(const FaultPlan& plan) noexcept;
 
-  /** One 1 ms control cycle: boards in, boards out. */
+  /** Homed and in PEDAL_UP, both arms exactly at home where the boards' counts are 0. Before the first cycle. */
+  void startAtHome() noexcept;
+
+  /** One message of /raven_automove: increments in the arms' base frames [um], truncated, and quaternions (x y z w),
+   *  left-multiplied; no axis map, pedal, grasp or sequence (raven2.md 5.3). Counts as an update for the time-out. */
+  void automove(const PerArm<Vec3>& dp_um_base0, const PerArm<Quat>& dq) noexcept;
+
+  /** One 1 ms control cycle: boards in, boards out. A board whose read failed keeps its old counts and pins. */
+  PerArm<UsbOutBytes> cycle(const PerArm<UsbRead>& boards) noexcept;
+
+  /** The same with reads that succeed. */
   PerArm<UsbOutBytes> cycle(const PerArm<UsbInBytes>& boards) noexcept;
 
   /** What the state frame carries after the last cycle: cycle, last_sequence, active_fault, run level, arms' q, dq,
    *  motor, dac, homed, soft_estopped, itp counters. */
   const RobotState& state() const noexcept;
+
+  /** What the robot publishes on /ravenstate after the last cycle. */
+  const RavenReport& report() const noexcept;
+
+  /** Reads that gave an error or too few bytes, both boards. */
+  std::uint64_t usbReadErrors() const noexcept;
 
  private:
   struct Impl;

@@ -1,21 +1,25 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 
-#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/runtime/raven_server.h"
 
 namespace raven2_trainer::ros_bridge {
 
 /**
- * What the real robot publishes itself: /joint_states, positions only, every 30 ms (raven2.md 5.4); its 14 measured
- * joints, not yet the 14 desired ones (suffix 2), which the state frame does not carry. And the start button of the
- * emulated PLC as a service, `virtual_raven/press_start`.
+ * The virtual Raven's face to ROS, that of the real robot's `r2_control` (raven2.md 5):
+ *
+ *   /ravenstate      raven_2/raven_state, every control cycle
+ *   /joint_states    sensor_msgs/JointState, 28 positions, at least 30 ms apart
+ *   /raven_automove  raven_2/raven_automove, in
+ *
+ * and the start button of the emulated PLC as a service, `virtual_raven/press_start`. A thread of its own publishes
+ * what the control loop leaves in a ring; a subscriber that takes nothing loses messages and delays nobody.
  */
 class RavenPublisher {
  public:
-  /** Call after connect(). `state` gives the newest state, `press_start` presses the button; both from any thread. */
-  RavenPublisher(double d4, std::function<RobotState()> state, std::function<void()> press_start);
+  /** Call after connect(). @param[in] d4 [m] ArmGeometry::d4. */
+  RavenPublisher(double d4, runtime::RavenServer* server);
   ~RavenPublisher();
   void start();
   void stop();

@@ -2,22 +2,24 @@
 
 #include <array>
 #include <atomic>
+#include <memory>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/raven_automove.h"
+#include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state_cell.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/net/event_fd.h"
-#include "raven2_trainer/net/tcp_server.h"
 #include "raven2_trainer/net/udp_receiver.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
 #include "raven2_trainer/runtime/cyclic_thread.h"
-#include "raven2_trainer/wire/robot_frame.h"
+#include "raven2_trainer/runtime/state_server.h"
 
 namespace raven2_trainer::runtime {
 
-/** The virtual Raven's threads: control loop with plant (1 kHz), UDP receiver, TCP server. */
+/** The virtual Raven's threads: control loop with plant (1 kHz), UDP receiver, state server. */
 class RavenServer {
  public:
   /** @throw NetworkException, ModelException. */
@@ -25,13 +27,26 @@ class RavenServer {
   ~RavenServer();
   void start();
   void stop();
+
+  // Any thread.
   /** State after the last control cycle. */
   RobotState state() const noexcept { return state_.load(); }
   LoopTiming timing() const noexcept { return timing_.load(); }
-  /** The start button of the emulated PLC: out of E-STOP, after its cause is gone. Any thread. */
+  /** The start button of the emulated PLC: out of E-STOP, after its cause is gone. */
   void pressStart() noexcept { start_pressed_.store(true, std::memory_order_relaxed); }
-  std::uint64_t framesDropped() const noexcept { return frames_dropped_.load(std::memory_order_relaxed); }
+  const StateServer& stateServer() const noexcept { return state_server_; }
   bool realtime() const noexcept { return control_.realtime(); }
+
+  // One thread: what publishes on ROS.
+  /** Waits at most `timeout_ms` for the report of a cycle. */
+  void waitForReport(int timeout_ms) noexcept { report_ready_.wait(timeout_ms); }
+  /** Next report, one a cycle, in order. @return false if none waits. */
+  bool nextReport(RavenReport* report) noexcept { return reports_.tryPop(report); }
+  /** Reports lost because nobody took them. */
+  std::uint64_t reportsDropped() const noexcept { return reports_.dropped(); }
+
+  /** One message of /raven_automove, from one thread. @return false if there is no room. */
+  bool automove(const RavenAutomove& move) noexcept { return automoves_.tryPush(move); }
 
  private:
   /** Longer datagrams are cut here as the robot's recvfrom does; 256 bytes keep "longer" visible. */
@@ -39,30 +54,29 @@ class RavenServer {
     std::uint32_t size{};
     std::array<std::uint8_t, 256> bytes{};
   };
-  class Readers;
 
-  void controlTick() noexcept;
+  void controlTick(std::int64_t now_ns) noexcept;
+  void takeInputs() noexcept;
+  void publish(std::int64_t now_ns) noexcept;
   void receiveLoop();
-  void serveLoop();
 
   model::RavenModel model_;
   raven::ControlSoftware software_;
   plant::Plant plant_;
   net::UdpReceiver receiver_;
-  net::TcpServer server_;
-  net::EventFd state_ready_;
+  StateServer state_server_;
+  net::EventFd report_ready_;
 
-  SpscRing<Datagram, 256> datagrams_;  // receiver -> control
-  SpscRing<RobotState, 256> states_;   // control -> server
-  StateCell<FaultPlan> faults_;        // written by server
-  StateCell<RobotState> state_;        // written by control
-  StateCell<LoopTiming> timing_;       // written by control
-  std::atomic<std::uint64_t> frames_dropped_{0};
+  SpscRing<Datagram, 256> datagrams_;      // receiver -> control
+  SpscRing<RavenReport, 256> reports_;     // control -> ros
+  SpscRing<RavenAutomove, 64> automoves_;  // ros -> control
+  StateCell<RobotState> state_;            // written by control
+  StateCell<LoopTiming> timing_;           // written by control
   std::atomic<bool> start_pressed_{false};
   std::atomic<bool> stop_{false};
 
   CyclicThread control_;
-  Thread receive_thread_, serve_thread_;
+  Thread receive_thread_;
 };
 
 }  // namespace raven2_trainer::runtime

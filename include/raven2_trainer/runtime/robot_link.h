@@ -9,7 +9,12 @@
 
 namespace raven2_trainer::runtime {
 
-/** Body of the robot_link thread: the robot's byte stream to RobotState, and fault plans back. No sockets here. */
+/**
+ * Body of the robot_link thread: the robot's byte stream to RobotState, and fault plans back. No sockets here. A state
+ * is applied if it decodes, its cycle is newer than the connection's last one and its time stamp not older; every frame
+ * is counted, applied or by the reason why not. Only a robot whose first frame says `virtual` is ever sent a fault
+ * plan.
+ */
 class RobotLink {
  public:
   RobotLink(const TrainerConfig& config, SharedState* shared);
@@ -28,17 +33,22 @@ class RobotLink {
   const LinkCounts& counts() const noexcept { return counts_; }
 
  private:
-  bool apply(const wire::Frame& frame, std::int64_t now_ns) noexcept;
-  void applyState(std::int64_t now_ns) noexcept;
+  Reject apply(const wire::Frame& frame, std::int64_t now_ns) noexcept;
+  Reject applyHello(const wire::Frame& frame) noexcept;
+  Reject applyState(const wire::Frame& frame, std::int64_t now_ns) noexcept;
+  Reject checkOrder(const RobotState& next) const noexcept;
+  void publish(std::int64_t now_ns) noexcept;
+  void count(Reject reason) noexcept;
 
   const ArmGeometry geometry_;
   SharedState& shared_;
   wire::FrameParser parser_;
   RobotState state_{};
   LinkCounts counts_{};
-  bool hello_{false};
+  bool is_first_{true};  ///< no frame of this connection yet: only then a hello may come
   std::uint64_t sent_generation_{~std::uint64_t{0}};
   std::uint32_t sequence_{0};
+  std::uint16_t refused_version_{0};
 };
 
 }  // namespace raven2_trainer::runtime

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/core/counters.h"
@@ -10,12 +11,14 @@
 #include "raven2_trainer/core/state.h"
 
 // TCP link between robot and daemon. Every frame: a 20-byte header (magic "RV2T", version, type, payload length,
-// sequence, CRC-32 of the payload), then the payload, little-endian. Described byte for byte in doc/wire.md.
+// sequence, CRC-32 of header and payload), then the payload, little-endian. Described byte for byte in doc/wire.md.
 
 namespace raven2_trainer::wire {
 
 constexpr std::uint32_t kFrameMagic = 0x54325652;  ///< "RV2T" in memory
-constexpr std::uint16_t kFrameVersion = 1;
+// Another major version is refused. A newer minor one may only append to payloads and add types: both are passed over.
+constexpr std::uint8_t kFrameMajor = 2;
+constexpr std::uint8_t kFrameMinor = 0;
 constexpr std::size_t kFrameHeaderSize = 20;
 constexpr std::size_t kMaxPayload = 4096;
 
@@ -35,17 +38,26 @@ std::size_t encodeHello(std::uint32_t sequence, bool is_virtual, std::uint8_t* o
 std::size_t encodeState(std::uint32_t sequence, const RobotState& state, std::uint8_t* out) noexcept;
 std::size_t encodeFaultPlan(std::uint32_t sequence, const FaultPlan& plan, std::uint8_t* out) noexcept;
 
+/** "WHO refused: it speaks frame version 3.1, this program 2.0". @param[in] version major << 8 | minor. */
+std::string refusalText(const std::string& who, std::uint16_t version);
+
 struct Frame {
   FrameType type{};
+  std::uint8_t minor{};  ///< version of the sender
   std::uint32_t sequence{};
   const std::uint8_t* payload{};
   std::size_t size{};
 };
 
-/** Payload to struct. false, `*value` unchanged, on a wrong size, a number that is not finite or an unknown enum. */
-bool decodeHello(const Frame& frame, bool* is_virtual) noexcept;
-/** Fills what travels (cycle, last_sequence, fault, run level, arms' q, dq, motor, dac, itp); leaves the rest. */
-bool decodeState(const Frame& frame, RobotState* state) noexcept;
+/** Does it say `virtual`? Every other word, an empty or a longer one too, is a real robot's. */
+bool saysVirtual(const Frame& hello) noexcept;
+
+/** Fills what travels (cycle, time_ns, last_sequence, fault, run level, arms' q, dq, motor, dac, jstate, itp); leaves
+ * the rest. @return kNone, or why `*state` is unchanged: kBadFrame (another type), kWrongSize, kNotFinite, kOutOfRange.
+ */
+Reject decodeState(const Frame& frame, RobotState* state) noexcept;
+
+/** @return false, `*plan` unchanged, on another type, a wrong size, a number that is not finite or an unknown enum. */
 bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept;
 
 /** Incremental framer: give it bytes as they come, take frames out. Any split of the stream gives the same frames. */
@@ -57,9 +69,16 @@ class FrameParser {
   void feed(const std::uint8_t* bytes, std::size_t size);
 
   enum class Result { kFrame, kNeedMore, kBroken };
-  /** Next frame; its payload stays valid until the next feed(). kBroken (magic, version,
-   *  unknown type, length or CRC): close the connection, nothing more comes until reset(). */
+  /** Next frame; its payload stays valid until the next feed(). kBroken (magic, major version, unknown type, length or
+   *  CRC): close the connection, nothing more comes until reset(). A type that a newer minor version added comes out as
+   * a frame like any other. */
   Result next(Frame* frame) noexcept;
+
+  /** Is a part of a frame waiting for the rest? */
+  bool hasPart() const noexcept { return buffer_.size() > begin_; }
+
+  /** The other side's version where that is why the stream broke: major << 8 | minor; else 0. */
+  std::uint16_t refusedVersion() const noexcept { return refused_version_; }
 
   void reset() noexcept;
 
@@ -67,6 +86,7 @@ class FrameParser {
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_{0};
   bool broken_{false};
+  std::uint16_t refused_version_{0};
 };
 
 }  // namespace raven2_trainer::wire

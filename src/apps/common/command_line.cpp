@@ -50,6 +50,8 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
   app->add_option("--arm-contacts", arm_contacts, "Let the model's arms touch the scene (default: the configuration's)")
       ->check(CLI::IsMember({"on", "off"}));
+  app->add_option("--plant", plant,
+                  "Preset of the virtual Raven's plant (config/plants) or a YAML file (default: the configuration's)");
   if (!with_ports) return;
   app->add_option("--master-port", master_port, "UDP port console -> daemon")->check(CLI::Range(0, 65535));
   app->add_option("--robot-port", robot_port, "UDP port daemon -> robot")->check(CLI::Range(1, 65535));
@@ -63,6 +65,7 @@ TrainerConfig CommonOptions::load() const {
     config::faultId(loaded, hazard);
     loaded.hazard = hazard;
   }
+  if (!plant.empty()) config::selectPlant(&loaded, plant);
   if (seed >= 0) loaded.seed = static_cast<std::uint64_t>(seed);
   if (!arm_contacts.empty()) loaded.model.arm_contacts.fill(arm_contacts == "on");
   setPort(master_port, &loaded.network.master_port);

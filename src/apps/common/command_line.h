@@ -17,6 +17,7 @@ struct CommonOptions {
   std::string hazard;                                                   ///< --hazard NAME|none; config's if empty
   std::int64_t seed{-1};                                                ///< --seed N; config's if negative
   std::string arm_contacts;                                             ///< --arm-contacts on|off; config's if empty
+  std::string plant;                                                    ///< --plant NAME|FILE; config's if empty
   int master_port{-1}, robot_port{-1}, force_port{-1}, state_port{-1};  ///< config's if negative
 
   void add(CLI::App* app, bool with_ports);

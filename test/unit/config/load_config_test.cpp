@@ -137,6 +137,35 @@ TEST_F(LoadConfig, TheHardenedRobotIsRefusedUntilItExists) {
   EXPECT_NE(message().find("hardened is not built yet"), std::string::npos) << message();
 }
 
+TEST_F(LoadConfig, TrainingLevelsReplaceThresholdsAndGains) {
+  std::string current = "moderate";
+  const auto clips = [&](const std::string& level) {
+    if (level != current) replace("virtual_raven.yaml", "training_level: " + current, "training_level: " + level);
+    current = level;
+    return loadTrainerConfig((folder_ / "trainer.yaml").string()).virtual_raven;
+  };
+  // raven2.md 3.5, 3.6
+  EXPECT_EQ(clips("moderate").axes[kShoulder].dac_clip, 2500);
+  EXPECT_EQ(clips("beginner").axes[kInsertion].dac_clip, 1000);
+  EXPECT_EQ(clips("advanced").axes[kElbow].dac_clip, 5000);
+  const VirtualRavenConfig authors = clips("authors");
+  EXPECT_EQ(authors.max_inst_dac, 12000);
+  EXPECT_EQ(authors.axes[kWrist].dac_clip, 2700);
+  EXPECT_EQ(authors.homing_dac[kInsertion], 1900);
+  EXPECT_EQ(authors.axes[kGrasp1].kp, 0.02);
+  EXPECT_EQ(authors.axes[kGrasp1].ki, 0.0);
+}
+
+TEST_F(LoadConfig, ALevelOrPolicyOfAnotherNameIsRefused) {
+  replace("virtual_raven.yaml", "training_level: moderate", "training_level: expert");
+  EXPECT_NE(message().find("expected one of: beginner"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, AFractionOfACountIsRefused) {
+  replace("virtual_raven.yaml", "2500, 1900, 2000, 1800", "2500, 1900.5, 2000, 1800");
+  EXPECT_NE(message().find("whole counts"), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, ScenariosThatNoInjectorServesAreRefused) {
   replace("faults/sudden_jump.yaml", "site: put_usb_packet", "site: network_layer");
   EXPECT_NE(message().find("sudden_jump.yaml:"), std::string::npos);

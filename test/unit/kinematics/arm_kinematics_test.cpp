@@ -288,14 +288,15 @@ TEST(Jacobian, EqualsCentralDifferences) {
 
 TEST(JointLimits, ClampAsTheRobotDoes) {
   const ArmGeometry g = raven();
-  JointArray q{2.0, 0.1, 0.9, 9.0, -9.0, -9.0, 9.0};
+  JointArray q{2.0, 0.1, 0.9, 9.0, -9.0, 9.0, -9.5};
   EXPECT_TRUE(applyJointLimits(g, &q));
   EXPECT_EQ(q[kShoulder], g.q_max[kShoulder]);
   EXPECT_EQ(q[kElbow], g.q_min[kElbow]);
   EXPECT_EQ(q[kInsertion], g.q_max[kInsertion]);
-  EXPECT_EQ(q[kGrasp1], g.q_min[kGrasp1]);
-  EXPECT_EQ(q[kGrasp2], 9.0) << "the robot never clamps grasper 2";
-  EXPECT_FALSE(applyJointLimits(g, &q));
+  EXPECT_NEAR(jawMidline(q), g.q_min[kGrasp1], 1e-12) << "J5, the mid-line, at grasper 1's lower limit";
+  EXPECT_NEAR(jawOpening(q), -0.5, 1e-12);
+  JointArray upper{0.5, kPi / 2, 0.4, 0.0, 0.0, -9.0, 9.0};
+  EXPECT_FALSE(applyJointLimits(g, &upper)) << "the robot never clamps the jaws the other way";
 }
 
 }  // namespace

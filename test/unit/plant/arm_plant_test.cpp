@@ -19,8 +19,8 @@ constexpr std::array<std::int16_t, raven::kChannels> kNoDac{};
 VirtualRavenConfig frictionless() {
   VirtualRavenConfig config = trainerConfig().virtual_raven;
   config.start_offset = JointArray{};
-  for (MotorAxis& axis : config.axes)
-    axis.coulomb = axis.viscous = 0.0;
+  for (PlantAxis& axis : config.plant.axes)
+    axis.coulomb = axis.viscous = axis.link_coulomb = axis.torque_offset = 0.0;
   return config;
 }
 
@@ -65,7 +65,7 @@ TEST(ArmPlant, FirstMotionUnderADacIsThatOfTheEquationsOfMotion) {
   Matrix7 M = dynamics.massMatrix();
   for (Eigen::Index j = 0; j < 7; ++j) {
     const double gear = j < 3 ? 12.25 : 26.0 / 7.0;
-    M += A.row(j).transpose() * config.axes[static_cast<std::size_t>(j)].inertia / gear * A.row(j);
+    M += A.row(j).transpose() * config.plant.axes[static_cast<std::size_t>(j)].inertia / gear * A.row(j);
   }
   Vector7 capstan = Vector7::Zero();
   capstan[kShoulder] = 2000.0 / 3695.807;  // green: positive
@@ -95,7 +95,7 @@ TEST(ArmPlant, SticksBelowCoulombFrictionAndSlidesAbove) {
   // Tool rotation: 0.002 Nm at the capstan are 54.7 counts.
   ArmPlant held(dhRaven(trainerConfig().arms), Arm::kGold, config);
   ArmPlant moved(dhRaven(trainerConfig().arms), Arm::kGold, config);
-  const double threshold = config.axes[kToolRotation].coulomb * 27328.42;
+  const double threshold = config.plant.axes[kToolRotation].coulomb * 27328.42;
   for (int k = 0; k < 500; ++k) {
     held.step(dacOn(kToolRotation, static_cast<std::int16_t>(0.8 * threshold)), true);
     moved.step(dacOn(kToolRotation, static_cast<std::int16_t>(1.5 * threshold + 10)), true);

@@ -17,11 +17,20 @@ inline const TrainerConfig& trainerConfig() {
   return loaded;
 }
 
+/** With homing `quick`: joints known at power-on. */
+inline const VirtualRavenConfig& quickRaven() {
+  static const VirtualRavenConfig config = [] {
+    VirtualRavenConfig quick = trainerConfig().virtual_raven;
+    quick.full_homing = false;
+    return quick;
+  }();
+  return config;
+}
+
 /** Control software and plant, one cycle at a time, with a master that sends one packet a cycle. */
 class ClosedLoop {
  public:
-  explicit ClosedLoop(const ArmsConfig& arms = trainerConfig().arms,
-                      const VirtualRavenConfig& robot = trainerConfig().virtual_raven)
+  explicit ClosedLoop(const ArmsConfig& arms = trainerConfig().arms, const VirtualRavenConfig& robot = quickRaven())
       : geometry(arms.geometry), software(arms, robot), plant(dhRaven(arms), robot) {}
 
   void cycle() { plant.step(software.cycle(plant.read())); }

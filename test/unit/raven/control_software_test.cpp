@@ -135,7 +135,7 @@ TEST(ControlSoftware, MasterSilenceLiftsThePedalAfterTheTimeOut) {
   Bench bench;
   bench.bringTo(RunLevel::kPedalDown);
   bench.send();
-  for (int k = 0; k < 5000; ++k)
+  for (int k = 0; k <= 5000; ++k)  // the cycle that sees the packet, and 5000 silent ones
     EXPECT_NE(bench.cycle().pins & pins::kFootPedal, 0) << k;
   EXPECT_EQ(bench.cycle().pins & pins::kFootPedal, 0);
 }
@@ -145,7 +145,7 @@ TEST(ControlSoftware, DuplicatesDoNotKeepTheTimeOutAlive) {
   bench.bringTo(RunLevel::kPedalDown);
   const wire::ItpPacket packet = bench.next();
   bench.send(packet);
-  for (int k = 0; k < 5001; ++k) {
+  for (int k = 0; k <= 5000; ++k) {
     EXPECT_EQ(bench.send(packet), Reject::kDuplicate);
     bench.cycle();
   }
@@ -199,15 +199,14 @@ TEST(ControlSoftware, CountersAddUpUnderRandomPackets) {
   }
 }
 
-TEST(ControlSoftware, BadQuaternionsAreDroppedAndCounted) {
+TEST(ControlSoftware, QuaternionsAreNotJudged) {
   Bench bench;
   wire::ItpPacket packet = bench.next();
   packet.Qw[1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(bench.send(packet), Reject::kNotFinite);
+  EXPECT_EQ(bench.send(packet), Reject::kNone);
   packet = bench.next();
   packet.Qw[0] = 0.0;
-  EXPECT_EQ(bench.send(packet), Reject::kBadQuaternion);
-  EXPECT_EQ(bench.send(), Reject::kNone);  // both were in order, so the numbering went on
+  EXPECT_EQ(bench.send(packet), Reject::kNone);
 }
 
 std::int32_t dacOf(const Bench& bench, Arm arm, Joint joint) {

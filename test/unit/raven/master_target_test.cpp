@@ -90,15 +90,18 @@ TEST(MasterTarget, GraspIncrementsOpenDownAndAreClamped) {
 TEST(MasterTarget, RebaseLeavesTheGraspUnlessItIsFarOff) {
   MasterTarget target;
   target.grasp_mrad = 1000;
-  target.rebase(Pose(), 1.0 + 0.78);
+  MasterTarget actual;
+  actual.grasp_mrad = 1780;
+  target.rebase(actual);
   EXPECT_EQ(target.grasp_mrad, 1000);
-  target.rebase(Pose(), 1.0 + 0.79);  // 45 degrees are 0.785
+  actual.grasp_mrad = 1790;  // 45 degrees are 785 mrad
+  target.rebase(actual);
   EXPECT_EQ(target.grasp_mrad, 1790);
 }
 
 TEST(MasterTarget, PositionIsTruncatedToTheMicrometre) {
   MasterTarget target;
-  target.rebase({Matrix3::Identity(), Vector3(1.9e-6, -1.9e-6, 0.1)}, 0.0);
+  target.set({Matrix3::Identity(), Vector3(1.9e-6, -1.9e-6, 0.1)}, 0.0);
   EXPECT_EQ(target.p_um[0], 1);
   EXPECT_EQ(target.p_um[1], -1);
 }
@@ -111,15 +114,44 @@ TEST(MasterTarget, ExtremeIncrementsStayDefined) {
   EXPECT_TRUE(target.pose().p.allFinite());
 }
 
-TEST(CheckQuaternions, NamesWhatIsWrong) {
-  wire::ItpPacket packet;
-  EXPECT_EQ(checkQuaternions(packet), Reject::kNone);
-  packet.Qw[1] = 0.0;
-  EXPECT_EQ(checkQuaternions(packet), Reject::kBadQuaternion);
-  packet.Qx[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(checkQuaternions(packet), Reject::kNotFinite);
-  packet.Qx[0] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(checkQuaternions(packet), Reject::kNotFinite);
+TEST(MasterTarget, AQuaternionThatIsNoRotationPoisonsItsOwnArm) {
+  // x86: 0 times NaN is NaN, and NaN as an int is -2^31 (raven2.md 4.5b).
+  for (const double w : {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    MasterTarget target;
+    target.p_um = {5, 0, -7};
+    wire::ItpPacket packet = increment(Arm::kGold, {1, 2, 3});
+    packet.Qw[0] = w;
+    target.add(Arm::kGold, packet);
+    EXPECT_FALSE(target.isFinite());
+    EXPECT_EQ(target.p_um[0], std::numeric_limits<std::int32_t>::min() + 5);
+    EXPECT_EQ(target.p_um[1], std::numeric_limits<std::int32_t>::min());
+    EXPECT_EQ(target.p_um[2], std::numeric_limits<std::int32_t>::max() - 6);  // sums wrap
+    target.add(Arm::kGold, increment(Arm::kGold, {1, 2, 3}));
+    EXPECT_FALSE(target.isFinite()) << "a good quaternion does not heal it";
+    MasterTarget other;
+    other.add(Arm::kGreen, packet);
+    EXPECT_TRUE(other.isFinite());
+  }
+}
+
+TEST(MasterTarget, TheLengthOfAQuaternionDoesNotMatter) {
+  for (const double length : {1e-100, 0.5, 3.0, 1e100}) {
+    MasterTarget target;
+    wire::ItpPacket packet;
+    packet.Qw[0] = packet.Qx[0] = length;
+    target.add(Arm::kGold, packet);
+    EXPECT_NEAR(target.R_BT.norm(), 1.0, 1e-12);
+    EXPECT_NEAR(target.R_BT.angularDistance(Quaternion::Identity()), kPi / 2, 1e-9) << length;
+  }
+}
+
+TEST(MasterTarget, AutomoveIsInTheBaseFrameAndTruncated) {
+  MasterTarget target;
+  target.addInBase({1.9, -1.9, 100.0}, {0.0, 0.0, 1.0, 0.0});
+  EXPECT_EQ(target.p_um, (std::array<std::int32_t, 3>{1, -1, 100}));
+  EXPECT_NEAR(target.R_BT.z(), 1.0, 1e-12);
+  target.addInBase({0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0});  // not the identity (raven2.md 5.3)
+  EXPECT_FALSE(target.isFinite());
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST(MotorController, SaturatesAtSixteenBits) {
   JointArray tau{1e9, -1e9, std::numeric_limits<double>::quiet_NaN()};
   const DacArray dac = MotorController(Arm::kGreen, config()).toDac(tau);
   EXPECT_EQ(dac[0], 32767);
-  EXPECT_EQ(dac[1], -32768);
+  EXPECT_EQ(dac[1], -32767);  // utils.cpp:51-67
   EXPECT_EQ(dac[2], 0);
 }
 
@@ -58,27 +58,54 @@ TEST(MotorController, GreenInsertionHasItsOwnDamping) {
 
 TEST(OverdriveDetect, ClipsAboveTheModerateLimits) {
   DacArray dac{2501, -2501, 2001, 3001, -3001, 3801, 0};
-  EXPECT_FALSE(overdriveDetect(config(), true, &dac));
+  EXPECT_FALSE(OverdriveCheck(config()).check(true, &dac));
   EXPECT_EQ(dac, (DacArray{2500, -2500, 2000, 3000, -3000, 3800, 0}));
 }
 
 TEST(OverdriveDetect, DoesNotClipInEStop) {
   DacArray dac{2501};
-  EXPECT_FALSE(overdriveDetect(config(), false, &dac));
+  EXPECT_FALSE(OverdriveCheck(config()).check(false, &dac));
   EXPECT_EQ(dac[0], 2501);
 }
 
 TEST(OverdriveDetect, StopsAboveTheInstantLimitAndZeroesThatCommandOnly) {
   DacArray dac{100, -20001, 300, 400, 500, 600, 700};
-  EXPECT_TRUE(overdriveDetect(config(), true, &dac));
+  EXPECT_TRUE(OverdriveCheck(config()).check(true, &dac));
   EXPECT_EQ(dac, (DacArray{100, 0, 300, 400, 500, 600, 700}));
   DacArray limit{20000};
-  EXPECT_FALSE(overdriveDetect(config(), true, &limit));
+  EXPECT_FALSE(OverdriveCheck(config()).check(true, &limit));
+}
+
+TEST(OverdriveDetect, PolicyHardStopsAfterMoreThanTenCommandsAboveTheClip) {
+  VirtualRavenConfig hard = config();
+  hard.overdrive_policy = OverdrivePolicy::kHard;
+  OverdriveCheck check(hard);
+  for (int k = 0; k < 11; ++k) {
+    DacArray dac{2600};
+    EXPECT_FALSE(check.check(true, &dac)) << k;
+    EXPECT_EQ(dac[0], 2600) << "not clipped";
+  }
+  DacArray dac{2600};
+  EXPECT_TRUE(check.check(true, &dac));
+  EXPECT_EQ(dac[0], 0);
+}
+
+TEST(OverdriveDetect, PolicyNoneOnlyKnowsTheInstantLimit) {
+  VirtualRavenConfig none = config();
+  none.overdrive_policy = OverdrivePolicy::kNone;
+  OverdriveCheck check(none);
+  for (int k = 0; k < 100; ++k) {
+    DacArray dac{19000};
+    EXPECT_FALSE(check.check(true, &dac));
+    EXPECT_EQ(dac[0], 19000);
+  }
+  DacArray dac{20001};
+  EXPECT_TRUE(check.check(true, &dac));
 }
 
 TEST(OverdriveDetect, NeverLooksAtGrasper2) {
   DacArray dac{0, 0, 0, 0, 0, 0, 32767};
-  EXPECT_FALSE(overdriveDetect(config(), true, &dac));
+  EXPECT_FALSE(OverdriveCheck(config()).check(true, &dac));
   EXPECT_EQ(dac[kGrasp2], 32767);
 }
 

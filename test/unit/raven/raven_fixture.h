@@ -21,6 +21,8 @@ inline const TrainerConfig& trainerConfig() {
 inline VirtualRavenConfig quickHoming() {
   VirtualRavenConfig config = trainerConfig().virtual_raven;
   config.homing_time = 0.1;
+  config.full_homing = false;
+  config.start_offset = JointArray{};
   return config;
 }
 
@@ -31,7 +33,7 @@ class Bench {
       : arms(trainerConfig().arms),
         software(arms, config),
         couplings{CableCoupling(Arm::kGold, config), CableCoupling(Arm::kGreen, config)} {
-    q = {arms.geometry.home, arms.geometry.home};
+    q = {arms.geometry.home, arms.geometry.home};  // at power-on; counts are relative to it
   }
 
   UsbOut cycle() {
@@ -98,9 +100,10 @@ class Bench {
     UsbIn in;
     in.pins = static_cast<std::uint8_t>(static_cast<unsigned>(plc) << pins::kLevelShift);
     const JointArray motor = at(couplings, arm).toMotor(at(q, arm));
+    const JointArray power_on = at(couplings, arm).toMotor(arms.geometry.home);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       in.encoder[channelOf(j)] =
-          encoderSign(arm, j) * static_cast<std::int32_t>(std::lround(motor[j] / kMotorRadPerCount));
+          encoderSign(arm, j) * static_cast<std::int32_t>(std::lround((motor[j] - power_on[j]) / kMotorRadPerCount));
     }
     return in;
   }

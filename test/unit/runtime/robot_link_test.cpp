@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <zlib.h>
+
 #include <array>
+#include <cstring>
+#include <string>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/runtime/fault_director.h"
@@ -20,6 +24,25 @@ class RobotLinkTest : public ::testing::Test {
   }
   bool state(const RobotState& robot, std::int64_t now) {
     return link.receive(buffer.data(), wire::encodeState(2, robot, buffer.data()), now);
+  }
+  bool cycle(std::uint64_t number, std::int64_t time_ns) {
+    RobotState robot;
+    robot.cycle = number;
+    robot.time_ns = time_ns;
+    return state(robot, 1);
+  }
+  std::uint64_t rejected(Reject reason) const { return link.counts().rejected[static_cast<std::size_t>(reason)]; }
+  /** Any word in a hello. */
+  void say(const std::string& word) {
+    const std::size_t size = wire::encodeHello(1, true, buffer.data());
+    ASSERT_EQ(size, wire::kFrameHeaderSize + 8);
+    const auto length = static_cast<std::uint32_t>(word.size());
+    std::memcpy(buffer.data() + 8, &length, sizeof(length));
+    std::memcpy(buffer.data() + wire::kFrameHeaderSize, word.data(), word.size());
+    const uLong header = crc32(0, buffer.data(), 16);
+    const auto crc = static_cast<std::uint32_t>(crc32(header, buffer.data() + wire::kFrameHeaderSize, length));
+    std::memcpy(buffer.data() + 16, &crc, sizeof(crc));
+    ASSERT_TRUE(link.receive(buffer.data(), wire::kFrameHeaderSize + word.size(), 5));
   }
 
   TrainerConfig config;
@@ -55,11 +78,83 @@ TEST_F(RobotLinkTest, WhateverDoesNotSayVirtualIsReal) {
   EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << "no fault ever goes to a real robot";
 }
 
-TEST_F(RobotLinkTest, AStateBeforeTheHelloIsCountedAndNotUsed) {
+TEST_F(RobotLinkTest, AnotherWordAnEmptyOneAndNoneAreARealRobotsAndNeverGetAFault) {
+  FaultDirector director(config, shared.get());
+  ASSERT_GT(shared->faults.load().count, 0U);
+  for (const std::string& word : {std::string("davinci"), std::string(""), std::string("Virtual\0", 8),
+                                  std::string("virtual"), std::string("virtual\0\0", 9)}) {
+    link.connected();
+    say(word);
+    state(RobotState{}, 1);
+    EXPECT_EQ(shared->robot.load().connected, 1) << "it is a robot all the same";
+    EXPECT_EQ(shared->robot.load().is_virtual, 0) << word;
+    EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << word;
+    link.disconnected();
+  }
   link.connected();
-  EXPECT_TRUE(state(RobotState{}, 1));
-  EXPECT_EQ(shared->robot.load().frame, 0U);
-  EXPECT_EQ(link.counts().rejectedTotal(), 1U);
+  state(RobotState{}, 1);  // no hello at all
+  EXPECT_EQ(shared->robot.load().connected, 1);
+  EXPECT_EQ(shared->robot.load().is_virtual, 0);
+  EXPECT_EQ(link.counts().rejectedTotal(), 0U);
+  hello(true);  // and it does not turn virtual under way
+  cycle(1, 0);
+  EXPECT_EQ(shared->robot.load().is_virtual, 0);
+  EXPECT_EQ(rejected(Reject::kOutOfOrder), 1U);
+  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U);
+}
+
+TEST_F(RobotLinkTest, CyclesRiseAndTheTimeStampNeverGoesBack) {
+  link.connected();
+  hello(true);
+  EXPECT_TRUE(cycle(100, 5000));
+  EXPECT_TRUE(cycle(100, 6000));
+  EXPECT_EQ(rejected(Reject::kDuplicate), 1U);
+  EXPECT_TRUE(cycle(99, 6000));
+  EXPECT_EQ(rejected(Reject::kOutOfOrder), 1U);
+  EXPECT_TRUE(cycle(101, 4999));
+  EXPECT_EQ(rejected(Reject::kOutOfOrder), 2U);
+  EXPECT_EQ(shared->robot.load().cycle, 100U);
+  EXPECT_TRUE(cycle(105, 5000)) << "frames in between were dropped";
+  EXPECT_EQ(shared->robot.load().cycle, 105U);
+  EXPECT_EQ(shared->robot.load().frame, 2U);
+  // a robot that restarted counts from one again, on a new connection
+  link.disconnected();
+  link.connected();
+  EXPECT_TRUE(cycle(1, 0));
+  EXPECT_EQ(shared->robot.load().cycle, 1U);
+  EXPECT_EQ(link.counts().received, 7U);
+  EXPECT_TRUE(link.counts().addsUp());
+  EXPECT_EQ(shared->robot_link.load().received, 7U);
+}
+
+TEST_F(RobotLinkTest, EveryBadStateIsCountedByItsReasonAndTheLastGoodOneStays) {
+  link.connected();
+  hello(true);
+  cycle(7, 0);
+  RobotState bad;
+  bad.cycle = 8;
+  bad.arms[0].q[0] = std::nan("");
+  EXPECT_TRUE(state(bad, 9));
+  EXPECT_EQ(rejected(Reject::kNotFinite), 1U);
+  bad.arms[0].q[0] = 2e4;
+  EXPECT_TRUE(state(bad, 9));
+  EXPECT_EQ(rejected(Reject::kOutOfRange), 1U);
+  EXPECT_EQ(shared->robot.load().cycle, 7U);
+  EXPECT_EQ(shared->robot.load().received_ns, 1) << "a bad frame does not make the state fresh";
+  EXPECT_TRUE(link.counts().addsUp());
+}
+
+TEST_F(RobotLinkTest, AnotherMajorVersionIsRefusedAndTold) {
+  link.connected();
+  const std::size_t size = wire::encodeHello(1, true, buffer.data());
+  buffer[5] = 9;
+  EXPECT_FALSE(link.receive(buffer.data(), size, 1));
+  EXPECT_EQ(rejected(Reject::kBadVersion), 1U);
+  EXPECT_EQ(shared->robot_version_refused.load(), 9U << 8U);
+  link.disconnected();
+  link.connected();
+  hello(true);
+  EXPECT_EQ(shared->robot_version_refused.load(), 0U) << "a robot of our version came";
 }
 
 TEST_F(RobotLinkTest, ABrokenStreamIsGivenUp) {

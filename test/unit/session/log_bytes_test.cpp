@@ -52,7 +52,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 2, 2);                      // version
+  append(&expected, 3, 2);                      // version
   append(&expected, 8 + 4 + 24 + 4, 4);         // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
@@ -75,7 +75,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 2, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 3, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
@@ -142,16 +142,16 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   // plus the padding between them, by hand; a change here asks for a change there and a new kRecordVersion.
   EXPECT_EQ(sizeof(ArmState), 28 * 8 + 3 * 8 + 3 * 8 + 4 * 8 + 4 + 4u);
   EXPECT_EQ(sizeof(ModelState), 3 * 8 + 5 + /*padding*/ 3 + 4 + /*padding*/ 4 + 2 * sizeof(ArmState) + 4 * 7 * 8u);
-  EXPECT_EQ(sizeof(RobotArmState), 21 * 8 + 7 * 4 + /*padding*/ 4 + 6 * 8u);
+  EXPECT_EQ(sizeof(RobotArmState), 21 * 8 + 7 * 4 + 7 + /*padding*/ 5 + 6 * 8u);
   EXPECT_EQ(sizeof(LinkCounts), (2 + kRejectCount) * 8u);
-  EXPECT_EQ(sizeof(RobotState), 3 * 8 + 2 * 4 + 6 + /*padding*/ 2 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
+  EXPECT_EQ(sizeof(RobotState), 4 * 8 + 2 * 4 + 6 + /*padding*/ 2 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
   EXPECT_EQ(sizeof(HapticState), 2 * 8 + 12 * 8 + 2 * 8 + 1 + /*padding*/ 7u);
   EXPECT_EQ(sizeof(MasterCommand), 4 + 1 + /*padding*/ 3 + 2 * (3 + 4 + 1) * 8u);
   EXPECT_EQ(sizeof(Request), 4 + /*padding*/ 4 + 3 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(LoopTiming), 8 * 8u);
   EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 6 * 8 + 2 * sizeof(LoopTiming) + 2 + /*padding*/ 6u);
-  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 4);
+  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 5);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 7);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
   EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 8);

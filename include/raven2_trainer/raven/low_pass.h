@@ -5,11 +5,10 @@
 namespace raven2_trainer::raven {
 
 /**
- * The robot's own 3rd-order Butterworth low-pass, "120 Hz" at 1 kHz (raven2.md 3.7). The control law does without
- * it, as the real one does (NO_LPF); here it smooths the published velocities, whose quantum would be 1.571 rad/s of
- * the motor. Group delay at rest about 2.7 ms. Real-time safe.
+ * The robot's own 3rd-order Butterworth low-pass, "120 Hz" at 1 kHz (raven2.md 3.7), for all joints of an arm. The
+ * stock control law does without it (NO_LPF), the authors' fork has it. Group delay about 2.7 ms. Real-time safe.
  */
-class VelocityFilter {
+class LowPass {
  public:
   JointArray update(const JointArray& raw) noexcept {
     for (std::size_t j = 0; j < kJointCount; ++j) {
@@ -21,6 +20,15 @@ class VelocityFilter {
       out_[j] = y;
     }
     return out_;
+  }
+
+  /** At rest at these values. */
+  void reset(const JointArray& values) noexcept {
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      lines_[j].x.fill(values[j]);
+      lines_[j].y.fill(values[j]);
+    }
+    out_ = values;
   }
 
  private:

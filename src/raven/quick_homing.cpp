@@ -1,4 +1,4 @@
-#include "raven/homing.h"
+#include "raven/quick_homing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,20 +11,20 @@ constexpr std::int64_t kSettleCycles = 500;
 
 }  // namespace
 
-Homing::Homing(const JointArray& home, double time) noexcept
+QuickHoming::QuickHoming(const JointArray& home, double time) noexcept
     : home_(home), length_(std::max<std::int64_t>(1, std::llround(time / kTickSeconds))) {}
 
-void Homing::hold(const PerArm<JointArray>& q) noexcept {
+void QuickHoming::hold(const PerArm<JointArray>& q) noexcept {
   if (done_) return;
   elapsed_ = 0;
   start_ = q;
 }
 
-void Homing::tick() noexcept {
+void QuickHoming::tick() noexcept {
   if (!done_ && ++elapsed_ >= length_ + kSettleCycles) done_ = true;
 }
 
-JointArray Homing::desired(Arm arm) const noexcept {
+JointArray QuickHoming::desired(Arm arm) const noexcept {
   const double s = std::min(1.0, static_cast<double>(elapsed_) / static_cast<double>(length_));
   const double blend = 0.5 * (1.0 - std::cos(kPi * s));
   JointArray q;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/runtime/state_server.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/**
+ * On a real Raven's computer: takes the robot's own /ravenstate and gives the state server one state a message. Knows
+ * raven_2/raven_state of uw-biorobotics/raven2 and of the authors' fork by their check sums; another one is refused and
+ * named on stderr.
+ */
+class RavenStateBridge {
+ public:
+  /** Call after connect(). @throw ConfigException. */
+  RavenStateBridge(const TrainerConfig& config, const std::string& topic, runtime::StateServer* server);
+  ~RavenStateBridge();
+  void start();
+  void stop();
+
+  // Any thread.
+  std::uint64_t received() const noexcept;
+  std::uint64_t refused() const noexcept;  ///< of these: unknown type, run level, or a number that is not finite
+  /** [ns] CLOCK_MONOTONIC of the newest state that was passed on; 0 none yet. */
+  std::int64_t newest() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,73 @@
+// On a real Raven's computer: its /ravenstate as the state frames that the daemon reads from a virtual one.
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "apps/common/command_line.h"
+#include "apps/common/signals.h"
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/ros/raven_state_bridge.h"
+#include "raven2_trainer/ros/ros_bridge.h"
+
+namespace raven2_trainer {
+namespace {
+
+constexpr double kLookEvery = 0.005;  // [s] a quarter of the daemon's limit for a stale state
+
+/** Says when the topic stops and when it comes back. */
+class StaleWatch {
+ public:
+  StaleWatch(const std::string& topic, double limit) : topic_(topic), limit_(limit) {}
+
+  void look(std::int64_t newest_ns) {
+    const double age = static_cast<double>(net::monotonicNow() - newest_ns) * 1e-9;
+    const bool is_stale = newest_ns == 0 || age > limit_;
+    if (is_stale && !is_stale_)
+      std::fprintf(stderr, "%s: nothing for %.0f ms, the state is stale\n", topic_.c_str(), 1e3 * limit_);
+    if (!is_stale && is_stale_) std::fprintf(stderr, "%s: states arrive\n", topic_.c_str());
+    is_stale_ = is_stale;
+  }
+
+ private:
+  std::string topic_;
+  double limit_;
+  bool is_stale_{true};
+};
+
+int run(const apps::CommonOptions& common, const std::string& topic, int argc, char** argv) {
+  const TrainerConfig config = common.load();
+  if (!ros_bridge::connect(argc, argv, "raven_state_bridge")) {
+    std::fprintf(stderr, "no ROS master answers: ROS_MASTER_URI must name the robot's\n");
+    return 1;
+  }
+  runtime::StateServer server(config.network.bind_address, config.network.state_port, /*is_virtual=*/false);
+  ros_bridge::RavenStateBridge bridge(config, topic, &server);
+  server.start();
+  bridge.start();
+  std::fprintf(stderr, "waiting for %s; state frames on TCP port %u\n", topic.c_str(), server.port());
+  StaleWatch watch(topic, config.network.stale_after);
+  while (!apps::waitForSignal(kLookEvery))
+    watch.look(bridge.newest());
+  bridge.stop();
+  server.stop();
+  std::fprintf(
+      stderr, "%llu messages, %llu of them refused; %llu frames lost by slow readers; %llu fault plans refused\n",
+      static_cast<unsigned long long>(bridge.received()), static_cast<unsigned long long>(bridge.refused()),
+      static_cast<unsigned long long>(server.framesDropped()), static_cast<unsigned long long>(server.plansRefused()));
+  return 0;
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  apps::blockSignals();
+  apps::CommonOptions common;
+  std::string topic = "/ravenstate";
+  CLI::App app{"A real Raven's /ravenstate in, state frames out on TCP (--state-port). Fault plans are refused."};
+  common.add(&app, /*with_ports=*/true);
+  app.add_option("--topic", topic, "Topic of type raven_2/raven_state, raven2's or the fork raven2_sim's")
+      ->capture_default_str();
+  return apps::runProgram(&app, argc, argv, [&] { return run(common, topic, argc, argv); });
+}

@@ -1,0 +1,34 @@
+#include <gtest/gtest.h>
+
+#include "conformance/robot.h"
+#include "support/allocation_counter.h"
+
+namespace raven2_trainer::conformance {
+namespace {
+
+#ifdef RAVEN2_COUNTS_ALLOCATIONS
+TEST(Allocation, NoneInHomingTeleoperationRefusalOrNaN) {
+  VirtualRavenConfig config = packaged().virtual_raven;
+  config.full_homing = true;
+  Robot homing(config, false);
+  Robot engaged;
+  engaged.engage();
+  calls = 0;
+  counting = true;
+  for (int k = 0; k < 6000; ++k) {
+    homing.cycle();
+    wire::ItpPacket p = engaged.packet();
+    p.delx_um[0] = k < 2000 ? 5 : 0;
+    p.delz_um[1] = k == 2500 ? 60000 : 0;
+    if (k == 4000) p.Qw[0] = 0.0;
+    engaged.send(p);
+    engaged.cycle();
+  }
+  counting = false;
+  EXPECT_EQ(calls, 0);
+  EXPECT_EQ(engaged.level(), RunLevel::kPedalDown);
+}
+#endif
+
+}  // namespace
+}  // namespace raven2_trainer::conformance

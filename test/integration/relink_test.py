@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""A robot that is lost with the pedal down and comes back: engaged again only by a new pedal-down.
+
+The test is the console.
+"""
+import os
+import signal
+import threading
+import time
+import unittest
+import xmlrpc.client
+
+import rospy
+import rostest
+from robot_frames import FrameReader, Master
+
+MASTER_PORT, STATE_PORT = 37150, 37153
+PEDAL_UP, PEDAL_DN = 2, 3
+
+
+class Console(threading.Thread):
+    """One packet about every millisecond; pedal and step are the test's."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.pedal, self.step_um = 0, 0
+        self._master = Master(MASTER_PORT)
+
+    def run(self):
+        while True:
+            self._master.send(self.pedal, (0, self.step_um, 0))
+            time.sleep(0.001)
+
+
+def connect():
+    """To the robot, as soon as it is there and says so: a dying process may still take a connection."""
+    deadline = time.monotonic() + 30
+    while time.monotonic() < deadline:
+        try:
+            reader = FrameReader(STATE_PORT)
+            if reader.wait(lambda s: True, 1.0):
+                return reader
+        except ConnectionRefusedError:
+            time.sleep(0.02)
+    raise AssertionError("no robot")
+
+
+class Relink(unittest.TestCase):
+    def test_a_returning_robot_waits_for_a_new_pedal_down(self):
+        rospy.init_node("relink_test", disable_signals=True)
+        console = Console()
+        console.start()
+        robot = connect()
+        self.assertIsNotNone(robot.wait(lambda s: s.runlevel == PEDAL_UP and s.homed, 60))
+        console.pedal, console.step_um = 1, 10
+        self.assertIsNotNone(robot.wait(lambda s: s.runlevel == PEDAL_DN), "never engaged")
+
+        # WHEN the robot is lost with the pedal down, and returns
+        uri = rospy.get_master().lookupNode("/virtual_raven")[2]
+        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/relink_test")[2], signal.SIGKILL)
+        console.step_um = 0
+        self.assertTrue(robot.ended(20))
+        robot = connect()
+        ready = robot.wait(lambda s: s.runlevel == PEDAL_UP and s.homed, 60)
+        self.assertIsNotNone(ready)
+        # THEN the pedal that is still down does not engage it
+        self.assertIsNotNone(robot.wait(lambda s: s.cycle > ready.cycle + 1000))
+        self.assertEqual({s.runlevel for s in robot.states if s.cycle >= ready.cycle}, {PEDAL_UP})
+        self.assertGreater(robot.states[-1].last_sequence, 0, "the relay does send, with the pedal up")
+
+        # and a new pedal-down does, from where it stands
+        console.pedal = 0
+        released = robot.states[-1]
+        self.assertIsNotNone(robot.wait(lambda s: s.cycle > released.cycle + 300))
+        console.pedal = 1
+        engaged = robot.wait(lambda s: s.runlevel == PEDAL_DN)
+        self.assertIsNotNone(engaged, "the new pedal-down was not taken")
+        self.assertIsNotNone(robot.wait(lambda s: s.cycle > engaged.cycle + 300))
+        for arm in (0, 1):
+            # the tool joints settle by some mrad, their integral working against friction (doc/virtual_raven.md)
+            for before, after in zip(engaged.q[arm][:3], robot.states[-1].q[arm][:3]):
+                self.assertAlmostEqual(before, after, delta=2e-3, msg="it moved without being asked")
+        console.step_um = 10
+        self.assertIsNotNone(robot.wait(lambda s: max(abs(a - b) for a, b in zip(s.q[0], engaged.q[0])) > 0.02))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("raven2_trainer", "relink", Relink)

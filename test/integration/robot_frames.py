@@ -1,0 +1,118 @@
+"""State frames of the robot's TCP link, read with struct and zlib alone (doc/wire.md)."""
+import socket
+import struct
+import threading
+import zlib
+
+HEADER = struct.Struct("<4sHHII")
+STATE = struct.Struct("<QqII4B" + 2 * "21d7i7B" + "17Q")
+PLAN_HEAD = struct.Struct("<QI")
+VERSION = 0x200
+HELLO, STATE_TYPE, PLAN = 1, 2, 3
+
+
+class State:
+    """One state frame."""
+
+    def __init__(self, payload):
+        values = STATE.unpack(payload)
+        self.cycle, self.time_ns, self.last_sequence, self.active_fault = values[:4]
+        self.runlevel, self.sublevel, self.homed, self.soft_estopped = values[4:8]
+        arms = [values[8 + 35 * a:8 + 35 * (a + 1)] for a in (0, 1)]
+        self.q = [list(arm[0:7]) for arm in arms]
+        self.dq = [list(arm[7:14]) for arm in arms]
+        self.motor = [list(arm[14:21]) for arm in arms]
+        self.dac = [list(arm[21:28]) for arm in arms]
+
+
+class FrameReader:
+    """A reader with a thread of its own: the hello, and every state frame in order."""
+
+    def __init__(self, port, address="127.0.0.1"):
+        self._socket = socket.create_connection((address, port), timeout=10)
+        self._sequence = 0
+        self.hello = None
+        self.states = []
+        self.changed = threading.Condition()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _take(self, size):
+        data = b""
+        while len(data) < size:
+            part = self._socket.recv(size - len(data))
+            if not part:
+                raise EOFError
+            data += part
+        return data
+
+    def _run(self):
+        try:
+            while True:
+                head = self._take(HEADER.size)
+                magic, version, kind, size, _ = HEADER.unpack(head)
+                crc, = struct.unpack("<I", self._take(4))
+                payload = self._take(size)
+                assert magic == b"RV2T" and version == VERSION and crc == zlib.crc32(payload, zlib.crc32(head))
+                with self.changed:
+                    if kind == HELLO:
+                        self.hello = payload
+                    elif kind == STATE_TYPE:
+                        self.states.append(State(payload))
+                    self.changed.notify_all()
+        except (EOFError, OSError):
+            pass
+
+    def wait(self, condition, seconds=30.0):
+        """Waits until condition(newest state) holds and returns that state; None after the deadline."""
+        seen = len(self.states)
+        with self.changed:
+            if self.states and condition(self.states[-1]):
+                return self.states[-1]
+
+            def look():
+                nonlocal seen
+                for state in self.states[seen:]:
+                    seen += 1
+                    if condition(state):
+                        look.found = state
+                        return True
+                return False
+
+            look.found = None
+            self.changed.wait_for(look, seconds)
+            return look.found
+
+    def ended(self, seconds):
+        """Waits for the other side to close. Closed or not?"""
+        self._thread.join(seconds)
+        return not self._thread.is_alive()
+
+    def send_plan(self, fault_id=1):
+        """A plan of one fault that never begins (first tick in the far future)."""
+        payload = PLAN_HEAD.pack(1, 1) + struct.pack("<I4B2b4qd", fault_id, 3, 0, 1, 1, 0, 0, 10**12, 300, 0, 1, 0.0)
+        self._sequence += 1
+        head = HEADER.pack(b"RV2T", VERSION, PLAN, len(payload), self._sequence)
+        self._socket.sendall(head + struct.pack("<I", zlib.crc32(payload, zlib.crc32(head))) + payload)
+
+    def close(self):
+        self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.close()
+
+
+class Master:
+    """ITP packets to a robot (raven2.md 1.1), numbered from 1."""
+
+    PACKET = struct.Struct("<3I6i8d6i")
+
+    def __init__(self, port, address="127.0.0.1"):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._peer = (address, port)
+        self.sequence = 0
+
+    def send(self, pedal, gold_um=(0, 0, 0)):
+        self.sequence += 1
+        x, y, z = gold_um
+        checksum = pedal + x + y + z + self.sequence
+        self._socket.sendto(self.PACKET.pack(self.sequence, 0, 0, x, 0, y, 0, z, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0,
+                                             pedal, checksum), self._peer)

@@ -1,0 +1,123 @@
+// Recordings of a real arm's motors: reading, and how well the identified plant predicts one.
+
+#include "raven2_trainer/plant/motor_recording.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/plant/motor_replay.h"
+#include "raven2_trainer/raven/cable_coupling.h"
+#include "unit/plant/closed_loop.h"
+
+namespace raven2_trainer::plant {
+namespace {
+
+using test::dhRaven;
+using test::trainerConfig;
+
+/** A CSV file of its own, gone at the end of the test. */
+class RecordingFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = std::filesystem::temp_directory_path() / ("raven2_motors_" + std::to_string(getpid()));
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  std::string write(const std::string& header, const std::string& row, int rows) {
+    std::ofstream file(path_);
+    file << header << '\n';
+    for (int k = 0; k < rows; ++k)
+      file << row << '\n';
+    return path_.string();
+  }
+
+  std::string refusal(const std::string& header, const std::string& row, int rows = 300) {
+    try {
+      loadMotorRecording(write(header, row, rows));
+    } catch (const ConfigException& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  std::filesystem::path path_;
+};
+
+constexpr const char* kHeader = "mpos1_deg,mpos2_deg,mpos3_deg,mvel1_deg_s,dac1,dac2,dac3";
+
+TEST_F(RecordingFile, IsReadInRadiansByColumnNames) {
+  const MotorRecording recording = loadMotorRecording(write(kHeader, "180,360,-90,5,-20,2,7", 200));
+  ASSERT_EQ(recording.rows.size(), 200u);
+  EXPECT_DOUBLE_EQ(recording.rows[5].position[2], -kPi / 2);
+  EXPECT_EQ(recording.rows[5].dac[0], -20);
+  EXPECT_EQ(recording.rows[5].rate[1], 0.0);
+}
+
+TEST_F(RecordingFile, BadOnesAreRefusedWithTheirLine) {
+  EXPECT_NE(refusal("a,b,c", "1,2,3").find(":1: column mpos1_deg is missing"), std::string::npos);
+  EXPECT_NE(refusal(kHeader, "1,2,3,4,5,6").find(":2: 6 cells"), std::string::npos);
+  EXPECT_NE(refusal(kHeader, "1,nan,3,4,5,6,7").find(":2: \"nan\""), std::string::npos);
+  EXPECT_NE(refusal(kHeader, "1,2,3,4,40000,6,7").find(":2: \"40000\""), std::string::npos);
+  EXPECT_NE(refusal(kHeader, "1,2,3,4,5,6,7", 10).find("10 rows"), std::string::npos);
+  EXPECT_THROW(loadMotorRecording("/nowhere/motors.csv"), ConfigException);
+}
+
+/** The gold shoulder under a square wave of 250 counts, from the plant itself. */
+MotorRecording recordOfPlant(const VirtualRavenConfig& config) {
+  MotorRecording seed;
+  MotorRecording::Row start;
+  const JointArray motors = raven::CableCoupling(Arm::kGold, config).toMotor(trainerConfig().arms.geometry.home);
+  start.position = {motors[0], motors[1], motors[2]};
+  for (int k = 0; k < 601; ++k) {
+    start.dac = {static_cast<std::int16_t>(k % 200 < 100 ? -250 : 250), 0, 0};
+    seed.rows.push_back(start);
+  }
+  MotorReplay replay(dhRaven(trainerConfig().arms), config, seed);
+  const auto path = replay.predict(600);
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    seed.rows[k + 1].position = path[k];
+    for (std::size_t i = 0; i < 3; ++i)
+      seed.rows[k + 1].rate[i] = (path[k][i] - seed.rows[k].position[i]) / kTickSeconds;
+  }
+  return seed;
+}
+
+TEST(MotorReplay, KnowsItsOwnPlantFromAnotherOne) {
+  const VirtualRavenConfig config = trainerConfig().virtual_raven;
+  VirtualRavenConfig heavier = config;
+  heavier.plant.axes[kShoulder].inertia *= 1.5;
+  const MotorRecording recording = recordOfPlant(config);
+  MotorReplay same(dhRaven(trainerConfig().arms), config, recording);
+  MotorReplay other(dhRaven(trainerConfig().arms), heavier, recording);
+  const double right = replayError(&same, 100, 500, 10, 100).plant[0];
+  const double wrong = replayError(&other, 100, 500, 10, 100).plant[0];
+  EXPECT_LT(right, 0.2 * wrong);
+}
+
+TEST(MotorReplay, PredictsTheRecordedArmBetterThanItsVelocity) {
+  // The last third of the recording was not used to fit config/plants/identified.yaml.
+  const char* folder = std::getenv("RAVEN2_TRAINER_DATA");
+  if (folder == nullptr) GTEST_SKIP() << "RAVEN2_TRAINER_DATA does not name the folder of the recordings";
+  MotorRecording recording = loadMotorRecording(std::string(folder) + "/gold_arm_dac_motor_a.csv");
+  const std::size_t rows = recording.rows.size();
+  const TrainerConfig& config = trainerConfig();
+  MotorReplay replay(model::loadRavenModel(config), config.virtual_raven, std::move(recording));
+  const ReplayError error = replayError(&replay, 2 * rows / 3, rows, 5, 100);
+  const double degree = kPi / 180.0;
+  EXPECT_NEAR(error.constant_velocity[0], 13.7 * degree, 0.1 * degree);  // the recording has one baseline
+  EXPECT_NEAR(error.constant_velocity[1], 23.0 * degree, 0.1 * degree);
+  EXPECT_NEAR(error.constant_velocity[2], 10.1 * degree, 0.1 * degree);
+  EXPECT_LT(error.plant[0], 0.8 * error.constant_velocity[0]);
+  EXPECT_LT(error.plant[1], 0.8 * error.constant_velocity[1]);
+  EXPECT_LT(error.plant[2], 1.0 * error.constant_velocity[2]);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::plant

@@ -1,0 +1,229 @@
+#include "raven2_trainer/runtime/state_server.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/net/tcp_client.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+/** A reader on a real socket; time is the test's. */
+class TestReader {
+ public:
+  explicit TestReader(std::uint16_t port) : client_("127.0.0.1", port, 0.01, 0.1) {}
+
+  void poll() {
+    const auto event = client_.poll(net::monotonicNow(), 0);
+    if (event == net::TcpClient::Event::kDisconnected) left_ = true;
+    if (event == net::TcpClient::Event::kReadable) read();
+  }
+
+  bool isUp() const { return client_.isConnected(); }
+  bool left() const { return left_; }
+  bool greeted() const { return greeted_; }
+  bool isVirtual() const { return is_virtual_; }
+  const std::vector<RobotState>& states() const { return states_; }
+  bool send(const std::uint8_t* bytes, std::size_t size) { return client_.send(bytes, size); }
+
+  void sendPlan(std::uint32_t fault_id) {
+    FaultPlan plan;
+    plan.generation = 1;
+    plan.count = 1;
+    plan.faults[0].id = fault_id;
+    const std::size_t size = wire::encodeFaultPlan(1, plan, bytes_.data());
+    ASSERT_TRUE(client_.send(bytes_.data(), size));
+  }
+
+ private:
+  void read() {
+    while (const std::size_t size = client_.receive(bytes_.data(), bytes_.size())) {
+      parser_.feed(bytes_.data(), size);
+      wire::Frame frame;
+      while (parser_.next(&frame) == wire::FrameParser::Result::kFrame)
+        take(frame);
+    }
+  }
+
+  void take(const wire::Frame& frame) {
+    RobotState state;
+    if (frame.type == wire::FrameType::kHello) {
+      greeted_ = states_.empty();
+      is_virtual_ = wire::saysVirtual(frame);
+    } else if (wire::decodeState(frame, &state) == Reject::kNone) {
+      states_.push_back(state);
+    }
+  }
+
+  net::TcpClient client_;
+  wire::FrameParser parser_;
+  std::array<std::uint8_t, wire::kMaxFrame> bytes_{};
+  std::vector<RobotState> states_;
+  bool greeted_{false}, is_virtual_{false}, left_{false};
+};
+
+class StateServerTest : public ::testing::Test {
+ protected:
+  /** Serves and polls until `done`; the server's clock stands still unless the test moves it. */
+  template <typename Done>
+  bool until(Done done) {
+    const std::int64_t end = net::monotonicNow() + 10 * kSecond;
+    while (net::monotonicNow() < end) {
+      server->serve(now_ns);
+      for (auto& reader : readers)
+        if (reader) reader->poll();
+      if (done()) return true;
+    }
+    return false;
+  }
+
+  TestReader* join() {
+    readers.push_back(std::make_unique<TestReader>(server->port()));
+    TestReader* reader = readers.back().get();
+    EXPECT_TRUE(until([&] { return reader->greeted(); }));
+    return reader;
+  }
+
+  std::uint32_t armed() const {
+    const FaultPlan plan = server->faults().load();
+    return plan.count == 0 ? 0 : plan.faults[0].id;
+  }
+
+  void push(std::uint64_t cycle) {
+    RobotState state;
+    state.cycle = cycle;
+    server->push(state);
+  }
+
+  std::int64_t now_ns{kSecond};
+  std::unique_ptr<StateServer> server{std::make_unique<StateServer>("127.0.0.1", 0, true)};
+  std::vector<std::unique_ptr<TestReader>> readers;
+};
+
+TEST_F(StateServerTest, FourReadersGetTheHelloAndThenEveryCycle) {
+  for (int i = 0; i < 4; ++i)
+    EXPECT_TRUE(join()->isVirtual());
+  for (std::uint64_t cycle = 1; cycle <= 500; ++cycle) {
+    push(cycle);
+    ASSERT_TRUE(until([&] {
+      for (const auto& reader : readers)
+        if (reader->states().size() != cycle) return false;
+      return true;
+    })) << cycle;
+  }
+  for (const auto& reader : readers) {
+    for (std::size_t i = 0; i < 500; ++i)
+      ASSERT_EQ(reader->states()[i].cycle, i + 1);
+  }
+  EXPECT_EQ(server->framesDropped(), 0U);
+  EXPECT_EQ(server->readers(), 4U);
+}
+
+TEST_F(StateServerTest, TheFirstReaderWithAPlanOwnsItUntilItLeaves) {
+  TestReader* first = join();
+  TestReader* second = join();
+  second->sendPlan(22);
+  ASSERT_TRUE(until([&] { return armed() == 22; }));
+  first->sendPlan(11);
+  ASSERT_TRUE(until([&] { return server->plansRefused() == 1; }));
+  EXPECT_EQ(armed(), 22U);
+  second->sendPlan(23);  // the owner may change it
+  ASSERT_TRUE(until([&] { return armed() == 23; }));
+  const std::uint64_t generation = server->faults().load().generation;
+
+  readers[1].reset();  // the owner leaves, another reader stays
+  ASSERT_TRUE(until([&] { return server->readers() == 1; }));
+  EXPECT_EQ(armed(), 0U) << "nobody is left who could clear it";
+  EXPECT_GT(server->faults().load().generation, generation);
+
+  first->sendPlan(12);
+  ASSERT_TRUE(until([&] { return armed() == 12; }));
+  EXPECT_EQ(server->plansRefused(), 1U);
+}
+
+TEST_F(StateServerTest, TheRestOfTheReadersLeavingDoesNotDisarm) {
+  TestReader* owner = join();
+  join();
+  owner->sendPlan(5);
+  ASSERT_TRUE(until([&] { return armed() == 5; }));
+  readers[1].reset();
+  ASSERT_TRUE(until([&] { return server->readers() == 1; }));
+  EXPECT_EQ(armed(), 5U);
+}
+
+TEST_F(StateServerTest, ARealRobotRefusesEveryPlan) {
+  server = std::make_unique<StateServer>("127.0.0.1", 0, /*is_virtual=*/false);
+  TestReader* reader = join();
+  EXPECT_FALSE(reader->isVirtual());
+  reader->sendPlan(1);
+  reader->sendPlan(2);
+  ASSERT_TRUE(until([&] { return server->plansRefused() == 2; }));
+  EXPECT_EQ(armed(), 0U);
+  EXPECT_TRUE(reader->isUp());
+}
+
+TEST_F(StateServerTest, ADribblingReaderIsClosedAfterHalfASecondAndAQuietOneIsNot) {
+  TestReader* quiet = join();
+  TestReader* dribbler = join();
+  std::array<std::uint8_t, wire::kMaxFrame> plan{};
+  wire::encodeFaultPlan(1, FaultPlan{}, plan.data());
+  // WHEN a byte comes now and then, never a whole frame
+  std::size_t sent = 0;
+  ASSERT_TRUE(dribbler->send(plan.data() + sent++, 1));
+  ASSERT_TRUE(until([&] { return server->partsWaiting() == 1; }));
+  now_ns += StateServer::kFrameDeadlineNs - 1;
+  ASSERT_TRUE(dribbler->send(plan.data() + sent++, 1));
+  server->serve(now_ns);
+  EXPECT_EQ(server->partsWaiting(), 1U);
+  now_ns += 1;
+  EXPECT_TRUE(until([&] { return dribbler->left(); }));
+  EXPECT_EQ(server->plansRefused(), 0U);
+  EXPECT_TRUE(quiet->isUp()) << "a reader need not say anything";
+}
+
+TEST_F(StateServerTest, AStalledReaderIsClosedAfterTwoSecondsAndDelaysNobody) {
+  TestReader* good = join();
+  auto stalled = std::make_unique<TestReader>(server->port());
+  ASSERT_TRUE(until([&] {
+    if (!stalled->greeted()) stalled->poll();
+    return stalled->greeted();
+  }));
+  // WHEN it takes nothing any more
+  std::uint64_t cycle = 0;
+  const auto next = [&] {
+    push(++cycle);
+    now_ns += kTickNanoseconds;
+    return until([&] { return good->states().size() == cycle; });
+  };
+  while (server->framesDropped() == 0 && cycle < 5000)
+    ASSERT_TRUE(next());
+  ASSERT_GT(server->framesDropped(), 0U);
+  EXPECT_EQ(server->readers(), 2U);
+  const std::uint64_t full = cycle;
+  while (server->readers() == 2 && cycle < full + 3000)
+    ASSERT_TRUE(next());
+  EXPECT_EQ(server->readers(), 1U);
+  EXPECT_LE(cycle - full, 2001U);
+  EXPECT_GT(cycle - full, 1900U) << "two seconds without a byte, not less";
+}
+
+TEST_F(StateServerTest, AReaderOfAnotherVersionIsClosed) {
+  TestReader* reader = join();
+  std::array<std::uint8_t, wire::kMaxFrame> plan{};
+  const std::size_t size = wire::encodeFaultPlan(1, FaultPlan{}, plan.data());
+  plan[5] = 9;
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(reader->send(plan.data(), size));
+  EXPECT_TRUE(until([&] { return reader->left(); }));
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("9.0"), std::string::npos) << said;
+  EXPECT_NE(said.find("2.0"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
