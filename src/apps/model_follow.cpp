@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -65,12 +66,26 @@ void follow(const TrainerConfig& config,
   bar.done(std::to_string(desired.size()) + " rows");
 }
 
+/** Beyond this a value is in other units, or garbage. [rad, m] */
+constexpr double kLargest = 10.0;
+
+void checkDesired(const std::vector<std::vector<double>>& desired, const std::string& file) {
+  for (std::size_t row = 0; row < desired.size(); ++row) {
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      if (std::abs(desired[row][j]) <= kLargest) continue;
+      throw apps::CsvException(file + ":" + std::to_string(row + 2) + ": q" + std::to_string(j + 1) + "_d is " +
+                               std::to_string(desired[row][j]) + ", allowed [-10, 10] (rad; m for q3_d)");
+    }
+  }
+}
+
 int run(const Options& options) {
   apps::CommonOptions common;
   common.config = options.config;
   const TrainerConfig config = common.load();
   const auto desired = apps::readTable(options.desired, numbered("q", "_d"));
   if (desired.empty()) throw apps::CsvException(options.desired + ": no rows below the header");
+  checkDesired(desired, options.desired);
   physics::initialiseOde();
   physics::attachOdeToThread();
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(options.out.c_str(), "wb"), &std::fclose);

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -19,6 +20,7 @@
 namespace raven2_trainer {
 namespace {
 
+constexpr double kFastest = 100.0;       // [rad/s; m/s] 790 rad/s of a motor turn the tool joints by 146 rad/s at most
 constexpr std::size_t kLongRun = 20000;  // ticks from which progress is shown
 
 struct Options {
@@ -46,7 +48,11 @@ JointArray joints(const std::vector<double>& values) {
 }
 
 /** @throw apps::CsvException: bad input, like a bad table. */
-void checkStart(const JointArray& q0, const model::RavenModel& raven, Arm arm) {
+void checkStart(const JointArray& q0, const JointArray& dq0, const model::RavenModel& raven, Arm arm) {
+  for (const double rate : dq0) {
+    if (!(std::abs(rate) <= kFastest))
+      throw apps::CsvException("--dq0: " + std::to_string(rate) + ", allowed [-100, 100]");
+  }
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const model::Link& link = raven.description.links.at(static_cast<std::size_t>(at(raven.links, arm)[j]));
     if (q0[j] >= link.lower && q0[j] <= link.upper) continue;
@@ -101,6 +107,7 @@ int run(const std::vector<std::vector<double>>& torques, Probe* probe, apps::Csv
     if (torques.size() >= kLongRun) bar.update(static_cast<double>(row) / static_cast<double>(torques.size()));
   }
   out->flush();
+  if (torques.size() >= kLongRun) bar.done(std::to_string(torques.size()) + " rows");
   return 0;
 }
 
@@ -109,7 +116,7 @@ int probe(const Options& options) {
       config::loadTrainerConfig(options.config.empty() ? apps::defaultConfigPath() : options.config);
   const model::RavenModel raven = model::loadRavenModel(config);
   const Arm arm = options.arm == kArmNames[0] ? Arm::kGold : Arm::kGreen;
-  checkStart(joints(options.q0), raven, arm);
+  checkStart(joints(options.q0), joints(options.dq0), raven, arm);
   const auto torques = apps::readTable(options.torques, kTorques);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
       options.out == "-" ? stdout : std::fopen(options.out.c_str(), "wb"), &std::fclose);

@@ -151,6 +151,7 @@ int pointsInside(const Scene& s, std::array<LocalPoint, 3>* points) noexcept {
       low = std::min(low, crossings.t[i]);
       high = std::max(high, crossings.t[i]);
     }
+    if (low > high) low = high = std::clamp((low + high) / 2, 0.0, 1.0);  // grazed within rounding
     (*points)[0] = {s.at((low + high) / 2), out.normal, out.depth + s.radius};
     return 1;
   }

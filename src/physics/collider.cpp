@@ -118,6 +118,8 @@ void Collider::addGroup(Group group, const model::Link& link, const Pose& X_OL, 
   updateBounds(&group);
   groups_.push_back(std::make_unique<Group>(std::move(group)));
   Group* added = groups_.back().get();
+  by_id_.resize(std::max(by_id_.size(), static_cast<std::size_t>(added->id) + 1));
+  by_id_[static_cast<std::size_t>(added->id)] = added;
   for (const Shape& shape : added->shapes)
     dGeomSetData(shape.geom.get(), added);
   for (const std::unique_ptr<Group>& other : groups_) {
@@ -151,7 +153,6 @@ bool Collider::isEnabled(const Group& group) const noexcept {
 void Collider::createContacts() {
   found_.clear();
   forces_.clear();
-  counts_ = {};
   for (const std::unique_ptr<Group>& group : groups_) {
     if (group->body != nullptr) updateBounds(group.get());
   }
@@ -203,13 +204,33 @@ void Collider::createJoint(const dContactGeom& point, double limit) {
   dJointAttach(joint, into.body, from.body);
   const int first_body = into.body != nullptr ? into.id : from.id;  // ODE turns a joint round that begins with none
   forces_.add(joint, contact.geom, into.id < from.id, first_body == std::min(into.id, from.id));
-  for (const Group* group : {&into, &from}) {
-    if (group->arm >= 0) ++counts_[static_cast<std::size_t>(group->arm)];
-  }
 }
 
 const Collider::Group& Collider::groupOf(dGeomID geom) noexcept {
   return *static_cast<const Group*>(dGeomGetData(geom));
+}
+
+void Collider::readForces() noexcept {
+  forces_.read();
+  counts_ = {};
+  obstructed_ = {};
+  forces_.forEach([this](std::size_t a, std::size_t b) {
+    const Group &first = *by_id_[a], &second = *by_id_[b];
+    const bool gives_way = (first.arm < 0 && first.body != nullptr) || (second.arm < 0 && second.body != nullptr);
+    for (const Group* group : {&first, &second}) {
+      if (group->arm < 0) continue;
+      const auto arm = static_cast<std::size_t>(group->arm);
+      ++counts_[arm];
+      obstructed_[arm] = obstructed_[arm] || !gives_way;
+    }
+  });
+}
+
+void Collider::forget() noexcept {
+  found_.clear();
+  forces_.clear();
+  counts_ = {};
+  obstructed_ = {};
 }
 
 }  // namespace raven2_trainer::physics

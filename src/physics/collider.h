@@ -46,13 +46,17 @@ class Collider {
   /** Finds the contacts and makes their joints. Throws what ODE's handlers throw. */
   void createContacts();
   /** After a step: keeps the forces. */
-  void readForces() noexcept { forces_.read(); }
+  void readForces() noexcept;
   /** Removes the joints of createContacts(). */
   void removeContacts() noexcept { dJointGroupEmpty(joints_.get()); }
 
   std::uint32_t contacts(Arm arm) const noexcept { return at(counts_, arm); }
+  /** Something that does not give way touches the arm: the fixed scene, or the other arm. */
+  bool isObstructed(Arm arm) const noexcept { return at(obstructed_, arm); }
   /** Contacts of the last step; the tick is left alone. */
-  void report(ContactList* list) const noexcept { forces_.report(list); }
+  void report(ContactList* list) const noexcept { forces_.report(found_.unseen(), list); }
+  /** Nothing is touched: of a world that no longer moves. */
+  void forget() noexcept;
 
  private:
   struct Bounds {
@@ -90,7 +94,9 @@ class Collider {
   std::vector<std::pair<Group*, Group*>> pairs_;
   JointGroup joints_;
   PerArm<bool> enabled_{};
-  PerArm<std::uint32_t> counts_{};
+  PerArm<std::uint32_t> counts_{};  // of the last step
+  PerArm<bool> obstructed_{};
+  std::vector<const Group*> by_id_;  // one group of each body
   ContactSet found_;
   std::array<const ContactSet::Pair*, ContactSet::kMaxPairs> order_{};
   ContactForces forces_;

@@ -49,13 +49,17 @@ void ContactForces::read() noexcept {
   }
 }
 
-void ContactForces::report(ContactList* list) const noexcept {
-  const std::size_t kept = std::min(count_, kMaxContacts);
-  list->count = static_cast<std::uint32_t>(kept);
-  list->dropped = static_cast<std::uint32_t>(count_ - kept);
-  for (std::size_t i = 0; i < kept; ++i)
-    list->contacts[i] = records_[i].contact;
-  std::fill(list->contacts.begin() + static_cast<std::ptrdiff_t>(kept), list->contacts.end(), Contact{});
+void ContactForces::report(std::uint32_t unseen, ContactList* list) const noexcept {
+  *list = ContactList{};
+  list->dropped = unseen;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (!acts(records_[i])) continue;
+    if (list->count < kMaxContacts) {
+      list->contacts[list->count++] = records_[i].contact;
+    } else {
+      ++list->dropped;
+    }
+  }
 }
 
 }  // namespace raven2_trainer::physics

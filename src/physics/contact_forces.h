@@ -33,7 +33,16 @@ class ContactForces {
   /** After the step, while the joints exist. */
   void read() noexcept;
 
-  void report(ContactList* list) const noexcept;
+  /** Contacts with a force or an overlap; a joint across a gap that did not close is none. `unseen`: points that had no
+   *  room before they came here. */
+  void report(std::uint32_t unseen, ContactList* list) const noexcept;
+  /** Calls use(a, b) for each of those. */
+  template <typename Use>
+  void forEach(const Use& use) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (acts(records_[i])) use(records_[i].contact.a, records_[i].contact.b);
+    }
+  }
 
  private:
   struct Record {
@@ -41,6 +50,9 @@ class ContactForces {
     bool on_a{};
     std::size_t pair{};
   };
+  static bool acts(const Record& record) noexcept {
+    return record.contact.depth > 0.0F || record.contact.f_W != Vec3{};
+  }
   struct Pair {
     int a{}, b{};
     double normal{};  // [N]

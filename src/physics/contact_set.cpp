@@ -68,7 +68,10 @@ ContactSet::Pair* ContactSet::findPair(int first, int second) noexcept {
 
 void ContactSet::add(int a, int b, const dContactGeom& point) noexcept {
   Pair* pair = findPair(std::min(a, b), std::max(a, b));
-  if (pair == nullptr) return;
+  if (pair == nullptr) {
+    ++unseen_;
+    return;
+  }
   for (std::size_t i = 0; i < pair->count; ++i) {
     if (!isSame(pair->points[i], point)) continue;
     if (isShallower(pair->points[i], point)) pair->points[i] = point;

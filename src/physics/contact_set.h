@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include <ode/ode.h>
 
@@ -26,7 +27,13 @@ class ContactSet {
     std::array<dContactGeom, kMaxCandidates> points{};
   };
 
-  void clear() noexcept { count_ = 0; }
+  void clear() noexcept {
+    count_ = 0;
+    unseen_ = 0;
+  }
+
+  /** Points of pairs beyond kMaxPairs, since clear(). */
+  std::uint32_t unseen() const noexcept { return unseen_; }
 
   /** Adds a point between the owners `a` and `b`. */
   void add(int a, int b, const dContactGeom& point) noexcept;
@@ -42,6 +49,7 @@ class ContactSet {
 
   std::array<Pair, kMaxPairs> pairs_{};
   std::size_t count_{0};
+  std::uint32_t unseen_{0};
 };
 
 }  // namespace raven2_trainer::physics

@@ -1,6 +1,13 @@
 #include "physics/jaw_stop.h"
 
+#include <algorithm>
+
 namespace raven2_trainer::physics {
+namespace {
+
+constexpr double kDeepest = 1e-3;  // [rad]
+
+}  // namespace
 
 JawStop::JawStop(dWorldID world, dBodyID jaw1, dBodyID jaw2, const Vector3& axis_W, double erp)
     : motor_(dJointCreateAMotor(world, nullptr)) {
@@ -13,7 +20,8 @@ JawStop::JawStop(dWorldID world, dBodyID jaw1, dBodyID jaw2, const Vector3& axis
 
 void JawStop::update(double opening, bool enabled) noexcept {
   dJointSetAMotorParam(motor_, dParamLoStop, enabled ? 0.0 : -dInfinity);
-  dJointSetAMotorAngle(motor_, 0, opening);
+  // Jaws that were put past each other part at erp x this in a step, not with what would throw them.
+  dJointSetAMotorAngle(motor_, 0, std::max(opening, -kDeepest));
 }
 
 }  // namespace raven2_trainer::physics

@@ -270,6 +270,7 @@ void RavenWorld::Impl::carryFreeBodies() noexcept {
 /** The last finite state stays readable; the world is not stepped again. */
 void RavenWorld::Impl::freeze() noexcept {
   healthy = false;
+  collider.forget();
   for (ArmBodies& arm : arms) {
     const JointArray q = arm.q();
     arm.setState(q, JointArray{});
@@ -313,6 +314,10 @@ void RavenWorld::step(const PerArm<JointArray>& tau) noexcept {
     impl_->cut_off = true;
     impl_->freeze();
   }
+}
+
+bool RavenWorld::isObstructed(Arm arm) const noexcept {
+  return impl_->collider.isObstructed(arm);
 }
 
 std::uint32_t RavenWorld::contacts(Arm arm) const noexcept {

@@ -58,7 +58,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
   for (const Arm arm : kArms) {
     at(q_d_, arm) = config.arms.geometry.home;
     world_.setJointState(arm, config.arms.geometry.home, JointArray{});
-    world_.setCollisions(arm, at(config.model.arm_contacts, arm));
+    at(collisions_, arm) = at(config.model.arm_contacts, arm);
   }
 }
 
@@ -136,7 +136,7 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
       raise(Event::kPlanFailed);
       break;
     case RequestKind::kSetCollisions:
-      world_.setCollisions(request.arm, request.enabled != 0);
+      at(collisions_, request.arm) = request.enabled != 0;
       break;
     case RequestKind::kNone:
       break;
@@ -294,6 +294,9 @@ void PhysicsLoop::updateTargets() noexcept {
 
 void PhysicsLoop::moveModel() noexcept {
   const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp;
+  // A robot that is not ready searches its stops, wherever that leads: the model passes through everything until then.
+  for (const Arm arm : kArms)
+    world_.setCollisions(arm, at(collisions_, arm) && state_.mode != Mode::kWaiting);
   PerArm<JointArray> target = q_d_;
   if (disengaged && state_.robot_fresh != 0) {
     for (const Arm arm : kArms)
@@ -308,6 +311,7 @@ JointArray PhysicsLoop::followRobot(Arm arm) noexcept {
   at(mappers_, arm).rebase(at(robot_.arms, arm).q);
   at(q_d_, arm) = at(mappers_, arm).desired();
   const JointArray& wanted = at(q_d_, arm);
+  if (world_.isObstructed(arm)) return wanted;  // no harder than the controllers can
   JointArray q{}, dq{};
   world_.jointState(arm, &q, &dq);
   if (!isWithinReach(q, wanted)) {
@@ -322,12 +326,15 @@ JointArray PhysicsLoop::followRobot(Arm arm) noexcept {
   return target;
 }
 
-/** The common pose from which both start at pedal down. The jaws stay where they are: they may hold something. */
+/** The common pose from which both start at pedal down. The jaws keep their opening: they may hold something. */
 void PhysicsLoop::joinRobot() noexcept {
   for (const Arm arm : kArms) {
     JointArray q{}, dq{};
     world_.jointState(arm, &q, &dq);
-    std::copy_n(at(robot_.arms, arm).q.begin(), kFollowReach.size(), q.begin());
+    const JointArray& robot = at(robot_.arms, arm).q;
+    const double opening = kinematics::jawOpening(q);
+    std::copy_n(robot.begin(), kFollowReach.size(), q.begin());
+    kinematics::setJaws(kinematics::jawMidline(robot), opening, &q);
     world_.setJointState(arm, q, JointArray{});
   }
 }

@@ -32,6 +32,34 @@ TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
   EXPECT_TRUE(faulty) << "no fault acted: the test showed less than it says";
 }
 
+TEST(LoopsAlloc, ClutchingPressingOnTheSceneAndRequestsDoNotTouchTheHeap) {
+  raven2_trainer::testing::useOde();
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.hazard = "none";
+  config.runtime.plan_at = -1.0;
+  raven2_trainer::testing::Rig rig(config);
+  ASSERT_TRUE(rig.home());
+  std::uint32_t contacts = 0;
+  const auto press = [&] {
+    for (int i = 0; i < 1500; ++i) {
+      rig.tick(i % 300 >= 60, {0.0, 0.0, 50e-6});  // down, with a clutch now and then
+      contacts += rig.model().arms[0].contacts;
+    }
+    Request request;
+    request.kind = RequestKind::kSetCollisions;
+    request.enabled = 0;
+    rig.shared->requests.tryPush(request);
+    for (int i = 0; i < 100; ++i)
+      rig.tick(true);
+    request.enabled = 1;
+    rig.shared->requests.tryPush(request);
+  };
+  press();  // warm
+  contacts = 0;
+  EXPECT_EQ(allocatorCalls(press), 0);
+  EXPECT_GT(contacts, 0u) << "nothing was pressed on: the test showed less than it says";
+}
+
 }  // namespace
 }  // namespace raven2_trainer::runtime
 

@@ -11,7 +11,7 @@
 
 namespace raven2_trainer {
 
-/** One contact point between two bodies at the end of a step. */
+/** One contact point between two bodies: place, normal and overlap from the beginning of a step, force from the step. */
 struct Contact {
   std::uint16_t a{}, b{};  ///< numbers of the two bodies, a < b
   float depth{};           ///< [m] overlap

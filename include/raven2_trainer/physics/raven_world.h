@@ -49,6 +49,9 @@ class RavenWorld {
   /** Contact points on the arm in the last step, at most four for each pair of bodies. */
   std::uint32_t contacts(Arm arm) const noexcept;
 
+  /** In the last step something touched the arm that does not give way: the fixed scene or the other arm. */
+  bool isObstructed(Arm arm) const noexcept;
+
   /** Contacts of the last step: places and normals from its beginning, the forces it made, friction included. What finds
    *  no room is counted; `tick` is left to the caller. Fixed shapes never meet. Real-time safe. */
   void contactList(ContactList* list) const noexcept;

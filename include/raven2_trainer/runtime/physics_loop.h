@@ -92,6 +92,7 @@ class PhysicsLoop {
   ContactList contacts_{};
   Increments increments_{};
   PerArm<JointArray> q_d_{};
+  PerArm<bool> collisions_{};  ///< as configured and asked for
   bool pedal_{false}, pedal_before_{false};
   Tick silent_ticks_{0};     ///< since the last master command
   bool robot_ready_{false};  ///< homed was seen

@@ -36,6 +36,7 @@ CsvReader::CsvReader(std::istream& in, std::string name, const std::vector<std::
 
 bool CsvReader::next(std::vector<double>* values) {
   if (!readLine()) return false;
+  if (trimmed(line_).empty() && in_.peek() == std::char_traits<char>::eof()) return false;  // an empty last line
   split();
   if (cells_.size() != header_.size()) {
     fail(std::to_string(cells_.size()) + " cells, expected " + std::to_string(header_.size()) + " as in the header");

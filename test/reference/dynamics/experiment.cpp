@@ -194,7 +194,7 @@ Sequence make(Family family, Arm arm, const ReferenceChain& chain, double share,
 }  // namespace
 
 std::string Terms::text() const {
-  return std::string(gravity ? "g" : "-") + (friction ? "f" : "-") + (rotors ? "r" : "-");
+  return std::string(gravity ? "g" : "-") + (friction ? "f" : "-") + (rotors ? "r" : "-") + (dry ? "d" : "-");
 }
 
 std::vector<Terms> allTerms() {
@@ -202,9 +202,10 @@ std::vector<Terms> allTerms() {
   for (const bool gravity : {true, false}) {
     for (const bool friction : {true, false}) {
       for (const bool rotors : {true, false})
-        all.push_back({gravity, friction, rotors});
+        all.push_back({gravity, friction, rotors, false});
     }
   }
+  all.push_back({});
   return all;
 }
 
@@ -228,6 +229,7 @@ ModelConfig modelConfig(const Terms& terms, int sub_steps) {
   config.sub_steps = sub_steps;
   if (!terms.gravity) config.gravity = 0.0;
   if (!terms.friction) config.viscous_friction = config.coulomb_friction = JointArray{};
+  if (!terms.dry) config.coulomb_friction = JointArray{};
   if (!terms.rotors) {
     config.rotor_inertia = JointArray{};
     for (std::size_t j = 0; j < kJointCount; ++j) {

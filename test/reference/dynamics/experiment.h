@@ -15,10 +15,11 @@ namespace raven2_trainer::reference {
 /** Which of the model's terms are on. */
 struct Terms {
   bool gravity{true}, friction{true}, rotors{true};
+  bool dry{true};  ///< dry friction too, where there is friction
   std::string text() const;
 };
 
-/** All eight combinations. */
+/** All eight combinations with viscous friction alone, and all terms. */
 std::vector<Terms> allTerms();
 
 /** The packaged configuration. */

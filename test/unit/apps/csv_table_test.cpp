@@ -48,10 +48,14 @@ TEST(CsvReader, RefusesWithNameAndLine) {
   refused("a,b,a\n", "1: column a is given twice");
   refused("a,b\n1,2\n1\n", "3: 1 cells, expected 2 as in the header");
   refused("a,b\n1,2,3\n", "2: 3 cells, expected 2 as in the header");
-  refused("a,b\n\n", "2: 1 cells, expected 2 as in the header");
+  refused("a,b\n\n1,2\n", "2: 1 cells, expected 2 as in the header");
   for (const std::string bad : {"", "x", "1x", "nan", "inf", "-inf", "0x10", "1e400", "2e6", "+1", "\"1\""})
     refused("a,b\n1,1\n1," + bad + "\n", "3: b is \"" + bad + "\", expected a number in [-1e6, 1e6]");
   refused("a,b\n1," + std::string(70000, '1') + "\n", "2: a line of over 65535 characters");
+}
+
+TEST(CsvReader, TakesAnEmptyLastLine) {
+  EXPECT_EQ(read("a,b\n1,2\n\n"), "1|2;");
 }
 
 TEST(CsvReader, KeepsTheSmallestNumbers) {

@@ -62,6 +62,31 @@ TEST_F(Contacts, AnArmMeetsTheSceneUnlessItIsSwitchedOff) {
   EXPECT_GT(pushDown(), 0u);
 }
 
+TEST_F(Contacts, WithThePedalUpABlockedArmIsPushedNoHarderThanItsControllersCan) {
+  ASSERT_GT(pushDown(), 0u);  // the robot knows no scene and has gone on
+  double strongest = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    rig->tick(false);
+    forEachPair(rig->shared->contacts.load(),
+                [&](const ContactRecord& record) { strongest = std::max(strongest, toEigen(record.f_W).norm()); });
+  }
+  EXPECT_LT(strongest, 300.0) << "the insertion's controller ends at 95 N, shoulder and elbow at 90 N at the tip";
+}
+
+TEST_F(Contacts, AreNoneBeforeTheRobotIsReady) {
+  TrainerConfig config = packagedConfig();
+  config.hazard = "none";
+  config.virtual_raven.full_homing = true;
+  Rig searching(config);
+  std::uint32_t most = 0;
+  while (searching.model().mode == Mode::kWaiting && searching.model().tick < 30000) {
+    searching.tick(false);
+    most = std::max({most, searching.model().arms[0].contacts, searching.model().arms[1].contacts});
+  }
+  EXPECT_EQ(searching.model().mode, Mode::kPedalUp);
+  EXPECT_EQ(most, 0u) << "the search of the stops leads through the scene";
+}
+
 TEST_F(Contacts, ARequestLetsAnArmPassThroughTheScene) {
   Request request;
   request.kind = RequestKind::kSetCollisions;
