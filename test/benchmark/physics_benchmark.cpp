@@ -70,8 +70,6 @@ class Times {
     std::printf("  %-34s mean %7.2f  p50 %7.2f  p99 %7.2f  p99.9 %7.2f us\n", name_.c_str(), mean(), quantile(0.5),
                 quantile(0.99), quantile(0.999));
   }
-  /** The ratio to ODE's own step and the allocations are as demanded: what does not depend on the machine. */
-  bool within() const { return within_; }
   std::string json() const {
     char text[256];
     std::snprintf(text, sizeof(text),
@@ -160,8 +158,8 @@ class Benchmark {
       json_ += times->json() + ",\n  ";
     }
     const double ratio = tick.mean() / ode.mean(), median_ratio = tick.quantile(0.5) / ode.quantile(0.5);
-    std::printf("  tick / ODE's step of the same world: mean %.2f, median %.2f (at most 2.0); %.1f contacts a tick\n", ratio,
-                median_ratio, static_cast<double>(contacts) / ticks_);
+    std::printf("  tick / ODE's step of the same world: mean %.2f, median %.2f (at most 2.0); %.1f contacts a tick\n",
+                ratio, median_ratio, static_cast<double>(contacts) / ticks_);
     std::printf("  tick / the step without contacts: %.2f; / ODE's step without contacts: %.2f\n",
                 tick.mean() / bare_step.mean(), tick.mean() / bare_ode.mean());
     std::printf("  calls of the allocator: %d\n", allocations);
@@ -212,6 +210,8 @@ class Benchmark {
     return hashes[0] == hashes[1];
   }
 
+  /** The ratio to ODE's own step and the allocations are as demanded: what does not depend on the machine. */
+  bool within() const { return within_; }
   std::string json() const { return "{\n  " + json_ + "\"ticks\": " + std::to_string(ticks_) + "\n}\n"; }
 
  private:
