@@ -19,7 +19,9 @@ constexpr std::uint16_t kFrameVersion = kFrameMajor << 8U | kFrameMinor;
 constexpr std::size_t kStateArmSize = 3 * kJointCount * sizeof(double) + kJointCount * (sizeof(std::int32_t) + 1);
 constexpr std::size_t kCountsSize = (2 + kRejectCount) * sizeof(std::uint64_t);
 constexpr std::size_t kStateSize = 8 + 8 + 4 + 4 + 4 + kArmCount * kStateArmSize + kCountsSize;
-static_assert(kStateSize == 570, "the layout of doc/wire.md; another size needs another version");
+static_assert(kStateSize == 618, "the layout of doc/wire.md; another size needs another version");
+constexpr std::size_t kReasonsOfMinor0 = 15;
+constexpr std::size_t kStateSizeOfMinor0 = kStateSize - (kRejectCount - kReasonsOfMinor0) * sizeof(std::uint64_t);
 
 constexpr std::size_t kFaultPlanHead = 8 + 4;
 constexpr std::size_t kFaultSize = 4 + 4 + 2 + 4 * sizeof(std::int64_t) + sizeof(double);
@@ -153,10 +155,13 @@ void putCounts(ByteWriter& out, const LinkCounts& counts) noexcept {
   putAll(out, counts.rejected);
 }
 
-void getCounts(ByteReader& in, LinkCounts* counts) noexcept {
+/** An older robot knows fewer reasons: zero of the others. */
+void getCounts(ByteReader& in, std::size_t reasons, LinkCounts* counts) noexcept {
+  *counts = LinkCounts{};
   counts->received = in.get<std::uint64_t>();
   counts->applied = in.get<std::uint64_t>();
-  getAll(in, &counts->rejected);
+  for (std::size_t i = 0; i < reasons; ++i)
+    counts->rejected[i] = in.get<std::uint64_t>();
 }
 
 /** Run level, sub-level and flags. @return false on a value they cannot have. */
@@ -262,7 +267,8 @@ bool saysVirtual(const Frame& hello) noexcept {
 
 Reject decodeState(const Frame& frame, RobotState* state) noexcept {
   if (frame.type != FrameType::kState) return Reject::kBadFrame;
-  if (!hasSize(frame, kStateSize)) return Reject::kWrongSize;
+  const bool is_old = frame.minor == 0;
+  if (!hasSize(frame, is_old ? kStateSizeOfMinor0 : kStateSize)) return Reject::kWrongSize;
   ByteReader in(frame.payload, frame.size);
   RobotState decoded = *state;
   decoded.cycle = in.get<std::uint64_t>();
@@ -274,7 +280,7 @@ Reject decodeState(const Frame& frame, RobotState* state) noexcept {
     const Reject reason = getArm(in, &arm);
     if (reason != Reject::kNone) return reason;
   }
-  getCounts(in, &decoded.itp);
+  getCounts(in, is_old ? kReasonsOfMinor0 : kRejectCount, &decoded.itp);
   *state = decoded;
   return Reject::kNone;
 }

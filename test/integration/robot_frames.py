@@ -5,9 +5,9 @@ import threading
 import zlib
 
 HEADER = struct.Struct("<4sHHII")
-STATE = struct.Struct("<QqII4B" + 2 * "21d7i7B" + "17Q")
+STATE = struct.Struct("<QqII4B" + 2 * "21d7i7B" + "23Q")
 PLAN_HEAD = struct.Struct("<QI")
-VERSION = 0x200
+VERSION = 0x201
 HELLO, STATE_TYPE, PLAN = 1, 2, 3
 
 

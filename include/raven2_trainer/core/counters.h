@@ -23,13 +23,20 @@ enum class Reject : std::uint8_t {
   kForeignSource,
   kBadFrame,  ///< TCP: magic, length or CRC; a frame of another kind than expected
   kQueueFull,
-  kBadVersion,  ///< TCP: another major version of the frames
+  kBadVersion,    ///< TCP: another major version of the frames
+  kRateLimited,   ///< more a second than any honest master sends
+  kUnsigned,      ///< plain ITP where only signed ITP is taken
+  kBadSignature,  ///< signed ITP of which the tag is wrong
+  kReplayed,      ///< signed ITP of this session, seen before or behind the window
+  kOtherSession,  ///< signed ITP of a session that is not the one in force
+  kStale,         ///< TCP: delayed too long on its way
 };
-constexpr std::size_t kRejectCount = 15;
+constexpr std::size_t kRejectCount = 21;
 constexpr std::array<const char*, kRejectCount> kRejectNames{
-    "none",      "wrong_size",     "not_finite",   "bad_quaternion", "out_of_range",
-    "duplicate", "out_of_order",   "sequence_gap", "sequence_jump",  "sequence_zero",
-    "reset",     "foreign_source", "bad_frame",    "queue_full",     "bad_version"};
+    "none",          "wrong_size",     "not_finite",   "bad_quaternion", "out_of_range",  "duplicate",
+    "out_of_order",  "sequence_gap",   "sequence_jump", "sequence_zero",  "reset",         "foreign_source",
+    "bad_frame",     "queue_full",     "bad_version",  "rate_limited",   "unsigned",      "bad_signature",
+    "replayed",      "other_session",  "stale"};
 
 /** Plain copy of the counters of one link. Invariant: received == applied + sum of rejected. */
 struct LinkCounts {

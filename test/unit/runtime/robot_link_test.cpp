@@ -150,7 +150,7 @@ TEST_F(RobotLinkTest, AnotherMajorVersionIsRefusedAndTold) {
   buffer[5] = 9;
   EXPECT_FALSE(link.receive(buffer.data(), size, 1));
   EXPECT_EQ(rejected(Reject::kBadVersion), 1U);
-  EXPECT_EQ(shared->robot_version_refused.load(), 9U << 8U);
+  EXPECT_EQ(shared->robot_version_refused.load(), 9U << 8U | wire::kFrameMinor);
   link.disconnected();
   link.connected();
   hello(true);

@@ -103,7 +103,7 @@ void appendWord(FrameBytes* bytes, std::uint32_t word) {
 }
 
 /** A frame around any payload: header written here by hand, CRC bit by bit, so that nothing of the module is used. */
-FrameBytes rawFrame(std::uint16_t type, const FrameBytes& payload, std::uint8_t minor = 0, std::uint8_t major = 2) {
+FrameBytes rawFrame(std::uint16_t type, const FrameBytes& payload, std::uint8_t minor = kFrameMinor, std::uint8_t major = kFrameMajor) {
   FrameBytes bytes{
       'R', 'V', '2', 'T', minor, major, static_cast<std::uint8_t>(type), static_cast<std::uint8_t>(type >> 8U)};
   appendWord(&bytes, static_cast<std::uint32_t>(payload.size()));
@@ -122,9 +122,9 @@ FrameBytes payloadOf(const FrameBytes& frame) {
 // ---- bytes ----------------------------------------------------------------------------------------------------------
 
 TEST(FrameBytesOnTheWire, HelloIsWhatPythonPacks) {
-  // h = struct.pack('<4sHHII', b'RV2T', 0x200, 1, 8, 5); p = b'virtual\0'
+  // h = struct.pack('<4sHHII', b'RV2T', 0x201, 1, 8, 5); p = b'virtual\0'
   // h + struct.pack('<I', zlib.crc32(h + p)) + p
-  EXPECT_EQ(hello(5), fromHex("52563254000201000800000005000000bcd2b8fa7669727475616c00"));
+  EXPECT_EQ(hello(5), fromHex("52563254010201000800000005000000fae9df9f7669727475616c00"));
 }
 
 TEST(FrameBytesOnTheWire, FaultPlanIsWhatPythonPacks) {
@@ -139,13 +139,13 @@ TEST(FrameBytesOnTheWire, StateHasTheSizeAndCrcThatPythonComputes) {
   // for a in 0, 1: for b in 0, 10, 20: s += struct.pack('<7d', *[(100*a + b + j) / 8 for j in range(7)])
   //                s += struct.pack('<7i', *[(-1)**j * (1000*a + j) for j in range(7)])
   //                s += bytes(range(7)) if a == 0 else b'\xff' * 7
-  // s += struct.pack('<17Q', *range(200, 217)); h = struct.pack('<4sHHII', b'RV2T', 0x200, 2, len(s), 6)
+  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x201, 2, len(s), 6)
   // len(s), hex(zlib.crc32(h + s))
   const FrameBytes bytes = state(6, patternState());
-  ASSERT_EQ(bytes.size(), kFrameHeaderSize + 570);
+  ASSERT_EQ(bytes.size(), kFrameHeaderSize + 618);
   std::uint32_t crc = 0;
   std::memcpy(&crc, bytes.data() + 16, sizeof(crc));
-  EXPECT_EQ(crc, 0x1f0ef32bU);
+  EXPECT_EQ(crc, 0x5e56c592U);
 }
 
 // ---- round trips ----------------------------------------------------------------------------------------------------
@@ -204,6 +204,20 @@ TEST(State, CarriesWhatTravelsAndLeavesTheRest) {
   EXPECT_EQ(got.connected, 1);
   EXPECT_EQ(got.is_virtual, 1);
   EXPECT_EQ(got.arms[1].p_BT, (Vec3{1, 2, 3}));
+}
+
+TEST(State, OfARobotThatKnowsFewerReasonsIsReadToo) {
+  const FrameBytes now = state(6, patternState());
+  FrameBytes payload(now.begin() + kFrameHeaderSize, now.begin() + kFrameHeaderSize + 570);
+  FrameParser parser;
+  RobotState got;
+  got.itp.rejected[static_cast<std::size_t>(Reject::kStale)] = 9;
+  ASSERT_EQ(decodeState(only(&parser, rawFrame(2, payload, /*minor=*/0)), &got), Reject::kNone);
+  EXPECT_EQ(got.itp.rejected[static_cast<std::size_t>(Reject::kBadVersion)], 216U);
+  EXPECT_EQ(got.itp.rejected[static_cast<std::size_t>(Reject::kStale)], 0U);
+  payload.push_back(0);
+  FrameParser again;
+  EXPECT_EQ(decodeState(only(&again, rawFrame(2, payload, /*minor=*/0)), &got), Reject::kWrongSize);
 }
 
 TEST(State, RefusesNumbersThatAreNotFinite) {
@@ -272,11 +286,11 @@ TEST(Version, ANewerMinorOneMayAppendToAPayloadAndAddTypes) {
   longer.resize(longer.size() + 100, 7);
   FrameParser parser;
   RobotState got;
-  EXPECT_EQ(decodeState(only(&parser, rawFrame(2, longer, 1)), &got), Reject::kNone);
+  EXPECT_EQ(decodeState(only(&parser, rawFrame(2, longer, kFrameMinor + 1)), &got), Reject::kNone);
   EXPECT_EQ(got.arms[1].dac, patternState().arms[1].dac);
-  EXPECT_EQ(decodeState(only(&parser, rawFrame(77, longer, 1)), &got), Reject::kBadFrame);
+  EXPECT_EQ(decodeState(only(&parser, rawFrame(77, longer, kFrameMinor + 1)), &got), Reject::kBadFrame);
   longer.resize(500);
-  EXPECT_EQ(decodeState(only(&parser, rawFrame(2, longer, 1)), &got), Reject::kWrongSize) << "shorter is never right";
+  EXPECT_EQ(decodeState(only(&parser, rawFrame(2, longer, kFrameMinor + 1)), &got), Reject::kWrongSize) << "shorter is never right";
 }
 
 TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
@@ -290,7 +304,7 @@ TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
     parser.reset();
     EXPECT_EQ(parser.refusedVersion(), 0U);
   }
-  EXPECT_EQ(refusalText("robot", 3 << 8 | 4), "robot refused: it speaks frame version 3.4, this program 2.0");
+  EXPECT_EQ(refusalText("robot", 3 << 8 | 4), "robot refused: it speaks frame version 3.4, this program 2.1");
 }
 
 TEST(Version, AStreamBrokenOtherwiseNamesNone) {
