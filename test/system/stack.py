@@ -1,0 +1,192 @@
+"""The programs as a user starts them: virtual Raven, daemon, console, on ports of their own, without ROS unless asked.
+
+Used by the system tests and by scripts that measure the running system."""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import tempfile
+import time
+import zlib
+
+import yaml
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+BUILD = os.environ.get("RAVEN2_TRAINER_BUILD", os.path.join(ROOT, "build"))
+PROGRAMS = os.path.join(BUILD, "devel", "lib", "raven2_trainer")
+FULL = os.environ.get("RAVEN2_TRAINER_FULL") == "1"
+
+
+def effort(quick, full):
+    """How often to repeat: the figure of the promise with scripts/test --full, a part of it otherwise."""
+    return full if FULL else quick
+
+
+def free_ports(count):
+    """[count] ports free for UDP and TCP alike on the loopback interface."""
+    held, ports = [], []
+    while len(ports) < count:
+        tcp, udp = socket.socket(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        held += [tcp, udp]
+        tcp.bind(("127.0.0.1", 0))
+        try:
+            udp.bind(tcp.getsockname())
+        except OSError:
+            continue
+        ports.append(tcp.getsockname()[1])
+    for each in held:
+        each.close()
+    return ports
+
+
+def wait_until(condition, seconds, what):
+    """Polls; fails after so many seconds with what was waited for."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, f"not within {seconds} s: {what}"
+        time.sleep(0.01)
+
+
+def itp(sequence, pedal, gold=(0, 0, 0), green=(0, 0, 0)):
+    """One ITP packet (doc/wire.md); increments in um, orientation unchanged."""
+    values = [sequence & 0xFFFFFFFF, 0, 0]
+    for axis in range(3):
+        values += [gold[axis], green[axis]]
+    values += [0.0] * 6 + [1.0, 1.0] + [0] * 4 + [1 if pedal else 0]
+    total = sum(gold) + sum(green) + values[-1] + sequence
+    return struct.pack("<3I6i8d6i", *values, (total + 2**31) % 2**32 - 2**31)
+
+
+class Stack:
+    """Robot, daemon and console of one session, in a folder of its own. Use as a context manager."""
+
+    def __init__(self, folder=None, configure=None, environment=None):
+        """configure: {"network": {"auth": "required"}, ...}: changes to the files of config/."""
+        self.folder = folder or tempfile.mkdtemp(prefix="raven2_")
+        self.output = os.path.join(self.folder, "session")
+        self.master_port, self.robot_port, self.force_port, self.state_port = free_ports(4)
+        self.environment = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:1", **(environment or {}))
+        self.config = self._write_config(configure or {})
+        self.processes = {}
+
+    def _write_config(self, changes):
+        target = os.path.join(self.folder, "share")
+        for entry in ("config", "urdf", "meshes"):
+            shutil.copytree(os.path.join(ROOT, entry), os.path.join(target, entry), dirs_exist_ok=True)
+        for name, values in changes.items():
+            path = os.path.join(target, "config", name + ".yaml")
+            with open(path, encoding="utf-8") as file:
+                content = yaml.safe_load(file)
+            content.update(values)
+            with open(path, "w", encoding="utf-8") as file:
+                yaml.safe_dump(content, file)
+        return os.path.join(target, "config", "trainer.yaml")
+
+    def start(self, program, *arguments, prefix=(), **options):
+        """Starts a program of the package with this stack's configuration and ports; its output goes to NAME.log."""
+        ports = ["--master-port", self.master_port, "--robot-port", self.robot_port, "--force-port", self.force_port,
+                 "--state-port", self.state_port]
+        command = [*prefix, os.path.join(PROGRAMS, program), "--config", self.config, *ports, *arguments]
+        with open(os.path.join(self.folder, program + ".log"), "ab") as log:
+            self.processes[program] = subprocess.Popen([str(word) for word in command], stdout=log, stderr=log,
+                                                       env=self.environment, **options)
+        return self.processes[program]
+
+    def start_robot(self, *arguments, **options):
+        return self.start("virtual_raven", "--homing", "quick", *arguments, **options)
+
+    def start_daemon(self, *arguments, **options):
+        return self.start("simulator", "--output", self.output, "--no-render", *arguments, **options)
+
+    def start_console(self, *arguments, **options):
+        return self.start("master_console", *arguments, **options)
+
+    def log_text(self, program):
+        with open(os.path.join(self.folder, program + ".log"), encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def stop(self, program, sign=signal.SIGTERM, seconds=10):
+        """Ends one program. Returns (exit code, seconds it took)."""
+        process = self.processes.pop(program)
+        begin = time.monotonic()
+        if process.poll() is None:
+            process.send_signal(sign)
+        code = process.wait(seconds)
+        return code, time.monotonic() - begin
+
+    def metrics(self):
+        with open(os.path.join(self.output, "metrics.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def assert_counters_add_up(self):
+        """received = applied + rejected, on every link of the finished session."""
+        packets = self.metrics()["packets"]
+        for name in ("master_to_daemon", "daemon_to_robot", "robot_to_daemon"):
+            link = packets[name]
+            assert link["received"] == link["applied"] + sum(link["rejected"].values()), (name, link)
+        return packets
+
+    def meta(self):
+        with open(os.path.join(self.output, "meta.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.processes.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.kill()
+                process.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class RobotStates:
+    """A reader of the robot's TCP frames (doc/wire.md): state() is the newest one as a dict."""
+
+    HEADER = struct.Struct("<4sHHIII")
+
+    def __init__(self, port):
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=5)
+        self._bytes = b""
+
+    def next(self):
+        """(type, payload) of the next frame; the CRC is checked."""
+        while True:
+            if len(self._bytes) >= self.HEADER.size:
+                magic, _, kind, size, _, crc = self.HEADER.unpack_from(self._bytes)
+                end = self.HEADER.size + size
+                if len(self._bytes) >= end:
+                    payload = self._bytes[self.HEADER.size:end]
+                    assert magic == b"RV2T" and crc == zlib.crc32(payload, zlib.crc32(self._bytes[:16]))
+                    self._bytes = self._bytes[end:]
+                    return kind, payload
+            part = self._socket.recv(65536)
+            if not part:
+                raise EOFError
+            self._bytes += part
+
+    def state(self):
+        """The next state frame."""
+        while True:
+            kind, payload = self.next()
+            if kind == 2:
+                return self.decode(payload)
+
+    @staticmethod
+    def decode(payload):
+        cycle, time_ns, last_sequence, active_fault = struct.unpack_from("<QqII", payload)
+        runlevel, sublevel, homed, stopped = payload[24:28]
+        q = [list(struct.unpack_from("<7d", payload, 28 + 203 * arm)) for arm in (0, 1)]
+        received, applied, *rejected = struct.unpack_from("<23Q", payload, 434)
+        return {"cycle": cycle, "time_ns": time_ns, "last_sequence": last_sequence, "active_fault": active_fault,
+                "runlevel": runlevel, "sublevel": sublevel, "homed": homed, "soft_estopped": stopped, "q": q,
+                "received": received, "applied": applied, "rejected": rejected}
+
+    def close(self):
+        self._socket.close()
