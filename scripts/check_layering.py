@@ -21,6 +21,7 @@ RULES = {
     "haptics": (["core"], PURE),
     "faults": (["core"], None),
     "wire": (["core"], r"zlib\.h"),
+    "impair": (["core"], None),
     "config": (["core"], r"yaml-cpp/"),
     "model": (["core", "kinematics"], PURE + r"|urdf_|urdf_model/|urdf_parser/|assimp/|tinyxml|console_bridge/"),
     "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h"),
@@ -33,14 +34,14 @@ RULES = {
     "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/"),
     "render": (["core", "kinematics", "model", "session", "training"],
                PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
-    "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "config", "model", "net", "session",
-                 "raven", "console", "physics", "plant", "training", "planning", "render"],
+    "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "config", "model", "net",
+                 "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
                 PURE + r"|pthread\.h|sched\.h|sys/|unistd\.h|time\.h"),
     "ros": (["core", "kinematics", "wire", "config", "model", "net", "raven", "runtime"], PURE + r"|ros/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
     "apps": (None, None),  # anything
 }
 # Standard headers that a pure module must not use: clocks, threads, files.
-PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "wire", "raven"}
+PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "wire", "impair", "raven"}
 IMPURE = {"chrono", "thread", "mutex", "condition_variable", "future", "fstream", "filesystem", "iostream", "ctime"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')

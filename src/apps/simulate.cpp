@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/common/command_line.h"
+#include "apps/common/impairment_options.h"
 #include "apps/common/paths.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/render/session_renderer.h"
@@ -22,6 +23,7 @@ struct Options {
   std::string output;
   std::string homing;  ///< the configuration's if empty
   double motion_scale{0.0};  ///< [-] the configuration's if 0
+  std::string impairment{"none"};
   bool video{false};
 };
 
@@ -45,12 +47,15 @@ int simulate(const Options& options) {
   TrainerConfig config = common(options).load();
   if (!options.homing.empty()) config.virtual_raven.full_homing = options.homing == "full";
   if (options.motion_scale > 0.0) config.console.scale = options.motion_scale;
+  const Impairment impairment = apps::impairmentByName(options.impairment);
   physics::initialiseOde();
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
   const auto start = std::chrono::steady_clock::now();
-  session::SessionMeta meta = runtime::startMeta("simulate", apps::version(), options.motion);
-  runtime::Lockstep lockstep(config, runtime::makeMotion(config, options.motion), paths, options.motion);
+  const std::string label = options.motion + (options.impairment == "none" ? "" : " over " + impairment.name);
+  session::SessionMeta meta = runtime::startMeta("simulate", apps::version(), label);
+  runtime::Lockstep lockstep(config, runtime::makeMotion(config, options.motion), paths, label);
+  if (options.impairment != "none") lockstep.impair(impairment);
   apps::ProgressBar bar("simulate");
   const bool complete = lockstep.run(options.seconds, [&](double share) { bar.update(share); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
@@ -88,6 +93,9 @@ int main(int argc, char** argv) {
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
   app.add_option("--homing", options.homing, "full: search of the hard stops, quick: joints known (default: config's)")
       ->check(CLI::IsMember({"full", "quick"}));
+  app.add_option("--impair", options.impairment,
+                 "Bad link between console and daemon: preset of config/impairments or FILE.yaml")
+      ->capture_default_str();
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
   return apps::runProgram(&app, argc, argv, [&] { return simulate(options); });
 }

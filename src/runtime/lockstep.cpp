@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "raven2_trainer/impair/channel.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
 #include "raven2_trainer/runtime/fault_director.h"
@@ -66,7 +67,20 @@ struct Lockstep::Impl {
 
   void stepConsole() {
     const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
-    ingest.receive(bytes.data(), bytes.size(), /*foreign=*/false);
+    carry(bytes.data(), bytes.size(), &to_daemon,
+          [this](const std::uint8_t* data, std::size_t size) { ingest.receive(data, size, /*foreign=*/false); });
+  }
+
+  /** One packet, or none, into a link, and whatever comes out of it by now. */
+  template <typename Receive>
+  void carry(const std::uint8_t* bytes, std::size_t size, std::optional<impair::Channel>* way, Receive receive) {
+    if (!*way) {
+      if (bytes != nullptr) receive(bytes, size);
+      return;
+    }
+    if (bytes != nullptr) (*way)->offer(bytes, size, now_ns);
+    while (const auto packet = (*way)->take(now_ns))
+      receive(packet->bytes.data(), packet->bytes.size());
   }
 
   /** Planning takes a fixed simulated time, so that the result does not depend on the machine. */
@@ -110,16 +124,21 @@ struct Lockstep::Impl {
   }
 
   void deliverForce() {
+    const auto receive = [this](const std::uint8_t* bytes, std::size_t size) { receiveForce(bytes, size); };
     ForcePacket packet;
     while (shared->force_packets.tryPop(&packet)) {
       const wire::ForceBytes bytes = wire::encodeForce(packet);
-      ForcePacket received;
-      if (wire::decodeForce(bytes.data(), bytes.size(), &received) == Reject::kNone) {
-        hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp));
-        hands.applyForce(received);
-      }
+      carry(bytes.data(), bytes.size(), &to_console, receive);
       shared->force_sent.add();
     }
+    carry(nullptr, 0, &to_console, receive);
+  }
+
+  void receiveForce(const std::uint8_t* bytes, std::size_t size) {
+    ForcePacket received;
+    if (wire::decodeForce(bytes, size, &received) != Reject::kNone) return;
+    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp));
+    hands.applyForce(received);
   }
 
   void refreshView() {
@@ -160,6 +179,8 @@ struct Lockstep::Impl {
   raven::ControlSoftware software;
   plant::Plant plant;
   wire::FrameParser to_robot;
+  // the network between console and daemon; empty: a perfect one
+  std::optional<impair::Channel> to_daemon, to_console;
 
   std::int64_t now_ns{0};
   std::uint32_t frame_sequence{0};
@@ -177,6 +198,11 @@ Lockstep::Lockstep(const TrainerConfig& config,
     : impl_(std::make_unique<Impl>(config, std::move(source), paths, motion)) {}
 
 Lockstep::~Lockstep() = default;
+
+void Lockstep::impair(const Impairment& impairment) {
+  impl_->to_daemon.emplace(impairment, impl_->config.seed, 0, impl_->now_ns);
+  impl_->to_console.emplace(impairment, impl_->config.seed, 1, impl_->now_ns);
+}
 
 void Lockstep::tick() {
   impl_->tick();

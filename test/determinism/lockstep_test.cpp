@@ -42,6 +42,32 @@ TEST_F(LockstepTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
   EXPECT_NE(session::fileHash(run("c", 2, "sudden_jump").log()), first);
 }
 
+TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {
+  Impairment link;
+  link.loss = 0.05;
+  link.delay.constant_ns = 30'000'000;
+  link.delay.uniform_ns = 5'000'000;
+  link.delay.overtaking = true;
+  link.duplicate = 0.05;
+  const auto over = [&](const std::string& name, std::uint64_t seed) {
+    TrainerConfig config = raven2_trainer::testing::packagedConfig();
+    config.seed = seed;
+    config.hazard = "none";
+    const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
+    Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted over a bad link");
+    lockstep.impair(link);
+    EXPECT_TRUE(lockstep.run(3.0, {}));
+    return paths.log();
+  };
+  const std::string first = over("bad_a", 1);
+  EXPECT_EQ(session::fileHash(over("bad_b", 1)), session::fileHash(first));
+  EXPECT_NE(session::fileHash(over("bad_c", 2)), session::fileHash(first));
+  const LinkCounts master = training::computeMetrics(first).counts.master;
+  EXPECT_TRUE(master.addsUp());
+  EXPECT_GT(master.rejected[static_cast<std::size_t>(Reject::kDuplicate)], 0U);
+  EXPECT_GT(master.rejected[static_cast<std::size_t>(Reject::kOutOfOrder)], 0U);
+}
+
 TEST_F(LockstepTest, AHazardIsFeltAndOnlyAHazard) {
   const training::SessionMetrics jump = training::computeMetrics(run("jump", 1, "sudden_jump").log());
   ASSERT_EQ(jump.faults.size(), 1U);

@@ -6,6 +6,7 @@
 
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/session/session_directory.h"
 
@@ -31,6 +32,10 @@ class Lockstep {
            const session::SessionPaths& paths,
            const std::string& motion);
   ~Lockstep();
+
+  /** From now on the link between console and daemon is bad, in both directions and from the configuration's seed. Its
+   *  outages are counted from this call. */
+  void impair(const Impairment& impairment);
 
   /**
    * Runs until `seconds` of session time (from the first pedal down).

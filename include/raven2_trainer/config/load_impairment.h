@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/impairment.h"
+
+namespace raven2_trainer::config {
+
+/** One file of config/impairments. @throw ConfigException with FILE:LINE. */
+Impairment loadImpairment(const std::string& path);
+
+/**
+ * A preset by name, or the path of a file ending in .yaml; "none" is a perfect link.
+ * @param[in] folder the folder of the presets, config/impairments.
+ * @throw ConfigException with FILE:LINE, or listing the known names.
+ */
+Impairment findImpairment(const std::string& folder, const std::string& name);
+
+/** Names of the presets in a folder, sorted. */
+std::vector<std::string> impairmentNames(const std::string& folder);
+
+}  // namespace raven2_trainer::config

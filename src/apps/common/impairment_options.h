@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/runtime/impairment_proxy.h"
+
+namespace CLI {
+class App;
+}
+
+namespace raven2_trainer::apps {
+
+/** A preset of config/impairments or a FILE.yaml. @throw ConfigException. */
+Impairment impairmentByName(const std::string& name);
+
+/** Which links the proxy makes bad, and how; add() registers the options, load() reads the presets. */
+struct ImpairmentOptions {
+  std::vector<std::string> udp, tcp;  ///< [ADDRESS:]PORT:HOST:PORT
+  std::string profile{"none"};
+  std::string back_profile;  ///< as profile if empty
+  std::uint64_t seed{1};
+  // Single values that replace those of the profile, where given.
+  double loss{-1.0}, duplicate{-1.0}, reorder{-1.0};  ///< [0, 1]
+  double delay_ms{-1.0}, jitter_ms{-1.0};             ///< [ms]
+  bool overtaking{false};                             ///< jitter may change the order
+  std::vector<double> burst, runs, cut, outage;       ///< pairs
+  int corrupt_bits{0};
+  double corrupt_share{0.01};
+  double rate_kbit{0.0};
+
+  void add(CLI::App* app);
+  /** @throw ConfigException. */
+  runtime::ProxyOptions load() const;
+
+ private:
+  void replaceIn(Impairment* impairment) const;
+};
+
+}  // namespace raven2_trainer::apps

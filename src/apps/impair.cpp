@@ -1,0 +1,63 @@
+// Makes a link bad: stands between two programs and loses, delays, doubles, spoils and reorders what they send.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "apps/common/command_line.h"
+#include "apps/common/impairment_options.h"
+#include "apps/common/impairment_report.h"
+#include "apps/common/signals.h"
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/runtime/cyclic_thread.h"
+#include "raven2_trainer/runtime/impairment_proxy.h"
+
+namespace raven2_trainer {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr ThreadConfig kScheduling{60, -1};  // below the loops of the trainer: it must delay nothing but its packets
+
+struct Options {
+  apps::ImpairmentOptions links;
+  std::string log, json;
+  double duration{0.0};
+};
+
+int run(const Options& options) {
+  runtime::ProxyOptions proxy_options = options.links.load();
+  proxy_options.log = options.log;
+  runtime::ImpairmentProxy proxy(proxy_options);
+  runtime::applyThreadOptions({"impair", kScheduling});
+  std::fprintf(stderr, "impair: ready\n");
+  const std::int64_t start_ns = net::monotonicNow();
+  const auto end_ns = options.duration > 0.0 ? start_ns + static_cast<std::int64_t>(options.duration * 1e9) : INT64_MAX;
+  std::int64_t told_ns = start_ns;
+  for (std::int64_t now_ns = start_ns; now_ns < end_ns && !apps::waitForSignal(0.0); now_ns = net::monotonicNow()) {
+    proxy.serve(std::min(end_ns, now_ns + kSecond / 10));
+    if (now_ns - told_ns < kSecond) continue;
+    apps::printReports(proxy.report(), static_cast<double>(now_ns - start_ns) * 1e-9);
+    told_ns = now_ns;
+  }
+  apps::printReports(proxy.report(), static_cast<double>(net::monotonicNow() - start_ns) * 1e-9);
+  if (!options.json.empty()) apps::writeReports(options.json, proxy_options, proxy.report());
+  proxy.finish();
+  return 0;
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  apps::blockSignals();
+  Options options;
+  CLI::App app{"A bad network between two programs: UDP and TCP links with loss, delay, disorder and outages."};
+  options.links.add(&app);
+  app.add_option("--log", options.log, "CSV of what was done to which packet");
+  app.add_option("--json", options.json, "Figures of every link at the end, as JSON");
+  app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 86400.0));
+  return apps::runProgram(&app, argc, argv, [&] { return run(options); });
+}

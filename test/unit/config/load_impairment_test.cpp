@@ -1,0 +1,97 @@
+#include "raven2_trainer/config/load_impairment.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kFolder = RAVEN2_TRAINER_SOURCE_DIR "/config/impairments";
+
+class LoadImpairment : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = fs::temp_directory_path() / ("raven2_impairment_" + std::to_string(getpid()) + ".yaml");
+  }
+  void TearDown() override { fs::remove(path_); }
+
+  /** What is said about a file of this content; empty if it is good. */
+  std::string message(const std::string& content) const {
+    std::ofstream(path_) << content;
+    try {
+      loadImpairment(path_.string());
+    } catch (const ConfigException& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  fs::path path_;
+};
+
+TEST_F(LoadImpairment, EveryPresetIsGood) {
+  const std::vector<std::string> names = impairmentNames(kFolder);
+  EXPECT_EQ(names.size(), 12U);
+  for (const std::string& name : names)
+    EXPECT_EQ(findImpairment(kFolder, name).name, name);
+}
+
+TEST_F(LoadImpairment, PublishedFiguresArriveInNanosecondsAndPackets) {
+  const Impairment delay = findImpairment(kFolder, "net_delay_1");
+  EXPECT_EQ(delay.delay.constant_ns, 70'000'000);
+  ASSERT_EQ(delay.delay.branches.size(), 2U);
+  EXPECT_DOUBLE_EQ(delay.delay.branches[1].mean_ns, 1e6 / 0.08529);
+  const Impairment loss = findImpairment(kFolder, "net_loss_50");
+  EXPECT_TRUE(loss.pareto_bursts.is_on);
+  EXPECT_DOUBLE_EQ(loss.pareto_bursts.bad.lambda, 6.049);
+  EXPECT_EQ(findImpairment(kFolder, "comm_loss_10").cuts.pause_ns, 8'500'000'000);
+}
+
+TEST_F(LoadImpairment, AFileThatNamesNothingIsAPerfectLink) {
+  EXPECT_EQ(message("meaning: nothing\n"), "");
+  const Impairment impairment = loadImpairment(path_.string());
+  EXPECT_EQ(impairment.loss, 0.0);
+  EXPECT_EQ(impairment.delay.constant_ns, 0);
+  EXPECT_FALSE(impairment.pareto_bursts.is_on);
+}
+
+TEST_F(LoadImpairment, MistakesAreToldWithFileAndLine) {
+  const std::string place = path_.string();
+  const auto told = [&](const std::string& content, const std::string& line, const std::string& what) {
+    const std::string said = message("meaning: m\n" + content);
+    EXPECT_NE(said.find(place + ":" + line + ": "), std::string::npos) << said;
+    EXPECT_NE(said.find(what), std::string::npos) << said;
+  };
+  told("loss:\n  probability: 1.5\n", "3", "expected [0, 1]");
+  told("loss:\n  probability: .nan\n", "3", "expected [0, 1]");
+  told("loss:\n  probability: 0.5\n  share: 1\n", "4", "unknown key loss/share");
+  told("losses:\n  probability: 0.5\n", "2", "unknown key losses");
+  told("rate:\n  kbit_per_s: 100\n", "3", "rate/queue_ms is missing");
+  told("corruption: {probability: 0.1, bits: 65, streams: false}\n", "2", "expected [1, 64]");
+  told("cuts: {first_s: 0, shortest_s: 2, longest_s: 1, pause_s: 1}\n", "2", "below shortest_s");
+  told("cuts: {first_s: 0, shortest_s: 0, longest_s: 1, pause_s: 0}\n", "2", "never be up");
+  told("outages:\n  - {from_s: 3, to_s: 3}\n", "3", "not behind from_s");
+  told(
+      "delay:\n  constant_ms: 0\n  uniform_ms: 0\n  normal_ms: 0\n  pareto_scale_ms: 0\n  pareto_alpha: 2\n"
+      "  hyper_exponential: [{weight: 0.5, rate_per_ms: 1}]\n  interval_ms: 0\n  overtaking: false\n",
+      "8", "add up to 0.5");
+}
+
+TEST_F(LoadImpairment, AnUnknownPresetNamesTheKnownOnes) {
+  try {
+    findImpairment(kFolder, "net_delay_9");
+    FAIL();
+  } catch (const ConfigException& e) {
+    EXPECT_NE(std::string(e.what()).find("net_delay_3"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::config
