@@ -37,7 +37,7 @@ RULES = {
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
                 PURE + r"|pthread\.h|sched\.h|sys/|unistd\.h|time\.h"),
-    "ros": (["core", "kinematics", "wire", "config", "model", "net", "raven", "runtime"], PURE + r"|ros/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
+    "ros": (["core", "kinematics", "wire", "config", "model", "net", "raven", "runtime"], PURE + r"|ros/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
     "apps": (None, None),  # anything
 }
 # Standard headers that a pure module must not use: clocks, threads, files.

@@ -7,7 +7,7 @@
 #include "apps/common/signals.h"
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/ros/raven_state_bridge.h"
-#include "raven2_trainer/ros/ros_bridge.h"
+#include "raven2_trainer/ros/supervisor.h"
 
 namespace raven2_trainer {
 namespace {
@@ -36,25 +36,22 @@ class StaleWatch {
 
 int run(const apps::CommonOptions& common, const std::string& topic, int argc, char** argv) {
   const TrainerConfig config = common.load();
-  if (!ros_bridge::connect(argc, argv, "raven_state_bridge")) {
-    std::fprintf(stderr, "no ROS master answers: ROS_MASTER_URI must name the robot's\n");
-    return 1;
-  }
   runtime::StateServer server(config.network.bind_address, config.network.state_port, /*is_virtual=*/false);
   ros_bridge::RavenStateBridge bridge(config, topic, &server);
+  ros_bridge::Supervisor ros(argc, argv, "raven_state_bridge", &bridge);
   server.start();
-  bridge.start();
+  ros.start();
   std::fprintf(stderr, "waiting for %s; state frames on TCP port %u\n", topic.c_str(), server.port());
   StaleWatch watch(topic, config.network.stale_after);
   while (!apps::waitForSignal(kLookEvery))
     watch.look(bridge.newest());
-  bridge.stop();
+  ros.end();
   server.stop();
   std::fprintf(
       stderr, "%llu messages, %llu of them refused; %llu frames lost by slow readers; %llu fault plans refused\n",
       static_cast<unsigned long long>(bridge.received()), static_cast<unsigned long long>(bridge.refused()),
       static_cast<unsigned long long>(server.framesDropped()), static_cast<unsigned long long>(server.plansRefused()));
-  return 0;
+  return ros.leave(0);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // The daemon on the surgeon's console host: nominal model, haptic cue, relay, faults, planner, pictures, record, ROS.
 
 #include <CLI/CLI.hpp>
-#include <memory>
 
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/ros/ros_bridge.h"
+#include "raven2_trainer/ros/supervisor.h"
 #include "raven2_trainer/runtime/simulator.h"
 
 namespace raven2_trainer {
@@ -36,16 +36,15 @@ bool watch(const Simulator& simulator, double duration) {
 }
 
 int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& options, int argc, char** argv) {
-  const bool has_ros = ros_bridge::connect(argc, argv, "raven2_simulator");
-  if (!has_ros) std::fprintf(stderr, "no ROS master: running without topics and services\n");
   Simulator simulator(common.load(), options);
-  std::unique_ptr<ros_bridge::RosBridge> bridge;
-  if (has_ros) bridge = std::make_unique<ros_bridge::RosBridge>(&simulator);
+  ros_bridge::RosBridge bridge(&simulator);
+  ros_bridge::Supervisor ros(argc, argv, "raven2_simulator", &bridge);
+  ros.start();
   simulator.start();
-  if (bridge) bridge->start();
   const bool good = watch(simulator, options.duration);
-  simulator.stop();  // its threads call into the bridge
-  return good ? 0 : 1;
+  ros.end();
+  simulator.stop();
+  return ros.leave(good ? 0 : 1);
 }
 
 }  // namespace

@@ -3,12 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <memory>
 
 #include "apps/common/command_line.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/ros/raven_publisher.h"
-#include "raven2_trainer/ros/ros_bridge.h"
+#include "raven2_trainer/ros/supervisor.h"
 #include "raven2_trainer/runtime/cyclic_thread.h"
 #include "raven2_trainer/runtime/raven_server.h"
 #include "raven2_trainer/runtime/replay.h"
@@ -52,15 +51,12 @@ int replay(const Options& options) {
 int run(const Options& options, int argc, char** argv) {
   apps::blockSignals();
   const TrainerConfig config = options.load();
-  const bool has_ros = ros_bridge::connect(argc, argv, "virtual_raven");
   runtime::RavenServer server(config);
-  std::unique_ptr<ros_bridge::RavenPublisher> publisher;
-  if (has_ros) {
-    publisher = std::make_unique<ros_bridge::RavenPublisher>(config.arms.geometry.d4, &server);
-  }
+  ros_bridge::RavenPublisher publisher(config, &server);
+  ros_bridge::Supervisor ros(argc, argv, "virtual_raven", &publisher);
   std::fprintf(stderr, "behaviour %s; %s\n", config.virtual_raven.behaviour.c_str(), runtime::lockMemory().c_str());
   server.start();
-  if (publisher) publisher->start();
+  ros.start();
   RunLevel shown = RunLevel::kEStop;
   for (double time = 0.0; (options.duration <= 0.0 || time < options.duration) && !apps::waitForSignal(kReportEvery);
        time += kReportEvery) {
@@ -68,18 +64,17 @@ int run(const Options& options, int argc, char** argv) {
     if (level != shown) std::fprintf(stderr, "run level %s\n", kRunLevelNames[static_cast<std::size_t>(level)]);
     shown = level;
   }
-  if (publisher) publisher->stop();
+  ros.end();
   server.stop();
   const LinkCounts itp = server.state().itp;
   const runtime::StateServer& link = server.stateServer();
   std::fprintf(stderr, "%llu cycles; ITP %llu received, %llu applied; %llu frames lost by slow readers\n",
                static_cast<unsigned long long>(server.state().cycle), static_cast<unsigned long long>(itp.received),
                static_cast<unsigned long long>(itp.applied), static_cast<unsigned long long>(link.framesDropped()));
-  if (publisher) {
-    std::fprintf(stderr, "%llu messages of /ravenstate lost\n",
-                 static_cast<unsigned long long>(server.reportsDropped()));
+  if (ros.met()) {
+    std::fprintf(stderr, "%llu messages of /ravenstate lost\n", static_cast<unsigned long long>(publisher.lost()));
   }
-  return itp.addsUp() ? 0 : 1;
+  return ros.leave(itp.addsUp() ? 0 : 1);
 }
 
 }  // namespace

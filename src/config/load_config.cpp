@@ -135,6 +135,7 @@ void readRuntime(Section& root, RuntimeConfig* c) {
   c->plan_at = root.number("plan_at", -1, 36000);
   c->lockstep_plan_delay = root.integer("lockstep_plan_delay", 1, 100000);
   c->start_timeout = root.number("start_timeout", 0, 36000);
+  c->enable_remote_control = root.boolean("enable_remote_control");
 }
 
 void readPlanner(Section& root, PlannerConfig* c) {

@@ -56,11 +56,13 @@ GoalChoice findGoal(const ArmGeometry& geometry,
                     const JointSpace& space,
                     const JointArray& start,
                     const Vector3& p_BT,
-                    const std::function<bool(const UnitState&)>& is_free) {
+                    const std::function<bool(const UnitState&)>& is_free,
+                    const std::function<bool()>& stop) {
   const UnitState from = space.toUnit(start);
   const double opening = kinematics::jawOpening(start);
   std::vector<Candidate> candidates;
   for (const Matrix3& R_BT : orientations(kinematics::forward(geometry, arm, start).R)) {
+    if (stop()) return {PlanStatus::kNoPath, {}};
     const Pose X_BT{R_BT, p_BT};
     for (const JointArray& seed : seeds(geometry, space, X_BT)) {
       const kinematics::IkResult ik = kinematics::inverse(geometry, arm, X_BT, opening, seed);
@@ -73,7 +75,8 @@ GoalChoice findGoal(const ArmGeometry& geometry,
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
   const auto found =
-      std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return is_free(c.goal); });
+      std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return stop() || is_free(c.goal); });
+  if (found != candidates.end() && stop()) return {PlanStatus::kNoPath, {}};
   if (found == candidates.end()) return {PlanStatus::kGoalInCollision, {}};
   return {PlanStatus::kSuccess, found->goal};
 }

@@ -69,7 +69,7 @@ void PathPlanner::Impl::solve(const PlanRequest& request,
 
   const Vec3& goal_W = request.has_goal != 0 ? request.goal_W : config.goal_W;
   const Vector3 goal_B = at(raven.X_WB, request.arm).inverse() * toEigen(goal_W);
-  const GoalChoice choice = findGoal(geometry(), request.arm, space, request.start, goal_B, is_free);
+  const GoalChoice choice = findGoal(geometry(), request.arm, space, request.start, goal_B, is_free, stop);
   result->status = choice.status;
   if (choice.status != PlanStatus::kSuccess) return;
 

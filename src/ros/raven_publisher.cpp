@@ -5,6 +5,7 @@
 #include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
 
+#include "ros/exposure.h"
 #include "ros/raven_conversion.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -18,18 +19,28 @@ constexpr int kWaitMs = 20;
 }  // namespace
 
 struct RavenPublisher::Impl {
-  Impl(double shaft, runtime::RavenServer* virtual_raven)
+  Impl(double shaft, bool may_command, runtime::RavenServer* virtual_raven)
       : d4(shaft),
         server(*virtual_raven),
         states(node.advertise<raven_2::RavenState>("/ravenstate", kStateQueue)),
         joints(node.advertise<sensor_msgs::JointState>("/joint_states", 1)),
-        automoves(node.subscribe("/raven_automove",
-                                 kAutomoveQueue,
-                                 &Impl::automove,
-                                 this,
-                                 ros::TransportHints().tcpNoDelay())),
-        service(node.advertiseService("virtual_raven/press_start", &Impl::pressStart, this)),
-        spinner(1) {}
+        spinner(1) {
+    if (may_command) takeCommands();
+    spinner.start();
+    thread.start({"raven_ros", ThreadConfig{0, -1}}, [this] { run(); });
+  }
+
+  ~Impl() {
+    stop.store(true);
+    thread.join();
+    spinner.stop();
+  }
+
+  void takeCommands() {
+    automoves =
+        node.subscribe("/raven_automove", kAutomoveQueue, &Impl::automove, this, ros::TransportHints().tcpNoDelay());
+    service = node.advertiseService("virtual_raven/press_start", &Impl::pressStart, this);
+  }
 
   bool pressStart(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     server.pressStart();
@@ -76,22 +87,32 @@ struct RavenPublisher::Impl {
   runtime::Thread thread;
 };
 
-RavenPublisher::RavenPublisher(double d4, runtime::RavenServer* server) : impl_(std::make_unique<Impl>(d4, server)) {}
+RavenPublisher::RavenPublisher(const TrainerConfig& config, runtime::RavenServer* server)
+    : d4_(config.arms.geometry.d4), enable_remote_control_(config.runtime.enable_remote_control), server_(*server) {}
 
 RavenPublisher::~RavenPublisher() {
   stop();
 }
 
 void RavenPublisher::start() {
-  impl_->spinner.start();
-  impl_->thread.start({"raven_ros", ThreadConfig{0, -1}}, [this] { impl_->run(); });
+  RavenReport old;
+  while (server_.nextReport(&old)) {  // of the time without a master
+  }
+  lost_before_.store(server_.reportsDropped());
+  impl_ = std::make_unique<Impl>(d4_, mayCommand(enable_remote_control_), &server_);
 }
 
 void RavenPublisher::stop() {
-  impl_->stop.store(true);
-  impl_->thread.join();
-  impl_->spinner.stop();
-  ros::shutdown();
+  impl_.reset();
+}
+
+std::vector<std::string> RavenPublisher::services() const {
+  if (!impl_ || !impl_->service) return {};
+  return {impl_->service.getService()};
+}
+
+std::uint64_t RavenPublisher::lost() const noexcept {
+  return server_.reportsDropped() - lost_before_.load();
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -19,11 +19,8 @@ constexpr std::uint32_t kQueue = 100;  // [messages]
 }  // namespace
 
 struct RavenStateBridge::Impl {
-  Impl(const TrainerConfig& config, const std::string& topic, runtime::StateServer* state_server)
-      : reader(config.virtual_raven),
-        server(*state_server),
-        states(node.subscribe(topic, kQueue, &Impl::take, this, ros::TransportHints().tcpNoDelay())),
-        spinner(1) {}
+  Impl(const TrainerConfig& config, const std::string& topic_name, runtime::StateServer* state_server)
+      : reader(config.virtual_raven), topic(topic_name), server(*state_server) {}
 
   void take(const topic_tools::ShapeShifter& message) {
     received.fetch_add(1);
@@ -63,14 +60,27 @@ struct RavenStateBridge::Impl {
                  type.c_str(), md5.c_str(), raven_2::RavenState::md5(), raven_2::ForkRavenState::md5());
   }
 
+  /** What needs ROS: between start() and stop(). */
+  struct Subscription {
+    explicit Subscription(Impl* owner)
+        : states(node.subscribe(owner->topic, kQueue, &Impl::take, owner, ros::TransportHints().tcpNoDelay())),
+          spinner(1) {
+      spinner.start();
+    }
+    ~Subscription() { spinner.stop(); }
+
+    ros::NodeHandle node;
+    ros::Subscriber states;
+    ros::AsyncSpinner spinner;
+  };
+
   RavenStateReader reader;
+  const std::string topic;
   runtime::StateServer& server;
   std::string reported_md5;
   std::atomic<std::uint64_t> received{0}, refused{0};
   std::atomic<std::int64_t> newest_ns{0};
-  ros::NodeHandle node;
-  ros::Subscriber states;
-  ros::AsyncSpinner spinner;
+  std::unique_ptr<Subscription> subscription;
 };
 
 RavenStateBridge::RavenStateBridge(const TrainerConfig& config, const std::string& topic, runtime::StateServer* server)
@@ -81,12 +91,11 @@ RavenStateBridge::~RavenStateBridge() {
 }
 
 void RavenStateBridge::start() {
-  impl_->spinner.start();
+  impl_->subscription = std::make_unique<Impl::Subscription>(impl_.get());
 }
 
 void RavenStateBridge::stop() {
-  impl_->spinner.stop();
-  ros::shutdown();
+  impl_->subscription.reset();
 }
 
 std::uint64_t RavenStateBridge::received() const noexcept {

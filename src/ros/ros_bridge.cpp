@@ -1,12 +1,12 @@
 #include "raven2_trainer/ros/ros_bridge.h"
 
-#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <memory>
 
+#include "ros/exposure.h"
 #include "ros/messages.h"
 #include "ros/periodic_thread.h"
 #include "ros/services.h"
@@ -27,7 +27,7 @@ int every(double period, double base) {
 struct RosBridge::Impl {
   explicit Impl(runtime::Simulator* daemon)
       : simulator(*daemon),
-        services(&node, daemon),
+        services(&node, daemon, mayCommand(daemon->config().runtime.enable_remote_control)),
         model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
         robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
         forces{node.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", kQueue),
@@ -39,7 +39,16 @@ struct RosBridge::Impl {
         spinner(1) {
     positions.resize(simulator.raven().description.links.size());
     poses.resize(positions.size());
+    spinner.start();
+    publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
     simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
+  }
+
+  ~Impl() {
+    simulator.setImageSink({});
+    services.stop();
+    publisher.stop();
+    spinner.stop();
   }
 
   void publish() {
@@ -102,22 +111,22 @@ struct RosBridge::Impl {
   int cycle{0};
 };
 
-RosBridge::RosBridge(runtime::Simulator* simulator) : impl_(std::make_unique<Impl>(simulator)) {}
+RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}
 
 RosBridge::~RosBridge() {
   stop();
 }
 
 void RosBridge::start() {
-  impl_->spinner.start();
-  impl_->publisher.start(impl_->simulator.config().runtime.ros_period, [this] { impl_->publish(); });
+  impl_ = std::make_unique<Impl>(&simulator_);
 }
 
 void RosBridge::stop() {
-  impl_->services.stop();
-  impl_->publisher.stop();
-  impl_->spinner.stop();
-  ros::shutdown();
+  impl_.reset();
+}
+
+std::vector<std::string> RosBridge::services() const {
+  return impl_ ? impl_->services.names() : std::vector<std::string>{};
 }
 
 }  // namespace raven2_trainer::ros_bridge

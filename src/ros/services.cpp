@@ -14,15 +14,19 @@ constexpr double kGraceTime = 2.0;        // [s] beyond the planner's limit befo
 
 }  // namespace
 
-Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator)
+Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator, bool may_command)
     : simulator_(*simulator),
       next_id_(kFirstId),
       plan_node_(*node),
       plan_spinner_(1, &plan_queue_),
-      start_hazard_(node->advertiseService("start_hazard", &Services::startHazard, this)),
       stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
-      engage_(node->advertiseService("engage", &Services::engage, this)),
       disengage_(node->advertiseService("disengage", &Services::disengage, this)) {
+  if (may_command) offerCommands(node);
+}
+
+void Services::offerCommands(ros::NodeHandle* node) {
+  start_hazard_ = node->advertiseService("start_hazard", &Services::startHazard, this);
+  engage_ = node->advertiseService("engage", &Services::engage, this);
   for (const Arm arm : kArms) {
     using Callback = boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)>;
     const Callback callback = [this, arm](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -33,6 +37,15 @@ Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator)
   plan_node_.setCallbackQueue(&plan_queue_);
   plan_ = plan_node_.advertiseService("plan", &Services::plan, this);
   plan_spinner_.start();
+}
+
+std::vector<std::string> Services::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer* server :
+       {&start_hazard_, &stop_hazard_, &plan_, &engage_, &disengage_, &set_collisions_[0], &set_collisions_[1]}) {
+    if (*server) names.push_back(server->getService());
+  }
+  return names;
 }
 
 void Services::stop() {
@@ -117,9 +130,9 @@ bool Services::plan(PlanPath::Request& message, PlanPath::Response& response) {
 }
 
 bool Services::awaitPlan(std::uint32_t id, PlanResult* result) const {
-  const ros::WallTime deadline =
-      ros::WallTime::now() + ros::WallDuration(simulator_.config().planner.time_limit + kGraceTime);
-  while (ros::WallTime::now() < deadline && !stop_.load()) {
+  const ros::SteadyTime deadline =
+      ros::SteadyTime::now() + ros::WallDuration(simulator_.config().planner.time_limit + kGraceTime);
+  while (ros::SteadyTime::now() < deadline && !stop_.load()) {
     *result = simulator_.shared().last_plan.load();
     if (result->id == id) return true;
     ros::WallDuration(0.01).sleep();

@@ -16,16 +16,23 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** start_hazard, stop_hazard, plan, engage, disengage, {gold,green}/set_collisions: each only posts a request. plan,
- * which waits for its answer, has a queue and a thread of its own, so that nothing else ever waits behind it. */
+/**
+ * start_hazard, stop_hazard, plan, engage, disengage, {gold,green}/set_collisions: each only posts a request. plan,
+ * which waits for its answer, has a queue and a thread of its own, so that nothing else ever waits behind it.
+ */
 class Services {
  public:
-  Services(ros::NodeHandle* node, runtime::Simulator* simulator);
+  /** @param[in] may_command without it only what makes things safer is offered: stop_hazard and disengage. */
+  Services(ros::NodeHandle* node, runtime::Simulator* simulator, bool may_command);
 
   /** Makes a waiting plan() return and ends its thread. */
   void stop();
 
+  /** Resolved names of what is offered. */
+  std::vector<std::string> names() const;
+
  private:
+  void offerCommands(ros::NodeHandle* node);
   bool startHazard(StartHazard::Request& request, StartHazard::Response& response);
   bool stopHazard(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool plan(PlanPath::Request& request, PlanPath::Response& response);

@@ -67,6 +67,7 @@ void Thread::start(const ThreadOptions& options, std::function<void()> body) {
 void* Thread::entry(void* self) noexcept {
   auto* thread = static_cast<Thread*>(self);
   thread->realtime_.store(applyThreadOptions(thread->options_));
+  thread->id_.store(gettid());
   thread->body_();
   return nullptr;
 }
@@ -74,6 +75,11 @@ void* Thread::entry(void* self) noexcept {
 void Thread::join() {
   if (running_) pthread_join(handle_, nullptr);
   running_ = false;
+}
+
+void Thread::hurry() noexcept {
+  const pid_t id = id_.load();
+  if (running_ && id != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(id), 0);
 }
 
 void CyclicThread::start(const ThreadOptions& options,

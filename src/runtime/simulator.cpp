@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/net/clock.h"
@@ -164,23 +165,39 @@ struct Simulator::Impl {
     while (!stopping()) {
       outgoing.wait(kSenderWaitMs);
       sendWaiting();
+      if (haptic_ended.load()) sendForce(silence());  // at once: the other threads may take their time
     }
     sendWaiting();
-    // Whatever happens next, the hand feels nothing from us.
-    ForcePacket silence = last_force;
-    silence.force_I = {};
-    sendForce(silence);
+    releasePedal();
+    sendForce(silence());
+  }
+
+  /** Whatever happens next, the hand feels nothing from us. */
+  const ForcePacket& silence() {
+    last_force.force_I = {};
+    ++last_force.sequence;
+    return last_force;
+  }
+
+  /** A robot left with the pedal down would wait for its own time-out, seconds in a real Raven, ready to move. */
+  void releasePedal() {
+    if (last_relay.command.pedal == 0) return;
+    MasterCommand release;
+    release.sequence = last_relay.command.sequence + 1;
+    sendRelay(release);
   }
 
   void sendWaiting() {
-    RelayPacket relay;
-    while (shared->relay_packets.tryPop(&relay)) {
-      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(relay.command));
-      to_robot.send(bytes.data(), bytes.size());
-      shared->relay_sent.add();
-    }
+    while (shared->relay_packets.tryPop(&last_relay))
+      sendRelay(last_relay.command);
     while (shared->force_packets.tryPop(&last_force))
       sendForce(last_force);
+  }
+
+  void sendRelay(const MasterCommand& command) {
+    const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
+    to_robot.send(bytes.data(), bytes.size());
+    shared->relay_sent.add();
   }
 
   void sendForce(const ForcePacket& force) {
@@ -216,7 +233,7 @@ struct Simulator::Impl {
 
   void renderLoop() {
     try {
-      RenderLoop loop(config, raven, scene, shared.get(), sink);
+      RenderLoop loop(config, raven, scene, shared.get(), [this](const LiveImage& picture) { show(picture); });
       const std::int64_t period = 1'000'000'000 / config.render.live_fps;
       std::int64_t due = net::monotonicNow();
       while (!stopping()) {
@@ -234,6 +251,11 @@ struct Simulator::Impl {
     }
   }
 
+  void show(const LiveImage& picture) {
+    const std::lock_guard<std::mutex> lock(sink_mutex);
+    if (sink) sink(picture);
+  }
+
   void checkRealtime() const {
     if (!options.strict || isRealtime()) return;
     throw RealtimeException("--strict: SCHED_FIFO was refused to a 1 kHz thread; " + memory);
@@ -243,9 +265,14 @@ struct Simulator::Impl {
 
   void stopThreads() {
     haptic_thread.stop();
-    stop.store(true);
+    haptic_ended.store(true);
+    outgoing.signal();
     planner.cancel();
     physics_thread.stop();
+    stop.store(true);
+    outgoing.signal();
+    for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread})
+      thread->hurry();
     for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &faults_thread,
                            &render_thread, &recorder_thread}) {
       thread->join();
@@ -303,8 +330,11 @@ struct Simulator::Impl {
   session::SessionMeta meta;
   Recorder recorder;
 
+  std::mutex sink_mutex;  // of the render thread and whoever sets the sink; never of a 1 kHz thread
   ImageSink sink;
-  ForcePacket last_force{};
+  ForcePacket last_force{};  // the sender's own, as the next
+  RelayPacket last_relay{};
+  std::atomic<bool> haptic_ended{false};
   std::string memory{"memory not locked"};
   std::atomic<bool> stop{false};
   std::atomic<bool> record_failed{false};
@@ -325,6 +355,7 @@ Simulator::~Simulator() {
 }
 
 void Simulator::setImageSink(ImageSink sink) {
+  const std::lock_guard<std::mutex> lock(impl_->sink_mutex);
   impl_->sink = std::move(sink);
 }
 

@@ -108,6 +108,7 @@ struct RuntimeConfig {
   double plan_at{};                    ///< [s] session time of the scheduled plan; negative = none
   std::int64_t lockstep_plan_delay{};  ///< [ticks] from plan request to result in lockstep
   double start_timeout{};              ///< [s] wait for the first pedal down; 0 = for ever
+  bool enable_remote_control{};        ///< offer ROS commands to a network, too
 };
 
 /** config/planner.yaml */

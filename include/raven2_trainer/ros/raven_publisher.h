@@ -1,7 +1,11 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/ros/ros_face.h"
 #include "raven2_trainer/runtime/raven_server.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -14,19 +18,31 @@ namespace raven2_trainer::ros_bridge {
  *   /raven_automove  raven_2/raven_automove, in
  *
  * and the start button of the emulated PLC as a service, `virtual_raven/press_start`. A thread of its own publishes
- * what the control loop leaves in a ring; a subscriber that takes nothing loses messages and delays nobody.
+ * what the control loop leaves in a ring; a subscriber that takes nothing loses messages and delays nobody. What moves
+ * the arm, /raven_automove and press_start, is offered to a network only with runtime.yaml's enable_remote_control.
  */
-class RavenPublisher {
+class RavenPublisher : public RosFace {
  public:
-  /** Call after connect(). @param[in] d4 [m] ArmGeometry::d4. */
-  RavenPublisher(double d4, runtime::RavenServer* server);
-  ~RavenPublisher();
-  void start();
-  void stop();
+  /** `server` must outlive this. */
+  RavenPublisher(const TrainerConfig& config, runtime::RavenServer* server);
+  ~RavenPublisher() override;
+  RavenPublisher(const RavenPublisher&) = delete;
+  RavenPublisher& operator=(const RavenPublisher&) = delete;
+
+  void start() override;
+  void stop() override;
+  std::vector<std::string> services() const override;
+
+  /** Messages of /ravenstate that were lost because nobody took them in time, since start(). Any thread. */
+  std::uint64_t lost() const noexcept;
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  const double d4_;
+  const bool enable_remote_control_;
+  runtime::RavenServer& server_;
+  std::atomic<std::uint64_t> lost_before_{0};  ///< reports that nobody took while there was no master
+  std::unique_ptr<Impl> impl_;                 ///< between start() and stop()
 };
 
 }  // namespace raven2_trainer::ros_bridge

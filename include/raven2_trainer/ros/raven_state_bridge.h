@@ -5,6 +5,7 @@
 #include <string>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/ros/ros_face.h"
 #include "raven2_trainer/runtime/state_server.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -14,13 +15,17 @@ namespace raven2_trainer::ros_bridge {
  * raven_2/raven_state of uw-biorobotics/raven2 and of the authors' fork by their check sums; another one is refused and
  * named on stderr.
  */
-class RavenStateBridge {
+class RavenStateBridge : public RosFace {
  public:
-  /** Call after connect(). @throw ConfigException. */
+  /** `server` must outlive this. @throw ConfigException. */
   RavenStateBridge(const TrainerConfig& config, const std::string& topic, runtime::StateServer* server);
-  ~RavenStateBridge();
-  void start();
-  void stop();
+  ~RavenStateBridge() override;
+  RavenStateBridge(const RavenStateBridge&) = delete;
+  RavenStateBridge& operator=(const RavenStateBridge&) = delete;
+
+  void start() override;
+  void stop() override;
+  std::vector<std::string> services() const override { return {}; }
 
   // Any thread.
   std::uint64_t received() const noexcept;

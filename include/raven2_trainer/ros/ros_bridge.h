@@ -2,31 +2,31 @@
 
 #include <memory>
 
+#include "raven2_trainer/ros/ros_face.h"
 #include "raven2_trainer/runtime/simulator.h"
 
 namespace raven2_trainer::ros_bridge {
 
-/** ros::init with our own signal handling. @return false if no ROS master answers; nothing else may be used then. */
-bool connect(int argc, char** argv, const char* node);
-
 /**
  * The daemon's face to ROS: shared state to topics, services to requests. Publishes from a thread of its own; the
- * 1 kHz loops never see ROS. Topics, services and their rates: README.
+ * 1 kHz loops never see ROS. Topics, services and their rates: README; which of them a network gets: doc/ros.md.
  */
-class RosBridge {
+class RosBridge : public RosFace {
  public:
-  /** Call after connect() and before Simulator::start(): registers the image sink. */
+  /** `simulator` must outlive this. */
   explicit RosBridge(runtime::Simulator* simulator);
-  ~RosBridge();
+  ~RosBridge() override;
   RosBridge(const RosBridge&) = delete;
   RosBridge& operator=(const RosBridge&) = delete;
 
-  void start();
-  void stop();
+  void start() override;
+  void stop() override;
+  std::vector<std::string> services() const override;
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  runtime::Simulator& simulator_;
+  std::unique_ptr<Impl> impl_;  ///< between start() and stop()
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -38,6 +38,8 @@ class Thread {
   /** @throw RealtimeException if no thread can be had. */
   void start(const ThreadOptions& options, std::function<void()> body);
   void join();
+  /** Gives a nice thread normal priority, where the limits allow it: for who is about to join it on a busy machine. */
+  void hurry() noexcept;
   /** False if SCHED_FIFO was asked for and refused; valid once the body runs. */
   bool realtime() const noexcept { return realtime_.load(); }
 
@@ -48,6 +50,7 @@ class Thread {
   ThreadOptions options_;
   std::function<void()> body_;
   std::atomic<bool> realtime_{true};
+  std::atomic<pid_t> id_{0};  ///< once the body runs
 };
 
 /** Overrun policy of a cyclic thread. */

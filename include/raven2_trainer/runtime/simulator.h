@@ -41,7 +41,8 @@ class Simulator {
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  /** Who gets the live pictures; before start(). */
+  /** Who gets the live pictures from now on, on the render thread; {}: nobody. Any thread, at any time; the sink of
+   *  before is not called any more when this returns. */
   void setImageSink(ImageSink sink);
 
   /** @throw RealtimeException with `strict`, if SCHED_FIFO is refused. */
@@ -49,7 +50,7 @@ class Simulator {
 
   SimulatorState state() const;
 
-  /** Zero force first, then the threads in reverse order, then the session's files. Safe to call twice. */
+  /** Zero force first, pedal up to the robot, then the other threads, then the session's files. Safe to call twice. */
   void stop();
 
   SharedState& shared() const noexcept;

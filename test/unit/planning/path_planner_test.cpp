@@ -1,8 +1,12 @@
 #include "raven2_trainer/planning/path_planner.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
 #include <limits>
 #include <thread>
 
@@ -11,6 +15,7 @@
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::planning {
 namespace {
@@ -33,6 +38,40 @@ JointArray between(const JointArray& a, const JointArray& b, double s) {
   for (std::size_t j = 0; j < kJointCount; ++j)
     q[j] = a[j] + s * (b[j] - a[j]);
   return q;
+}
+
+/** CPU time [s] of a running thread: what other programs take from it does not count. */
+double cpuSeconds(std::thread* thread) {
+  clockid_t clock{};
+  timespec time{};
+  if (pthread_getcpuclockid(thread->native_handle(), &clock) != 0 || clock_gettime(clock, &time) != 0) return -1.0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double ownCpuSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/** Forgets the peak that peakMemory() tells; what the process holds now is the new one. */
+void resetPeakMemory() {
+  std::FILE* file = std::fopen("/proc/self/clear_refs", "w");
+  ASSERT_NE(file, nullptr);
+  std::fputs("5", file);
+  std::fclose(file);
+}
+
+/** Most memory [MiB] that this process held since resetPeakMemory(). */
+double peakMemory() {
+  double kib = 0.0;
+  std::FILE* file = std::fopen("/proc/self/status", "r");
+  char line[128];
+  while (file != nullptr && std::fgets(line, sizeof(line), file) != nullptr) {
+    if (std::strncmp(line, "VmHWM:", 6) == 0) kib = std::strtod(line + 6, nullptr);
+  }
+  if (file != nullptr) std::fclose(file);
+  return kib / 1024.0;
 }
 
 class PathPlannerTest : public ::testing::Test {
@@ -267,6 +306,58 @@ TEST_F(PathPlannerTest, IsCancelledOnItsWay) {
   cancel = true;
   worker.join();
   EXPECT_EQ(result.status, PlanStatus::kCancelled);
+}
+
+TEST_F(PathPlannerTest, IsCancelledWithinATenthOfASecondInEveryPhase) {
+  // GIVEN a plan of minutes: goal search (the first milliseconds), sampling (the first seconds), search
+  config_.samples = 20000;
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  double worst = 0.0;
+  for (const double at : {0.0005, 0.002, 0.005, 0.01, 0.03, 0.1, testing::isFull() ? 3.0 : 0.6}) {
+    // WHEN it is cancelled after so much work THEN at most 100 ms of work follow
+    std::atomic<bool> cancel{false};
+    PlanResult result;
+    double ended = 0.0;
+    std::thread worker([&] {
+      result = planner.plan(overTheWall(), 1, true, cancel);
+      ended = ownCpuSeconds();
+    });
+    for (double used = 0.0; used >= 0.0 && used < at; used = cpuSeconds(&worker))  // negative: it is over
+      std::this_thread::yield();
+    const double told = cpuSeconds(&worker);
+    cancel = true;
+    worker.join();
+    EXPECT_EQ(result.status, PlanStatus::kCancelled) << "after " << at << " s";
+    EXPECT_LT(ended - told, 0.1) << "after " << at << " s";
+    worst = std::max(worst, ended - told);
+  }
+  RecordProperty("worst_cancel_us", static_cast<int>(1e6 * worst));
+  std::printf("worst: %.1f ms of work after the cancel\n", 1e3 * worst);
+}
+
+TEST_F(PathPlannerTest, AnImpossibleGoalFailsAtTheTimeLimitAndInBoundedMemory) {
+  // GIVEN the pit of SaysSoWhenThereIsNoWay and far more samples than the time limit allows
+  model::RavenModel raven = test::raven();
+  raven.arms.geometry.q_max[kInsertion] = 0.40;
+  const model::SceneModel pit = test::scene({test::box({0.4, 0.004, 0.4}, {Matrix3::Identity(), {0, 0.0143, 0}}),
+                                             test::box({0.4, 0.004, 0.4}, {Matrix3::Identity(), {0, 0.1143, 0}}),
+                                             test::box({0.001, 0.1, 0.18}, {Matrix3::Identity(), {0, 0.0643, 0}})});
+  PlanRequest request = overTheWall();
+  request.start[kInsertion] = 0.38;
+  request.goal_W = {-0.018, 0.065, 0.03};
+  for (const std::uint32_t samples : {2000U, 100000U}) {
+    config_.samples = samples;
+    config_.time_limit = testing::isFull() ? 5.0 : 0.7;
+    resetPeakMemory();
+    const double before = peakMemory(), begin = ownCpuSeconds();
+    const PlanResult result = PathPlanner(raven, pit, config_).plan(request, 1, false, kGoOn);
+    const double work = ownCpuSeconds() - begin, grown = peakMemory() - before;
+    EXPECT_EQ(result.status, PlanStatus::kNoPath);
+    EXPECT_LT(work, config_.time_limit + 0.1) << "work done, setting up included";
+    EXPECT_LT(grown, 256.0) << "MiB";
+    std::printf("%u samples, limit %.1f s: %.2f s of work, %.1f MiB\n", samples, config_.time_limit, work, grown);
+  }
 }
 
 TEST_F(PathPlannerTest, ThePlannedArmGivesWayToTheOther) {

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace raven2_trainer::ros_bridge {
+
+/** Topics and services of one program. It exists without ROS; the Supervisor starts it when a master is there. */
+class RosFace {
+ public:
+  virtual ~RosFace() = default;
+  /** Topics and services appear. After ros::start(); may block on a master that is slow. Again after stop(). */
+  virtual void start() = 0;
+  /** They go and their threads end. Safe without start(). */
+  virtual void stop() = 0;
+  /** Resolved names of the services offered now: roscpp tells nobody, and a restarted master must be told. */
+  virtual std::vector<std::string> services() const = 0;
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace raven2_trainer::ros_bridge {
+
+/** This node in the eyes of the master, by calls that give up. After ros::init(). */
+
+/** Process id of the master; 0 if none answers. */
+int masterPid();
+
+/** Does the master know this node at its address? */
+bool isRegistered();
+
+/** URI of another, living node that the master knows by this node's name; empty if there is none. */
+std::string rival();
+
+/** Tells the master all topics and subscriptions of this node, and `services`. @return false if a call got no answer.
+ */
+bool registerAll(const std::vector<std::string>& services);
+
+}  // namespace raven2_trainer::ros_bridge

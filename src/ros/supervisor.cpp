@@ -1,0 +1,178 @@
+#include "raven2_trainer/ros/supervisor.h"
+
+#include <ros/init.h>
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/xmlrpc_manager.h>
+#include <xmlrpcpp/XmlRpcException.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/cyclic_thread.h"
+#include "ros/exposure.h"
+#include "ros/registration.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (reliability.md, D6, D7)
+constexpr auto kGoodbye = 400ms;           // of the 1 s that a program has for its end (D5)
+constexpr double kRetryTimeout = 0.25;     // [s] roscpp's own calls to a master that just went: for ever is its default
+constexpr std::size_t kStack = 8U << 20U;  // roscpp's threads inherit nothing from it, its calls are deep
+
+void refuseShutdown(XmlRpc::XmlRpcValue& arguments, XmlRpc::XmlRpcValue& /*answer*/) {
+  const bool has_reason = arguments.getType() == XmlRpc::XmlRpcValue::TypeArray && arguments.size() > 0;
+  std::fprintf(stderr, "a ROS shutdown call is refused%s\n", has_reason ? "" : " (and malformed)");
+  throw XmlRpc::XmlRpcException("shutdown is refused: end this node by a signal");
+}
+
+/** Throws now what roscpp would abort the process for. */
+void checkUri(const std::string& uri, std::string* host) {
+  std::uint32_t port = 0;
+  if (ros::network::splitURI(uri, *host, port) && !host->empty() && port > 0 && port <= 65535) return;
+  throw ConfigException("ROS master \"" + uri + "\": http://HOST:PORT is wanted (ROS_MASTER_URI)");
+}
+
+}  // namespace
+
+struct Supervisor::Impl {
+  explicit Impl(RosFace* program) : face(*program) {}
+
+  void run() {
+    std::unique_lock<std::mutex> lock(mutex);
+    while (!stop) {
+      lock.unlock();
+      look();
+      lock.lock();
+      wake.wait_for(lock, kLookEvery, [this] { return stop; });
+    }
+    lock.unlock();
+    end();
+    lock.lock();
+    ended = true;
+    wake.notify_all();
+  }
+
+  void look() {
+    const int pid = masterPid();
+    if (pid == 0) {
+      lost();
+    } else if (!started) {
+      connect(pid);
+    } else if (pid != known_pid || !isRegistered()) {
+      reconnect(pid);
+    }
+  }
+
+  void connect(int pid) {
+    ros::start();
+    face.start();
+    // A master that went in between may have left some of it undone: a subscription, then, does not exist.
+    started = masterPid() == pid && isRegistered();
+    if (!started) return face.stop();
+    known_pid = pid;
+    met.store(true);
+    std::fprintf(stderr, "ROS master %s: topics and services are there\n", ros::master::getURI().c_str());
+  }
+
+  void reconnect(int pid) {
+    const std::string other = rival();
+    if (!other.empty()) return yield(other);
+    if (!registerAll(face.services())) return;  // again at the next look
+    known_pid = pid;
+    std::fprintf(stderr, "ROS master %s is back: registered again\n", ros::master::getURI().c_str());
+  }
+
+  /** As ROS has it: the newest node owns the name. Fighting for it would go on for ever. */
+  void yield(const std::string& other) {
+    if (other == known_rival) return;
+    known_rival = other;
+    std::fprintf(stderr, "another node at %s took this one's name: its topics are the master's now\n", other.c_str());
+  }
+
+  void lost() {
+    if (known_pid != 0) std::fprintf(stderr, "the ROS master is gone: going on without\n");
+    known_pid = 0;
+  }
+
+  void end() {
+    face.stop();
+    if (ros::isStarted()) ros::shutdown();
+  }
+
+  void askForEnd() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    stop = true;
+    wake.notify_all();
+  }
+
+  bool waitForEnd() {
+    std::unique_lock<std::mutex> lock(mutex);
+    return wake.wait_for(lock, kGoodbye, [this] { return ended; });
+  }
+
+  RosFace& face;
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool stop{false}, ended{false};  // guarded by mutex
+  bool running{false};
+  std::atomic<bool> met{false};
+  // The thread's own.
+  bool started{false};
+  int known_pid{0};
+  std::string known_rival;
+  runtime::Thread thread;
+};
+
+Supervisor::Supervisor(int argc, char** argv, const char* node, RosFace* face) : impl_(std::make_unique<Impl>(face)) {
+  std::string host;
+  checkUri(masterUri(argc, argv), &host);
+  keepToLoopback(host);
+  ros::master::setRetryTimeout(ros::WallDuration(kRetryTimeout));  // ros::init, too, calls it for _parameter:=value
+  // Our mains wait for signals themselves: the force goes to zero before anything else ends.
+  ros::init(argc, argv, node, ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
+  // Before ros::start() binds its own: the first one holds, and there is no moment without.
+  ros::XMLRPCManager::instance()->bind("shutdown", &refuseShutdown);
+  if (!isLoopbackOnly())
+    std::fprintf(stderr, "ROS serves the network (ROS_IP, ROS_HOSTNAME): whoever reaches this computer can call it\n");
+}
+
+Supervisor::~Supervisor() {
+  leave(1);
+}
+
+void Supervisor::start() {
+  impl_->running = true;
+  impl_->thread.start({"ros", ThreadConfig{0, -1}, 0, kStack}, [this] { impl_->run(); });
+}
+
+bool Supervisor::met() const noexcept {
+  return impl_->met.load();
+}
+
+void Supervisor::end() noexcept {
+  impl_->askForEnd();
+}
+
+int Supervisor::leave(int status) {
+  if (!impl_->running) return status;
+  impl_->askForEnd();
+  impl_->running = false;
+  if (!impl_->waitForEnd()) {
+    std::fprintf(stderr, "the ROS master does not answer: leaving without a goodbye\n");
+    std::fflush(nullptr);
+    std::_Exit(status);  // a thread of ours is inside roscpp and would outlive what it uses
+  }
+  impl_->thread.join();
+  return status;
+}
+
+}  // namespace raven2_trainer::ros_bridge

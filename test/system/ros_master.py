@@ -1,0 +1,116 @@
+"""A ROS master of the test's own, asked by its plain XML-RPC interface, and who listens on which address."""
+
+import os
+import socket
+import subprocess
+import time
+import xmlrpc.client
+
+from stack import free_ports, wait_until
+
+
+class _Patient(xmlrpc.client.Transport):
+    """Gives up after 5 s: a test never hangs with its master."""
+
+    def make_connection(self, host):
+        connection = super().make_connection(host)
+        connection.timeout = 5
+        return connection
+
+
+class RosMaster:
+    """`rosmaster --core` on a free port; start() and kill() as often as wanted. Use as a context manager."""
+
+    def __init__(self, folder):
+        self.port = free_ports(1)[0]
+        self.uri = f"http://127.0.0.1:{self.port}"
+        self._environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_IP="127.0.0.1", ROS_HOME=folder,
+                                 ROS_LOG_DIR=os.path.join(folder, "log"))
+        self._process = None
+
+    def start(self):
+        """Returns when the master answers; the time is then that of its return."""
+        self._process = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], env=self._environment,
+                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        wait_until(lambda: self.answers() or self._process.poll() is not None, 60, "the ROS master answers")
+        assert self._process.poll() is None, "rosmaster ended"
+        return time.monotonic()
+
+    def kill(self):
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+            self._process = None
+
+    def signal(self, sign):
+        self._process.send_signal(sign)
+
+    def answers(self):
+        try:
+            return self.ask("getPid") == self._process.pid
+        except (OSError, xmlrpc.client.Error):
+            return False
+
+    def ask(self, method, *arguments):
+        with xmlrpc.client.ServerProxy(self.uri, transport=_Patient()) as master:
+            code, words, value = getattr(master, method)("/test", *arguments)
+        assert code == 1, words
+        return value
+
+    def known_of(self, node):
+        """What the master knows of a node: {"published": {...}, "subscribed": {...}, "services": {...}}."""
+        lists = self.ask("getSystemState")
+        return {kind: {name for name, nodes in entries if node in nodes}
+                for kind, entries in zip(("published", "subscribed", "services"), lists)}
+
+    def slave(self, node):
+        """The slave API of a node, as anybody can call it."""
+        return xmlrpc.client.ServerProxy(self.ask("lookupNode", node))
+
+    def run(self, *command, seconds=20):
+        """A ROS command-line tool against this master."""
+        return subprocess.run(command, env=self._environment, capture_output=True, text=True, timeout=seconds)
+
+    def popen(self, *command):
+        return subprocess.Popen(command, env=self._environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.kill()
+
+
+def _address(text):
+    """Dotted form of an address of /proc/net: hexadecimal, words in the machine's order; IPv6 by its words."""
+    if len(text) == 8:
+        return socket.inet_ntoa(bytes.fromhex(text)[::-1])
+    return text
+
+
+def listeners(pid):
+    """[(protocol, address, port)] of a process where something can come in: listening TCP, UDP without a peer."""
+    inodes = set()
+    for fd in os.listdir(f"/proc/{pid}/fd"):
+        try:
+            target = os.readlink(f"/proc/{pid}/fd/{fd}")
+        except FileNotFoundError:  # closed meanwhile
+            continue
+        if target.startswith("socket:["):
+            inodes.add(target[8:-1])
+    found = []
+    for protocol in ("tcp", "tcp6", "udp", "udp6"):
+        with open(f"/proc/{pid}/net/{protocol}", encoding="ascii") as table:
+            for line in list(table)[1:]:
+                fields = line.split()
+                local, remote, state, inode = fields[1], fields[2], fields[3], fields[9]
+                is_open = state == "0A" if protocol.startswith("tcp") else remote.endswith(":0000")
+                if inode in inodes and is_open:
+                    host, port = local.split(":")
+                    found.append((protocol, _address(host), int(port, 16)))
+    return found
+
+
+def resident_mib(pid):
+    with open(f"/proc/{pid}/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20

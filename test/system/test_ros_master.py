@@ -1,0 +1,169 @@
+"""Programs and the ROS master: it may come late, go, and come back; the loops do not notice."""
+
+import signal
+import socket
+import struct
+import time
+
+from ros_master import RosMaster, resident_mib
+from stack import Stack, effort, wait_until
+from surgeon import LatestState, Surgeon
+
+PEDAL_UP, PEDAL_DOWN = 2, 3
+WITHIN = 1.0  # [s] from the master's first answer to the last topic
+NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
+DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
+                 "/camera/image_raw", "/camera/camera_info", "/tf", "/diagnostics"}
+DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/gold/set_collisions",
+                   "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
+
+
+class Session:
+    """Robot, its bridge and the daemon, started without a master, with a surgeon at work."""
+
+    def __init__(self, master):
+        self.stack, self.beside = Stack(), Stack()
+        for each in (self.stack, self.beside):
+            each.environment["ROS_MASTER_URI"] = master.uri
+            for name in ("ROS_IP", "ROS_HOSTNAME"):
+                each.environment.pop(name, None)
+        self.surgeon = self.robot = None
+
+    def __enter__(self):
+        try:
+            self._begin()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def _begin(self):
+        self.stack.start_robot()
+        self.beside.start("raven_state_bridge")
+        self.stack.start_daemon("--hazard", "none")
+        self.surgeon = Surgeon(self.stack)
+        wait_until(self.surgeon.read_forces, 20, "the daemon runs")
+        self.robot = LatestState(self.stack.state_port)
+        wait_until(lambda: self.robot.runlevel() == PEDAL_UP, 20, "homed")
+        self.surgeon.pedal = True
+        wait_until(lambda: self.robot.runlevel() == PEDAL_DOWN, 20, "pedal down")
+
+    def __exit__(self, *_):
+        if self.surgeon:
+            self.surgeon.close()
+        self.stack.__exit__()
+        self.beside.__exit__()
+
+
+def known(master):
+    return {node: master.known_of(node) for node in NODES}
+
+
+def is_complete(seen):
+    daemon, robot, bridge = (seen[node] for node in NODES)
+    return (daemon["published"] == DAEMON_TOPICS and daemon["services"] == DAEMON_SERVICES and
+            robot["published"] == {"/ravenstate", "/joint_states"} and robot["subscribed"] == {"/raven_automove"} and
+            "/virtual_raven/press_start" in robot["services"] and bridge["subscribed"] == {"/ravenstate"})
+
+
+def seconds_until_complete(master):
+    begin = master.start()
+    wait_until(lambda: is_complete(known(master)), 10, "all topics and services of all three nodes")
+    return time.monotonic() - begin
+
+
+def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
+    cycles = effort(2, 10)
+    with RosMaster(str(tmp_path)) as master, Session(master) as session:
+        came = seconds_until_complete(master)
+        returns = []
+        for _ in range(cycles):
+            master.kill()
+            time.sleep(0.6)  # they notice
+            returns.append(seconds_until_complete(master))
+        print(f"  topics after the master came: {came:.2f} s; after it came back:", " ".join(f"{t:.2f}" for t in returns))
+        assert came < WITHIN and max(returns) < WITHIN, (came, returns)
+        bridged = LatestState(session.beside.state_port)
+        wait_until(lambda: bridged.state, 5, "the bridge has states")
+        session.surgeon.pedal = False
+        # Services answer, and a publisher that came after the restart is heard.
+        answer = master.run("rosservice", "call", "/virtual_raven/press_start")
+        assert "success: True" in answer.stdout, answer
+        bridged.close()
+        assert session.stack.stop("virtual_raven")[0] == 0
+        session.stack.start_robot()
+        again = LatestState(session.beside.state_port)
+        wait_until(lambda: again.state, 10, "the robot that came back is subscribed to")
+        again.close()
+        assert session.stack.stop("simulator")[0] == 0
+        session.stack.assert_counters_add_up()
+        print("  on time:", session.stack.metrics()["on_time_ratio"])
+        assert session.stack.metrics()["packets"]["master_to_daemon"]["applied"] > 1000
+
+
+def stalled_subscribers(master, topics):
+    """Subscribers that have connected and then take nothing."""
+    echoes = [master.popen("rostopic", "echo", topic) for topic in topics]
+    wait_until(lambda: all(has_reader(master, topic) for topic in topics), 30, "they subscribe")
+    time.sleep(0.5)
+    for echo in echoes:
+        echo.send_signal(signal.SIGSTOP)
+    return echoes
+
+
+def mute_subscriber(master, node, topic):
+    """A connection that says what a subscriber says (ROS/TCPROS) and never reads."""
+    with master.slave(node) as slave:
+        code, words, (_, host, port) = slave.requestTopic("/mute", topic, [["TCPROS"]])
+    assert code == 1, words
+    connection = socket.create_connection((host, port))
+    fields = [f"{key}={value}".encode() for key, value in
+              (("callerid", "/mute"), ("topic", topic), ("type", "*"), ("md5sum", "*"))]
+    head = b"".join(struct.pack("<I", len(field)) + field for field in fields)
+    connection.sendall(struct.pack("<I", len(head)) + head)
+    assert len(connection.recv(64)) > 4, "it is a subscriber now"
+    return connection
+
+
+def has_reader(master, topic):
+    return any(name == topic and any("rostopic" in node for node in nodes)
+               for name, nodes in master.ask("getSystemState")[1])
+
+
+def measured(master, topics, seconds):
+    """(on-time ratios of the daemon's loops, greatest growth of memory [MiB], cycles of the robot a second)."""
+    with Session(master) as session:
+        wait_until(lambda: is_complete(dict(known(master), **{NODES[2]: {"subscribed": {"/ravenstate"}}})), 20, "topics")
+        echoes = stalled_subscribers(master, topics)
+        mute = mute_subscriber(master, "/virtual_raven", "/ravenstate") if topics else None
+        try:
+            pids = [session.stack.processes[name].pid for name in ("simulator", "virtual_raven")]
+            time.sleep(1)  # kernel buffers are full, queues are
+            before = [resident_mib(pid) for pid in pids]
+            first = session.robot.state
+            time.sleep(seconds)
+            last = session.robot.state
+            growth = max(resident_mib(pid) - old for pid, old in zip(pids, before))
+            assert session.stack.stop("simulator")[0] == 0, "a stalled subscriber holds up the end"
+        finally:
+            if mute:
+                mute.close()
+            for echo in echoes:
+                echo.kill()
+                echo.wait()
+        rate = (last["cycle"] - first["cycle"]) / (last["time_ns"] - first["time_ns"]) * 1e9
+        return session.stack.metrics()["on_time_ratio"], growth, rate
+
+
+def test_a_stalled_subscriber_costs_no_memory_and_no_cycle(tmp_path):
+    seconds = effort(2, 60)
+    with RosMaster(str(tmp_path)) as master:
+        master.start()
+        stalled = ["/joint_states", "/model/joint_states", "/tf"]  # and /ravenstate by a bare socket
+        for topics in effort([stalled], [[], stalled]):
+            on_time, growth, rate = measured(master, topics, seconds)
+            print(f"  {len(topics)} stalled subscribers: on time {on_time}, {growth:+.1f} MiB in {seconds} s, "
+                  f"{rate:.1f} cycles a second")
+            # The log and the queues of 10 to 100 messages are all that may grow: a second of /ravenstate alone is 1 MB.
+            assert growth < 16
+            assert rate > 950, "the robot's cycles go on"

@@ -1,0 +1,204 @@
+"""The end of every program at a signal: no force is left on the hand, the record is whole, the ports are free, and it
+takes at most a second, with a ROS master, without one, with one that hangs, and while a plan is being searched."""
+
+import os
+import re
+import signal
+import socket
+import time
+
+import pytest
+
+from ros_master import RosMaster
+from stack import Stack, effort, wait_until
+from surgeon import LatestState, Surgeon
+
+E_STOP, PEDAL_UP, PEDAL_DOWN = 0, 2, 3
+ROUNDS = effort(1, 10)  # of every way to end
+WITHIN = 1.0  # [s] from the signal to the end of the process
+ENDLESS_PLAN = {"runtime": {"plan_at": 0.3}, "planner": {"samples": 100000, "time_limit": 3600.0}}
+
+
+def early_jump(stack):
+    """The packaged hazard, but 0.2 s after the pedal went down: the hand feels a force soon."""
+    path = os.path.join(stack.folder, "share", "config", "faults", "sudden_jump.yaml")
+    with open(path, encoding="utf-8") as file:
+        text = re.sub("first_tick: [0-9]+", "first_tick: 200", file.read())
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def thread_seconds(pid, name):
+    """CPU time [s] of the thread called so; 0 if there is none."""
+    for task in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{task}/stat", encoding="ascii") as file:
+            words = file.read()
+        if f"({name})" in words:
+            fields = words.rpartition(")")[2].split()
+            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return 0.0
+
+
+def assert_ports_are_free(stack):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
+        again.bind(("127.0.0.1", stack.master_port))
+
+
+def assert_record_is_whole(stack):
+    packets = stack.assert_counters_add_up()
+    assert packets["master_to_daemon"]["applied"] > 0
+    assert stack.meta()["realtime"]
+    with open(os.path.join(stack.output, "session.rlog"), "rb") as log:
+        assert log.seek(0, os.SEEK_END) > 1000
+
+
+def end_daemon(stack, surgeon, signals, report):
+    """Sends the signals one after the other; judges the end."""
+    process = stack.processes["simulator"]
+    begin = time.monotonic()
+    for sign in signals:
+        process.send_signal(sign)
+    code = process.wait(20)
+    seconds = time.monotonic() - begin
+    del stack.processes["simulator"]
+    report.append(seconds)
+    assert code == 0, stack.log_text("simulator")
+    surgeon.read_forces()
+    assert not any(surgeon.last_force), "the last packet says: no force"
+    assert_ports_are_free(stack)
+    assert_record_is_whole(stack)
+
+
+class Once:
+    """A condition that remembers whether it ever held."""
+
+    def __init__(self, condition):
+        self._condition = condition
+        self.was_true = False
+
+    def __call__(self):
+        self.was_true = self.was_true or bool(self._condition())
+        return self.was_true
+
+
+class Bench:
+    """A homed robot that lives on, and a new daemon with a surgeon each round."""
+
+    def __init__(self, **options):
+        self.stack = Stack(**options)
+        self.times, self.begun = [], 0
+        early_jump(self.stack)
+
+    def run(self, ways, ready, master=None, before=lambda: None, after=lambda: None,
+            hazard="sudden_jump"):
+        if master:
+            self.stack.environment["ROS_MASTER_URI"] = master.uri
+        self.stack.start_robot()
+        robot = LatestState(self.stack.state_port)
+        wait_until(lambda: robot.runlevel() == PEDAL_UP, 20, "homed")
+        for number in range(ROUNDS * len(ways)):
+            if robot.runlevel() != PEDAL_UP:  # a jump may end in the robot's own emergency stop
+                self.stack.stop("virtual_raven")
+                self.stack.start_robot()
+            self.stack.output = os.path.join(self.stack.folder, f"session{number}")
+            self.stack.start_daemon("--hazard", hazard)
+            surgeon = Surgeon(self.stack)
+            try:
+                wait_until(lambda: robot.runlevel() == PEDAL_UP and surgeon.read_forces(), 20, "ready")
+                surgeon.pedal = True
+                wait_until(lambda: robot.runlevel() == PEDAL_DOWN, 20, "pedal down")
+                begun = Once(lambda: ready(self.stack, surgeon))
+                wait_until(lambda: begun() or robot.runlevel() == E_STOP, 20, "what is to be interrupted is going on")
+                self.begun += begun.was_true
+                before()
+                end_daemon(self.stack, surgeon, ways[number % len(ways)], self.times)
+                after()
+                wait_until(lambda: robot.runlevel() not in (None, PEDAL_DOWN), 2, "the robot is not left with the pedal down")
+            finally:
+                surgeon.close()
+        robot.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        print(f"  {len(self.times)} ends, seconds:", " ".join(f"{t:.2f}" for t in self.times))
+        if error[0] is None:
+            assert max(self.times) < WITHIN, self.times
+            assert self.begun > len(self.times) / 2, "the robot's own emergency stop came before it too often"
+        self.stack.__exit__()
+
+
+def feels_force(_, surgeon):
+    return surgeon.feels_force()
+
+
+def is_planning(stack, surgeon):
+    if surgeon.pedal:
+        time.sleep(0.4)
+        surgeon.pedal = False  # the plan waits for it
+    return thread_seconds(stack.processes["simulator"].pid, "planner") > 0.1  # [s] past the goal search
+
+
+def test_without_a_master_the_daemon_takes_the_force_away_and_ends():
+    with Bench() as bench:
+        bench.run([[signal.SIGTERM], [signal.SIGINT], [signal.SIGTERM] * 2], feels_force)
+
+
+def test_while_a_plan_is_searched_the_daemon_ends():
+    with Bench(configure=ENDLESS_PLAN) as bench:
+        bench.run([[signal.SIGTERM]], is_planning, hazard="none")
+
+
+def test_with_a_master_the_daemon_ends_and_is_no_longer_registered():
+    with Bench() as bench, RosMaster(bench.stack.folder) as master:
+        master.start()
+
+        def is_ready(stack, surgeon):
+            return "/start_hazard" in master.known_of("/raven2_simulator")["services"] and feels_force(stack, surgeon)
+        bench.run([[signal.SIGTERM]], is_ready, master)
+        assert master.known_of("/raven2_simulator")["published"] == set()
+        code, seconds = bench.stack.stop("virtual_raven")
+        assert code == 0 and seconds < WITHIN, bench.stack.log_text("virtual_raven")
+        assert master.known_of("/virtual_raven")["published"] == set()
+
+
+def test_a_master_that_hangs_holds_nobody_up():
+    with Bench() as bench, RosMaster(bench.stack.folder) as master:
+        master.start()
+
+        def is_ready(stack, surgeon):
+            return master.known_of("/raven2_simulator")["services"] and feels_force(stack, surgeon)
+        bench.run([[signal.SIGTERM]], is_ready, master, before=lambda: master.signal(signal.SIGSTOP),
+                  after=lambda: master.signal(signal.SIGCONT))
+        assert "leaving without a goodbye" in bench.stack.log_text("simulator")
+
+
+@pytest.mark.parametrize("program", ["virtual_raven", "master_console", "raven_state_bridge"])
+def test_the_other_programs_end_at_a_signal_without_a_master(program):
+    times = []
+    for number in range(max(2, ROUNDS)):
+        with Stack() as stack:
+            stack.start(program)
+            wait_until(lambda: thread_is_there(stack.processes[program].pid), 20, "its threads run")
+            code, seconds = stack.stop(program, (signal.SIGTERM, signal.SIGINT)[number % 2])
+            assert code == 0, stack.log_text(program)
+            if program != "master_console":
+                with socket.create_server(("127.0.0.1", stack.state_port)):
+                    pass  # free again
+            times.append(seconds)
+    print(f"  {program}, seconds:", " ".join(f"{t:.2f}" for t in times))
+    assert max(times) < WITHIN, times
+
+
+def thread_is_there(pid):
+    names = ("raven_state", "console")
+    return any(thread_exists(pid, name) for name in names)
+
+
+def thread_exists(pid, name):
+    for task in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{task}/comm", encoding="ascii") as file:
+            if file.read().strip() == name:
+                return True
+    return False

@@ -1,0 +1,49 @@
+#include "planning/goal_search.h"
+
+#include <gtest/gtest.h>
+
+#include "planning_fixtures.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::planning {
+namespace {
+
+const JointArray kHome = test::geometry().home;
+
+GoalChoice find(const std::function<bool(const UnitState&)>& is_free, const std::function<bool()>& stop) {
+  const ArmGeometry geometry = test::geometry();
+  const JointSpace space(geometry, kinematics::jawOpening(kHome));
+  const Vector3 tip = kinematics::forward(geometry, Arm::kGold, kHome).p;
+  return findGoal(geometry, Arm::kGold, space, kHome, tip, is_free, stop);
+}
+
+TEST(GoalSearch, TakesTheNearestFreeCandidate) {
+  const GoalChoice nearest = find([](const UnitState&) { return true; }, [] { return false; });
+  ASSERT_EQ(nearest.status, PlanStatus::kSuccess);
+  const UnitState start = JointSpace(test::geometry(), kinematics::jawOpening(kHome)).toUnit(kHome);
+  EXPECT_LT(distance(nearest.goal, start), 1e-6) << "the tip is there already";
+}
+
+TEST(GoalSearch, StopsWithinOneCandidateWhereverItIsTold) {
+  // GIVEN candidates that all touch: the whole search asks for each of them
+  int polls = 0, tries = 0;
+  const auto touches = [&](const UnitState&) { return ++tries < 0; };
+  ASSERT_EQ(find(touches, [&] { return ++polls < 0; }).status, PlanStatus::kGoalInCollision);
+  ASSERT_GT(tries, 10);
+  // WHEN it is told to stop at any of its polls THEN that was its last, but for one at the end, and it has no goal
+  const int all = polls;
+  for (int last = 1; last <= all; last += 7) {
+    polls = tries = 0;
+    int tries_after = 0;
+    const auto touches_after = [&](const UnitState&) {
+      if (polls >= last) ++tries_after;
+      return false;
+    };
+    EXPECT_EQ(find(touches_after, [&] { return ++polls >= last; }).status, PlanStatus::kNoPath);
+    EXPECT_EQ(tries_after, 0);
+    EXPECT_LE(polls, last + 1);
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::planning
