@@ -98,7 +98,9 @@ class Series:
         origin = int(model["tick"][0] - model["session_tick"][0]) if len(model) else 0
         ticks = log.haptic["haptic"]["tick"]
         inside = ticks >= origin
-        self.force_t = (ticks[inside] - origin) / 1000.0
+        # Not a mere shift: the session's clock stands still while the exercise is paused.
+        last = np.clip(np.searchsorted(model["tick"], ticks[inside], side="right") - 1, 0, None)
+        self.force_t = model["session_tick"][last] / 1000.0 if len(model) else ticks[inside] / 1000.0
         self.force = np.linalg.norm(log.haptic["haptic"]["force_B"][inside], axis=2)
 
 

@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
   app.add_option("--motion-label", options.motion, "What the console plays, for the record only");
-  app.add_flag("--strict", options.strict, "Refuse to start without real-time scheduling");
+  app.add_flag("--strict", options.strict, "Refuse to start where real time or the files cannot be trusted");
   app.add_flag("!--no-render", options.render, "No live picture");
   return apps::runProgram(&app, argc, argv, [&] { return run(common, options, argc, argv); });
 }

@@ -8,8 +8,8 @@
 #include "apps/common/signals.h"
 #include "raven2_trainer/ros/raven_publisher.h"
 #include "raven2_trainer/ros/supervisor.h"
-#include "raven2_trainer/runtime/cyclic_thread.h"
 #include "raven2_trainer/runtime/raven_server.h"
+#include "raven2_trainer/runtime/realtime_check.h"
 #include "raven2_trainer/runtime/replay.h"
 
 namespace raven2_trainer {
@@ -54,8 +54,11 @@ int run(const Options& options, int argc, char** argv) {
   runtime::RavenServer server(config);
   ros_bridge::RavenPublisher publisher(config, &server);
   ros_bridge::Supervisor ros(argc, argv, "virtual_raven", &publisher);
-  std::fprintf(stderr, "behaviour %s; %s\n", config.virtual_raven.behaviour.c_str(), runtime::lockMemory().c_str());
+  const runtime::MemoryLock memory = runtime::lockMemory();
   server.start();
+  const std::string refusal = server.refusal();
+  std::fprintf(stderr, "behaviour %s; %s; %s\n", config.virtual_raven.behaviour.c_str(),
+               refusal.empty() ? "SCHED_FIFO" : ("DEGRADED_RT: " + refusal).c_str(), memory.words.c_str());
   ros.start();
   RunLevel shown = RunLevel::kEStop;
   for (double time = 0.0; (options.duration <= 0.0 || time < options.duration) && !apps::waitForSignal(kReportEvery);

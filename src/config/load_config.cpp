@@ -90,6 +90,8 @@ void readHaptics(Section& root, HapticGains* c) {
   c->tolerance = root.number("tolerance", 0, 0.05);
   c->max_force = root.number("max_force", 0, 3.3);
   c->min_force = root.number("min_force", 0, c->max_force);
+  // Never slower than from max_force to nothing in 50 ms: what a hand feels from a state gone stale ends by then.
+  c->max_slew = root.number("max_slew", c->max_force / 0.05, 10000);
 }
 
 std::uint16_t port(Section& section, const std::string& key, int low) {
@@ -126,6 +128,7 @@ void readRuntime(Section& root, RuntimeConfig* c) {
   c->ingest = readThread(root, "ingest");
   c->robot_link = readThread(root, "robot_link");
   c->sender = readThread(root, "sender");
+  c->stack_kib = static_cast<int>(root.integer("stack_kib", 64, 65536));
   c->background_nice = static_cast<int>(root.integer("background_nice", 0, 19));
   c->max_catch_up = static_cast<int>(root.integer("max_catch_up", 0, 20));
   c->max_backlog = root.number("max_backlog", 0.01, 10);

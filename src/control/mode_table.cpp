@@ -24,6 +24,10 @@ constexpr Row kRows[] = {
     {Mode::kPlanning,      Event::kPedalPressed,  Mode::kTeleoperating},
     {Mode::kTracking,      Event::kPedalPressed,  Mode::kTeleoperating},
     {Mode::kStopped,       Event::kStopCleared,   Mode::kPedalUp},
+    {Mode::kTeleoperating, Event::kTimeSlip,      Mode::kPaused},
+    {Mode::kPlanning,      Event::kTimeSlip,      Mode::kPaused},
+    {Mode::kTracking,      Event::kTimeSlip,      Mode::kPaused},
+    {Mode::kPaused,        Event::kPedalPressed,  Mode::kTeleoperating},
     // clang-format on
 };
 

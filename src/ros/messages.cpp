@@ -43,9 +43,18 @@ DiagnosticStatus loopStatus(const std::string& name, const LoopTiming& timing) {
   if (share < 0.95 && s.level == DiagnosticStatus::OK) s.level = DiagnosticStatus::WARN;
   s.values = {value("ticks", timing.ticks),
               value("slips", timing.slips),
+              value("late_runs", timing.late_runs),
+              value("longest_late_run", timing.longest_late_run),
+              value("last_run_late_us", timing.last_run_late_ns / 1000),
               value("time_slips", timing.time_slips),
               value("max_late_us", timing.max_late_ns / 1000),
               value("max_run_us", timing.max_run_ns / 1000),
+              value("wake_up_p99_us", timing.wake_up.quantile(0.99) / 1000),
+              value("wake_up_p999_us", timing.wake_up.quantile(0.999) / 1000),
+              value("run_p99_us", timing.run.quantile(0.99) / 1000),
+              value("run_p999_us", timing.run.quantile(0.999) / 1000),
+              value("minor_faults", timing.minor_faults),
+              value("major_faults", timing.major_faults),
               value("stale_reads", timing.stale_reads)};
   return s;
 }
@@ -172,8 +181,8 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(linkStatus("daemon to robot", counts.relay));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
   array.status.push_back(robotStatus(robot, refused_version));
-  array.status.push_back(status("real time", counts.realtime != 0, realtime));
-  if (counts.realtime == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
+  array.status.push_back(status("real time", true, realtime));
+  if (realtime.rfind("DEGRADED_RT", 0) == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
   array.status.push_back(
       status("recorder", counts.records_dropped == 0, std::to_string(counts.records_dropped) + " records dropped"));
   return array;

@@ -1,15 +1,17 @@
 #include "raven2_trainer/runtime/haptic_loop.h"
 
+#include <cmath>
+
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/haptics/spring_damper.h"
-#include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::runtime {
 
 HapticLoop::HapticLoop(const TrainerConfig& config, SharedState* shared)
     : gains_(config.haptics),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * 1e9)),
-      shared_(*shared) {}
+      shared_(*shared),
+      limiters_{haptics::ForceLimiter(gains_), haptics::ForceLimiter(gains_)} {}
 
 void HapticLoop::tick(std::int64_t now_ns) noexcept {
   if (!shared_.model.tryLoad(&model_)) ++stale_reads_;
@@ -25,23 +27,33 @@ void HapticLoop::tick(std::int64_t now_ns) noexcept {
   shared_.force_packets.tryPush(packet);
 }
 
+bool HapticLoop::isFresh(std::int64_t now_ns) const noexcept {
+  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
+  return has_robot && now_ns - robot_.received_ns <= stale_ns_ && now_ns - model_.time_ns <= stale_ns_;
+}
+
 void HapticLoop::compute(std::int64_t now_ns) noexcept {
   haptic_ = HapticState{};
   haptic_.tick = model_.tick;
   haptic_.robot_cycle = robot_.cycle;
-  const bool fresh = robot_.connected != 0 && robot_.frame > 0 && now_ns - robot_.received_ns <= stale_ns_;
-  haptic_.active = fresh && model_.linked != 0 ? 1 : 0;
+  haptic_.active = isFresh(now_ns) && model_.linked != 0 ? 1 : 0;
+  const double seconds = static_cast<double>(now_ns - last_ns_) * 1e-9;
+  last_ns_ = now_ns;
   for (const Arm arm : kArms) {
-    const ArmState& model = at(model_.arms, arm);
-    const RobotArmState& robot = at(robot_.arms, arm);
-    if (robot_.frame == 0) continue;
-    at(haptic_.error, arm) = (toEigen(model.p_BT) - toEigen(robot.p_BT)).norm();
-    if (haptic_.active == 0) continue;
-    const Vector3 force_B = haptics::springDamper(gains_, toEigen(model.p_BT), toEigen(robot.p_BT), toEigen(model.v_BT),
-                                                  toEigen(robot.v_BT));
+    const double error = (toEigen(at(model_.arms, arm).p_BT) - toEigen(at(robot_.arms, arm).p_BT)).norm();
+    if (robot_.frame > 0 && std::isfinite(error)) at(haptic_.error, arm) = error;
+    const Vector3 force_B = at(limiters_, arm).step(wantedForce(arm), seconds);
     at(haptic_.force_B, arm) = toArray(force_B);
     at(haptic_.force_I, arm) = toArray(Vector3(control::itpToBase(arm).transpose() * force_B));
   }
+}
+
+Vector3 HapticLoop::wantedForce(Arm arm) const noexcept {
+  if (haptic_.active == 0) return Vector3::Zero();
+  const ArmState& model = at(model_.arms, arm);
+  const RobotArmState& robot = at(robot_.arms, arm);
+  return haptics::springDamper(gains_, toEigen(model.p_BT), toEigen(robot.p_BT), toEigen(model.v_BT),
+                               toEigen(robot.v_BT));
 }
 
 }  // namespace raven2_trainer::runtime

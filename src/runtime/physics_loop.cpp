@@ -64,6 +64,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
 
 void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   // what arrived since the last tick
+  if (pause_requested_.exchange(false, std::memory_order_relaxed)) timeSlip();
   readInputs(now_ns);
   updateRobotEvents();
   drainRequests();
@@ -377,7 +378,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   shared_.model.store(state_);
   publishContacts();
   shared_.tick_records.tryPush({state_, robot_});
-  if (state_.session_tick >= 0) ++state_.session_tick;
+  if (state_.session_tick >= 0 && state_.mode != Mode::kPaused) ++state_.session_tick;
 }
 
 void PhysicsLoop::publishContacts() noexcept {
@@ -403,6 +404,7 @@ void PhysicsLoop::fillArm(Arm arm, ArmState* state) const noexcept {
 
 void PhysicsLoop::timeSlip() noexcept {
   linked_ = false;
+  raise(Event::kTimeSlip);
 }
 
 }  // namespace raven2_trainer::runtime

@@ -14,7 +14,8 @@ RavenServer::RavenServer(const TrainerConfig& config)
       software_(config.arms, config.virtual_raven),
       plant_(model_, config.virtual_raven),
       receiver_(config.network.bind_address, config.network.robot_port),
-      state_server_(config.network.bind_address, config.network.state_port, /*is_virtual=*/true) {}
+      state_server_(config.network.bind_address, config.network.state_port, /*is_virtual=*/true),
+      runtime_(config.runtime) {}
 
 RavenServer::~RavenServer() {
   stop();
@@ -23,8 +24,9 @@ RavenServer::~RavenServer() {
 void RavenServer::start() {
   CyclicThread::Hooks hooks;
   hooks.tick = [this](std::int64_t now_ns) { controlTick(now_ns); };
-  control_.start({"raven_control", ThreadConfig{82, -1}}, CyclicPolicy{}, std::move(hooks), &timing_);
-  receive_thread_.start({"raven_network", ThreadConfig{81, -1}}, [this] { receiveLoop(); });
+  control_.start(realtimeThread("raven_control", ThreadConfig{82, -1}, runtime_), CyclicPolicy{}, std::move(hooks),
+                 &timing_);
+  receive_thread_.start(realtimeThread("raven_network", ThreadConfig{81, -1}, runtime_), [this] { receiveLoop(); });
   state_server_.start();
 }
 

@@ -1,5 +1,6 @@
 #include "raven2_trainer/runtime/simulator.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -19,6 +20,7 @@
 #include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/runtime/physics_loop.h"
 #include "raven2_trainer/runtime/planner_worker.h"
+#include "raven2_trainer/runtime/realtime_check.h"
 #include "raven2_trainer/runtime/recorder.h"
 #include "raven2_trainer/runtime/robot_link.h"
 #include "raven2_trainer/wire/itp.h"
@@ -84,16 +86,19 @@ struct Simulator::Impl {
       haptic.tick(now_ns);
       outgoing.signal();
     };
+    haptic_hooks.on_slip = [this] { physics.requestPause(); };
     haptic_hooks.stale_reads = [this] { return haptic.staleReads(); };
-    physics_thread.start({"physics", config.runtime.physics}, policy, std::move(physics_hooks),
-                         &shared->physics_timing);
-    haptic_thread.start({"haptic", config.runtime.haptic}, policy, std::move(haptic_hooks), &shared->haptic_timing);
+    physics_thread.start(realtimeThread("physics", config.runtime.physics, config.runtime), policy,
+                         std::move(physics_hooks), &shared->physics_timing);
+    haptic_thread.start(realtimeThread("haptic", config.runtime.haptic, config.runtime), policy,
+                        std::move(haptic_hooks), &shared->haptic_timing);
   }
 
   void startIo() {
-    ingest_thread.start({"ingest", config.runtime.ingest}, [this] { ingestLoop(); });
-    link_thread.start({"robot_link", config.runtime.robot_link}, [this] { linkLoop(); });
-    sender_thread.start({"sender", config.runtime.sender}, [this] { senderLoop(); });
+    const RuntimeConfig& runtime = config.runtime;
+    ingest_thread.start(realtimeThread("ingest", runtime.ingest, runtime), [this] { ingestLoop(); });
+    link_thread.start(realtimeThread("robot_link", runtime.robot_link, runtime), [this] { linkLoop(); });
+    sender_thread.start(realtimeThread("sender", runtime.sender, runtime), [this] { senderLoop(); });
   }
 
   void startBackground() {
@@ -256,9 +261,18 @@ struct Simulator::Impl {
     if (sink) sink(picture);
   }
 
-  void checkRealtime() const {
-    if (!options.strict || isRealtime()) return;
-    throw RealtimeException("--strict: SCHED_FIFO was refused to a 1 kHz thread; " + memory);
+  /** Loud, because nobody reads it elsewhere before it matters. */
+  void reportRealtime() const {
+    if (!refusals().empty()) std::fprintf(stderr, "WARNING: %s\n", realtimeStatus().c_str());
+  }
+
+  /** What was asked for and not granted. */
+  std::vector<std::string> refusals() const {
+    std::vector<std::string> all{physics_thread.refusal(), haptic_thread.refusal(), ingest_thread.refusal(),
+                                 link_thread.refusal(), sender_thread.refusal()};
+    if (!memory.locked) all.push_back(memory.words);
+    all.erase(std::remove(all.begin(), all.end(), ""), all.end());
+    return all;
   }
 
   bool isRealtime() const { return physics_thread.realtime() && haptic_thread.realtime(); }
@@ -288,7 +302,10 @@ struct Simulator::Impl {
   }
 
   std::string realtimeStatus() const {
-    return std::string(isRealtime() ? "SCHED_FIFO" : "degraded: SCHED_FIFO was refused") + "; " + memory;
+    std::string words;
+    for (const std::string& refusal : refusals())
+      words += (words.empty() ? "DEGRADED_RT: " : "; ") + refusal;
+    return words.empty() ? "SCHED_FIFO; memory locked" : words;
   }
 
   SessionCounts counts() const {
@@ -335,7 +352,7 @@ struct Simulator::Impl {
   ForcePacket last_force{};  // the sender's own, as the next
   RelayPacket last_relay{};
   std::atomic<bool> haptic_ended{false};
-  std::string memory{"memory not locked"};
+  MemoryLock memory;
   std::atomic<bool> stop{false};
   std::atomic<bool> record_failed{false};
   bool running{false};
@@ -345,6 +362,7 @@ struct Simulator::Impl {
 };
 
 Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {
+  if (options.strict) demandRealtime(config);
   physics::initialiseOde();
   physics::attachOdeToThread();  // the world is built on this thread
   impl_ = std::make_unique<Impl>(config, options);
@@ -365,13 +383,7 @@ void Simulator::start() {
   impl_->startBackground();
   impl_->startIo();
   impl_->startLoops();
-  sleepFor(0.05);  // the threads have asked for their priorities by then
-  try {
-    impl_->checkRealtime();
-  } catch (...) {
-    stop();  // before whoever gave us an image sink unwinds
-    throw;
-  }
+  impl_->reportRealtime();
 }
 
 SimulatorState Simulator::state() const {

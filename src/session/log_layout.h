@@ -189,17 +189,32 @@ struct Layout<PlanResult> {
 };
 
 template <>
+struct Layout<Histogram> {
+  template <typename Visitor, typename Counted>
+  static void visit(Visitor& v, Counted& s) {
+    v.field("counts", s.counts, "", "by duration: below 256 ns, 8 buckets an octave up to 2^28 ns, above");
+  }
+};
+
+template <>
 struct Layout<LoopTiming> {
   template <typename Visitor, typename Timing>
   static void visit(Visitor& v, Timing& s) {
     v.field("ticks", s.ticks, "", "periods run, catch-up steps included");
     v.field("on_time", s.on_time, "", "finished within 1 ms of their release");
     v.field("slips", s.slips, "", "finished later");
+    v.field("late_runs", s.late_runs, "", "overrun events: runs of late periods");
+    v.field("longest_late_run", s.longest_late_run, "ms", "the longest of them");
+    v.field("last_run_late_ns", s.last_run_late_ns, "ns", "worst finish after its release in the newest of them");
     v.field("time_slips", s.time_slips, "", "backlogs given up");
     v.field("lost_ticks", s.lost_ticks, "ms", "simulated time given up by those");
     v.field("max_late_ns", s.max_late_ns, "ns", "latest start after a release");
     v.field("max_run_ns", s.max_run_ns, "ns", "longest body");
     v.field("stale_reads", s.stale_reads, "", "shared values that could not be read in a bounded number of tries");
+    v.field("minor_faults", s.minor_faults, "", "page faults of the thread in its loop, without disk");
+    v.field("major_faults", s.major_faults, "", "with disk");
+    v.field("wake_up", s.wake_up, "", "start after the release, once a wake-up");
+    v.field("run", s.run, "", "length of the body");
   }
 };
 

@@ -87,15 +87,27 @@ Json describePlan(const PlanResult& plan) {
           {"samples", plan.samples}};
 }
 
+Json describeHistogram(const Histogram& histogram) {
+  const auto quantile = [&](double p) { return static_cast<double>(histogram.quantile(p)) / 1000.0; };
+  return {{"p50", quantile(0.5)}, {"p99", quantile(0.99)}, {"p999", quantile(0.999)}};
+}
+
 Json describeLoop(const LoopTiming& timing) {
   return {{"ticks", timing.ticks},
           {"on_time", timing.on_time},
           {"slips", timing.slips},
+          {"late_runs", timing.late_runs},
+          {"longest_late_run", timing.longest_late_run},
+          {"last_run_late_us", static_cast<double>(timing.last_run_late_ns) / 1000.0},
           {"time_slips", timing.time_slips},
           {"lost_ticks", timing.lost_ticks},
           {"max_late_us", static_cast<double>(timing.max_late_ns) / 1000.0},
           {"max_run_us", static_cast<double>(timing.max_run_ns) / 1000.0},
-          {"stale_reads", timing.stale_reads}};
+          {"stale_reads", timing.stale_reads},
+          {"minor_faults", timing.minor_faults},
+          {"major_faults", timing.major_faults},
+          {"wake_up_us", describeHistogram(timing.wake_up)},
+          {"run_us", describeHistogram(timing.run)}};
 }
 
 Json describeTiming(const SessionCounts& counts) {

@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <mutex>
+
 #include "support/allocation_counter.h"
+#include "support/effort.h"
 #include "support/rig.h"
 
 #ifdef RAVEN2_COUNTS_ALLOCATIONS
@@ -9,6 +13,66 @@ namespace raven2_trainer::runtime {
 namespace {
 
 using raven2_trainer::testing::allocatorCalls;
+using raven2_trainer::testing::effort;
+using raven2_trainer::testing::mutexLocks;
+
+TEST(LoopsAlloc, ALockIsSeenWhereThereIsOne) {
+  std::mutex mutex;
+  EXPECT_EQ(allocatorCalls([&] { const std::lock_guard<std::mutex> lock(mutex); }), 0);
+  EXPECT_EQ(mutexLocks(), 1);
+}
+
+TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
+  // GIVEN a fault that comes back every second for as long as the session lasts
+  raven2_trainer::testing::useOde();
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.hazard = "sudden_jump";
+  config.runtime.plan_at = -1.0;
+  Fault& fault = config.scenarios[0].fault;
+  fault.site = FaultSite::kNetworkLayer;
+  fault.kind = FaultKind::kAdd;
+  fault.target = FaultTarget::kIncrement;
+  fault.joint = 0;
+  fault.value = 2.0;
+  fault.first_tick = 500;
+  fault.duration_ticks = 300;
+  fault.period_ticks = 1000;
+  fault.count = 0;
+  raven2_trainer::testing::Rig rig(config);
+  ASSERT_TRUE(rig.home());
+  std::int64_t ticks = 0, in_contact = 0, faulty = 0, both = 0;
+  bool touched = false;
+  // down to the scene, then pressing and lifting in turns, with a clutch between
+  const auto tick = [&] {
+    const std::int64_t stroke = ticks / 300;
+    const double speed = !touched ? 100e-6 : stroke % 2 == 0 ? 50e-6 : -50e-6;
+    rig.tick(ticks % 300 >= 60, {0.0, 0.0, speed});
+    const bool contact = rig.model().arms[0].contacts > 0, acts = rig.robot().active_fault != 0;
+    touched = touched || contact;
+    in_contact += contact ? 1 : 0;
+    faulty += acts ? 1 : 0;
+    both += contact && acts ? 1 : 0;
+    ++ticks;
+  };
+  while (!touched && ticks < 6000)
+    tick();
+  for (int i = 0; i < 1000; ++i)
+    tick();
+  in_contact = faulty = both = 0;
+  // THEN
+  const std::int64_t counted = effort(3000, 60000);
+  EXPECT_EQ(allocatorCalls([&] {
+              for (std::int64_t i = 0; i < counted; ++i)
+                tick();
+            }),
+            0);
+  EXPECT_EQ(mutexLocks(), 0);
+  EXPECT_GT(both, 0) << "no tick had contacts and the fault: the test showed less than it says";
+  EXPECT_GT(in_contact, counted / 20);
+  EXPECT_GT(faulty, counted / 10);
+  std::printf("%lld ticks, %lld in contact, %lld under the fault, %lld both\n", static_cast<long long>(counted),
+              static_cast<long long>(in_contact), static_cast<long long>(faulty), static_cast<long long>(both));
+}
 
 TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
   // GIVEN the whole chain from the master's datagram to the force, warm, teleoperating, a fault armed and acting

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <dlfcn.h>
+#include <pthread.h>
+
 #include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 
-// Counts the calls of the allocator. Include in exactly one source of a test program: it replaces the allocator of the
+// Counts the calls of the allocator, and those that lock a mutex. Include in exactly one source of a test program: it replaces the allocator of the
 // whole program, so that libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees
 // them (measured). Sanitizers bring their own allocator: nothing is defined under them.
 
@@ -14,6 +17,7 @@
 namespace {
 thread_local bool counting = false;
 thread_local int calls = 0;
+thread_local int locks = 0;
 
 void count() {
   if (counting) ++calls;
@@ -47,6 +51,19 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
   count();
   return __libc_memalign(alignment, size);
 }
+// libode's, libstdc++'s and ours: an uncontended lock makes no system call, so only this tells.
+int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
+  using Function = int (*)(pthread_mutex_t*);
+  static const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
+  if (counting) ++locks;
+  return real(mutex);
+}
+int pthread_mutex_trylock(pthread_mutex_t* mutex) noexcept {
+  using Function = int (*)(pthread_mutex_t*);
+  static const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "pthread_mutex_trylock"));
+  if (counting) ++locks;
+  return real(mutex);
+}
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
   count();
   *memory = __libc_memalign(alignment, size);
@@ -60,10 +77,16 @@ void free(void* memory) {
 
 namespace raven2_trainer::testing {
 
+/** Mutexes locked on this thread in the last allocatorCalls(). */
+inline int mutexLocks() {
+  return locks;
+}
+
 /** Calls of the allocator on this thread while `body` runs. */
 template <typename Body>
 int allocatorCalls(const Body& body) {
   calls = 0;
+  locks = 0;
   counting = true;
   body();
   counting = false;

@@ -14,6 +14,7 @@ enum class Event : std::uint8_t {
   kPlanFailed,
   kEmergencyStop,  ///< the robot's run level fell to E-STOP, or the model broke down
   kStopCleared,    ///< the robot left E-STOP
+  kTimeSlip,       ///< simulated time was lost: a backlog too long to catch up
 };
 
 /** The mode after an event; the mode itself if the table has no row for it. Real-time safe. */

@@ -71,6 +71,7 @@ struct HapticGains {
   double tolerance{};  ///< [m] no force up to this deviation, 3 mm (paper, 3.2)
   double min_force{};  ///< [N] least force beyond it, the "0.05" of eq. (5)
   double max_force{};  ///< [N] saturation; 3.3 N is the Omni's peak
+  double max_slew{};   ///< [N/s] fastest rise and fall of a force
 };
 
 /** config/network.yaml */
@@ -99,6 +100,7 @@ struct ThreadConfig {
 /** config/runtime.yaml */
 struct RuntimeConfig {
   ThreadConfig physics{}, haptic{}, ingest{}, robot_link{}, sender{};
+  int stack_kib{};                     ///< [KiB] of each thread above
   int background_nice{};               ///< [-] of planner, renderer, recorder
   int max_catch_up{};                  ///< [ticks] extra steps per tick when behind
   double max_backlog{};                ///< [s] beyond it the backlog is given up as a time-slip event

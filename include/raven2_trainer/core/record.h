@@ -6,6 +6,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/histogram.h"
 #include "raven2_trainer/core/state.h"
 
 // What the loops hand to the recorder. Together the records hold everything the physics loop consumed, per tick, so
@@ -56,17 +57,25 @@ enum class LoopId : std::uint8_t { kPhysics, kHaptic };
 constexpr std::size_t kLoopCount = 2;
 constexpr std::array<const char*, kLoopCount> kLoopNames{"physics", "haptic"};
 
-/** Timing of one 1 kHz loop. All zero in lockstep. */
+/** Timing of one 1 kHz loop, from its own clock readings. All zero in lockstep. About 1.4 KiB. */
 struct LoopTiming {
   std::uint64_t ticks{};        ///< periods run, catch-up steps included
   std::uint64_t on_time{};      ///< finished within 1 ms of their release
   std::uint64_t slips{};        ///< finished later
+  std::uint64_t late_runs{};    ///< overrun events: runs of late ticks without one on time between
+  std::uint64_t longest_late_run{};  ///< [ticks] the longest of them
+  std::int64_t last_run_late_ns{};   ///< [ns] worst finish after its release in the newest of them
   std::uint64_t time_slips{};   ///< backlog over 250 ms given up, each an event
   std::int64_t lost_ticks{};    ///< [1 ms] simulated time given up by those events
   std::int64_t max_late_ns{};   ///< [ns] latest start after a release
   std::int64_t max_run_ns{};    ///< [ns] longest body
   std::uint64_t stale_reads{};  ///< cells that could not be read in a bounded number of tries
+  std::uint64_t minor_faults{};  ///< page faults of the thread since its loop began, without disk; read once a second
+  std::uint64_t major_faults{};  ///< with disk
+  Histogram wake_up{};           ///< start after the release, once a wake-up
+  Histogram run{};               ///< of the body, every tick
 };
+static_assert(sizeof(LoopTiming) <= 2048, "copied every tick");
 
 /** Counters at the end of a session (and once a second on /diagnostics). */
 struct SessionCounts {

@@ -20,10 +20,11 @@ enum class Mode : std::uint8_t {
   kPlanning,       ///< pedal up, a plan is being computed; the model holds
   kTracking,       ///< the model follows a planned path; the robot holds
   kStopped,        ///< the robot is in E-STOP; the model holds
+  kPaused,         ///< simulated time was lost: the model holds, the session's clock stands, until a new pedal-down
 };
-constexpr std::size_t kModeCount = 6;
+constexpr std::size_t kModeCount = 7;
 constexpr std::array<const char*, kModeCount> kModeNames{"waiting",  "pedal_up", "teleoperating",
-                                                         "planning", "tracking", "stopped"};
+                                                         "planning", "tracking", "stopped",       "paused"};
 
 /** Run level of the Raven's state machine (raven2.md 4.3). */
 enum class RunLevel : std::uint8_t { kEStop = 0, kInit = 1, kPedalUp = 2, kPedalDown = 3 };
@@ -102,8 +103,8 @@ struct HapticState {
   std::uint64_t robot_cycle{};  ///< robot cycle it was computed from
   PerArm<Vec3> force_B{};       ///< [N] in each arm's frame B
   PerArm<Vec3> force_I{};       ///< [N] the same in master (ITP) axes
-  PerArm<double> error{};       ///< [m] distance of model and robot tips
-  std::uint8_t active{};        ///< 1 while the cue may act: teleoperating, robot fresh
+  PerArm<double> error{};       ///< [m] distance of model and robot tips; 0 if either is not finite
+  std::uint8_t active{};        ///< 1 while the cue may act: linked, model and robot fresh; else forces fall to 0
 };
 static_assert(std::is_trivially_copyable<HapticState>::value, "crosses threads word by word");
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <pthread.h>
+#include <semaphore.h>
 
 #include <atomic>
 #include <cstdint>
@@ -21,13 +22,16 @@ struct ThreadOptions {
   std::size_t stack{1U << 20U};  ///< [bytes] small for loops; the renderer's compiler wants more
 };
 
-/** Name, priority, affinity of the calling thread. @return true unless SCHED_FIFO was asked for and refused. */
-bool applyThreadOptions(const ThreadOptions& options) noexcept;
+/** Options of a real-time thread as configured. */
+ThreadOptions realtimeThread(const std::string& name, const ThreadConfig& scheduling, const RuntimeConfig& config);
 
-/** Locks memory where the limits allow it. @return in words what was got, for the session and the diagnostics. */
-std::string lockMemory();
+/** Name, priority, affinity of the calling thread. @return 0, or the errno with which SCHED_FIFO was refused. */
+int applyThreadOptions(const ThreadOptions& options) noexcept;
 
-/** A thread with an explicit small stack; joined by the destructor. */
+/**
+ * A thread with an explicit small stack; joined by the destructor. That of a real-time thread is touched to its end
+ * before the body runs, so that no page of it is missing later.
+ */
 class Thread {
  public:
   Thread() = default;
@@ -35,13 +39,15 @@ class Thread {
   Thread(const Thread&) = delete;
   Thread& operator=(const Thread&) = delete;
 
-  /** @throw RealtimeException if no thread can be had. */
+  /** Returns once the options are applied. @throw RealtimeException if no thread can be had. */
   void start(const ThreadOptions& options, std::function<void()> body);
   void join();
   /** Gives a nice thread normal priority, where the limits allow it: for who is about to join it on a busy machine. */
   void hurry() noexcept;
-  /** False if SCHED_FIFO was asked for and refused; valid once the body runs. */
-  bool realtime() const noexcept { return realtime_.load(); }
+  /** False if SCHED_FIFO was asked for and refused. */
+  bool realtime() const noexcept { return error_.load() == 0; }
+  /** "NAME: SCHED_FIFO 80 refused (why)"; empty if it was not refused. */
+  std::string refusal() const;
 
  private:
   static void* entry(void* self) noexcept;
@@ -49,8 +55,9 @@ class Thread {
   bool running_{false};
   ThreadOptions options_;
   std::function<void()> body_;
-  std::atomic<bool> realtime_{true};
-  std::atomic<pid_t> id_{0};  ///< once the body runs
+  sem_t ready_{};
+  std::atomic<int> error_{0};
+  std::atomic<pid_t> id_{0};
 };
 
 /** Overrun policy of a cyclic thread. */
@@ -66,6 +73,9 @@ struct CyclicPolicy {
  *   body     |==>  |==============>|=>=>=>|==>     late: up to `max_catch_up` extra steps a tick until caught up
  *
  * Simulated time is never lost, but for a backlog over `max_backlog`, which is counted and told to `on_slip`.
+ * A tick is late if it ends more than 1 ms after its release; late ticks in a row are one event. The thread makes these
+ * system calls and no others: clock_nanosleep every millisecond, getrusage every thousandth tick, and those of the
+ * body.
  */
 class CyclicThread {
  public:
@@ -81,17 +91,23 @@ class CyclicThread {
   void start(const ThreadOptions& options, const CyclicPolicy& policy, Hooks hooks, StateCell<LoopTiming>* timing);
   void stop();
   bool realtime() const noexcept { return thread_.realtime(); }
+  std::string refusal() const { return thread_.refusal(); }
 
  private:
   void run() noexcept;
   std::int64_t catchUp(std::int64_t release) noexcept;
+  std::int64_t giveUp(std::int64_t release, std::int64_t backlog) noexcept;
   void runTick(std::int64_t release) noexcept;
+  void countLateness(std::int64_t late_ns) noexcept;
+  void countFaults() noexcept;
 
   Thread thread_;
   CyclicPolicy policy_;
   Hooks hooks_;
   StateCell<LoopTiming>* timing_{nullptr};
   LoopTiming counts_{};
+  std::uint64_t late_run_{0};  // [ticks] late in a row so far
+  std::uint64_t first_minor_{0}, first_major_{0};
   std::atomic<bool> stop_{false};
 };
 

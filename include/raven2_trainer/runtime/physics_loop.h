@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -37,8 +38,10 @@ class PhysicsLoop {
   /** Advances the nominal model by one 1 ms step. @param[in] now_ns CLOCK_MONOTONIC; in lockstep tick x 1e6. */
   void tick(std::int64_t now_ns) noexcept;
 
-  /** Simulated time was given up (CyclicThread): re-base, and engage only at the next pedal-down. */
+  /** Simulated time was given up (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down. */
   void timeSlip() noexcept;
+  /** The same at the next tick, from any thread: another loop of the exercise gave up time. */
+  void requestPause() noexcept { pause_requested_.store(true, std::memory_order_relaxed); }
 
   /** Bodies by the numbers of contacts. */
   const std::vector<std::string>& bodyNames() const noexcept { return world_.bodyNames(); }
@@ -105,6 +108,7 @@ class PhysicsLoop {
   std::uint32_t next_plan_id_{1};
   std::uint32_t awaited_plan_{0};
   std::uint64_t last_cycle_{0};
+  std::atomic<bool> pause_requested_{false};
 };
 
 }  // namespace raven2_trainer::runtime

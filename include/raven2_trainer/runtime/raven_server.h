@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/raven_automove.h"
@@ -36,6 +37,8 @@ class RavenServer {
   void pressStart() noexcept { start_pressed_.store(true, std::memory_order_relaxed); }
   const StateServer& stateServer() const noexcept { return state_server_; }
   bool realtime() const noexcept { return control_.realtime(); }
+  /** Why the control loop did not get its priority; empty if it did. */
+  std::string refusal() const { return control_.refusal(); }
 
   // One thread: what publishes on ROS.
   /** Waits at most `timeout_ms` for the report of a cycle. */
@@ -65,6 +68,7 @@ class RavenServer {
   plant::Plant plant_;
   net::UdpReceiver receiver_;
   StateServer state_server_;
+  RuntimeConfig runtime_;
   net::EventFd report_ready_;
 
   SpscRing<Datagram, 256> datagrams_;      // receiver -> control

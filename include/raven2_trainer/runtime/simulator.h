@@ -17,7 +17,7 @@ struct SimulatorOptions {
   std::string motion;  ///< what the console plays, for the record only
   std::string version;
   double duration{0.0};  ///< [s] of session time, from the first pedal down; 0: until stopped
-  bool strict{false};    ///< refuse to start without real-time scheduling
+  bool strict{false};    ///< refuse to start where real time cannot be trusted (realtime_check.h)
   bool render{true};     ///< live picture
 };
 
@@ -35,7 +35,8 @@ enum class SimulatorState : std::uint8_t {
  */
 class Simulator {
  public:
-  /** @throw ConfigException, ModelException, NetworkException, SessionException. Opens the sockets and the log. */
+  /** @throw ConfigException, ModelException, NetworkException, SessionException. Opens the sockets and the log.
+   *  RealtimeException with `strict`, before anything is opened. */
   Simulator(const TrainerConfig& config, const SimulatorOptions& options);
   ~Simulator();
   Simulator(const Simulator&) = delete;
@@ -45,7 +46,7 @@ class Simulator {
    *  before is not called any more when this returns. */
   void setImageSink(ImageSink sink);
 
-  /** @throw RealtimeException with `strict`, if SCHED_FIFO is refused. */
+  /** @throw RealtimeException if a thread cannot be had. */
   void start();
 
   SimulatorState state() const;

@@ -13,7 +13,7 @@ TEST(ModeTable, EmergencyStopWinsFromEverywhere) {
 
 TEST(ModeTable, OnlyTheClearedStopLeavesAStop) {
   for (const Event event : {Event::kRobotReady, Event::kPedalPressed, Event::kPedalReleased, Event::kPlanRequested,
-                            Event::kPlanReady, Event::kPlanFailed}) {
+                            Event::kPlanReady, Event::kPlanFailed, Event::kTimeSlip}) {
     EXPECT_EQ(nextMode(Mode::kStopped, event), Mode::kStopped);
   }
   EXPECT_EQ(nextMode(Mode::kStopped, Event::kStopCleared), Mode::kPedalUp);
@@ -31,6 +31,23 @@ TEST(ModeTable, NoPlanWhileTheSurgeonMoves) {
 TEST(ModeTable, ALateResultChangesNothing) {
   EXPECT_EQ(nextMode(Mode::kTeleoperating, Event::kPlanReady), Mode::kTeleoperating);
   EXPECT_EQ(nextMode(Mode::kPedalUp, Event::kPlanFailed), Mode::kPedalUp);
+}
+
+TEST(ModeTable, LostTimePausesWhateverMovesAndNothingElse) {
+  for (const Mode moving : {Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking}) {
+    EXPECT_EQ(nextMode(moving, Event::kTimeSlip), Mode::kPaused);
+  }
+  for (const Mode still : {Mode::kWaiting, Mode::kPedalUp, Mode::kStopped, Mode::kPaused}) {
+    EXPECT_EQ(nextMode(still, Event::kTimeSlip), still);
+  }
+}
+
+TEST(ModeTable, OnlyANewPedalDownLeavesThePause) {
+  for (const Event event : {Event::kRobotReady, Event::kPedalReleased, Event::kPlanRequested, Event::kPlanReady,
+                            Event::kPlanFailed, Event::kStopCleared, Event::kTimeSlip}) {
+    EXPECT_EQ(nextMode(Mode::kPaused, event), Mode::kPaused);
+  }
+  EXPECT_EQ(nextMode(Mode::kPaused, Event::kPedalPressed), Mode::kTeleoperating);
 }
 
 }  // namespace

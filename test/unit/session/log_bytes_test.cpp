@@ -149,7 +149,8 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(MasterCommand), 4 + 1 + /*padding*/ 3 + 2 * (3 + 4 + 1) * 8u);
   EXPECT_EQ(sizeof(Request), 4 + /*padding*/ 4 + 3 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
-  EXPECT_EQ(sizeof(LoopTiming), 8 * 8u);
+  EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
+  EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
   EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 6 * 8 + 2 * sizeof(LoopTiming) + 2 + /*padding*/ 6u);
   EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 5);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 7);

@@ -1,0 +1,134 @@
+#include "raven2_trainer/runtime/realtime_check.h"
+
+#include <linux/capability.h>
+#include <malloc.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <set>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/cyclic_thread.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kWarmHeap = 8U << 20U;  // [bytes] more than all threads together allocate in a session
+
+/** Being root is not enough: a container's root may lack it. */
+bool mayLockAnyAmount() noexcept {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3]{};
+  if (syscall(SYS_capget, &header, data) != 0) return false;
+  return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
+}
+
+void warmHeap() {
+  mallopt(M_TRIM_THRESHOLD, -1);
+  mallopt(M_TOP_PAD, static_cast<int>(kWarmHeap));
+  auto* volatile block = static_cast<volatile char*>(std::malloc(kWarmHeap / 2));
+  if (block == nullptr) return;
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  for (std::size_t i = 0; i < kWarmHeap / 2; i += page)
+    block[i] = 0;
+  std::free(const_cast<char*>(block));
+}
+
+bool isWorldWritable(const struct stat& status) noexcept {
+  return (status.st_mode & S_IWOTH) != 0;
+}
+
+bool isSticky(const struct stat& status) noexcept {
+  return (status.st_mode & S_ISVTX) != 0;
+}
+
+/** The file, its folder, and the folders above. */
+void checkPath(const fs::path& file, std::set<std::string>* bad) {
+  const fs::path folder = file.parent_path();
+  for (fs::path path = file;; path = path.parent_path()) {
+    struct stat status {};
+    const bool found = ::stat(path.c_str(), &status) == 0;
+    const bool is_above = path != file && path != folder;
+    if (found && isWorldWritable(status) && !(is_above && isSticky(status))) bad->insert(path.string());
+    if (path == path.parent_path()) return;
+  }
+}
+
+void append(const std::vector<std::string>& more, std::vector<std::string>* reasons) {
+  reasons->insert(reasons->end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+MemoryLock lockMemory() {
+  warmHeap();
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (!mayLockAnyAmount() && limit.rlim_cur != RLIM_INFINITY) {
+    return {false, "memory not locked (RLIMIT_MEMLOCK is " + std::to_string(limit.rlim_cur / 1024) + " KiB)"};
+  }
+  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
+    return {false, std::string("memory not locked (") + std::strerror(errno) + ")"};
+  }
+  return {true, "memory locked"};
+}
+
+std::vector<std::string> preloadReasons(const char* ld_preload, const std::string& preload_file) {
+  std::vector<std::string> reasons;
+  if (ld_preload != nullptr && ld_preload[0] != '\0') reasons.push_back(std::string("LD_PRELOAD is ") + ld_preload);
+  struct stat status {};
+  if (::stat(preload_file.c_str(), &status) == 0 && status.st_size > 0)
+    reasons.push_back(preload_file + " is not empty");
+  return reasons;
+}
+
+std::vector<std::string> writableReasons(const std::vector<std::string>& files) {
+  std::set<std::string> bad;
+  for (const std::string& file : files)
+    checkPath(fs::absolute(file).lexically_normal(), &bad);
+  std::vector<std::string> reasons;
+  for (const std::string& path : bad)
+    reasons.push_back(path + " is writable by everybody");
+  return reasons;
+}
+
+std::vector<std::string> schedulingReasons(const RuntimeConfig& config) {
+  const std::pair<const char*, ThreadConfig> wanted[] = {{"physics", config.physics},
+                                                         {"haptic", config.haptic},
+                                                         {"ingest", config.ingest},
+                                                         {"robot_link", config.robot_link},
+                                                         {"sender", config.sender}};
+  std::vector<std::string> reasons;
+  for (const auto& [name, scheduling] : wanted) {
+    Thread probe;
+    probe.start(realtimeThread(name, scheduling, config), [] {});
+    if (!probe.realtime()) reasons.push_back(probe.refusal());
+  }
+  return reasons;
+}
+
+void demandRealtime(const TrainerConfig& config) {
+  std::vector<std::string> reasons = schedulingReasons(config.runtime);
+  const MemoryLock memory = lockMemory();
+  if (!memory.locked) reasons.push_back(memory.words);
+  append(preloadReasons(std::getenv("LD_PRELOAD"), "/etc/ld.so.preload"), &reasons);
+  std::vector<std::string> files = config.files;
+  append({config.robot_urdf, config.scene_urdf}, &files);
+  append(writableReasons(files), &reasons);
+  if (reasons.empty()) return;
+  std::string text = "--strict:";
+  for (const std::string& reason : reasons)
+    text += "\n  " + reason;
+  throw RealtimeException(text);
+}
+
+}  // namespace raven2_trainer::runtime

@@ -1,0 +1,144 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/random.h"
+#include "raven2_trainer/runtime/haptic_loop.h"
+#include "support/effort.h"
+
+// What reaches the hand is bounded, whatever model and robot say, and ends soon after they fall silent.
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using raven2_trainer::testing::effort;
+
+constexpr double kRounding = 1e-9;                             // [N]
+constexpr std::int64_t kSilentWithin = 50 * kTickNanoseconds;  // of a stale state
+
+/** Haptic loop on states drawn at random, the wrong ones included. */
+class HapticSafety : public ::testing::Test {
+ protected:
+  HapticSafety()
+      : config(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml")),
+        shared(std::make_unique<SharedState>()),
+        loop(config, shared.get()) {}
+
+  /** Mostly metres of a workspace, at times anything that a double can be. */
+  double number() {
+    constexpr double kInf = std::numeric_limits<double>::infinity();
+    const double odd[] = {std::nan(""), kInf, -kInf, 1e308, -1e308, 1e-310, 1e154, 0.0};
+    return random.next() % 200 == 0 ? odd[random.next() % 8] : random.uniform(-0.05, 0.05);
+  }
+
+  Vec3 vector() { return {number(), number(), number()}; }
+
+  bool chance(std::uint32_t one_in) { return random.next() % one_in == 0; }
+
+  void drawStates() {
+    if (!chance(30)) model.time_ns = now_ns;
+    if (silent_until_ns < now_ns && chance(300))
+      silent_until_ns = now_ns + static_cast<std::int64_t>(random.uniform(0, 2e8));
+    if (now_ns > silent_until_ns) robot.received_ns = now_ns;
+    if (chance(200)) robot.connected ^= 1U;
+    if (chance(100)) model.linked ^= 1U;
+    if (chance(5000)) robot.frame = robot.frame == 0 ? 1 : 0;
+    for (const Arm arm : kArms) {
+      if (chance(50)) at(model.arms, arm).p_BT = vector();
+      if (chance(50)) at(robot.arms, arm).p_BT = vector();
+      if (chance(10)) at(model.arms, arm).v_BT = vector();
+      if (chance(10)) at(robot.arms, arm).v_BT = vector();
+    }
+    shared->model.store(model);
+    shared->robot.store(robot);
+  }
+
+  /** [s] until the next tick: 1 ms, late, or two at once as when catching up. */
+  void advance() {
+    const double ms[] = {1.0, 1.0, 1.0, 1.4, 0.6, 0.0, 0.01, 25.0};
+    now_ns += static_cast<std::int64_t>(ms[chance(50) ? random.next() % 8 : random.next() % 3] * 1e6);
+  }
+
+  Random random{20};
+  const TrainerConfig config;
+  std::unique_ptr<SharedState> shared;
+  HapticLoop loop;
+  ModelState model{};
+  RobotState robot{};
+  std::int64_t now_ns{1'000'000'000};
+  std::int64_t silent_until_ns{0};
+};
+
+TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
+  PerArm<Vec3> before{};
+  double largest = 0.0, fastest = 0.0;
+  std::int64_t last_ns = now_ns - kTickNanoseconds;
+  for (std::int64_t i = 0; i < effort(150'000, 1'000'000); ++i) {
+    drawStates();
+    loop.tick(now_ns);
+    ForcePacket packet;
+    ASSERT_TRUE(shared->force_packets.tryPop(&packet));
+    HapticRecord record;
+    ASSERT_TRUE(shared->haptic_records.tryPop(&record));
+    const double reach = config.haptics.max_slew * std::min(1e-9 * static_cast<double>(now_ns - last_ns), kTickSeconds);
+    for (const Arm arm : kArms) {
+      const Vector3 force = toEigen(at(packet.force_I, arm));
+      const double change = (force - toEigen(at(before, arm))).norm();
+      ASSERT_TRUE(std::isfinite(force.norm())) << "state " << i;
+      ASSERT_LE(force.norm(), config.haptics.max_force + kRounding) << "state " << i;
+      ASSERT_LE(change, reach + kRounding) << "state " << i;
+      ASSERT_NEAR(toEigen(at(record.haptic.force_B, arm)).norm(), force.norm(), kRounding);
+      ASSERT_TRUE(std::isfinite(at(record.haptic.error, arm)));
+      largest = std::max(largest, force.norm());
+      fastest = std::max(fastest, change);
+    }
+    before = packet.force_I;
+    last_ns = now_ns;
+    advance();
+  }
+  // The bounds were met, or the test showed little.
+  EXPECT_GT(largest, 0.99 * config.haptics.max_force);
+  EXPECT_GT(fastest, 0.99 * config.haptics.max_slew * kTickSeconds);
+}
+
+class StaleState : public HapticSafety, public ::testing::WithParamInterface<int> {};
+
+TEST_P(StaleState, IsNotFeltFiftyMillisecondsLater) {
+  // GIVEN saturated forces
+  robot.connected = model.linked = 1;
+  robot.frame = 1;
+  for (const Arm arm : kArms)
+    at(robot.arms, arm).p_BT = {0.2, 0.1, 0.0};
+  std::int64_t silent_since = 0, silent_ticks = 0;
+  for (int i = 0; i < 400; ++i, now_ns += kTickNanoseconds) {
+    const bool is_silent = i >= 200;
+    if (!is_silent || GetParam() != 0) robot.received_ns = now_ns;
+    if (!is_silent || GetParam() != 1) model.time_ns = now_ns;
+    if (is_silent && GetParam() == 2) robot.connected = 0;
+    if (is_silent && GetParam() == 3) model.linked = 0;
+    if (is_silent && GetParam() == 4) at(robot.arms, Arm::kGold).p_BT[1] = at(robot.arms, Arm::kGreen).v_BT[2] = NAN;
+    shared->model.store(model);
+    shared->robot.store(robot);
+    loop.tick(now_ns);
+    const HapticState force = shared->haptic.load();
+    if (i == 199) {
+      ASSERT_NEAR(toEigen(force.force_B[0]).norm(), config.haptics.max_force, kRounding);
+      ASSERT_NEAR(toEigen(force.force_B[1]).norm(), config.haptics.max_force, kRounding);
+    }
+    if (is_silent && silent_since == 0) silent_since = now_ns;
+    // THEN 20 ms make a state stale, and 50 ms later nothing is left of it
+    if (is_silent && now_ns - silent_since > 20 * kTickNanoseconds + kSilentWithin) {
+      ++silent_ticks;
+      ASSERT_EQ(force.force_I[0], Vec3{}) << i;
+      ASSERT_EQ(force.force_I[1], Vec3{}) << i;
+    }
+  }
+  EXPECT_GT(silent_ticks, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(RobotModelConnectionLinkNumbers, StaleState, ::testing::Range(0, 5));
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
