@@ -71,13 +71,21 @@ int run(const Options& options, int argc, char** argv) {
   server.stop();
   const LinkCounts itp = server.state().itp;
   const runtime::StateServer& link = server.stateServer();
+  const net::FrameTotals frames = link.frames();
   std::fprintf(stderr, "%llu cycles; ITP %llu received, %llu applied; %llu frames lost by slow readers\n",
                static_cast<unsigned long long>(server.state().cycle), static_cast<unsigned long long>(itp.received),
-               static_cast<unsigned long long>(itp.applied), static_cast<unsigned long long>(link.framesDropped()));
+               static_cast<unsigned long long>(itp.applied), static_cast<unsigned long long>(frames.dropped));
+  std::fprintf(stderr,
+               "frames: %llu = %llu sent + %llu dropped + %llu unsent + %llu queued; readers: %llu refused, "
+               "%llu evicted\n",
+               static_cast<unsigned long long>(frames.pushed), static_cast<unsigned long long>(frames.sent),
+               static_cast<unsigned long long>(frames.dropped), static_cast<unsigned long long>(frames.unsent),
+               static_cast<unsigned long long>(frames.queued), static_cast<unsigned long long>(link.readersRefused()),
+               static_cast<unsigned long long>(link.readersEvicted()));
   if (ros.met()) {
     std::fprintf(stderr, "%llu messages of /ravenstate lost\n", static_cast<unsigned long long>(publisher.lost()));
   }
-  return ros.leave(itp.addsUp() ? 0 : 1);
+  return ros.leave(itp.addsUp() && frames.addsUp() ? 0 : 1);
 }
 
 }  // namespace

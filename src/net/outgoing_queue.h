@@ -25,8 +25,14 @@ class OutgoingQueue {
   const std::uint8_t* data() noexcept;
   std::size_t size() noexcept;
 
-  /** That many of data() are sent. */
-  void consume(std::size_t count) noexcept { begin_ += count; }
+  /** That many of data() are sent. @return true if the frame is, whole. */
+  bool consume(std::size_t count) noexcept {
+    begin_ += count;
+    return begin_ == current_.size;
+  }
+
+  /** Frames that wait, the one of which a part has gone included. */
+  std::size_t frames() const noexcept { return count_ + (begin_ != current_.size ? 1 : 0); }
 
  private:
   struct Slot {

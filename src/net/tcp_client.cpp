@@ -14,8 +14,6 @@ namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
-/** An attempt that nobody answers is given up after this, as TCP_USER_TIMEOUT does with data. */
-constexpr std::int64_t kConnectTimeoutNs = 2'000'000'000;
 
 std::int64_t toNanoseconds(double seconds) noexcept {
   return static_cast<std::int64_t>(seconds * kNanosecondsPerSecond);
@@ -77,7 +75,6 @@ TcpClient::Event TcpClient::pollConnecting(std::int64_t now_ns, int timeout_ms) 
     return Event::kNone;
   }
   state_ = State::kUp;
-  pause_ns_ = pause_min_ns_;
   return Event::kConnected;
 }
 
@@ -109,7 +106,10 @@ void TcpClient::retryLater(std::int64_t now_ns) noexcept {
 std::size_t TcpClient::receive(std::uint8_t* buffer, std::size_t capacity) noexcept {
   if (state_ != State::kUp || capacity == 0) return 0;
   const ssize_t size = ::recv(fd_.get(), buffer, capacity, MSG_DONTWAIT);
-  if (size > 0) return static_cast<std::size_t>(size);
+  if (size > 0) {
+    pause_ns_ = pause_min_ns_;  // not before: a server without a place for us accepts and closes
+    return static_cast<std::size_t>(size);
+  }
   const bool is_nothing_yet = size < 0 && (errno == EAGAIN || errno == EINTR);
   if (!is_nothing_yet) disconnect();
   return 0;

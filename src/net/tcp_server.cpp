@@ -13,7 +13,8 @@
 namespace raven2_trainer::net {
 namespace {
 
-constexpr int kAcceptBacklog = 8;  // reliability.md 2.2, rule 10
+// A crowd must not fill it between two polls: whoever finds it full is heard again after a second only.
+constexpr int kAcceptBacklog = 128;
 constexpr int kAcceptsPerPoll = 8;
 constexpr int kReadsPerPoll = 4;
 constexpr std::size_t kReadSize = 4096;
@@ -29,6 +30,7 @@ struct TcpServer::Client {
   bool gone{false};
   bool has_taken{false};          // some byte, since the last poll
   std::int64_t waiting_since{0};  // [ns] the first poll at which something waited and nothing had been taken; 0 none
+  bool has_part{false};           // of a message
   ReaderInfo info;
 };
 
@@ -51,6 +53,7 @@ TcpServer::~TcpServer() = default;
 
 void TcpServer::poll(int timeout_ms, Listener& listener, std::int64_t now_ns) {
   timeout_ms = std::max(timeout_ms, 0);
+  now_ns_ = now_ns;
   std::array<pollfd, kMaxClients + 1> entries{};
   entries[kMaxClients] = {listening_.get(), POLLIN, 0};
   for (std::size_t i = 0; i < kMaxClients; ++i) {
@@ -69,18 +72,18 @@ void TcpServer::poll(int timeout_ms, Listener& listener, std::int64_t now_ns) {
     reap(listener);  // before accepting: places become free
     if ((entries[kMaxClients].revents & POLLIN) != 0) acceptAll(listener);
   }
-  closeStalled(now_ns);
+  closeStalled();
   reap(listener);
 }
 
-void TcpServer::closeStalled(std::int64_t now_ns) noexcept {
+void TcpServer::closeStalled() noexcept {
   for (const std::unique_ptr<Client>& place : clients_) {
     if (!place) continue;
     const bool is_waiting = place->queue.size() > 0 && !place->has_taken;
     place->has_taken = false;
     if (!is_waiting) place->waiting_since = 0;
-    if (is_waiting && place->waiting_since == 0) place->waiting_since = now_ns;
-    if (!is_waiting || now_ns - place->waiting_since < kStallNs) continue;
+    if (is_waiting && place->waiting_since == 0) place->waiting_since = now_ns_;
+    if (!is_waiting || now_ns_ - place->waiting_since < kStallNs) continue;
     place->info.stalled = true;
     place->gone = true;
   }
@@ -98,15 +101,51 @@ void TcpServer::acceptAll(Listener& listener) {
 }
 
 void TcpServer::admit(FileDescriptor fd, const Endpoint& peer, Listener& listener) {
-  for (std::unique_ptr<Client>& place : clients_) {
-    if (place) continue;
-    tuneTcp(fd.get());
-    place = std::make_unique<Client>(next_id_++, std::move(fd));
-    place->info.peer = peer;
-    listener.onConnect(place->id);
+  if (waitFor(fd.get(), POLLRDHUP, 0) != 0) return;  // it has left
+  std::unique_ptr<Client>* place = findPlace();
+  if (place == nullptr || !takeTurn()) {
+    ++clients_refused_;
     return;
   }
-  ++clients_refused_;
+  if (*place) evict(place, listener);
+  tuneTcp(fd.get());
+  *place = std::make_unique<Client>(next_id_++, std::move(fd));
+  (*place)->info.peer = peer;
+  listener.onConnect((*place)->id);
+  receiveFrom(**place, listener);  // one that begins with half a message is known before the next one comes
+}
+
+/** Generic cell rate algorithm: as many at once as are left of the burst. */
+bool TcpServer::takeTurn() noexcept {
+  const std::int64_t turn = std::max(next_turn_ns_, now_ns_);
+  if (turn - now_ns_ > (kAdmitBurst - 1) * kAdmitIntervalNs) return false;
+  next_turn_ns_ = turn + kAdmitIntervalNs;
+  return true;
+}
+
+void TcpServer::evict(std::unique_ptr<Client>* place, Listener& listener) {
+  if (!(*place)->gone) ++clients_evicted_;
+  close(place, listener);
+}
+
+/** The place to be had most readily, of these the oldest reader's; null if all behave. */
+std::unique_ptr<TcpServer::Client>* TcpServer::findPlace() noexcept {
+  std::unique_ptr<Client>* found = nullptr;
+  for (std::unique_ptr<Client>& place : clients_) {
+    const int best = found == nullptr ? 0 : readiness(found->get());
+    const int ready = readiness(place.get());
+    if (ready > best || (ready > 0 && ready == best && place && place->id < (*found)->id)) found = &place;
+  }
+  return found;
+}
+
+/** 0: it stays. */
+int TcpServer::readiness(const Client* client) const noexcept {
+  if (client == nullptr) return 4;
+  if (client->gone) return 3;
+  if (client->has_part) return 2;
+  const bool is_idle = client->waiting_since != 0 && !client->has_taken && now_ns_ - client->waiting_since >= kYieldNs;
+  return is_idle ? 1 : 0;
 }
 
 void TcpServer::receiveFrom(Client& client, Listener& listener) {
@@ -145,10 +184,8 @@ std::size_t TcpServer::broadcast(const std::uint8_t* frame, std::size_t size) no
 }
 
 void TcpServer::enqueue(Client& client, const std::uint8_t* frame, std::size_t size) noexcept {
-  const std::size_t dropped = client.queue.push(frame, size);
-  ++client.info.frames_sent;
-  client.info.frames_dropped += dropped;
-  frames_dropped_ += dropped;
+  client.info.frames.dropped += client.queue.push(frame, size);
+  ++client.info.frames.pushed;
   flush(client);
 }
 
@@ -159,7 +196,7 @@ void TcpServer::flush(Client& client) noexcept {
       client.gone = errno != EAGAIN && errno != EINTR;
       return;
     }
-    client.queue.consume(static_cast<std::size_t>(sent));
+    if (client.queue.consume(static_cast<std::size_t>(sent))) ++client.info.frames.sent;
     client.has_taken = true;
   }
 }
@@ -170,17 +207,47 @@ void TcpServer::drop(ClientId client) noexcept {
   }
 }
 
+void TcpServer::markPart(ClientId client, bool has_part) noexcept {
+  for (const std::unique_ptr<Client>& place : clients_) {
+    if (place && place->id == client) place->has_part = has_part;
+  }
+}
+
 void TcpServer::reap(Listener& listener) {
   for (std::unique_ptr<Client>& place : clients_) {
-    if (!place || !place->gone) continue;
-    listener.onDisconnect(place->id);
-    place.reset();
+    if (place && place->gone) close(&place, listener);
   }
+}
+
+void TcpServer::close(std::unique_ptr<Client>* place, Listener& listener) {
+  (*place)->gone = true;
+  listener.onDisconnect((*place)->id);
+  const FrameTotals& frames = (*place)->info.frames;
+  gone_.pushed += frames.pushed;
+  gone_.sent += frames.sent;
+  gone_.dropped += frames.dropped;
+  gone_.unsent += (*place)->queue.frames();
+  place->reset();
+}
+
+FrameTotals TcpServer::totals() const noexcept {
+  FrameTotals all = gone_;
+  for (const std::unique_ptr<Client>& place : clients_) {
+    if (!place) continue;
+    all.pushed += place->info.frames.pushed;
+    all.sent += place->info.frames.sent;
+    all.dropped += place->info.frames.dropped;
+    all.queued += place->queue.frames();
+  }
+  return all;
 }
 
 TcpServer::ReaderInfo TcpServer::reader(ClientId client) const noexcept {
   for (const std::unique_ptr<Client>& place : clients_) {
-    if (place && place->id == client) return place->info;
+    if (!place || place->id != client) continue;
+    ReaderInfo info = place->info;
+    info.frames.queued = place->queue.frames();
+    return info;
   }
   return {};
 }

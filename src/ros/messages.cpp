@@ -2,6 +2,8 @@
 
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
+
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/wire/robot_frame.h"
 
@@ -69,12 +71,13 @@ DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
   return s;
 }
 
-DiagnosticStatus robotStatus(const RobotState& robot, std::uint16_t refused_version) {
+DiagnosticStatus robotStatus(const RobotState& robot, std::int64_t now_ns, std::uint16_t refused_version) {
   const bool up = robot.connected != 0 && robot.frame > 0;
   DiagnosticStatus s = status("robot", up, up ? kRunLevelNames[static_cast<std::size_t>(robot.runlevel)] : "no robot");
   if (!up && refused_version != 0) s.message = wire::refusalText("robot", refused_version);
   s.values = {value("cycle", robot.cycle), value("virtual", static_cast<int>(robot.is_virtual)),
               value("homed", static_cast<int>(robot.homed)), value("active_fault", robot.active_fault)};
+  if (up) s.values.push_back(value("age_ms", std::max<std::int64_t>(0, now_ns - robot.received_ns) / 1000000));
   return s;
 }
 
@@ -170,6 +173,7 @@ trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4) {
 
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
+                                             std::int64_t now_ns,
                                              std::uint16_t refused_version,
                                              const std::string& realtime,
                                              const ros::Time& stamp) {
@@ -180,7 +184,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(linkStatus("master to daemon", counts.master));
   array.status.push_back(linkStatus("daemon to robot", counts.relay));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
-  array.status.push_back(robotStatus(robot, refused_version));
+  array.status.push_back(robotStatus(robot, now_ns, refused_version));
   array.status.push_back(status("real time", true, realtime));
   if (realtime.rfind("DEGRADED_RT", 0) == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
   array.status.push_back(

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "raven2_trainer/net/clock.h"
 #include "ros/exposure.h"
 #include "ros/messages.h"
 #include "ros/periodic_thread.h"
@@ -64,8 +65,9 @@ struct RosBridge::Impl {
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
     if (cycle % every(kDiagnosticsPeriod, period) == 0) {
-      diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, simulator.shared().robot_version_refused.load(),
-                                            simulator.realtimeStatus(), stamp));
+      diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, net::monotonicNow(),
+                                            simulator.shared().robot_version_refused.load(), simulator.realtimeStatus(),
+                                            stamp));
     }
     ++cycle;
   }

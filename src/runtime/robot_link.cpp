@@ -10,6 +10,7 @@ RobotLink::RobotLink(const TrainerConfig& config, SharedState* shared)
 void RobotLink::connected() noexcept {
   parser_.reset();
   is_first_ = true;
+  heard_ns_ = 0;
   state_ = RobotState{};
   sent_generation_ = ~std::uint64_t{0};
 }
@@ -75,14 +76,22 @@ Reject RobotLink::applyState(const wire::Frame& frame, std::int64_t now_ns) noex
   Reject reason = wire::decodeState(frame, &next);
   if (reason == Reject::kNone) reason = checkOrder(next);
   if (reason != Reject::kNone) return reason;
+  const std::int64_t delay = delay_.next(next.cycle, next.time_ns, now_ns);
+  if (delay > kMaxDelayNs) return Reject::kStale;
   state_ = next;
-  publish(now_ns);
+  heard_ns_ = now_ns;
+  publish(now_ns - delay);
   return Reject::kNone;
 }
 
-void RobotLink::publish(std::int64_t now_ns) noexcept {
+bool RobotLink::isSilent(std::int64_t now_ns) noexcept {
+  if (heard_ns_ == 0) heard_ns_ = now_ns;
+  return now_ns - heard_ns_ >= kSilenceNs;
+}
+
+void RobotLink::publish(std::int64_t received_ns) noexcept {
   state_.connected = 1;
-  state_.received_ns = now_ns;
+  state_.received_ns = received_ns;
   ++state_.frame;
   for (const Arm arm : kArms) {
     RobotArmState& robot = at(state_.arms, arm);

@@ -30,6 +30,7 @@ namespace {
 
 constexpr int kIngestWaitMs = 50;
 constexpr int kLinkWaitMs = 5;
+constexpr std::int64_t kResendPlanNs = 1'000'000'000;
 constexpr int kSenderWaitMs = 20;
 constexpr std::int64_t kUnpinAfterNs = 500'000'000;   // a silent master may be replaced by another
 constexpr std::size_t kBackgroundStack = 16U << 20U;  // llvmpipe compiles its shaders on the render thread
@@ -130,6 +131,7 @@ struct Simulator::Impl {
 
   void linkLoop() {
     std::array<std::uint8_t, 8192> buffer;
+    std::int64_t resend_ns = 0;
     while (!stopping()) {
       switch (robot_client.poll(net::monotonicNow(), kLinkWaitMs)) {
         case net::TcpClient::Event::kConnected:
@@ -143,6 +145,12 @@ struct Simulator::Impl {
           break;
         case net::TcpClient::Event::kNone:
           break;
+      }
+      const std::int64_t now_ns = net::monotonicNow();
+      if (robot_client.isConnected() && link.isSilent(now_ns)) robot_client.disconnect();
+      if (now_ns >= resend_ns) {
+        link.resendPlan();
+        resend_ns = now_ns + kResendPlanNs;
       }
       const std::size_t size = link.pendingFrame(buffer.data());
       if (size > 0) robot_client.send(buffer.data(), size);

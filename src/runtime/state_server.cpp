@@ -58,7 +58,9 @@ void StateServer::serve(std::int64_t now_ns) {
   Events events(this);
   server_.poll(0, events, now_ns);
   closeDribblers(now_ns);
-  frames_dropped_.store(server_.framesDropped(), std::memory_order_relaxed);
+  frames_.store(server_.totals());
+  readers_refused_.store(server_.clientsRefused(), std::memory_order_relaxed);
+  readers_evicted_.store(server_.clientsEvicted(), std::memory_order_relaxed);
   reader_count_.store(server_.clientCount(), std::memory_order_relaxed);
 }
 
@@ -77,6 +79,7 @@ void StateServer::receive(ClientId client, const std::uint8_t* bytes, std::size_
     handle(client, &reader, frame);
     reader.part_since = 0;  // what waits now is another frame's beginning
   }
+  server_.markPart(client, reader.parser.hasPart());
   if (result != wire::FrameParser::Result::kBroken) return;
   const std::uint16_t version = reader.parser.refusedVersion();
   if (version != 0) {
@@ -90,7 +93,10 @@ void StateServer::handle(ClientId client, Reader* reader, const wire::Frame& fra
   if (!wire::decodeFaultPlan(frame, &plan)) return;
   const bool may_arm = is_virtual_ && (plan_owner_ == 0 || plan_owner_ == client);
   if (!may_arm) return refuse(client, reader);
+  const wire::FrameBytes sent(frame.payload, frame.payload + frame.size);
+  if (plan_owner_ == client && owners_plan_ == sent) return;  // again
   plan_owner_ = client;
+  owners_plan_ = sent;
   arm(plan);
 }
 
@@ -117,9 +123,9 @@ void StateServer::arm(const FaultPlan& plan) {
 
 void StateServer::forget(ClientId client) {
   const net::TcpServer::ReaderInfo info = server_.reader(client);
-  if (info.frames_dropped > 0) {
+  if (info.frames.dropped > 0) {
     tell("reader " + toString(info.peer) + (info.stalled ? " stalled" : " left") + ": " +
-         std::to_string(info.frames_sent) + " frames, " + std::to_string(info.frames_dropped) + " dropped");
+         std::to_string(info.frames.pushed) + " frames, " + std::to_string(info.frames.dropped) + " dropped");
   }
   connected_.erase(client);
   if (plan_owner_ != client) return;

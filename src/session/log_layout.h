@@ -120,7 +120,7 @@ struct Layout<RobotState> {
     v.field("cycle", s.cycle, "ms", "robot control cycle that sent the frame");
     v.field("frame", s.frame, "frames", "applied so far; 0 = none yet, the rest is then meaningless");
     v.field("time_ns", s.time_ns, "ns", "monotonic clock of the robot's computer in that cycle; in lockstep tick x 1e6");
-    v.field("received_ns", s.received_ns, "ns", "monotonic clock of the receipt; in lockstep tick x 1e6");
+    v.field("received_ns", s.received_ns, "ns", "monotonic clock of the receipt less the delay; in lockstep tick x 1e6");
     v.field("last_sequence", s.last_sequence, "", "newest ITP sequence number that the robot took");
     v.field("active_fault", s.active_fault, "", "fault acting in that cycle: position in scenarios + 1, 0 none");
     v.field("runlevel", s.runlevel, "", "run level of the robot's state machine");

@@ -117,7 +117,9 @@ class Rig {
     FaultPlan plan;
     if (robot_connected && shared->faults.tryLoad(&plan)) software.setFaults(plan);
     if (!robot_connected) return;
-    link.receive(buffer.data(), wire::encodeState(++frame_sequence, software.state(), buffer.data()), now_ns);
+    RobotState state = software.state();
+    state.time_ns = now_ns;
+    link.receive(buffer.data(), wire::encodeState(++frame_sequence, state, buffer.data()), now_ns);
   }
 
   /** What sender and recorder do elsewhere. */

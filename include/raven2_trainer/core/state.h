@@ -83,7 +83,7 @@ struct RobotState {
   std::uint64_t cycle{};          ///< robot control cycle that sent the frame
   std::uint64_t frame{};          ///< frames applied so far; 0 = none yet, the rest is then meaningless
   std::int64_t time_ns{};         ///< [ns] the robot computer's CLOCK_MONOTONIC in that cycle; in lockstep tick x 1e6
-  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt; in lockstep tick x 1e6
+  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt less the delay; in lockstep tick x 1e6
   std::uint32_t last_sequence{};  ///< newest ITP sequence number that the robot took as its last
   std::uint32_t active_fault{};   ///< Fault::id acting in that cycle, 0 none
   RunLevel runlevel{RunLevel::kEStop};

@@ -11,11 +11,16 @@ namespace raven2_trainer::net {
 
 /**
  * A TCP connection that is kept up: connects without blocking and, when it is lost, again after a pause that doubles
- * from `reconnect_min` to `reconnect_max` and starts anew after each success. A peer that vanishes without a word is
- * noticed within about 3 s (keep-alive 1/1/3, TCP_USER_TIMEOUT 2 s). After construction nothing throws or allocates.
+ * from `reconnect_min` to `reconnect_max` and starts anew once something is received. An attempt that nobody answers is
+ * given up after kConnectTimeoutNs. A peer that vanishes without a word is noticed within about 3 s (keep-alive 1/1/3,
+ * TCP_USER_TIMEOUT 2 s). After construction nothing throws or allocates.
  */
 class TcpClient {
  public:
+  /** [ns] Less than the second after which the system asks again: with the longest pause it is how late a network that
+   *  heals is found out. */
+  static constexpr std::int64_t kConnectTimeoutNs = 400'000'000;
+
   enum class Event : std::uint8_t {
     kNone,          ///< nothing happened in the time given
     kConnected,     ///< once for each connection, before anything is received from it

@@ -12,17 +12,37 @@
 
 namespace raven2_trainer::net {
 
+/** What became of the frames for one reader, or for all. Invariant: pushed == sent + dropped + unsent + queued. */
+struct FrameTotals {
+  std::uint64_t pushed{};   ///< given to send() and broadcast()
+  std::uint64_t sent{};     ///< handed to the system, whole
+  std::uint64_t dropped{};  ///< lost because the reader was too slow
+  std::uint64_t unsent{};   ///< still waiting when its connection ended
+  std::uint64_t queued{};   ///< waiting, or sent in part
+
+  constexpr bool addsUp() const noexcept { return pushed == sent + dropped + unsent + queued; }
+};
+
 /**
  * Sends frames to a few readers and takes bytes from them, without a thread of its own: the owner calls poll().
  * Every reader has a bounded queue of whole frames. A reader too slow for it loses the oldest ones; it never delays
  * the sender or another reader; one that takes no byte at all for kStallNs is closed. Neither send nor poll raises
  * SIGPIPE.
+ *
+ * With all places taken a newcomer gets that of the oldest reader of which half a message waits (markPart()), else of
+ * one that has taken nothing for kYieldNs, else it is closed. So is one beyond kAdmitBurst new readers at once and one
+ * every kAdmitIntervalNs after that; one that has already left costs nothing.
  */
 class TcpServer {
  public:
   static constexpr std::size_t kMaxClients = 4;
   static constexpr std::size_t kQueueFrames = 32;
   static constexpr std::int64_t kStallNs = 2'000'000'000;  ///< [ns] as TCP_USER_TIMEOUT (reliability.md 2.2, rule 11)
+  static constexpr std::int64_t kYieldNs = 250'000'000;    ///< [ns] a reader that waits so long may lose its place
+  // Ten a second (rule 10) would keep a good reader out for seconds behind a crowd on its own host; a hundred, of some
+  // 50 us each, cost the robot's computer half a percent of a core.
+  static constexpr std::int64_t kAdmitIntervalNs = 10'000'000;
+  static constexpr std::int64_t kAdmitBurst = 100;
 
   /** Names one connection; never used again. */
   using ClientId = std::uint64_t;
@@ -50,7 +70,7 @@ class TcpServer {
 
   /** Accepts, receives and sends what can be without waiting; first waits at most `timeout_ms` for any of it. The work
    *  of one call is bounded, however much the readers send.
-   *  @param[in] now_ns [ns] monotonic; only the time of a stall is measured with it. */
+   *  @param[in] now_ns [ns] monotonic; stalls and the rate of newcomers are measured with it. */
   void poll(int timeout_ms, Listener& listener, std::int64_t now_ns = monotonicNow());
 
   /** Queues a frame of at most wire::kMaxFrame bytes and sends what the socket takes at once. @return false if there
@@ -63,37 +83,51 @@ class TcpServer {
   /** Closes a connection at the next poll(). */
   void drop(ClientId client) noexcept;
 
+  /** Says whether a part of a message of this reader waits for the rest: then it is the first to lose its place. */
+  void markPart(ClientId client, bool has_part) noexcept;
+
   /** One connection, for reports. */
   struct ReaderInfo {
     Endpoint peer;
-    std::uint64_t frames_sent{};     ///< queued for it, the dropped ones included
-    std::uint64_t frames_dropped{};  ///< of these, lost because it was too slow
-    bool stalled{};                  ///< closed for kStallNs without a byte taken
+    FrameTotals frames;
+    bool stalled{};  ///< closed for kStallNs without a byte taken
   };
   /** All zero if there is no such client. */
   ReaderInfo reader(ClientId client) const noexcept;
 
   std::size_t clientCount() const noexcept;
-  std::uint64_t framesDropped() const noexcept { return frames_dropped_; }    ///< lost by slow readers, in all
-  std::uint64_t clientsRefused() const noexcept { return clients_refused_; }  ///< came when kMaxClients were here
+  FrameTotals totals() const noexcept;  ///< of all readers, here or gone
+  std::uint64_t framesDropped() const noexcept { return totals().dropped; }
+  std::uint64_t clientsRefused() const noexcept {
+    return clients_refused_;
+  }  ///< no place for them, or too many at once
+  std::uint64_t clientsEvicted() const noexcept { return clients_evicted_; }  ///< lost their place to a newcomer
 
  private:
   struct Client;
 
   void acceptAll(Listener& listener);
   void admit(FileDescriptor fd, const Endpoint& peer, Listener& listener);
+  bool takeTurn() noexcept;
+  void evict(std::unique_ptr<Client>* place, Listener& listener);
+  std::unique_ptr<Client>* findPlace() noexcept;
+  int readiness(const Client* client) const noexcept;
   void receiveFrom(Client& client, Listener& listener);
-  void enqueue(Client& client, const std::uint8_t* frame, std::size_t size) noexcept;
+  static void enqueue(Client& client, const std::uint8_t* frame, std::size_t size) noexcept;
   static void flush(Client& client) noexcept;
   void reap(Listener& listener);
-  void closeStalled(std::int64_t now_ns) noexcept;
+  void close(std::unique_ptr<Client>* place, Listener& listener);
+  void closeStalled() noexcept;
 
   FileDescriptor listening_;
   std::uint16_t port_{0};
   std::array<std::unique_ptr<Client>, kMaxClients> clients_;
   ClientId next_id_{1};
-  std::uint64_t frames_dropped_{0};
+  std::int64_t now_ns_{0};        // of this poll
+  std::int64_t next_turn_ns_{0};  // when newcomers at kAdmitIntervalNs each would all have been admitted
+  FrameTotals gone_;              // of readers that have left
   std::uint64_t clients_refused_{0};
+  std::uint64_t clients_evicted_{0};
 };
 
 }  // namespace raven2_trainer::net

@@ -5,6 +5,7 @@
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/wire/frame_delay.h"
 #include "raven2_trainer/wire/robot_frame.h"
 
 namespace raven2_trainer::runtime {
@@ -14,9 +15,18 @@ namespace raven2_trainer::runtime {
  * is applied if it decodes, its cycle is newer than the connection's last one and its time stamp not older; every frame
  * is counted, applied or by the reason why not. Only a robot whose first frame says `virtual` is ever sent a fault
  * plan.
+ *
+ * A state's received_ns is the receipt less the time it was on its way (wire::FrameDelay), so that what waited in
+ * buffers does not look fresh; one on its way for longer than kMaxDelayNs is rejected.
  */
 class RobotLink {
  public:
+  /** [ns] By the estimate, which may be too small by its kMaxErrorNs: nothing older than 50 ms is applied. */
+  static constexpr std::int64_t kMaxDelayNs = 50'000'000 - wire::FrameDelay::kMaxErrorNs;
+  /** [ns] A robot of which nothing could be applied for so long is given up and connected to anew. It leaves no room
+   * for frames to queue up on the way, and is sooner than a connection across a broken network recovers by itself. */
+  static constexpr std::int64_t kSilenceNs = 1'000'000'000;
+
   RobotLink(const TrainerConfig& config, SharedState* shared);
 
   /** The TCP connection came up, or went away. */
@@ -25,6 +35,13 @@ class RobotLink {
 
   /** Bytes as they came. @return false: the stream is broken, close the connection. */
   bool receive(const std::uint8_t* bytes, std::size_t size, std::int64_t now_ns);
+
+  /** Nothing applied for kSilenceNs, first asked when the connection came up: close it. */
+  bool isSilent(std::int64_t now_ns) noexcept;
+
+  /** The fault plan is to be sent again: a robot refuses it while another connection owns its plan, perhaps our own
+   * last one, of which the robot does not know yet that it is dead. */
+  void resendPlan() noexcept { sent_generation_ = ~std::uint64_t{0}; }
 
   /** A frame to send now (the fault plan, when it changed or the robot is new); 0 if there is none.
    *  @param[out] out at least wire::kMaxFrame bytes. */
@@ -37,12 +54,14 @@ class RobotLink {
   Reject applyHello(const wire::Frame& frame) noexcept;
   Reject applyState(const wire::Frame& frame, std::int64_t now_ns) noexcept;
   Reject checkOrder(const RobotState& next) const noexcept;
-  void publish(std::int64_t now_ns) noexcept;
+  void publish(std::int64_t received_ns) noexcept;
   void count(Reject reason) noexcept;
 
   const ArmGeometry geometry_;
   SharedState& shared_;
   wire::FrameParser parser_;
+  wire::FrameDelay delay_;    ///< over all connections: a robot that restarted is noticed
+  std::int64_t heard_ns_{0};  ///< [ns] last state applied; 0 not asked yet on this connection
   RobotState state_{};
   LinkCounts counts_{};
   bool is_first_{true};  ///< no frame of this connection yet: only then a hello may come

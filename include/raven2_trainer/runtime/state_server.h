@@ -22,7 +22,8 @@ namespace raven2_trainer::runtime {
  * thread of its own sends; push() only puts the state into a ring.
  *
  * Fault plans: the first reader that sends one owns the plan until it leaves, then nothing is armed; the others' plans
- * are refused and counted. A real robot refuses every plan. A reader is closed if it begins a frame and does not finish
+ * are refused and counted; the owner's own, sent again byte for byte, is passed over. A real robot refuses
+ * every plan. A reader is closed if it begins a frame and does not finish
  * it within kFrameDeadlineNs, breaks the stream, or takes nothing for TcpServer::kStallNs.
  */
 class StateServer {
@@ -51,8 +52,12 @@ class StateServer {
   std::uint16_t port() const noexcept { return server_.port(); }
 
   // Any thread.
-  std::uint64_t framesDropped() const noexcept { return frames_dropped_.load(std::memory_order_relaxed); }
+  /** What became of every frame, as of the last serve(). */
+  net::FrameTotals frames() const noexcept { return frames_.load(); }
+  std::uint64_t framesDropped() const noexcept { return frames().dropped; }
   std::uint64_t statesDropped() const noexcept { return states_.dropped(); }
+  std::uint64_t readersRefused() const noexcept { return readers_refused_.load(std::memory_order_relaxed); }
+  std::uint64_t readersEvicted() const noexcept { return readers_evicted_.load(std::memory_order_relaxed); }
   std::uint64_t plansRefused() const noexcept { return plans_refused_.load(std::memory_order_relaxed); }
   std::size_t readers() const noexcept { return reader_count_.load(std::memory_order_relaxed); }
   /** Readers of which a part of a frame waits for the rest. */
@@ -80,15 +85,17 @@ class StateServer {
   const bool is_virtual_;
   net::TcpServer server_;
   net::EventFd state_ready_;
-  SpscRing<RobotState, 256> states_;  // push() -> thread
-  StateCell<FaultPlan> faults_;       // written by the thread
-  std::atomic<std::uint64_t> frames_dropped_{0}, plans_refused_{0};
+  SpscRing<RobotState, 256> states_;    // push() -> thread
+  StateCell<FaultPlan> faults_;         // written by the thread
+  StateCell<net::FrameTotals> frames_;  // written by the thread
+  std::atomic<std::uint64_t> plans_refused_{0}, readers_refused_{0}, readers_evicted_{0};
   std::atomic<std::size_t> reader_count_{0}, parts_waiting_{0};
   std::atomic<bool> stop_{false};
 
   // The thread's own.
   std::map<ClientId, Reader> connected_;
   ClientId plan_owner_{0};
+  wire::FrameBytes owners_plan_;  // as its owner sent it
   std::uint64_t generation_{0};
   std::uint32_t sequence_{0};
   std::int64_t now_ns_{0}, may_tell_ns_{0};

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "raven2_trainer/core/random.h"
+
 namespace raven2_trainer::net {
 namespace {
 
@@ -48,6 +50,24 @@ TEST(OutgoingQueue, NeverDropsAFrameOfWhichAPartHasGone) {
   EXPECT_EQ(queue.size(), 7U);  // the rest of the first
   EXPECT_EQ(queue.data()[0], 1);
   EXPECT_EQ(takeAll(&queue), (std::vector<int>{1, 5, 6}));
+}
+
+TEST(OutgoingQueue, EveryFrameIsSentDroppedOrStillThere) {
+  OutgoingQueue queue(3);
+  Random random(4);
+  std::size_t pushed = 0, dropped = 0, sent = 0;
+  for (int i = 0; i < 10000; ++i) {
+    if (random.uniform(0.0, 1.0) < 0.5) {
+      dropped += push(&queue, 1, 1 + random.next() % 20);
+      ++pushed;
+    } else if (queue.size() > 0) {
+      const std::size_t part = 1 + random.next() % queue.size();
+      if (queue.consume(part)) ++sent;
+    }
+    ASSERT_EQ(pushed, sent + dropped + queue.frames()) << i;
+  }
+  EXPECT_GT(dropped, 100U);
+  EXPECT_GT(sent, 100U);
 }
 
 TEST(OutgoingQueue, TakesTheLargestFrame) {

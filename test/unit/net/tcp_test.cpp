@@ -7,9 +7,11 @@
 
 #include "net_support.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/net/tcp_client.h"
 #include "raven2_trainer/net/tcp_server.h"
 #include "raven2_trainer/wire/robot_frame.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::net {
 namespace {
@@ -157,6 +159,14 @@ TEST(Tcp, ASlowReaderLosesOldFramesAndDelaysNobody) {
   EXPECT_FALSE(slow.broken);
   EXPECT_TRUE(std::is_sorted(slow.sequences.begin(), slow.sequences.end(), std::less_equal<>()));  // strictly rising
   EXPECT_EQ(slow.sequences.size() + server.framesDropped(), kFrames);
+  for (const TcpServer::ClientId client : notes.connected) {
+    const FrameTotals frames = server.reader(client).frames;
+    EXPECT_EQ(frames.pushed, kFrames);
+    EXPECT_TRUE(frames.addsUp());
+  }
+  EXPECT_EQ(server.totals().pushed, 2 * kFrames);
+  EXPECT_EQ(server.totals().sent, slow.sequences.size() + fast.sequences.size());
+  EXPECT_TRUE(server.totals().addsUp());
 }
 
 TEST(Tcp, RefusesAReaderTooManyAndTakesOneWhenAnotherLeaves) {
@@ -274,6 +284,169 @@ TEST(Tcp, TwoHundredQuickConnectionsLeaveNoDescriptorsBehind) {
   EXPECT_EQ(openDescriptors(), before);
 }
 
+TEST(Tcp, AStormOfConnectionsWithWritesLeavesNoDescriptorsAndTheCountersAddUp) {
+  const int storms = static_cast<int>(raven2_trainer::testing::effort(200, 1000));
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader good(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &good));
+  const int before = openDescriptors();
+  // WHEN they come and go, each with some bytes, while frames are sent; time is ours, so that none is one too many
+  std::int64_t now_ns = monotonicNow();
+  Random random(5);
+  std::uint32_t sequence = 0;
+  for (int i = 0; i < storms; ++i) {
+    PlainSocket visitor;
+    ASSERT_TRUE(visitor.connect(server.port()));
+    visitor.write(Bytes(random.next() % 700, 7));
+    if (random.next() % 2 == 0) server.poll(1, notes, now_ns);
+    visitor.close(/*reset=*/random.next() % 2 == 0);
+    const Bytes frame = stateFrame(++sequence);
+    server.broadcast(frame.data(), frame.size());
+    server.poll(0, notes, now_ns += TcpServer::kAdmitIntervalNs);
+    good.poll();
+  }
+  // THEN all are gone, nobody was turned away, and the good reader has every frame
+  ASSERT_TRUE(eventually([&] {
+    server.poll(1, notes, now_ns);
+    good.poll();
+    return server.clientCount() == 1 && good.sequences.size() == sequence;
+  }));
+  EXPECT_EQ(notes.disconnected.size() + 1, notes.connected.size());
+  EXPECT_GT(notes.connected.size(), static_cast<std::size_t>(storms) / 4);
+  EXPECT_EQ(server.clientsRefused(), 0U);
+  EXPECT_EQ(openDescriptors(), before);
+  EXPECT_TRUE(server.totals().addsUp());
+  EXPECT_EQ(server.reader(notes.connected[0]).frames.sent, sequence);
+}
+
+/** Fills the places; `marked` are those of which a part of a message waits. */
+struct FullHouse {
+  explicit FullHouse(const std::vector<std::size_t>& marked) {
+    for (std::size_t i = 0; i < TcpServer::kMaxClients; ++i) {
+      readers.push_back(std::make_unique<Reader>(server.port()));
+      EXPECT_TRUE(meet(&server, &notes, readers.back().get()));
+    }
+    for (const std::size_t i : marked)
+      server.markPart(notes.connected[i], true);
+  }
+
+  /** @return true if the newcomer has a place. */
+  bool takes(Reader* newcomer) {
+    const std::size_t before = notes.connected.size();
+    const std::uint64_t refused = server.clientsRefused();
+    EXPECT_TRUE(eventually([&] {
+      server.poll(1, notes);
+      newcomer->poll();
+      return notes.connected.size() > before || server.clientsRefused() > refused;
+    }));
+    return notes.connected.size() > before;
+  }
+
+  TcpServer server{kLoopback, 0};
+  Notes notes;
+  std::vector<std::unique_ptr<Reader>> readers;
+};
+
+TEST(Tcp, ANewcomerGetsThePlaceOfTheOldestReaderWithHalfAMessage) {
+  FullHouse house({1, 2});
+  Reader first(house.server.port()), second(house.server.port()), third(house.server.port());
+  EXPECT_TRUE(house.takes(&first));
+  EXPECT_EQ(house.notes.disconnected, (std::vector<TcpServer::ClientId>{house.notes.connected[1]}));
+  EXPECT_TRUE(house.takes(&second));
+  EXPECT_EQ(house.notes.disconnected.back(), house.notes.connected[2]);
+  EXPECT_FALSE(house.takes(&third)) << "the quiet ones are good readers";
+  EXPECT_EQ(house.server.clientsEvicted(), 2U);
+  EXPECT_EQ(house.server.clientCount(), TcpServer::kMaxClients);
+}
+
+TEST(Tcp, ANewcomerGetsThePlaceOfAReaderThatTakesNothing) {
+  FullHouse house({});
+  std::int64_t now_ns = monotonicNow();
+  // WHEN three read and one does not
+  std::uint32_t sequence = 0;
+  const auto serve = [&] {
+    const Bytes frame = stateFrame(++sequence);
+    house.server.broadcast(frame.data(), frame.size());
+    ASSERT_TRUE(eventually([&] {
+      house.server.poll(0, house.notes, now_ns);
+      for (const std::size_t i : {0, 1, 3})
+        house.readers[i]->poll();
+      return house.readers[0]->sequences.size() == sequence && house.readers[1]->sequences.size() == sequence &&
+             house.readers[3]->sequences.size() == sequence;
+    }));
+  };
+  // until the system's buffers are full, its own timers considered, and then for kYieldNs of our time
+  const TcpServer::ClientId idler = house.notes.connected[2];
+  std::uint64_t sent = 0;
+  std::int64_t settled = monotonicNow();
+  ASSERT_TRUE(eventually([&] {
+    serve();
+    if (house.server.reader(idler).frames.sent != sent) settled = monotonicNow();
+    sent = house.server.reader(idler).frames.sent;
+    return monotonicNow() - settled > 500'000'000;
+  }));
+  ASSERT_GT(house.server.framesDropped(), 0U);
+  serve();
+  now_ns += TcpServer::kYieldNs;
+  serve();
+  ASSERT_EQ(house.server.clientCount(), TcpServer::kMaxClients) << "nobody needed its place yet";
+  Reader newcomer(house.server.port());
+  ASSERT_TRUE(eventually([&] {
+    house.server.poll(1, house.notes, now_ns);
+    newcomer.poll();
+    return !house.notes.disconnected.empty();
+  }));
+  EXPECT_EQ(house.notes.disconnected, (std::vector<TcpServer::ClientId>{idler}));
+  EXPECT_EQ(house.server.clientsEvicted(), 1U);
+  EXPECT_EQ(house.notes.connected.size(), TcpServer::kMaxClients + 1);
+}
+
+TEST(Tcp, TakesACrowdAtOnceAndAfterThatANewcomerEachInterval) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  const std::int64_t begin_ns = monotonicNow();
+  const auto visit = [&](std::int64_t now_ns) {
+    const std::size_t before = notes.connected.size() + server.clientsRefused();
+    PlainSocket visitor;
+    EXPECT_TRUE(visitor.connect(server.port()));
+    EXPECT_TRUE(eventually([&] {
+      server.poll(1, notes, now_ns);
+      return notes.connected.size() + server.clientsRefused() > before;
+    }));
+    visitor.close(true);
+    EXPECT_TRUE(eventually([&] {
+      server.poll(1, notes, now_ns);
+      return server.clientCount() == 0;
+    }));
+  };
+  for (int i = 0; i < TcpServer::kAdmitBurst + 5; ++i)
+    visit(begin_ns);
+  EXPECT_EQ(notes.connected.size(), static_cast<std::size_t>(TcpServer::kAdmitBurst));
+  EXPECT_EQ(server.clientsRefused(), 5U);
+  for (int i = 1; i <= 10; ++i) {
+    visit(begin_ns + i * TcpServer::kAdmitIntervalNs);
+    visit(begin_ns + i * TcpServer::kAdmitIntervalNs);
+  }
+  EXPECT_EQ(notes.connected.size(), static_cast<std::size_t>(TcpServer::kAdmitBurst + 10));
+  EXPECT_EQ(server.clientsRefused(), 15U);
+}
+
+TEST(Tcp, WhoeverLeftBeforeItWasTakenCostsNothing) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  for (int i = 0; i < 50; ++i) {
+    PlainSocket visitor;
+    ASSERT_TRUE(visitor.connect(server.port()));
+    visitor.write(Bytes(100, 1));
+    visitor.close(/*reset=*/false);
+  }
+  Reader reader(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &reader));
+  EXPECT_EQ(notes.connected.size(), 1U);
+  EXPECT_EQ(server.clientsRefused(), 0U);
+}
+
 TEST(TcpClient, PausesDoubleUpToTheLongest) {
   // GIVEN a port where nobody listens and a clock of our own
   TakenPort nobody;
@@ -304,11 +477,12 @@ TEST(TcpClient, StartsWithTheShortestPauseAgainAfterASuccess) {
     }));
   }
   ASSERT_EQ(client.attempts(), 3U);
-  // WHEN the fourth attempt succeeds and the connection is then lost
+  // WHEN the fourth attempt succeeds, something is received, and the connection is then lost
   ASSERT_TRUE(listener->listen(1));
   ASSERT_TRUE(eventually([&] { return pollAt(700) == Event::kConnected; }));
+  std::uint8_t byte = 7;
+  ASSERT_TRUE(listener->greet(byte));
   listener.reset();
-  std::uint8_t byte = 0;
   ASSERT_TRUE(eventually([&] {
     const Event event = pollAt(1000);
     if (event == Event::kReadable) client.receive(&byte, 1);
@@ -322,6 +496,28 @@ TEST(TcpClient, StartsWithTheShortestPauseAgainAfterASuccess) {
   EXPECT_EQ(client.attempts(), 5U);
 }
 
+TEST(TcpClient, PausesGrowWhileAServerAcceptsAndCloses) {
+  TakenPort full;
+  ASSERT_TRUE(full.listen(8));
+  TcpClient client(kLoopback, full.port(), 0.1, 10.0);
+  std::uint8_t byte = 0;
+  std::vector<std::int64_t> lost_ms;
+  std::int64_t ms = 0;
+  for (; lost_ms.size() < 3 && ms < 5000; ms += 10) {
+    const std::int64_t now_ns = ms * 1'000'000;
+    if (client.poll(now_ns, 0) == Event::kNone && !client.isConnecting()) continue;
+    ASSERT_TRUE(eventually([&] { return client.isConnected() || client.poll(now_ns, 10) == Event::kConnected; }));
+    ASSERT_TRUE(full.acceptAndClose());
+    ASSERT_TRUE(eventually([&] {
+      const Event event = client.poll(now_ns, 10);
+      if (event == Event::kReadable) client.receive(&byte, 1);
+      return event == Event::kDisconnected;
+    }));
+    lost_ms.push_back(ms);
+  }
+  EXPECT_EQ(lost_ms, (std::vector<std::int64_t>{0, 100, 300}));
+}
+
 TEST(TcpClient, GivesUpAnAttemptThatNobodyAnswers) {
   // GIVEN a listener that accepts nobody: once its queue is full, connection requests go unanswered
   TakenPort listener;
@@ -333,9 +529,9 @@ TEST(TcpClient, GivesUpAnAttemptThatNobodyAnswers) {
   }
   TcpClient& last = *clients.back();
   ASSERT_TRUE(last.isConnecting());
-  last.poll(1'999'000'000, 0);
+  last.poll(TcpClient::kConnectTimeoutNs - 1, 0);
   EXPECT_TRUE(last.isConnecting());
-  last.poll(2'001'000'000, 0);
+  last.poll(TcpClient::kConnectTimeoutNs, 0);
   EXPECT_FALSE(last.isConnecting());
 }
 

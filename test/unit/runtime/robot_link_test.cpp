@@ -127,6 +127,85 @@ TEST_F(RobotLinkTest, CyclesRiseAndTheTimeStampNeverGoesBack) {
   EXPECT_EQ(shared->robot_link.load().received, 7U);
 }
 
+TEST_F(RobotLinkTest, AStateThatWaitedOnItsWayIsAsOldAsItIs) {
+  constexpr std::int64_t kMs = 1'000'000;
+  constexpr std::int64_t kRobotClock = 500'000 * kMs;  // nothing in common with ours
+  link.connected();
+  hello(true);
+  RobotState robot;
+  std::int64_t now = 0;
+  const auto send = [&](std::int64_t delay) {
+    ++robot.cycle;
+    now += kMs;
+    robot.time_ns = kRobotClock + now;
+    return state(robot, now + delay);
+  };
+  for (int i = 0; i < 100; ++i)
+    send(0);
+  EXPECT_EQ(shared->robot.load().received_ns, now);
+  send(30 * kMs);
+  EXPECT_NEAR(static_cast<double>(shared->robot.load().received_ns), static_cast<double>(now), 1e3)
+      << "not 30 ms later";
+  const std::uint64_t cycle = robot.cycle;
+  send(51 * kMs);
+  send(4000 * kMs);
+  EXPECT_EQ(rejected(Reject::kStale), 2U);
+  EXPECT_EQ(shared->robot.load().cycle, cycle);
+  EXPECT_TRUE(send(0)) << "the stream is whole all the same";
+  EXPECT_EQ(shared->robot.load().cycle, cycle + 3);
+  EXPECT_TRUE(link.counts().addsUp());
+  EXPECT_EQ(link.counts().applied, 103U);  // hello, 100, the one of 30 ms, the last one
+}
+
+TEST_F(RobotLinkTest, WhatWaitedIsKnownOnTheNextConnectionTooUnlessTheRobotStartedAnew) {
+  link.connected();
+  RobotState robot;
+  robot.cycle = 10;
+  robot.time_ns = 5'000'000'000;
+  state(robot, 5'000'000'000);
+  link.disconnected();
+  link.connected();
+  robot.cycle = 11;
+  robot.time_ns += 1'000'000;
+  state(robot, 5'061'000'000);
+  EXPECT_EQ(rejected(Reject::kStale), 1U);
+  robot.cycle = 1;  // started anew: nothing is known of its clock
+  state(robot, 5'062'000'000);
+  EXPECT_EQ(rejected(Reject::kStale), 1U);
+  EXPECT_EQ(shared->robot.load().received_ns, 5'062'000'000);
+}
+
+TEST_F(RobotLinkTest, ARobotWithoutAnAppliedStateForASecondIsSilent) {
+  link.connected();
+  constexpr std::int64_t kBegin = 7'000'000'000;
+  EXPECT_FALSE(link.isSilent(kBegin)) << "the second begins when the connection came up";
+  EXPECT_FALSE(link.isSilent(kBegin + RobotLink::kSilenceNs - 1));
+  EXPECT_TRUE(link.isSilent(kBegin + RobotLink::kSilenceNs));
+  RobotState robot;
+  robot.cycle = 1;
+  robot.time_ns = 1;
+  state(robot, kBegin + 900'000'000);
+  EXPECT_FALSE(link.isSilent(kBegin + 1'899'999'999));
+  robot.arms[0].q[0] = std::nan("");  // frames that cannot be applied are no sign of life
+  robot.cycle = 2;
+  state(robot, kBegin + 1'800'000'000);
+  EXPECT_TRUE(link.isSilent(kBegin + 1'900'000'000));
+  link.disconnected();
+  link.connected();
+  EXPECT_FALSE(link.isSilent(kBegin + 9'000'000'000)) << "a new connection has its own second";
+}
+
+TEST_F(RobotLinkTest, SendsTheFaultPlanAgainWhenAskedTo) {
+  FaultDirector director(config, shared.get());
+  link.connected();
+  hello(true);
+  const std::size_t size = link.pendingFrame(buffer.data());
+  ASSERT_GT(size, 0U);
+  link.resendPlan();
+  EXPECT_EQ(link.pendingFrame(buffer.data()), size);
+  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U);
+}
+
 TEST_F(RobotLinkTest, EveryBadStateIsCountedByItsReasonAndTheLastGoodOneStays) {
   link.connected();
   hello(true);

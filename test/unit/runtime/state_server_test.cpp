@@ -5,8 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/net/tcp_client.h"
+#include "support/effort.h"
+#include "unit/net/net_support.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -16,13 +19,16 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 /** A reader on a real socket; time is the test's. */
 class TestReader {
  public:
-  explicit TestReader(std::uint16_t port) : client_("127.0.0.1", port, 0.01, 0.1) {}
+  explicit TestReader(std::uint16_t port, double again_after = 0.01)
+      : client_("127.0.0.1", port, again_after, 10.0 * again_after) {}
 
   void poll() {
     const auto event = client_.poll(net::monotonicNow(), 0);
     if (event == net::TcpClient::Event::kDisconnected) left_ = true;
     if (event == net::TcpClient::Event::kReadable) read();
   }
+
+  bool began{false};  ///< the test's
 
   bool isUp() const { return client_.isConnected(); }
   bool left() const { return left_; }
@@ -121,6 +127,8 @@ TEST_F(StateServerTest, FourReadersGetTheHelloAndThenEveryCycle) {
       ASSERT_EQ(reader->states()[i].cycle, i + 1);
   }
   EXPECT_EQ(server->framesDropped(), 0U);
+  EXPECT_EQ(server->frames().pushed, 2004U);  // four hellos
+  EXPECT_EQ(server->frames().sent, 2004U);
   EXPECT_EQ(server->readers(), 4U);
 }
 
@@ -154,6 +162,71 @@ TEST_F(StateServerTest, TheRestOfTheReadersLeavingDoesNotDisarm) {
   readers[1].reset();
   ASSERT_TRUE(until([&] { return server->readers() == 1; }));
   EXPECT_EQ(armed(), 5U);
+}
+
+TEST_F(StateServerTest, ThePlanSentAgainByItsOwnerChangesNothingAndIsTakenOnceAnotherOwnerLeft) {
+  TestReader* dead = join();
+  TestReader* daemon = join();
+  dead->sendPlan(7);
+  ASSERT_TRUE(until([&] { return armed() == 7; }));
+  const std::uint64_t generation = server->faults().load().generation;
+  dead->sendPlan(7);
+  daemon->sendPlan(8);  // refused, and by then the owner's second one has been read
+  ASSERT_TRUE(until([&] { return server->plansRefused() == 1; }));
+  EXPECT_EQ(server->faults().load().generation, generation);
+  readers[0].reset();
+  ASSERT_TRUE(until([&] { return armed() == 0; }));
+  daemon->sendPlan(8);  // as every second
+  EXPECT_TRUE(until([&] { return armed() == 8; }));
+}
+
+TEST_F(StateServerTest, SixtyFourDribblersNeverKeepAGoodReaderOut) {
+  TestReader* good = join();
+  std::array<std::uint8_t, wire::kMaxFrame> plan{};
+  wire::encodeFaultPlan(1, FaultPlan{}, plan.data());
+  std::vector<std::unique_ptr<TestReader>> crowd;
+  for (int i = 0; i < 64; ++i)
+    crowd.push_back(std::make_unique<TestReader>(server->port(), /*again_after=*/60.0));
+  const auto dribble = [&] {
+    for (auto& each : crowd) {
+      each->poll();
+      if (each->isUp() && each->greeted() && !each->began) each->began = each->send(plan.data(), 1);
+    }
+  };
+  ASSERT_TRUE(until([&] {
+    dribble();
+    return server->partsWaiting() == 3;
+  }));
+  // WHEN another good one comes, it has its place at once, and both get what is sent
+  TestReader* late = join();
+  push(1);
+  EXPECT_TRUE(until([&] { return good->states().size() == 1 && late->states().size() == 1; }));
+  EXPECT_GE(server->readersEvicted(), 1U);
+  // THEN the crowd is gone half a second later
+  now_ns += StateServer::kFrameDeadlineNs;
+  EXPECT_TRUE(until([&] { return server->partsWaiting() == 0 && server->readers() == 2; }));
+  EXPECT_TRUE(good->isUp());
+  EXPECT_TRUE(late->isUp());
+  EXPECT_TRUE(server->frames().addsUp());
+}
+
+TEST_F(StateServerTest, AStormOfReadersThatWriteDisturbsNeitherThreadsNorCounters) {
+  const std::int64_t storms = raven2_trainer::testing::effort(200, 1000);
+  const int before = net::openDescriptors();
+  Random random(8);
+  server->start();  // the thread sends and accepts from here on
+  for (std::int64_t i = 0; i < storms; ++i) {
+    net::PlainSocket visitor;
+    ASSERT_TRUE(visitor.connect(server->port()));
+    visitor.write(std::vector<std::uint8_t>(random.next() % 700, 7));
+    push(static_cast<std::uint64_t>(i));
+    visitor.close(/*reset=*/random.next() % 2 == 0);
+  }
+  EXPECT_TRUE(net::eventually([&] { return net::openDescriptors() == before && server->readers() == 0; }));
+  server->stop();
+  EXPECT_TRUE(server->frames().addsUp());
+  EXPECT_EQ(server->frames().queued, 0U);
+  EXPECT_EQ(armed(), 0U);
 }
 
 TEST_F(StateServerTest, ARealRobotRefusesEveryPlan) {
@@ -203,6 +276,17 @@ TEST_F(StateServerTest, AStalledReaderIsClosedAfterTwoSecondsAndDelaysNobody) {
   while (server->framesDropped() == 0 && cycle < 5000)
     ASSERT_TRUE(next());
   ASSERT_GT(server->framesDropped(), 0U);
+  // The system's buffers go on filling for as long as its own timers take; ours stands still meanwhile.
+  std::uint64_t sent = 0;
+  std::int64_t settled = net::monotonicNow();
+  ASSERT_TRUE(until([&] {
+    push(++cycle);
+    const std::uint64_t sent_before = sent;
+    sent = server->frames().pushed - server->frames().dropped - cycle;  // changes while the stalled one takes
+    if (sent != sent_before) settled = net::monotonicNow();
+    return net::monotonicNow() - settled > kSecond / 2;
+  }));
+  ASSERT_TRUE(until([&] { return good->states().size() == cycle; }));
   EXPECT_EQ(server->readers(), 2U);
   const std::uint64_t full = cycle;
   while (server->readers() == 2 && cycle < full + 3000)

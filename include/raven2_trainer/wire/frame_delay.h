@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+
+namespace raven2_trainer::wire {
+
+/**
+ * How long each frame of a peer was on its way, although the two clocks have nothing in common: its receipt by our
+ * clock less its stamp by the peer's, above the smallest such difference of late (reliability.md 2.2, rule 12). So a
+ * frame that waited in some buffer is known to be old when it comes out.
+ *
+ * The smallest difference is kept over the last 5 to 10 s of the *peer's* clock: a silence, however long, does not wear
+ * it out, and a peer whose clock stood still (a suspended computer) is trusted again 10 s later. It ages by 200 ppm,
+ * the worst that two quartz clocks drift apart, so that drift is never taken for delay; the estimate can therefore be
+ * too small by as much as 4 ms (200 ppm each way over 10 s), and by the fastest way there is, which nobody can know.
+ * Real-time safe.
+ */
+class FrameDelay {
+ public:
+  static constexpr std::int64_t kWindowNs = 10'000'000'000;                   ///< [ns] of the peer's clock, at most
+  static constexpr std::int64_t kDriftDivisor = 5000;                         ///< 1 / 200 ppm
+  static constexpr std::int64_t kMaxErrorNs = 2 * kWindowNs / kDriftDivisor;  ///< [ns] too small by this at most
+
+  /**
+   * Delay of the peer's next frame. A peer whose cycle or clock went back started anew: its first delay is 0.
+   * @param[in] cycle the peer's number of the frame.
+   * @param[in] time_ns [ns] its stamp by the peer's clock, not negative.
+   * @param[in] received_ns [ns] our monotonic clock, not negative.
+   * @return [ns] not negative; 0 for the quickest frame.
+   */
+  std::int64_t next(std::uint64_t cycle, std::int64_t time_ns, std::int64_t received_ns) noexcept;
+
+ private:
+  /** The smallest difference of a part of the window. */
+  struct Low {
+    std::int64_t difference{0};  ///< [ns] receipt less stamp
+    std::int64_t at{0};          ///< [ns] the peer's clock then
+  };
+
+  static std::int64_t aged(const Low& low, std::int64_t time_ns) noexcept;
+  void restart(const Low& first) noexcept;
+
+  bool has_started_{false};
+  std::uint64_t cycle_{0};
+  std::int64_t time_ns_{0};
+  std::int64_t began_{0};  ///< [ns] the peer's clock when `current_` was begun
+  Low current_, previous_;
+};
+
+}  // namespace raven2_trainer::wire
