@@ -36,7 +36,7 @@ RULES = {
                PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
-                PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|sys/|unistd\.h|time\.h|nlohmann/"),
+                PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|unistd\.h|time\.h|nlohmann/"),
     "ros": (["core", "kinematics", "wire", "config", "model", "net", "raven", "runtime"], PURE + r"|ros/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
     "apps": (None, None),  # anything
 }

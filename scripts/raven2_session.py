@@ -63,6 +63,7 @@ class SessionLog:
         self.commands = self._arrays["command"]
         self.requests = self._arrays["request"]
         self.plans = self._arrays["plan"]
+        self.faults = self._arrays.get("faults")  # None in logs older than they
         self.contacts = self._arrays.get("contact")  # None in logs older than contact records
         self.counts = self._arrays["counts"]
         self.clean = len(self.counts) > 0

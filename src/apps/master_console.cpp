@@ -30,8 +30,9 @@ int run(const Options& options) {
   }
   console.stop();
   const LinkCounts forces = console.forceCounts();
-  std::fprintf(stderr, "forces: %llu received, %llu applied\n", static_cast<unsigned long long>(forces.received),
-               static_cast<unsigned long long>(forces.applied));
+  std::fprintf(stderr, "forces: %llu received = %llu applied + %llu rejected\n",
+               static_cast<unsigned long long>(forces.received), static_cast<unsigned long long>(forces.applied),
+               static_cast<unsigned long long>(forces.rejectedTotal()));
   return 0;
 }
 

@@ -62,13 +62,15 @@ void Console::setReady(bool ready) noexcept {
   impl_->ready = ready;
 }
 
-void Console::applyForce(const ForcePacket& force) noexcept {
+Reject Console::applyForce(const ForcePacket& force) noexcept {
   const auto newer_by = static_cast<std::int32_t>(force.sequence - impl_->force.sequence);
   const bool is_late = newer_by < 0 && impl_->force_age < kForceLifetime;
-  if (is_late || !isPlausible(force)) return;
+  if (is_late) return Reject::kOutOfOrder;
+  if (!isPlausible(force)) return Reject::kOutOfRange;
   impl_->force = force;
   impl_->force_age = 0;
   if (force.runlevel == static_cast<std::uint8_t>(RunLevel::kPedalUp)) impl_->ready = true;
+  return Reject::kNone;
 }
 
 bool Console::finished() const noexcept {

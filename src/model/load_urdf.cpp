@@ -11,6 +11,7 @@
 #include "model/quiet_urdf_parser.h"
 #include "model/urdf_tree.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/model/robot_model.h"
 
 namespace raven2_trainer::model {
@@ -251,12 +252,11 @@ class Loader {
   }
 
   std::string resolve(const std::string& name) const {
-    const std::filesystem::path folder = std::filesystem::absolute(description_.file).lexically_normal().parent_path();
-    if (name.rfind(kPackage, 0) == 0)
-      return (folder.parent_path() / name.substr(std::string(kPackage).size())).string();
-    if (name.rfind("file://", 0) == 0) return name.substr(7);
-    if (name.find("://") != std::string::npos) fail(what_ + ": mesh '" + name + "': only " + kPackage + " is known");
-    return (folder / name).lexically_normal().string();
+    const bool is_known = name.rfind(kPackage, 0) == 0 || name.rfind("file://", 0) == 0;
+    if (!is_known && name.find("://") != std::string::npos) {
+      fail(what_ + ": mesh '" + name + "': only " + kPackage + " is known");
+    }
+    return meshPath(description_.file, name);
   }
 
   Description description_;

@@ -81,6 +81,22 @@ DiagnosticStatus robotStatus(const RobotState& robot, std::int64_t now_ns, std::
   return s;
 }
 
+/** Queues between the threads; whatever one dropped is lost. */
+DiagnosticStatus queueStatus(const SessionCounts& counts) {
+  std::uint64_t dropped = counts.contacts_dropped;
+  for (const RingCounts& ring : counts.rings)
+    dropped += ring.dropped;
+  DiagnosticStatus s = status("queues", true, std::to_string(dropped) + " dropped");
+  if (dropped > 0) s.level = DiagnosticStatus::WARN;
+  s.values = {value("relay_failed", counts.relay_failed), value("force_failed", counts.force_failed),
+              value("contacts_dropped", counts.contacts_dropped)};
+  for (std::size_t i = 0; i < kRingCount; ++i) {
+    if (counts.rings[i].dropped > 0)
+      s.values.push_back(value(std::string(kRingNames[i]) + "_dropped", counts.rings[i].dropped));
+  }
+  return s;
+}
+
 }  // namespace
 
 sensor_msgs::JointState jointState(const ModelState& model, double d4, const ros::Time& stamp) {
@@ -189,6 +205,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   if (realtime.rfind("DEGRADED_RT", 0) == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
   array.status.push_back(
       status("recorder", counts.records_dropped == 0, std::to_string(counts.records_dropped) + " records dropped"));
+  array.status.push_back(queueStatus(counts));
   return array;
 }
 

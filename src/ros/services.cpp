@@ -130,7 +130,7 @@ bool Services::plan(PlanPath::Request& message, PlanPath::Response& response) {
 }
 
 bool Services::awaitPlan(std::uint32_t id, PlanResult* result) const {
-  const ros::SteadyTime deadline =
+  const ros::SteadyTime deadline =  // a step of the wall clock is no time that passed
       ros::SteadyTime::now() + ros::WallDuration(simulator_.config().planner.time_limit + kGraceTime);
   while (ros::SteadyTime::now() < deadline && !stop_.load()) {
     *result = simulator_.shared().last_plan.load();

@@ -36,10 +36,10 @@ void ConsoleRunner::receiveForces() noexcept {
   std::array<std::uint8_t, 2 * wire::kForceSize> buffer;
   while (const auto datagram = from_daemon_.receive(buffer.data(), buffer.size())) {
     ForcePacket force;
-    const Reject reason = wire::decodeForce(buffer.data(), datagram->size, &force);
+    Reject reason = wire::decodeForce(buffer.data(), datagram->size, &force);
+    if (reason == Reject::kNone) reason = console_.applyForce(force);
     counts_.count(reason);
     if (reason != Reject::kNone) continue;
-    console_.applyForce(force);
     if (force.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp)) ready_ = true;
   }
   force_counts_.store(counts_);

@@ -86,7 +86,7 @@ struct Lockstep::Impl {
   /** Planning takes a fixed simulated time, so that the result does not depend on the machine. */
   void servePlanner() {
     PlanRequest request;
-    if (shared->plan_requests.tryPop(&request)) {
+    if (!plan && shared->plan_requests.tryPop(&request)) {  // one after the other, as the planner's thread
       plan = planner.planNow(request);
       plan->planning_time = static_cast<double>(config.runtime.lockstep_plan_delay) * kTickSeconds;
       plan_due = now_ns + config.runtime.lockstep_plan_delay * kTickNanoseconds;
@@ -148,15 +148,10 @@ struct Lockstep::Impl {
   }
 
   SessionCounts counts() const {
-    SessionCounts c;
+    SessionCounts c = sharedCounts(*shared);
     c.master = ingest.counts();
-    c.master_used = shared->master_used.value();
     c.robot_state = link.counts();
-    c.relay_sent = shared->relay_sent.value();
     c.relay = view.robot.itp;
-    c.force_sent = shared->force_sent.value();
-    c.ik_clamped = shared->ik_clamped.value();
-    c.records_dropped = recordsDropped(*shared);
     c.lockstep = 1;
     return c;
   }

@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/build_identity.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -24,6 +25,7 @@ session::SessionMeta startMeta(const std::string& program, const std::string& ve
   meta.program = program;
   meta.version = version;
   meta.motion = motion;
+  meta.build = buildIdentity();
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   gmtime_r(&now, &utc);

@@ -28,6 +28,8 @@ constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  /
 
 constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
 
+constexpr std::uint32_t kMaxPlansUnderWay = 4;  // capacity of plan_requests and of plan_results
+
 bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
   for (std::size_t j = 0; j < kFollowReach.size(); ++j) {
     if (std::abs(q[j] - target[j]) > kFollowReach[j]) return false;
@@ -79,14 +81,22 @@ void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
 }
 
 void PhysicsLoop::readInputs(std::int64_t now_ns) noexcept {
-  FaultPlan plan;
-  if (shared_.faults.tryLoad(&plan)) relay_faults_.setPlan(plan);
+  readFaults();
   shared_.robot.tryLoad(&robot_);
   const std::int64_t age = now_ns - robot_.received_ns;
   const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
   state_.robot_fresh = has_robot && age <= stale_ns_ ? 1 : 0;
   if (!has_robot || age > lost_ns_) linked_ = false;
   drainCommands();
+}
+
+void PhysicsLoop::readFaults() noexcept {
+  FaultPlan plan;
+  if (!shared_.faults.tryLoad(&plan)) return;
+  relay_faults_.setPlan(plan);
+  if (plan.generation == fault_generation_) return;
+  fault_generation_ = plan.generation;
+  shared_.fault_records.tryPush({state_.tick + 1, plan});
 }
 
 void PhysicsLoop::drainCommands() noexcept {
@@ -116,6 +126,7 @@ void PhysicsLoop::drainRequests() noexcept {
   }
   PlanResult result;
   while (shared_.plan_results.tryPop(&result)) {
+    if (plans_under_way_ > 0) --plans_under_way_;
     handlePlanResult(result);
   }
 }
@@ -145,7 +156,8 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
 }
 
 void PhysicsLoop::requestPlan(const Request& request) noexcept {
-  const bool is_busy = state_.mode == Mode::kPlanning;
+  // As many as the rings hold: no answer can find its ring full, and whether one is refused follows from the record.
+  const bool is_busy = state_.mode == Mode::kPlanning || plans_under_way_ >= kMaxPlansUnderWay;
   if (!is_busy) raise(Event::kPlanRequested);
   if (is_busy || state_.mode != Mode::kPlanning) {
     refusePlan(request.id);
@@ -160,9 +172,8 @@ void PhysicsLoop::requestPlan(const Request& request) noexcept {
   plan.has_goal = request.has_goal;
   plan.goal_W = request.goal_W;
   awaited_plan_ = request.id;
-  if (shared_.plan_requests.tryPush(plan)) return;
-  raise(Event::kPlanFailed);
-  refusePlan(request.id);
+  shared_.plan_requests.tryPush(plan);
+  ++plans_under_way_;
 }
 
 /** Not in this mode, or one is under way: whoever waits for this id is told. */
@@ -170,12 +181,12 @@ void PhysicsLoop::refusePlan(std::uint32_t id) noexcept {
   PlanResult refused;
   refused.id = id;
   refused.status = PlanStatus::kCancelled;
-  answerPlan(refused);
+  answerPlan(refused, true);
 }
 
-void PhysicsLoop::answerPlan(const PlanResult& result) noexcept {
+void PhysicsLoop::answerPlan(const PlanResult& result, bool refused) noexcept {
   shared_.last_plan.store(result);
-  shared_.plan_records.tryPush({state_.tick + 1, result});
+  shared_.plan_records.tryPush({state_.tick + 1, result, static_cast<std::uint8_t>(refused ? 1 : 0)});
 }
 
 void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
@@ -188,7 +199,7 @@ void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
   } else {
     raise(Event::kPlanFailed);
   }
-  answerPlan(result);
+  answerPlan(result, false);
 }
 
 void PhysicsLoop::scheduledPlan() noexcept {
@@ -377,7 +388,8 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   world_.bodyPoses(&state_.bodies);
   shared_.model.store(state_);
   publishContacts();
-  shared_.tick_records.tryPush({state_, robot_});
+  shared_.tick_records.tryPush({state_, robot_, static_cast<std::uint8_t>(slipped_ ? 1 : 0)});
+  slipped_ = false;
   if (state_.session_tick >= 0 && state_.mode != Mode::kPaused) ++state_.session_tick;
 }
 
@@ -385,6 +397,7 @@ void PhysicsLoop::publishContacts() noexcept {
   world_.contactList(&contacts_);
   contacts_.tick = state_.tick;
   shared_.contacts.store(contacts_);
+  shared_.contacts_dropped.add(contacts_.dropped);
   if (contacts_.count == 0) return;
   forEachPair(contacts_, [this](const ContactRecord& record) { shared_.contact_records.tryPush(record); });
 }
@@ -404,6 +417,7 @@ void PhysicsLoop::fillArm(Arm arm, ArmState* state) const noexcept {
 
 void PhysicsLoop::timeSlip() noexcept {
   linked_ = false;
+  slipped_ = true;
   raise(Event::kTimeSlip);
 }
 

@@ -58,6 +58,9 @@ void RavenServer::takeInputs() noexcept {
 void RavenServer::publish(std::int64_t now_ns) noexcept {
   RobotState state = software_.state();
   state.time_ns = now_ns;
+  const std::uint64_t dropped = datagrams_.dropped();  // arrived, and no room on the way to the control loop
+  state.itp.received += dropped;
+  state.itp.rejected[static_cast<std::size_t>(Reject::kQueueFull)] += dropped;
   state_.store(state);
   state_server_.push(state);
   reports_.tryPush(software_.report());

@@ -178,18 +178,19 @@ struct Simulator::Impl {
     while (!stopping()) {
       outgoing.wait(kSenderWaitMs);
       sendWaiting();
-      if (haptic_ended.load()) sendForce(silence());  // at once: the other threads may take their time
+      if (haptic_ended.load()) sendSilence();  // at once: the other threads may take their time
     }
     sendWaiting();
     releasePedal();
-    sendForce(silence());
+    sendSilence();
   }
 
   /** Whatever happens next, the hand feels nothing from us. */
-  const ForcePacket& silence() {
+  void sendSilence() {
     last_force.force_I = {};
     ++last_force.sequence;
-    return last_force;
+    shared->force_silent.add();
+    sendForce(last_force);
   }
 
   /** A robot left with the pedal down would wait for its own time-out, seconds in a real Raven, ready to move. */
@@ -197,6 +198,7 @@ struct Simulator::Impl {
     if (last_relay.command.pedal == 0) return;
     MasterCommand release;
     release.sequence = last_relay.command.sequence + 1;
+    shared->relay_released.add();
     sendRelay(release);
   }
 
@@ -209,14 +211,14 @@ struct Simulator::Impl {
 
   void sendRelay(const MasterCommand& command) {
     const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
-    to_robot.send(bytes.data(), bytes.size());
-    shared->relay_sent.add();
+    const bool taken = to_robot.send(bytes.data(), bytes.size());
+    (taken ? shared->relay_sent : shared->relay_failed).add();
   }
 
   void sendForce(const ForcePacket& force) {
     const wire::ForceBytes bytes = wire::encodeForce(force);
-    to_console.send(bytes.data(), bytes.size());
-    shared->force_sent.add();
+    const bool taken = to_console.send(bytes.data(), bytes.size());
+    (taken ? shared->force_sent : shared->force_failed).add();
   }
 
   void recorderLoop() {
@@ -290,7 +292,7 @@ struct Simulator::Impl {
     haptic_ended.store(true);
     outgoing.signal();
     planner.cancel();
-    physics_thread.stop();
+    physics_thread.stop();  // before the sender takes its last look: nothing they gave out stays behind
     stop.store(true);
     outgoing.signal();
     for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread})
@@ -306,6 +308,7 @@ struct Simulator::Impl {
     meta.wall_duration = wall.count();
     meta.realtime = realtimeStatus();
     session::writeMeta(paths, meta, config);
+    recorder.drain();
     recorder.finish(counts());
   }
 
@@ -317,17 +320,11 @@ struct Simulator::Impl {
   }
 
   SessionCounts counts() const {
-    SessionCounts c;
+    SessionCounts c = sharedCounts(*shared);
     c.master = shared->master_link.load();
-    c.master_used = shared->master_used.value();
     c.robot_state = shared->robot_link.load();
-    c.relay_sent = shared->relay_sent.value();
     c.relay = shared->robot.load().itp;
-    c.force_sent = shared->force_sent.value();
     c.loops = {shared->physics_timing.load(), shared->haptic_timing.load()};
-    c.records_dropped = recordsDropped(*shared);
-    c.frames = shared->frames.value();
-    c.ik_clamped = shared->ik_clamped.value();
     c.realtime = isRealtime() ? 1 : 0;
     return c;
   }

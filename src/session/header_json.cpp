@@ -25,8 +25,8 @@ Json describeRecord(const char* name) {
 Json describeRecords() {
   return Json::array({describeRecord<TickRecord>("tick"), describeRecord<HapticRecord>("haptic"),
                       describeRecord<CommandRecord>("command"), describeRecord<RequestRecord>("request"),
-                      describeRecord<PlanRecord>("plan"), describeRecord<ContactRecord>("contact"),
-                      describeRecord<SessionCounts>("counts")});
+                      describeRecord<PlanRecord>("plan"), describeRecord<FaultRecord>("faults"),
+                      describeRecord<ContactRecord>("contact"), describeRecord<SessionCounts>("counts")});
 }
 
 /** What decides over bytes: names, types and shapes; units and meanings may be reworded. */
@@ -53,6 +53,13 @@ void checkLayouts(const Json& records) {
   }
 }
 
+Json describeConfiguration(const LogHeader& header) {
+  Json files = Json::array();
+  for (const ConfigurationFile& file : header.configuration)
+    files.push_back({{"path", file.path}, {"fnv1a", file.fnv1a}});
+  return files;
+}
+
 }  // namespace
 
 std::string headerToJson(const LogHeader& header) {
@@ -70,10 +77,12 @@ std::string headerToJson(const LogHeader& header) {
                   {"tolerance", header.tolerance},
                   {"arm_contacts", header.arm_contacts},
                   {"body_names", header.body_names},
+                  {"configuration", describeConfiguration(header)},
                   {"arm_names", kArmNames},
                   {"joint_names", kJointNames},
                   {"loop_names", kLoopNames},
                   {"reject_names", kRejectNames},
+                  {"ring_names", kRingNames},
                   {"records", describeRecords()}};
   // A file name in `motion` may hold any bytes; those that are not UTF-8 become U+FFFD.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -99,6 +108,8 @@ LogHeader headerFromJson(const std::string& text) {
   json.at("tolerance").get_to(header.tolerance);
   json.at("arm_contacts").get_to(header.arm_contacts);
   json.at("body_names").get_to(header.body_names);
+  for (const Json& file : json.at("configuration"))
+    header.configuration.push_back({file.at("path"), file.at("fnv1a")});
   return header;
 }
 

@@ -40,6 +40,26 @@ struct EnumNames<PlanStatus> {
   static constexpr const auto& kNames = kPlanStatusNames;
 };
 
+template <>
+struct EnumNames<FaultSite> {
+  static constexpr const auto& kNames = kFaultSiteNames;
+};
+
+template <>
+struct EnumNames<FaultHost> {
+  static constexpr const auto& kNames = kFaultHostNames;
+};
+
+template <>
+struct EnumNames<FaultKind> {
+  static constexpr const auto& kNames = kFaultKindNames;
+};
+
+template <>
+struct EnumNames<FaultTarget> {
+  static constexpr const auto& kNames = kFaultTargetNames;
+};
+
 // ---- parts -------------------------------------------------------------------------------------------------------
 
 template <>
@@ -197,6 +217,45 @@ struct Layout<Histogram> {
 };
 
 template <>
+struct Layout<Fault> {
+  template <typename Visitor, typename Row>
+  static void visit(Visitor& v, Row& s) {
+    v.field("id", s.id, "", "position in scenarios + 1; 0 none");
+    v.field("site", s.site, "", "where in the system it acts");
+    v.field("host", s.host, "", "whose process applies it");
+    v.field("kind", s.kind, "", "what is done to the variable");
+    v.field("target", s.target, "", "which variable");
+    v.field("arm", s.arm, "", "0 gold, 1 green, -1 both");
+    v.field("joint", s.joint, "", "joint or master axis; -1 all");
+    v.field("first_tick", s.first_tick, "ms", "earliest start");
+    v.field("duration_ticks", s.duration_ticks, "ms", "length");
+    v.field("period_ticks", s.period_ticks, "ms", "repeated every; 0 once");
+    v.field("count", s.count, "", "number of times; 0 for ever");
+    v.field("value", s.value, "counts, um or factor", "by kind and target");
+  }
+};
+
+template <>
+struct Layout<FaultPlan> {
+  template <typename Visitor, typename Plan>
+  static void visit(Visitor& v, Plan& s) {
+    v.field("generation", s.generation, "", "changes whenever the list does");
+    v.count("count", s.count, kMaxFaults, "faults", "in use");
+    v.field("faults", s.faults, "", "all that are armed");
+  }
+};
+
+template <>
+struct Layout<RingCounts> {
+  template <typename Visitor, typename Counts>
+  static void visit(Visitor& v, Counts& s) {
+    v.field("pushed", s.pushed, "", "elements that went in");
+    v.field("taken", s.taken, "", "of them taken out");
+    v.field("dropped", s.dropped, "", "elements that found it full");
+  }
+};
+
+template <>
 struct Layout<LoopTiming> {
   template <typename Visitor, typename Timing>
   static void visit(Visitor& v, Timing& s) {
@@ -227,6 +286,7 @@ struct Layout<TickRecord> {
   static void visit(Visitor& v, Record& s) {
     v.field("model", s.model, "", "nominal model after the tick");
     v.field("robot", s.robot, "", "robot as the tick saw it");
+    v.field("slipped", s.slipped, "", "1 if simulated time was given up just before the tick");
   }
 };
 
@@ -266,6 +326,17 @@ struct Layout<PlanRecord> {
   static void visit(Visitor& v, Record& s) {
     v.field("tick", s.tick, "ms", "physics tick that consumed it");
     v.field("result", s.result, "", "the planner's answer");
+    v.field("refused", s.refused, "", "1: the physics loop's own answer, no planner was asked");
+  }
+};
+
+template <>
+struct Layout<FaultRecord> {
+  static constexpr const char* kMeaning = "a change of the armed faults";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "first physics tick that saw it");
+    v.field("plan", s.plan, "", "all faults armed from then on");
   }
 };
 
@@ -293,10 +364,16 @@ struct Layout<SessionCounts> {
     v.field("master_used", s.master_used, "packets", "of the applied ones, those that moved the model");
     v.field("robot_state", s.robot_state, "", "robot to daemon, state frames");
     v.field("relay_sent", s.relay_sent, "packets", "daemon to robot, sent");
+    v.field("relay_failed", s.relay_failed, "packets", "daemon to robot, not taken by the system");
+    v.field("relay_released", s.relay_released, "packets", "pedal-up packets that the sender added at the end");
     v.field("relay", s.relay, "", "daemon to robot, as the robot counted");
     v.field("force_sent", s.force_sent, "packets", "daemon to console, sent");
+    v.field("force_failed", s.force_failed, "packets", "daemon to console, not taken by the system");
+    v.field("force_silent", s.force_silent, "packets", "zero forces that the sender added");
     v.field("loops", s.loops, "", "physics, haptic");
+    v.field("rings", s.rings, "", "queues between the threads (ring_names)");
     v.field("records_dropped", s.records_dropped, "records", "lost because a queue was full");
+    v.field("contacts_dropped", s.contacts_dropped, "points", "contacts beyond the longest list of a tick");
     v.field("frames", s.frames, "frames", "live camera frames rendered");
     v.field("ik_clamped", s.ik_clamped, "ms", "ticks in which a joint limit clamped the desired pose");
     v.field("realtime", s.realtime, "", "1 if real-time scheduling was granted");

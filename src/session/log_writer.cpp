@@ -101,6 +101,10 @@ void LogWriter::write(const PlanRecord& record) {
   impl_->write(record);
 }
 
+void LogWriter::write(const FaultRecord& record) {
+  impl_->write(record);
+}
+
 void LogWriter::write(const ContactRecord& record) {
   impl_->write(record);
 }

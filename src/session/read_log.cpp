@@ -38,6 +38,8 @@ Outcome dispatch(const FrameHeader& header, const std::uint8_t* payload, const L
       return deliver(header, payload, visitor.request);
     case RecordType::kPlan:
       return deliver(header, payload, visitor.plan);
+    case RecordType::kFaults:
+      return deliver(header, payload, visitor.faults);
     case RecordType::kContact:
       return deliver(header, payload, visitor.contact);
     case RecordType::kCounts:
@@ -80,6 +82,7 @@ LogSummary readLog(const std::string& path, const LogVisitor& visitor) {
       continue;
     }
     ++summary.records;
+    if (visitor.position) visitor.position(scanner.position());
     if (header.type == RecordType::kCounts) summary.clean = true;
   }
   summary.bad_bytes = scanner.badBytes();

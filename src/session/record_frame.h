@@ -19,7 +19,17 @@ constexpr std::size_t kCrcSize = 4;             ///< [bytes]
 constexpr std::size_t kMaxPayload = 16 * 1024;  ///< [bytes] of a record; the largest today, a plan, takes 4.1 KiB
 constexpr std::size_t kMaxHeaderPayload = 1024 * 1024;  ///< [bytes] of the JSON in the first record
 
-enum class RecordType : std::uint16_t { kHeader, kTick, kHaptic, kCommand, kRequest, kPlan, kCounts, kContact };
+enum class RecordType : std::uint16_t {
+  kHeader,
+  kTick,
+  kHaptic,
+  kCommand,
+  kRequest,
+  kPlan,
+  kCounts,
+  kContact,
+  kFaults
+};
 
 /** Type number of each record struct. */
 template <typename T>
@@ -47,6 +57,10 @@ struct RecordTypeOf<PlanRecord> {
 template <>
 struct RecordTypeOf<ContactRecord> {
   static constexpr RecordType kType = RecordType::kContact;
+};
+template <>
+struct RecordTypeOf<FaultRecord> {
+  static constexpr RecordType kType = RecordType::kFaults;
 };
 template <>
 struct RecordTypeOf<SessionCounts> {

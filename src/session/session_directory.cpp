@@ -81,6 +81,7 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
             {"motion", meta.motion},
             {"seed", config.seed},
             {"hazard", config.hazard},
+            {"build", meta.build},
             {"config_files", describeFiles(config)}};
   if (!config.robot_urdf.empty()) json["robot_urdf"] = describeFile(config.robot_urdf);
   if (!config.scene_urdf.empty()) json["scene_urdf"] = describeFile(config.scene_urdf);
@@ -88,6 +89,17 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
   file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   file.close();
   if (!file) throw SessionException(paths.meta() + ": cannot be written");
+}
+
+std::map<std::string, std::string> readBuild(const SessionPaths& paths) {
+  std::ifstream file(paths.meta());
+  const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
+  std::map<std::string, std::string> build;
+  if (!json.is_object() || !json.contains("build") || !json["build"].is_object()) return build;
+  for (const auto& [name, value] : json["build"].items()) {
+    if (value.is_string()) build[name] = value;
+  }
+  return build;
 }
 
 std::string fileHash(const std::string& path) {

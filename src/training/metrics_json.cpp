@@ -43,6 +43,9 @@ Json describePackets(const SessionCounts& counts) {
             {"rejected", describeRejected(counts.master)}}},
           {"daemon_to_robot",
            {{"sent", counts.relay_sent},
+            {"failed", counts.relay_failed},
+            {"released", counts.relay_released},
+            {"dropped", ring(counts, RingId::kRelayPackets).dropped},
             {"received", counts.relay.received},
             {"applied", counts.relay.applied},
             {"rejected", describeRejected(counts.relay)}}},
@@ -50,7 +53,20 @@ Json describePackets(const SessionCounts& counts) {
            {{"received", counts.robot_state.received},
             {"applied", counts.robot_state.applied},
             {"rejected", describeRejected(counts.robot_state)}}},
-          {"daemon_to_console", {{"sent", counts.force_sent}}}};
+          {"daemon_to_console",
+           {{"sent", counts.force_sent},
+            {"failed", counts.force_failed},
+            {"dropped", ring(counts, RingId::kForcePackets).dropped},
+            {"silent", counts.force_silent}}}};
+}
+
+Json describeQueues(const SessionCounts& counts) {
+  Json queues = Json::object();
+  for (std::size_t i = 0; i < kRingCount; ++i) {
+    const RingCounts& queue = counts.rings[i];
+    queues[kRingNames[i]] = {{"pushed", queue.pushed}, {"taken", queue.taken}, {"dropped", queue.dropped}};
+  }
+  return queues;
 }
 
 Json orNull(Tick tick) {
@@ -141,6 +157,8 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"on_time_ratio",
               {{"physics", onTimeRatio(counts, LoopId::kPhysics)}, {"haptic", onTimeRatio(counts, LoopId::kHaptic)}}},
              {"packets", describePackets(counts)},
+             {"queues", describeQueues(counts)},
+             {"counters_add_up", metrics.complete ? Json(addsUp(counts)) : Json(nullptr)},
              {"model_robot_error_mm", describeError(metrics.error)},
              {"faults", describeFaults(metrics)},
              {"haptic", describeHaptic(metrics)},
@@ -150,6 +168,7 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"timing", describeTiming(counts)},
              {"ik_clamped_ticks", counts.ik_clamped},
              {"records_dropped", counts.records_dropped},
+             {"contacts_dropped", counts.contacts_dropped},
              {"realtime", counts.realtime != 0},
              {"lockstep", counts.lockstep != 0}});
 }

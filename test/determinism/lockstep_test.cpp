@@ -30,6 +30,8 @@ class LockstepTest : public ::testing::Test {
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
     Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted");
     EXPECT_TRUE(lockstep.run(kSeconds, {}));
+    const char* wrong = wrongSum(training::computeMetrics(paths.log()).counts);
+    EXPECT_EQ(wrong, nullptr) << wrong;
     return paths;
   }
 
@@ -40,6 +42,7 @@ TEST_F(LockstepTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
   const std::string first = session::fileHash(run("a", 1, "sudden_jump").log());
   EXPECT_EQ(session::fileHash(run("b", 1, "sudden_jump").log()), first);
   EXPECT_NE(session::fileHash(run("c", 2, "sudden_jump").log()), first);
+  EXPECT_EQ(session::fileHash(run("d", 1, "sudden_jump").log()), first) << "nothing is left of the session before";
 }
 
 TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {

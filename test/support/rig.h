@@ -1,6 +1,9 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -45,6 +48,25 @@ class Rig {
         software(config.arms, config.virtual_raven),
         plant(raven, config.virtual_raven) {
     connect();
+  }
+
+  /** Every test of the loops ends with counters that add up. */
+  ~Rig() {
+    record = nullptr;  // whoever recorded is gone
+    relayed += discard(&shared->relay_packets);
+    drain();
+    if (const char* wrong = wrongSum(counts())) ADD_FAILURE() << "the counters do not add up: " << wrong;
+  }
+
+  SessionCounts counts() const {
+    SessionCounts c = sharedCounts(*shared);
+    c.master = ingest.counts();
+    c.robot_state = link.counts();
+    c.relay = software.state().itp;
+    c.relay_sent = relayed;
+    c.force_sent = forces_taken;
+    c.lockstep = 1;
+    return c;
   }
 
   void connect() {
@@ -101,7 +123,8 @@ class Rig {
   raven::ControlSoftware software;
   plant::Plant plant;
   bool robot_connected{true};  ///< false: the robot's frames are lost, ours do not reach it
-  std::uint64_t relayed{0};
+  std::uint64_t relayed{0}, forces_taken{0};
+  std::function<void()> record;  ///< what a recorder does after each tick; without one the records are thrown away
   RelayPacket last_relay{};
 
  private:
@@ -124,18 +147,24 @@ class Rig {
 
   /** What sender and recorder do elsewhere. */
   void drain() {
-    TickRecord tick_record;
-    HapticRecord haptic_record;
-    CommandRecord command_record;
-    ForcePacket force_packet;
-    while (shared->tick_records.tryPop(&tick_record)) {
-    }
-    while (shared->haptic_records.tryPop(&haptic_record)) {
-    }
-    while (shared->command_records.tryPop(&command_record)) {
-    }
-    while (shared->force_packets.tryPop(&force_packet)) {
-    }
+    forces_taken += discard(&shared->force_packets);
+    if (record) record();
+    discard(&shared->tick_records);
+    discard(&shared->haptic_records);
+    discard(&shared->command_records);
+    discard(&shared->request_records);
+    discard(&shared->plan_records);
+    discard(&shared->fault_records);
+    discard(&shared->contact_records);
+  }
+
+  template <typename T, std::size_t Capacity>
+  static std::uint64_t discard(SpscRing<T, Capacity>* ring) {
+    T element;
+    std::uint64_t count = 0;
+    while (ring->tryPop(&element))
+      ++count;
+    return count;
   }
 
   std::int64_t now_ns{0};

@@ -128,6 +128,7 @@ class Stack:
         for name in ("master_to_daemon", "daemon_to_robot", "robot_to_daemon"):
             link = packets[name]
             assert link["received"] == link["applied"] + sum(link["rejected"].values()), (name, link)
+        assert self.metrics()["counters_add_up"] is True, self.metrics()
         return packets
 
     def meta(self):
@@ -137,13 +138,17 @@ class Stack:
     def __enter__(self):
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, failure, *_):
         for process in self.processes.values():
             if process.poll() is None:
                 process.send_signal(signal.SIGCONT)
                 process.kill()
                 process.wait()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        try:  # every test of a finished session ends with counters that add up
+            if failure is None and os.path.exists(os.path.join(self.output, "metrics.json")):
+                self.assert_counters_add_up()
+        finally:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 class RobotStates:
@@ -190,3 +195,23 @@ class RobotStates:
 
     def close(self):
         self._socket.close()
+
+    def wait_for(self, runlevel, seconds):
+        """Takes frames as they come until one has this run level. Returns that state."""
+        end = time.monotonic() + seconds
+        while True:
+            state = self.state()
+            if state["runlevel"] == runlevel:
+                return state
+            assert time.monotonic() < end, f"not within {seconds} s: run level {runlevel}, is {state['runlevel']}"
+
+
+def robot_states(port, seconds=10):
+    """A reader of a robot that may not listen yet."""
+    end = time.monotonic() + seconds
+    while True:
+        try:
+            return RobotStates(port)
+        except OSError:
+            assert time.monotonic() < end, f"not within {seconds} s: the robot listens"
+            time.sleep(0.02)

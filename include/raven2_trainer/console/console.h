@@ -59,8 +59,8 @@ class Console {
   /** The robot is ready (run level PEDAL_UP seen in a force packet, or told so): the motion may start. */
   void setReady(bool ready) noexcept;
 
-  /** Newest force from the daemon. */
-  void applyForce(const ForcePacket& force) noexcept;
+  /** Newest force from the daemon. @return why it was not used: overtaken on the way, or no force of this world. */
+  Reject applyForce(const ForcePacket& force) noexcept;
 
   /** One millisecond: the next packet. */
   wire::ItpPacket tick();

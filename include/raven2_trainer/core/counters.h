@@ -63,6 +63,15 @@ struct LinkCounts {
   constexpr bool addsUp() const noexcept { return received == applied + rejectedTotal(); }
 };
 
+/** Plain copy of the counters of one ring. Invariant: pushed >= taken; the difference waits in the ring. */
+struct RingCounts {
+  std::uint64_t pushed{};   ///< elements that went in
+  std::uint64_t taken{};    ///< of them taken out
+  std::uint64_t dropped{};  ///< elements that found it full
+
+  constexpr std::uint64_t offered() const noexcept { return pushed + dropped; }
+};
+
 /** A number that one thread counts up and any thread reads. */
 class Counter {
  public:

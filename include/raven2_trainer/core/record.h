@@ -6,6 +6,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/histogram.h"
 #include "raven2_trainer/core/state.h"
 
@@ -18,6 +19,7 @@ namespace raven2_trainer {
 struct TickRecord {
   ModelState model{};
   RobotState robot{};
+  std::uint8_t slipped{};  ///< 1 if simulated time was given up just before it
 };
 
 /** One haptic tick. */
@@ -41,6 +43,13 @@ struct RequestRecord {
 struct PlanRecord {
   Tick tick{};
   PlanResult result{};
+  std::uint8_t refused{};  ///< 1: the physics loop's own answer, no planner was asked
+};
+
+/** A fault plan, stamped with the first physics tick that saw it. */
+struct FaultRecord {
+  Tick tick{};
+  FaultPlan plan{};
 };
 
 /** All contact points of one pair of bodies in one physics tick, taken together. */
@@ -77,6 +86,29 @@ struct LoopTiming {
 };
 static_assert(sizeof(LoopTiming) <= 2048, "copied every tick");
 
+/** The rings of SharedState. */
+enum class RingId : std::uint8_t {
+  kMasterCommands,
+  kRequests,
+  kFaultRequests,
+  kPlanRequests,
+  kPlanResults,
+  kRelayPackets,
+  kForcePackets,
+  kTickRecords,
+  kHapticRecords,
+  kCommandRecords,
+  kRequestRecords,
+  kPlanRecords,
+  kFaultRecords,
+  kContactRecords,
+};
+constexpr std::size_t kRingCount = 14;
+constexpr std::array<const char*, kRingCount> kRingNames{
+    "master_commands", "requests",      "fault_requests", "plan_requests",  "plan_results",
+    "relay_packets",   "force_packets", "tick_records",   "haptic_records", "command_records",
+    "request_records", "plan_records",  "fault_records",  "contact_records"};
+
 /** Counters at the end of a session (and once a second on /diagnostics). */
 struct SessionCounts {
   LinkCounts master{};          ///< console -> daemon (UDP, ITP)
@@ -91,7 +123,31 @@ struct SessionCounts {
   std::uint64_t ik_clamped{};       ///< ticks in which a joint limit clamped the desired pose
   std::uint8_t realtime{};          ///< 1 if SCHED_FIFO was granted
   std::uint8_t lockstep{};          ///< 1 if there were no threads
+
+  // What else became of packets, commands, requests and records; see addsUp().
+  std::array<RingCounts, kRingCount> rings{};  ///< by RingId
+  std::uint64_t relay_failed{};                ///< daemon -> robot packets that the system did not take
+  std::uint64_t relay_released{};              ///< pedal-up packets that the sender added to those of the physics loop
+  std::uint64_t force_failed{};                ///< daemon -> console packets that the system did not take
+  std::uint64_t force_silent{};      ///< packets of zero force that the sender added to those of the haptic loop
+  std::uint64_t contacts_dropped{};  ///< contacts of a tick beyond the longest list
 };
 static_assert(std::is_trivially_copyable<SessionCounts>::value, "travels in the log");
+
+constexpr const RingCounts& ring(const SessionCounts& counts, RingId id) noexcept {
+  return counts.rings[static_cast<std::size_t>(id)];
+}
+
+/**
+ * Whether every packet, command, request and record of a finished session is accounted for: on every link received =
+ * applied + rejected, what was applied went into the ring behind it, what the loops gave out was sent, refused by the
+ * system or dropped by a full ring, and every record was written or dropped. While threads run the counters are read
+ * one after the other, so only of a finished session. @return nullptr if so, else the first sum that is wrong.
+ */
+const char* wrongSum(const SessionCounts& counts) noexcept;
+
+inline bool addsUp(const SessionCounts& counts) noexcept {
+  return wrongSum(counts) == nullptr;
+}
 
 }  // namespace raven2_trainer

@@ -66,6 +66,8 @@ struct SharedState {
   // physics -> recorder
   SpscRing<PlanRecord, 8> plan_records;
   // physics -> recorder
+  SpscRing<FaultRecord, 16> fault_records;
+  // physics -> recorder
   SpscRing<ContactRecord, 8192> contact_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
@@ -74,6 +76,39 @@ struct SharedState {
   Counter relay_sent;   // sender
   Counter force_sent;   // sender
   Counter frames;       // render
+
+  Counter contacts_dropped;  // physics: beyond the longest list
+  Counter relay_failed;      // sender: the system did not take it
+  Counter relay_released;    // sender: pedal-up packets of its own
+  Counter force_failed;      // sender
+  Counter force_silent;      // sender: zero forces of its own
 };
+
+/** The counters of all rings, by RingId. Any thread. */
+inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexcept {
+  return {s.master_commands.counts(), s.requests.counts(),        s.fault_requests.counts(),  s.plan_requests.counts(),
+          s.plan_results.counts(),    s.relay_packets.counts(),   s.force_packets.counts(),   s.tick_records.counts(),
+          s.haptic_records.counts(),  s.command_records.counts(), s.request_records.counts(), s.plan_records.counts(),
+          s.fault_records.counts(),   s.contact_records.counts()};
+}
+
+/** The counters that live in the shared state; whoever owns links and loops adds theirs. Any thread. */
+inline SessionCounts sharedCounts(const SharedState& s) noexcept {
+  SessionCounts c;
+  c.master_used = s.master_used.value();
+  c.relay_sent = s.relay_sent.value();
+  c.relay_failed = s.relay_failed.value();
+  c.relay_released = s.relay_released.value();
+  c.force_sent = s.force_sent.value();
+  c.force_failed = s.force_failed.value();
+  c.force_silent = s.force_silent.value();
+  c.ik_clamped = s.ik_clamped.value();
+  c.frames = s.frames.value();
+  c.contacts_dropped = s.contacts_dropped.value();
+  c.rings = ringCounts(s);
+  for (std::size_t i = static_cast<std::size_t>(RingId::kTickRecords); i < kRingCount; ++i)
+    c.records_dropped += c.rings[i].dropped;
+  return c;
+}
 
 }  // namespace raven2_trainer

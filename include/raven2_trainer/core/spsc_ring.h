@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "raven2_trainer/core/counters.h"
+
 namespace raven2_trainer {
 
 /**
@@ -42,6 +44,15 @@ class SpscRing {
 
   /** Elements dropped because the ring was full, since the start. Any thread. */
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+  /** What went through since the start. Any thread; `taken` is read first, so that it is never above `pushed`. */
+  RingCounts counts() const noexcept {
+    RingCounts c;
+    c.taken = head_.load(std::memory_order_acquire);
+    c.pushed = tail_.load(std::memory_order_acquire);
+    c.dropped = dropped();
+    return c;
+  }
 
  private:
   std::array<T, Capacity> elements_{};

@@ -68,7 +68,8 @@ class PhysicsLoop {
   void enter(Mode next) noexcept;
   void raise(control::Event event) noexcept;
   void requestPlan(const Request& request) noexcept;
-  void answerPlan(const PlanResult& result) noexcept;
+  void answerPlan(const PlanResult& result, bool refused) noexcept;
+  void readFaults() noexcept;
   bool robotApplies() const noexcept;
   void updateTargets() noexcept;
   void moveModel() noexcept;
@@ -107,8 +108,11 @@ class PhysicsLoop {
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed
   std::uint32_t next_plan_id_{1};
   std::uint32_t awaited_plan_{0};
+  std::uint32_t plans_under_way_{0};  ///< asked for and not answered yet, cancelled ones included
   std::uint64_t last_cycle_{0};
   std::atomic<bool> pause_requested_{false};
+  std::uint64_t fault_generation_{~std::uint64_t{0}};  ///< of the plan in force
+  bool slipped_{false};                                ///< since the last tick
 };
 
 }  // namespace raven2_trainer::runtime

@@ -25,15 +25,19 @@ class Recorder {
   /** Writes all that is waiting. */
   void drain();
 
-  /** After the loops stopped: the rest, the footer, metrics.json and faults.json. */
+  /** After the loops stopped and drain(), so that `counts` are the last ones: the footer, metrics.json and faults.json.
+   */
   void finish(const SessionCounts& counts);
 
   /** Newest session tick written; -1 before the first pedal down. */
   Tick sessionTick() const noexcept { return session_tick_; }
 
  private:
+  template <typename Record>
+  void write(const Record& record);
   template <typename Record, std::size_t Capacity>
   void drainRing(SpscRing<Record, Capacity>* ring);
+  void drainInputs();
 
   SharedState& shared_;
   session::SessionPaths paths_;
@@ -43,12 +47,10 @@ class Recorder {
   Tick session_tick_{-1};
 };
 
-/** Records that found a ring full, over all rings. */
-std::uint64_t recordsDropped(const SharedState& shared) noexcept;
-
-/** Header of a session's log. */
+/** Header of a session's log; copies the configuration's files beside it. */
 session::LogHeader logHeader(const TrainerConfig& config,
                              const std::vector<std::string>& body_names,
-                             const std::string& motion);
+                             const std::string& motion,
+                             const session::SessionPaths& paths);
 
 }  // namespace raven2_trainer::runtime

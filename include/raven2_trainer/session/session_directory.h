@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "raven2_trainer/core/config.h"
@@ -35,10 +36,14 @@ struct SessionMeta {
   double wall_duration{};  ///< [s]
   std::string realtime;    ///< what scheduling was granted, in words; "lockstep"
   std::string motion;
+  std::map<std::string, std::string> build{};  ///< what decides over the bits beside the inputs, by name
 };
 
 /** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file. */
 void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const TrainerConfig& config);
+
+/** SessionMeta::build of a session; empty if there is no readable meta.json or nothing in it about the build. */
+std::map<std::string, std::string> readBuild(const SessionPaths& paths);
 
 /** FNV-1a, 64 bit, of a file, as 16 hex digits. @throw SessionException if it cannot be read. */
 std::string fileHash(const std::string& path);

@@ -16,6 +16,12 @@
 
 namespace raven2_trainer::session {
 
+/** A copy of a file that the session was configured by. */
+struct ConfigurationFile {
+  std::string path;   ///< below the session's directory
+  std::string fnv1a;  ///< of its bytes, hex
+};
+
 /** What one open log holds besides ticks. */
 struct LogHeader {
   std::uint64_t seed{};
@@ -27,6 +33,7 @@ struct LogHeader {
   double tolerance{};                   ///< [m] of the haptic cue
   PerArm<bool> arm_contacts{};          ///< the model's arm meets the scene, at the start
   std::vector<std::string> body_names;  ///< by the numbers of contact records
+  std::vector<ConfigurationFile> configuration;  ///< copies beside the log, the root file first; empty: none
 };
 
 /**
@@ -45,6 +52,7 @@ class LogWriter {
   void write(const CommandRecord& record);
   void write(const RequestRecord& record);
   void write(const PlanRecord& record);
+  void write(const FaultRecord& record);
   void write(const ContactRecord& record);
   /** Last record: the counters. A log without it ended uncleanly. Closes the file. */
   void finish(const SessionCounts& counts);
@@ -61,8 +69,10 @@ struct LogVisitor {
   std::function<void(const CommandRecord&)> command;
   std::function<void(const RequestRecord&)> request;
   std::function<void(const PlanRecord&)> plan;
+  std::function<void(const FaultRecord&)> faults;
   std::function<void(const ContactRecord&)> contact;
   std::function<void(const SessionCounts&)> counts;
+  std::function<void(std::uint64_t bytes)> position;  ///< of the file read so far, after each record
 };
 
 struct LogSummary {

@@ -244,10 +244,10 @@ TEST(Console, IgnoresLateAndImpossibleForces) {
   console.setReady(true);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::uint32_t i = 0; i < 2000; ++i) {
-    console.applyForce(forceX(1.0, 1000 + i));
-    console.applyForce(forceX(-2.0, 999 + i));  // overtaken on the way
-    console.applyForce(forceX(nan, 1001 + i));
-    console.applyForce(forceX(1e6, 1001 + i));
+    EXPECT_EQ(console.applyForce(forceX(1.0, 1000 + i)), Reject::kNone);
+    EXPECT_EQ(console.applyForce(forceX(-2.0, 999 + i)), Reject::kOutOfOrder);  // overtaken on the way
+    EXPECT_EQ(console.applyForce(forceX(nan, 1001 + i)), Reject::kOutOfRange);
+    EXPECT_EQ(console.applyForce(forceX(1e6, 1001 + i)), Reject::kOutOfRange);
     console.tick();
   }
   EXPECT_NEAR(console.deflection()[0][0], 1.0 / 300.0, 1e-9);

@@ -114,7 +114,7 @@ TEST(SessionLogSchema, AnnouncesAsManyBytesAsAreWritten) {
       {"tick", payloadSize<TickRecord>()},       {"haptic", payloadSize<HapticRecord>()},
       {"command", payloadSize<CommandRecord>()}, {"request", payloadSize<RequestRecord>()},
       {"plan", payloadSize<PlanRecord>()},       {"contact", payloadSize<ContactRecord>()},
-      {"counts", payloadSize<SessionCounts>()}};
+      {"faults", payloadSize<FaultRecord>()},    {"counts", payloadSize<SessionCounts>()}};
   ASSERT_EQ(json.at("records").size(), written.size());
   for (const auto& record : json.at("records")) {
     EXPECT_EQ(schemaSize(record.at("fields")), written.at(record.at("name"))) << record.at("name");
@@ -151,14 +151,19 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
   EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
-  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 6 * 8 + 2 * sizeof(LoopTiming) + 2 + /*padding*/ 6u);
-  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 5);
+  EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
+  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 11 * 8 + 2 * sizeof(LoopTiming) +
+                                       kRingCount * sizeof(RingCounts) + 2 + /*padding*/ 6u);
+  EXPECT_EQ(sizeof(Fault), 4 + 6 + /*padding*/ 6 + 5 * 8u);
+  EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + /*padding*/ 4 + 8 * sizeof(Fault));
+  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + sizeof(FaultPlan) - 4 - 8 * 6);
+  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 5 + 1);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 7);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
   EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 8);
   EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);
   EXPECT_EQ(payloadSize<ContactRecord>(), sizeof(ContactRecord));
-  EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 10);
+  EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 10 + 1);
   EXPECT_EQ(payloadSize<SessionCounts>(), sizeof(SessionCounts) - 6);
 }
 

@@ -185,7 +185,7 @@ TEST(DamagedLog, RefusesAValueBeyondItsEnumEvenWithARightCrc) {
 }
 
 TEST(DamagedLog, RefusesAPlanWithMoreWaypointsThanItHolds) {
-  Bytes plan(8 + 4 + 2 + 4 + 64 * 64 + 8 + 8 + 4);
+  Bytes plan(8 + 4 + 2 + 4 + 64 * 64 + 8 + 8 + 4 + 1);
   plan[14] = 65;  // waypoint_count, of at most 64
   EXPECT_EQ(readWithRecord(sealed(5, kRecordVersion, plan)).summary.records, 0u);
   plan[14] = 64;

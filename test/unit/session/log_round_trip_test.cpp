@@ -16,6 +16,7 @@ struct Contents {
     v.command = [this](const CommandRecord& r) { values.push_back(valuesOf(r)); };
     v.request = [this](const RequestRecord& r) { values.push_back(valuesOf(r)); };
     v.plan = [this](const PlanRecord& r) { values.push_back(valuesOf(r)); };
+    v.faults = [this](const FaultRecord& r) { values.push_back(valuesOf(r)); };
     v.contact = [this](const ContactRecord& r) { values.push_back(valuesOf(r)); };
     v.counts = [this](const SessionCounts& r) { values.push_back(valuesOf(r)); };
     return v;
@@ -35,7 +36,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   Contents expected;
   LogWriter log(path, LogHeader{});
   for (int i = 0; i < rounds; ++i) {
-    switch (random.next() % 6) {
+    switch (random.next() % 7) {
       case 0:
         writeRandom<TickRecord>(&log, random, &expected);
         break;
@@ -50,6 +51,9 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
         break;
       case 4:
         writeRandom<RequestRecord>(&log, random, &expected);
+        break;
+      case 5:
+        writeRandom<FaultRecord>(&log, random, &expected);
         break;
       default:
         writeRandom<PlanRecord>(&log, random, &expected);

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+namespace raven2_trainer::runtime {
+
+/**
+ * What decides over the bits of a simulation beside its inputs, each by name:
+ * `sources` (hash of this package's C++), `compiler` (with its flags), `processor` (the instructions that libm chooses
+ * its code by), and for each of libode, libm, libc and libstdc++ as loaded, the hash of its file.
+ */
+std::map<std::string, std::string> buildIdentity();
+
+}  // namespace raven2_trainer::runtime

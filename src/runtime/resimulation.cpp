@@ -1,0 +1,196 @@
+#include "raven2_trainer/runtime/resimulation.h"
+
+#include <filesystem>
+
+#include "force_check.h"
+#include "input_queue.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/runtime/contact_records.h"
+#include "raven2_trainer/runtime/physics_loop.h"
+#include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/session/configuration_copy.h"
+#include "raven2_trainer/session/record_difference.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+constexpr Tick kProgressEvery = 100;
+
+template <typename T, std::size_t Capacity>
+void discard(SpscRing<T, Capacity>* ring) {
+  T element;
+  while (ring->tryPop(&element)) {
+  }
+}
+
+template <typename T, std::size_t Capacity>
+void push(SpscRing<T, Capacity>* ring, const T& element, Tick tick) {
+  if (ring->tryPush(element)) return;
+  throw SessionException("tick " + std::to_string(tick) + " consumed more than " + std::to_string(Capacity) +
+                         " elements of one kind: it cannot be simulated again");
+}
+
+}  // namespace
+
+TrainerConfig sessionConfig(const session::SessionPaths& paths) {
+  const session::LogHeader header = session::readLogHeader(paths.log());
+  TrainerConfig config = config::loadTrainerConfig(session::checkConfiguration(paths, header));
+  config::faultId(config, header.hazard);
+  config.hazard = header.hazard;
+  config.seed = header.seed;
+  config.model.arm_contacts = header.arm_contacts;
+  return config;
+}
+
+struct Resimulation::Impl {
+  Impl(const TrainerConfig& configuration, const session::SessionPaths& session, const std::string& output)
+      : config(configuration),
+        paths(session),
+        raven(model::loadRavenModel(config)),
+        scene(model::loadSceneModel(config)),
+        shared(std::make_unique<SharedState>()),
+        physics(config, raven, scene, shared.get()),
+        forces(config) {
+    if (output.empty()) return;
+    const std::string motion = session::readLogHeader(paths.log()).motion;
+    recorder = std::make_unique<Recorder>(config, physics.bodyNames(), session::createSessionDirectory(output), motion,
+                                          shared.get());
+  }
+
+  ResimulationResult run(const std::function<void(double)>& progress) {
+    const auto size = static_cast<double>(std::filesystem::file_size(paths.log()));
+    session::LogVisitor visitor;
+    visitor.command = upToDifference<CommandRecord>([this](const auto& record) { commands.add(record); });
+    visitor.request = upToDifference<RequestRecord>([this](const auto& record) { requests.add(record); });
+    visitor.plan = upToDifference<PlanRecord>([this](const auto& record) { plans.add(record); });
+    visitor.faults = upToDifference<FaultRecord>([this](const auto& record) { faults.add(record); });
+    visitor.contact = upToDifference<ContactRecord>([this](const auto& record) { contacts.add(record); });
+    visitor.haptic = upToDifference<HapticRecord>([this](const auto& record) { addForce(record); });
+    visitor.tick = upToDifference<TickRecord>([this](const auto& record) { tick(record); });
+    visitor.counts = [this](const SessionCounts& record) { counts = record; };
+    visitor.position = [&](std::uint64_t bytes) {
+      if (!progress || shared->model.version() < told + kProgressEvery) return;
+      told = shared->model.version();
+      progress(static_cast<double>(bytes) / size);
+    };
+    session::readLog(paths.log(), visitor);
+    if (!result.difference) result.difference = forces.compare(/*at_end=*/true, &result);
+    finish();
+    return result;
+  }
+
+  template <typename Record>
+  std::function<void(const Record&)> upToDifference(std::function<void(const Record&)> use) {
+    return [this, use](const Record& record) {
+      if (!result.difference) use(record);
+    };
+  }
+
+  void addForce(const HapticRecord& record) {
+    forces.add(record);
+    if (!recorder) return;
+    shared->haptic_records.tryPush(record);
+    recorder->drain();  // at its place among the ticks
+  }
+
+  void tick(const TickRecord& recorded) {
+    const Tick expected = static_cast<Tick>(result.ticks) + 1;
+    if (recorded.model.tick != expected) {
+      throw SessionException(paths.log() + ": tick " + std::to_string(expected) +
+                             " is missing: the session cannot be simulated again from there");
+    }
+    feed(recorded);
+    physics.tick(recorded.model.time_ns);
+    compare(recorded);
+    drain();
+    ++result.ticks;
+  }
+
+  /** What the tick found in its cells and rings. */
+  void feed(const TickRecord& recorded) {
+    const Tick now = recorded.model.tick;
+    faults.take(now, [&](const FaultRecord& r) { shared->faults.store(r.plan); });
+    commands.take(now, [&](const CommandRecord& r) { push(&shared->master_commands, r.command, now); });
+    requests.take(now, [&](const RequestRecord& r) { push(&shared->requests, r.request, now); });
+    plans.take(now, [&](const PlanRecord& r) {
+      if (r.refused == 0) push(&shared->plan_results, r.result, now);
+    });
+    shared->robot.store(recorded.robot);
+    if (recorded.slipped != 0) physics.timeSlip();
+  }
+
+  void compare(const TickRecord& recorded) {
+    std::string field = session::difference(shared->model.load(), recorded.model);
+    if (!field.empty()) field = "model." + field;
+    const std::string contact = compareContacts(recorded.model.tick);
+    if (field.empty()) field = contact;
+    if (!field.empty()) result.difference = Difference{recorded.model.tick, field};
+    forces.add(recorded);
+    if (!result.difference) result.difference = forces.compare(/*at_end=*/false, &result);
+  }
+
+  std::string compareContacts(Tick now) {
+    std::deque<ContactRecord> recorded;
+    contacts.take(now, [&](const ContactRecord& r) { recorded.push_back(r); });
+    std::string field;
+    const auto differs = [&](const std::string& what) {
+      if (field.empty() && !what.empty()) field = "contact." + what;
+    };
+    forEachPair(shared->contacts.load(), [&](const ContactRecord& r) {
+      if (recorded.empty()) return differs("points is " + std::to_string(r.points) + ", was not recorded");
+      differs(session::difference(r, recorded.front()));
+      recorded.pop_front();
+    });
+    if (!recorded.empty()) differs("points is 0, was " + std::to_string(recorded.front().points));
+    return field;
+  }
+
+  void drain() {
+    discard(&shared->plan_requests);
+    discard(&shared->relay_packets);
+    discard(&shared->force_packets);
+    if (recorder) return recorder->drain();
+    discard(&shared->tick_records);
+    discard(&shared->command_records);
+    discard(&shared->request_records);
+    discard(&shared->plan_records);
+    discard(&shared->fault_records);
+    discard(&shared->contact_records);
+  }
+
+  /** The counters of links and loops are those of the session. */
+  void finish() {
+    if (!recorder) return;
+    recorder->drain();
+    recorder->finish(counts);
+  }
+
+  const TrainerConfig config;
+  const session::SessionPaths paths;
+  const model::RavenModel raven;
+  const model::SceneModel scene;
+  std::unique_ptr<SharedState> shared;
+  PhysicsLoop physics;
+  ForceCheck forces;
+  std::unique_ptr<Recorder> recorder;
+
+  InputQueue<CommandRecord> commands{"a command"};
+  InputQueue<RequestRecord> requests{"a request"};
+  InputQueue<PlanRecord> plans{"a plan"};
+  InputQueue<FaultRecord> faults{"a fault plan"};
+  InputQueue<ContactRecord> contacts{"a contact"};
+  SessionCounts counts{};
+  ResimulationResult result;
+  std::uint64_t told{0};
+};
+
+Resimulation::Resimulation(const TrainerConfig& config, const session::SessionPaths& paths, const std::string& output)
+    : impl_(std::make_unique<Impl>(config, paths, output)) {}
+
+Resimulation::~Resimulation() = default;
+
+ResimulationResult Resimulation::run(const std::function<void(double)>& progress) {
+  return impl_->run(progress);
+}
+
+}  // namespace raven2_trainer::runtime

@@ -1,0 +1,341 @@
+#include "raven2_trainer/runtime/resimulation.h"
+
+#include <gtest/gtest.h>
+#include <ode/ode.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/lockstep.h"
+#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/runtime/planner_worker.h"
+#include "raven2_trainer/runtime/recorder.h"
+#include "support/rig.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using raven2_trainer::testing::packagedConfig;
+using raven2_trainer::testing::Rig;
+
+/** A session in which everything happens that physics can be given, recorded as the daemon records it. */
+class EventfulSession {
+ public:
+  explicit EventfulSession(const std::string& directory)
+      : config(eventfulConfig()),
+        paths(session::createSessionDirectory(directory)),
+        rig(config),
+        planner(config, rig.raven, rig.scene, rig.shared.get()),
+        recorder(config, rig.physics.bodyNames(), paths, "test", rig.shared.get()) {
+    rig.record = [this] { recorder.drain(); };
+  }
+
+  void run() {
+    ASSERT_TRUE(rig.home());
+    strokesAndClutches();
+    plans();
+    collisions();
+    robotDrop();
+    timeSlip();
+    hazard();
+    recorder.finish(rig.counts());
+  }
+
+  const TrainerConfig config;
+  const session::SessionPaths paths;
+
+ private:
+  static TrainerConfig eventfulConfig() {
+    TrainerConfig config = packagedConfig();
+    config.hazard = "none";
+    config.runtime.plan_at = -1.0;
+    config.scenarios[0].fault.first_tick = 0;  // at the first pedal-down once it is armed
+    config.scenarios[0].fault.duration_ticks = 100;
+    config.planner.samples = 50;
+    return config;
+  }
+
+  void stroke(int ticks, double direction) {
+    for (int i = 0; i < ticks; ++i)
+      rig.tick(true, {direction * 20e-6, direction * (i % 7) * 3e-6, i % 2 == 0 ? 10e-6 : 0.0});
+  }
+
+  void rest(bool pedal, int ticks) {
+    for (int i = 0; i < ticks; ++i)
+      rig.tick(pedal);
+  }
+
+  void request(RequestKind kind, std::uint32_t id = 0, bool enabled = false) {
+    Request order;
+    order.kind = kind;
+    order.id = id;
+    order.enabled = enabled ? 1 : 0;
+    ASSERT_TRUE(rig.shared->requests.tryPush(order));
+  }
+
+  void strokesAndClutches() {
+    for (int clutch = 0; clutch < 4; ++clutch) {
+      stroke(150, clutch % 2 == 0 ? 1.0 : -1.0);
+      rest(false, 60);
+    }
+  }
+
+  /** Into the scene, out of its way, and disengaged. */
+  void collisions() {
+    for (int i = 0; i < 700; ++i)
+      rig.tick(true, {0.0, 0.0, 50e-6});
+    request(RequestKind::kSetCollisions, 0, false);
+    stroke(50, 1.0);
+    request(RequestKind::kSetCollisions, 0, true);
+    request(RequestKind::kDisengage);
+    stroke(50, -1.0);
+    request(RequestKind::kEngage);
+    rest(false, 300);
+  }
+
+  /** Refused, cancelled while under way, one too many, and followed. */
+  void plans() {
+    rest(true, 5);
+    request(RequestKind::kPlan, 11);
+    rest(true, 5);
+    rest(false, 100);
+    for (std::uint32_t id = 20; id < 26; ++id) {
+      request(RequestKind::kPlan, id);
+      request(RequestKind::kCancelPlan);
+      rest(false, 3);
+    }
+    while (planner.serve())
+      rest(false, 2);
+    request(RequestKind::kPlan, 30);
+    rest(false, 20);
+    planner.serve();
+    rest(false, 600);
+  }
+
+  void robotDrop() {
+    stroke(60, 1.0);
+    rig.robot_connected = false;
+    rest(true, 30);  // silent, then gone
+    rig.link.disconnected();
+    stroke(60, 1.0);
+    rig.connect();
+    rig.robot_connected = true;
+    rest(false, 100);
+  }
+
+  void timeSlip() {
+    stroke(60, -1.0);
+    rig.physics.timeSlip();
+    stroke(30, -1.0);
+    rest(false, 100);
+  }
+
+  void hazard() {
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, 1}));
+    stroke(400, 1.0);
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({0, 0}));
+    stroke(100, -1.0);
+  }
+
+  Rig rig;
+  PlannerWorker planner;
+  Recorder recorder;
+};
+
+class ResimulationTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    raven2_trainer::testing::useOde();
+    folder = std::filesystem::temp_directory_path() / ("raven2_resimulation_" + std::to_string(getpid()));
+    std::filesystem::remove_all(folder);
+    EventfulSession session((folder / "eventful").string());
+    session.run();
+    paths = session.paths;
+    config = session.config;
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder); }
+
+  static ResimulationResult resimulate(const session::SessionPaths& session, const std::string& output = "") {
+    return Resimulation(config, session, output).run({});
+  }
+
+  /** Writes the log anew, each record as `change` leaves it; false leaves it out. */
+  template <typename Record>
+  static session::SessionPaths rewritten(const std::string& name, const std::function<bool(Record&)>& change) {
+    const session::SessionPaths copy = session::createSessionDirectory((folder / name).string());
+    session::LogWriter log(copy.log(), session::readLogHeader(paths.log()));
+    session::LogVisitor visitor;
+    const auto pass = [&](const auto& record) {
+      auto changed = record;
+      using Given = std::decay_t<decltype(record)>;
+      if constexpr (std::is_same_v<Given, Record>) {
+        if (!change(changed)) return;
+      }
+      log.write(changed);
+    };
+    visitor.tick = pass;
+    visitor.haptic = pass;
+    visitor.command = pass;
+    visitor.request = pass;
+    visitor.plan = pass;
+    visitor.faults = pass;
+    visitor.contact = pass;
+    visitor.counts = [&](const SessionCounts& counts) { log.finish(counts); };
+    session::readLog(paths.log(), visitor);
+    return copy;
+  }
+
+  /** A tick in the midst of a stroke, whose command moved the model. */
+  static Tick strokeTick() {
+    std::vector<Tick> used;
+    session::LogVisitor visitor;
+    visitor.tick = [&](const TickRecord& r) {
+      if (r.model.commands_used > 0) used.push_back(r.model.tick);
+    };
+    session::readLog(paths.log(), visitor);
+    return used.at(100);
+  }
+
+  static inline std::filesystem::path folder;
+  static inline session::SessionPaths paths;
+  static inline TrainerConfig config;
+};
+
+TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
+  std::set<Mode> modes;
+  std::set<RequestKind> requests;
+  std::uint64_t slips = 0, lost = 0, contacts = 0, faulty = 0, armed = 0, refused = 0, answered = 0;
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& r) {
+    modes.insert(r.model.mode);
+    slips += r.slipped;
+    lost += r.model.robot_fresh == 0 && r.robot.frame > 0 ? 1 : 0;
+    faulty += r.robot.active_fault != 0 ? 1 : 0;
+  };
+  visitor.request = [&](const RequestRecord& r) { requests.insert(r.request.kind); };
+  visitor.plan = [&](const PlanRecord& r) { ++(r.refused != 0 ? refused : answered); };
+  visitor.faults = [&](const FaultRecord& r) { armed += r.plan.count; };
+  visitor.contact = [&](const ContactRecord&) { ++contacts; };
+  session::readLog(paths.log(), visitor);
+  EXPECT_EQ(modes,
+            (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking}));
+  EXPECT_EQ(requests.size(), 5U);
+  EXPECT_EQ(slips, 1U);
+  EXPECT_GT(lost, 0U);
+  EXPECT_GT(contacts, 1000U);
+  EXPECT_GT(faulty, 0U);
+  EXPECT_EQ(armed, 1U);
+  EXPECT_EQ(refused, 3U) << "with the pedal down, and two beyond the four that may be under way";
+  EXPECT_EQ(answered, 5U);
+}
+
+TEST_F(ResimulationTest, GivesTheSameBitsInEveryTickContactAndForce) {
+  const ResimulationResult result = resimulate(paths);
+  EXPECT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
+  EXPECT_GT(result.ticks, 6000U);
+  EXPECT_GE(result.forces, result.ticks - 1) << "every haptic tick but the one before the first model";
+}
+
+TEST_F(ResimulationTest, GivesTheSameBitsInAProcessThatRanAnotherSession) {
+  TrainerConfig other = packagedConfig();
+  other.seed = 99;
+  {
+    Lockstep lockstep(other, makeMotion(other, "scripted"),
+                      session::createSessionDirectory((folder / "other").string()), "scripted");
+    ASSERT_TRUE(lockstep.run(1.0, {}));
+  }
+  dRandSetSeed(12345);
+  EXPECT_FALSE(resimulate(paths).difference);
+  // The world seeds ODE's random numbers and takes none: whoever else uses them changes nothing.
+  const unsigned long seed = dRandGetSeed();
+  Rig rig(packagedConfig());
+  const unsigned long seeded = dRandGetSeed();
+  ASSERT_TRUE(rig.home());
+  EXPECT_EQ(dRandGetSeed(), seeded);
+  EXPECT_EQ(seed, seeded);
+}
+
+TEST_F(ResimulationTest, RecordsASessionOfTheSameTicks) {
+  const std::string output = (folder / "again").string();
+  ASSERT_FALSE(resimulate(paths, output).difference);
+  const auto ticksOf = [](const session::SessionPaths& session) {
+    std::uint64_t ticks = 0;
+    session::LogVisitor visitor;
+    visitor.tick = [&](const TickRecord&) { ++ticks; };
+    EXPECT_TRUE(session::readLog(session.log(), visitor).clean);
+    return ticks;
+  };
+  EXPECT_EQ(ticksOf(session::SessionPaths{output}), ticksOf(paths));
+  EXPECT_FALSE(resimulate(session::SessionPaths{output}).difference) << "it can be simulated again itself";
+}
+
+TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {
+  const Tick flipped = strokeTick();
+  const auto other = rewritten<CommandRecord>("flipped", [&](CommandRecord& record) {
+    if (record.tick != flipped) return true;
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &record.command.dp_I[0][0], sizeof(bits));
+    bits ^= std::uint64_t{1} << 51U;  // some micrometres; increments count in whole ones
+    std::memcpy(&record.command.dp_I[0][0], &bits, sizeof(bits));
+    return true;
+  });
+  const ResimulationResult result = resimulate(other);
+  ASSERT_TRUE(result.difference);
+  EXPECT_EQ(result.difference->tick, flipped);
+  EXPECT_EQ(result.difference->field.rfind("model.arms[0].", 0), 0U) << result.difference->field;
+}
+
+TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {
+  Tick changed = -1;
+  const auto other = rewritten<HapticRecord>("force", [&](HapticRecord& record) {
+    if (changed >= 0 || record.haptic.force_B[0][0] == 0.0) return true;
+    changed = record.haptic.tick;
+    record.haptic.force_B[0][0] = std::nextafter(record.haptic.force_B[0][0], 10.0);
+    return true;
+  });
+  ASSERT_GE(changed, 0) << "the hazard was not felt";
+  const ResimulationResult result = resimulate(other);
+  ASSERT_TRUE(result.difference);
+  EXPECT_EQ(result.difference->tick, changed);
+  EXPECT_EQ(result.difference->field.rfind("haptic.force_B[0][0]", 0), 0U) << result.difference->field;
+}
+
+TEST_F(ResimulationTest, RefusesASessionWithAMissingTickOrMissingInputs) {
+  const auto no_tick = rewritten<TickRecord>("no_tick", [](TickRecord& record) { return record.model.tick != 3000; });
+  EXPECT_THROW(resimulate(no_tick), SessionException);
+  const Tick left_out = strokeTick();
+  const auto no_command =
+      rewritten<CommandRecord>("no_command", [&](CommandRecord& record) { return record.tick != left_out; });
+  EXPECT_TRUE(resimulate(no_command).difference);
+  const auto no_slip = rewritten<TickRecord>("no_slip", [](TickRecord& record) {
+    record.slipped = 0;
+    return true;
+  });
+  EXPECT_TRUE(resimulate(no_slip).difference) << "a time slip is an input like any other";
+}
+
+TEST_F(ResimulationTest, FindsTheConfigurationInTheSessionItself) {
+  TrainerConfig recorded = packagedConfig();
+  recorded.hazard = "none";
+  recorded.seed = 5;
+  recorded.model.arm_contacts = {false, true};
+  const session::SessionPaths own = session::createSessionDirectory((folder / "own").string());
+  {
+    Lockstep lockstep(recorded, makeMotion(recorded, "scripted"), own, "scripted");
+    ASSERT_TRUE(lockstep.run(1.0, {}));
+  }
+  const TrainerConfig found = sessionConfig(own);
+  EXPECT_EQ(found.seed, 5U);
+  EXPECT_EQ(found.hazard, "none");
+  EXPECT_EQ(found.model.arm_contacts, recorded.model.arm_contacts);
+  EXPECT_EQ(found.robot_urdf.rfind(own.directory, 0), 0U) << found.robot_urdf;
+  EXPECT_FALSE(Resimulation(found, own, "").run({}).difference);
+  std::ofstream(own.directory + "/configuration/config/model.yaml", std::ios::app) << "# changed\n";
+  EXPECT_THROW(sessionConfig(own), SessionException);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
