@@ -20,12 +20,12 @@ RULES = {
     "control": (["core", "kinematics"], PURE),
     "haptics": (["core"], PURE),
     "faults": (["core"], None),
-    "wire": (["core"], r"zlib\.h"),
+    "wire": (["core"], r"zlib\.h|sodium\.h"),
     "impair": (["core"], None),
     "config": (["core"], r"yaml-cpp/"),
     "model": (["core", "kinematics"], PURE + r"|urdf_|urdf_model/|urdf_parser/|assimp/|tinyxml|console_bridge/"),
     "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h"),
-    "session": (["core"], r"zlib\.h|nlohmann/|sys/stat\.h|fcntl\.h|unistd\.h"),
+    "session": (["core"], r"zlib\.h|nlohmann/|sys/|fcntl\.h|unistd\.h"),
     "raven": (["core", "kinematics", "control", "faults", "wire"], PURE),
     "console": (["core", "kinematics", "control", "wire"], PURE),
     "physics": (["core", "kinematics", "model"], PURE + r"|ode/"),
@@ -36,7 +36,7 @@ RULES = {
                PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
-                PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|unistd\.h|time\.h|nlohmann/"),
+                PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|fcntl\.h|unistd\.h|time\.h|sodium\.h|nlohmann/"),
     "ros": (["core", "kinematics", "wire", "config", "model", "net", "raven", "runtime"], PURE + r"|ros/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
     "apps": (None, None),  # anything
 }

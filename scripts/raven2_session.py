@@ -11,6 +11,7 @@ that list, so this module knows no field by name. Format: doc/session.md.
     session.metrics["model_robot_error_mm"]["mean"]
 """
 
+import fcntl
 import json
 import mmap
 import os
@@ -42,20 +43,123 @@ def dtype_of(fields):
     return np.dtype(entries)
 
 
+def _memory_dtype(fields, size):
+    """The numpy type of a struct as it lies in memory, from the flight recorder's description."""
+    formats = []
+    for field in fields:
+        kind = field["type"]
+        base = (_memory_dtype(field["fields"], field["size"]) if kind == "struct"
+                else np.dtype("<" + kind[0] + str(int(kind[1:]) // 8)))
+        formats.append((base, tuple(field["shape"])))
+    return np.dtype({"names": [field["name"] for field in fields], "formats": formats,
+                     "offsets": [field["offset"] for field in fields], "itemsize": size})
+
+
+def _checksums(words, index):
+    """recordChecksum() of rows of 64-bit words (include/raven2_trainer/core/record_ring.h)."""
+    with np.errstate(over="ignore"):
+        value = np.uint64(0xCBF29CE484222325) ^ index.astype(np.uint64)
+        for column in range(words.shape[1]):
+            value = (value ^ words[:, column]) * np.uint64(0x100000001B3)
+            value ^= value >> np.uint64(29)
+    return value
+
+
+class FlightRecorder:
+    """The record queues of a session whose process was killed: what stands in them behind the log's `log_size` bytes.
+
+    Made by open_for(path of a log), which gives None unless there is a whole one that belongs to the log and nobody
+    writes to. Reads only: recover_session is what completes a log.
+    """
+
+    HEAD = struct.Struct("<8sQQQ")  # magic, size of the description, device and inode of the log
+    QUEUES = 7
+    WORDS = 3 + 2 * QUEUES  # of a checkpoint: sequence, log size, next number, heads and losses of the queues
+    LAYOUT = 64 + 2 * 192  # where the description begins: head and two checkpoints, each aligned to 64 bytes
+
+    def __init__(self, data):
+        self._data = data
+        _, size, _, _ = self.HEAD.unpack_from(data)
+        self._layout = json.loads(data[self.LAYOUT : self.LAYOUT + size].decode())
+        newest = max(self._checkpoints(), key=lambda words: words[0])
+        self.log_size = int(newest[1])
+        self._heads, self._told = newest[3 : 3 + self.QUEUES], newest[3 + self.QUEUES :]
+
+    @classmethod
+    def open_for(cls, log_path):
+        path = os.path.join(os.path.dirname(log_path), "flight_recorder")
+        try:
+            with open(path, "rb") as file, open(log_path, "rb") as log:
+                fcntl.flock(log, fcntl.LOCK_SH | fcntl.LOCK_NB)  # held by a living writer
+                data = file.read()
+                magic, _, device, inode = cls.HEAD.unpack_from(data)
+                status = os.fstat(log.fileno())
+                if (magic, device, inode) != (b"RVFLIGHT", status.st_dev, status.st_ino):
+                    return None
+                return cls(data)
+        except (OSError, ValueError, struct.error, KeyError):
+            return None
+
+    def _checkpoints(self):
+        for offset in self._layout["checkpoints"]:
+            words = np.frombuffer(self._data, "<u8", self.WORDS + 1, offset)
+            if words[0] and _checksums(words[None, : self.WORDS], np.zeros(1))[0] == words[self.WORDS]:
+                yield words
+
+    def records(self, types):
+        """(name, packed array) for each queue; `types`: numpy types of the log by record type number."""
+        for queue in self._layout["queues"]:
+            head = int(self._heads[queue["kind"]])
+            tail = int(np.frombuffer(self._data, "<u8", 1, queue["tail"])[0])
+            count = tail - head if 0 <= tail - head <= queue["capacity"] else 0
+            yield queue["name"], self._take(queue, head, count, types[queue["type"]])
+
+    def lost(self):
+        """Records lost that no gap record tells of, all kinds."""
+        return sum(int(np.frombuffer(self._data, "<u8", 1, queue["dropped"])[0]) - int(self._told[queue["kind"]])
+                   for queue in self._layout["queues"])
+
+    def _take(self, queue, head, count, packed):
+        stride, size = queue["stride"], queue["size"]
+        slots = np.frombuffer(self._data, np.uint8, queue["capacity"] * stride, queue["slots"])
+        index = np.arange(head, head + count)
+        rows = slots.reshape(queue["capacity"], stride)[index % queue["capacity"]]
+        words = np.ascontiguousarray(rows[:, :size]).view("<u8").reshape(count, size // 8)
+        check = np.ascontiguousarray(rows[:, queue["check"] : queue["check"] + 8]).view("<u8").reshape(count)
+        whole = rows[_checksums(words, index) == check]
+        memory = np.ascontiguousarray(whole[:, :size]).view(_memory_dtype(queue["fields"], size)).reshape(len(whole))
+        return _packed(memory, packed)
+
+
+def _packed(memory, packed):
+    """The same values in the log's type, field by field."""
+    result = np.zeros(memory.shape, packed)
+    for name in packed.names:
+        base = packed[name].base
+        result[name] = _packed(memory[name], base) if base.names else memory[name]
+    return result
+
+
 class SessionLog:
-    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `contacts`, `counts` as
-    structured arrays.
+    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `contacts`, `counts`, `gaps`,
+    `recovery` as structured arrays.
 
     Damaged records are left out, as the C++ reader does: `bad_bytes` says how much. `clean` is true if the log ends
-    with the session's counters, `truncated_bytes` the size of a last record that was cut short.
+    with the session's counters, `recovered` if its writer was killed and recover_session completed it,
+    `truncated_bytes` the size of a last record that was cut short. `lost` adds up what the gap records tell of.
+    If the writer was killed and nobody recovered the log yet, the records that its flight recorder holds are appended
+    here and `from_flight_recorder` says how many; the files stay as they are.
     """
 
     def __init__(self, path):
         self.bad_bytes = 0
         self.truncated_bytes = 0
+        self.from_flight_recorder = 0
+        self.lost = 0
+        flight = FlightRecorder.open_for(path)
         try:
             with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-                self._load(path, data)
+                self._load(path, data, flight)
         except (OSError, ValueError) as error:  # ValueError: an empty file cannot be mapped
             raise SessionError(f"{path}: cannot be read as a session log: {error}") from None
         self.ticks = self._arrays["tick"]
@@ -66,7 +170,12 @@ class SessionLog:
         self.faults = self._arrays.get("faults")  # None in logs older than they
         self.contacts = self._arrays.get("contact")  # None in logs older than contact records
         self.counts = self._arrays["counts"]
+        self.gaps = self._arrays.get("gap")  # None in logs older than gap records
+        self.recovery = self._arrays.get("recovery")
         self.clean = len(self.counts) > 0
+        self.recovered = self.recovery is not None and len(self.recovery) > 0
+        if self.gaps is not None:
+            self.lost += int(self.gaps["lost"].sum())
 
     def names(self, record, field):
         """Names of the values of an enum, e.g. names("tick", "model.mode")."""
@@ -76,21 +185,26 @@ class SessionLog:
             fields = found.get("fields", [])
         return found["names"]
 
-    def _load(self, path, data):
+    def _load(self, path, data, flight):
         self.header, position = _read_header(path, data)
         kinds = {entry["type"]: entry for entry in self.header["records"]}
         types = {number: dtype_of(entry["fields"]) for number, entry in kinds.items()}
-        found = self._scan(data, position, {n: (kinds[n]["version"], types[n].itemsize) for n in kinds})
+        end = min(len(data), flight.log_size) if flight else len(data)
+        found = self._scan(data, position, end, {n: (kinds[n]["version"], types[n].itemsize) for n in kinds})
         self._arrays = {}
         for number, offsets in found.items():
             size = types[number].itemsize
             payloads = b"".join([data[offset : offset + size] for offset in offsets])
             self._arrays[kinds[number]["name"]] = np.frombuffer(payloads, dtype=types[number])
+        if flight and not len(self._arrays["counts"]):
+            self.lost += flight.lost()
+            for name, array in flight.records(types):
+                self.from_flight_recorder += len(array)
+                self._arrays[name] = np.concatenate([self._arrays[name], array])
 
-    def _scan(self, data, position, known):
+    def _scan(self, data, position, end, known):
         """Offsets of the intact payloads of each known type."""
         found = {number: [] for number in known}
-        end = len(data)
         skipped_from = None  # start of a stretch without an intact record
         cut = False
         while position < end:
@@ -108,7 +222,7 @@ class SessionLog:
                 continue
             if skipped_from is None:
                 skipped_from, cut = position, state == "cut"
-            position = data.find(MAGIC, position + 1)
+            position = data.find(MAGIC, position + 1, end)
             if position < 0:
                 break
         if skipped_from is not None:

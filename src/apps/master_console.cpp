@@ -22,11 +22,13 @@ int run(const Options& options) {
   if (options.scale > 0.0) config.console.scale = options.scale;
   runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion));
   console.start();
-  bool told = false;
+  bool told = false, told_signing = false;
   for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += 0.1) {
     if (apps::waitForSignal(0.1)) break;
     if (console.finished() && !told) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
     told = console.finished();
+    if (console.signing() && !told_signing) std::fprintf(stderr, "the daemon has answered: packets are signed\n");
+    told_signing = console.signing();
   }
   console.stop();
   const LinkCounts forces = console.forceCounts();

@@ -29,7 +29,7 @@ bool watch(const Simulator& simulator, double duration) {
       if (duration > 0.0) bar.update(time / duration, detail);
       continue;
     }
-    const char* ends[] = {"stopped", "complete", "no pedal-down before the start time-out", "the record failed"};
+    const char* ends[] = {"stopped", "complete", "no pedal-down before the start time-out"};
     bar.done(std::string(ends[static_cast<std::size_t>(state)]) + " at " + detail);
     return state == SimulatorState::kComplete || (interrupted && state == SimulatorState::kRunning);
   }
@@ -44,7 +44,7 @@ int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& opti
   const bool good = watch(simulator, options.duration);
   ros.end();
   simulator.stop();
-  return ros.leave(good ? 0 : 1);
+  return ros.leave(good && simulator.recorded() ? 0 : 1);
 }
 
 }  // namespace

@@ -98,6 +98,32 @@ std::uint16_t port(Section& section, const std::string& key, int low) {
   return static_cast<std::uint16_t>(section.integer(key, low, 65535));
 }
 
+void readItpRules(Section& root, ItpRules* c) {
+  c->hardened = root.text("ingest", {"hardened", "compat"}) == "hardened";
+  c->auth = static_cast<ItpAuth>(root.choice("auth", kItpAuthNames));
+  c->max_increment_um = static_cast<std::int32_t>(root.integer("max_increment_um", 1, 1000000));
+  c->max_rotation = root.number("max_rotation", 0.001, kPi);
+  c->max_rate = root.number("max_rate", 1, 1e6);
+  c->max_burst = static_cast<std::int32_t>(root.integer("max_burst", 1, 10000));
+  c->master_timeout = root.number("master_timeout", 0.02, 60);
+  c->compat_timeout = root.number("compat_timeout", 0.02, 60);
+}
+
+/** Whoever reaches a port where plain ITP is taken moves the arms: beyond this computer only if it is asked for. */
+void checkExposure(const Section& root, const NetworkConfig& c) {
+  if (c.itp.auth != ItpAuth::kOff && c.key_file.empty()) {
+    throw ConfigException(root.where("auth") + " asks for signatures, but key_file is empty");
+  }
+  if (c.itp.auth != ItpAuth::kOff && !c.itp.hardened) {
+    throw ConfigException(root.where("auth") + " asks for signatures, which ingest: compat does not verify");
+  }
+  const bool is_loopback = c.bind_address.rfind("127.", 0) == 0 || c.bind_address == "localhost";
+  if (is_loopback || c.itp.auth == ItpAuth::kRequired || c.allow_plaintext_remote) return;
+  throw ConfigException(root.where("bind_address") + " is \"" + c.bind_address +
+                        "\", beyond this computer, and unsigned ITP is taken: set auth: required and a key_file, or "
+                        "allow_plaintext_remote: true if whoever reaches the port may move the arms");
+}
+
 void readNetwork(Section& root, NetworkConfig* c) {
   c->bind_address = root.text("bind_address");
   c->master_port = port(root, "master_port", 0);
@@ -110,8 +136,12 @@ void readNetwork(Section& root, NetworkConfig* c) {
   c->stale_after = root.number("stale_after", 0.002, 1);
   c->reconnect_min = root.number("reconnect_min", 0.01, 5);
   c->reconnect_max = root.number("reconnect_max", 0.1, 60);
-  c->master_timeout = root.number("master_timeout", 0.02, 60);
-  c->max_increment_um = static_cast<std::int32_t>(root.integer("max_increment_um", 1, 1000000));
+  readItpRules(root, &c->itp);
+  c->master_address = root.text("master_address");
+  c->allow_plaintext_remote = root.boolean("allow_plaintext_remote");
+  c->key_file = root.text("key_file");
+  if (!c->key_file.empty()) c->key_file = (fs::absolute(root.file()).parent_path() / c->key_file).string();
+  checkExposure(root, *c);
 }
 
 ThreadConfig readThread(Section& root, const std::string& key) {
@@ -133,7 +163,8 @@ void readRuntime(Section& root, RuntimeConfig* c) {
   c->max_catch_up = static_cast<int>(root.integer("max_catch_up", 0, 20));
   c->max_backlog = root.number("max_backlog", 0.01, 10);
   c->fault_period = root.number("fault_period", 0.001, 1);
-  c->recorder_period = root.number("recorder_period", 0.001, 1);
+  c->recorder_period = root.number("recorder_period", 0.001, 0.05);
+  c->flight_recorder = root.text("flight_recorder");
   c->ros_period = root.number("ros_period", 0.001, 1);
   c->plan_at = root.number("plan_at", -1, 36000);
   c->lockstep_plan_delay = root.integer("lockstep_plan_delay", 1, 100000);
@@ -288,11 +319,7 @@ void readPlant(Section& root, PlantConfig* c) {
 }
 
 void readVirtualRaven(Section& root, VirtualRavenConfig* c) {
-  c->behaviour = root.text("behaviour");
-  if (c->behaviour != "compat") {
-    throw ConfigException(root.where("behaviour") + " is \"" + c->behaviour +
-                          "\": only compat exists so far (a real Raven's rules); hardened is not built yet");
-  }
+  c->behaviour = root.text("behaviour", {"compat", "hardened"});
   Section axes = root.section("axes");
   for (std::size_t j = 0; j < kJointCount; ++j)
     c->axes[j] = readAxis(axes, kJointNames[j]);
@@ -425,6 +452,7 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.render = readFile<RenderConfig>(file("render"), &c, readRender);
   c.console = readFile<ConsoleConfig>(file("console"), &c, readConsole);
   c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);
+  c.virtual_raven.itp = c.network.itp;
   selectPlant(&c, c.virtual_raven.plant_name);
   c.scenarios = readScenarios(file("faults"), &c);
   c.robot_urdf = file("robot_urdf");

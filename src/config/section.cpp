@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "config/yaml_guard.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -32,6 +33,16 @@ std::string print(double value) {
   std::ostringstream out;
   out << value;
   return out.str();
+}
+
+/** For messages: what a file holds may be a megabyte long, or control a terminal. */
+std::string shown(const std::string& text) {
+  constexpr std::size_t kMost = 80;
+  std::string out = text.substr(0, kMost);
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  }
+  return text.size() > kMost ? out + "..." : out;
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -60,24 +71,29 @@ Section::Section(const YAML::Node& node, std::string file, std::string path)
   for (const auto& entry : node) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
     if (!keys.insert(key).second)
-      throw ConfigException(place(file_, entry.first.Mark()) + path_ + key + " is given twice");
+      throw ConfigException(place(file_, entry.first.Mark()) + path_ + shown(key) + " is given twice");
   }
 }
 
 Section Section::fromFile(const std::string& path) {
+  return fromText(readFile(path), path);
+}
+
+Section Section::fromText(const std::string& text, const std::string& name) {
   YAML::Node node;
   try {
-    node = YAML::Load(readFile(path));
+    checkYaml(text, name);
+    node = YAML::Load(text);
   } catch (const YAML::Exception& e) {
-    throw ConfigException(place(path, e.mark) + e.msg);
+    throw ConfigException(place(name, e.mark) + shown(e.msg));
   }
-  if (!node.IsMap()) throw ConfigException(path + ":1: expected a mapping of keys to values");
-  return {node, path, ""};
+  if (!node.IsMap()) throw ConfigException(name + ":1: expected a mapping of keys to values");
+  return {node, name, ""};
 }
 
 std::string Section::where(const std::string& key) const {
   const YAML::Node value = (*node_)[key];
-  return place(file_, value.IsDefined() ? value.Mark() : node_->Mark()) + path_ + key;
+  return place(file_, value.IsDefined() ? value.Mark() : node_->Mark()) + path_ + shown(key);
 }
 
 YAML::Node Section::find(const std::string& key) {
@@ -97,7 +113,7 @@ std::vector<std::string> Section::keys() const {
 Section Section::section(const std::string& key) {
   const YAML::Node value = find(key);
   if (!value.IsMap()) throw ConfigException(where(key) + " is not a mapping");
-  return {value, file_, path_ + key + "/"};
+  return {value, file_, path_ + shown(key) + "/"};
 }
 
 std::vector<Section> Section::list(const std::string& key) {
@@ -133,7 +149,7 @@ std::string Section::text(const std::string& key, const std::vector<std::string>
   const YAML::Node node = find(key);
   if (!node.IsScalar()) throw ConfigException(where(key) + " is not a text");
   if (!allowed.empty() && std::find(allowed.begin(), allowed.end(), node.Scalar()) == allowed.end()) {
-    throw ConfigException(where(key) + " is \"" + node.Scalar() + "\", expected one of: " + join(allowed));
+    throw ConfigException(where(key) + " is \"" + shown(node.Scalar()) + "\", expected one of: " + join(allowed));
   }
   return node.Scalar();
 }
@@ -178,7 +194,8 @@ std::size_t Section::choiceOf(const std::string& key, const std::vector<std::str
 void Section::finish() const {
   for (const auto& entry : *node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
-    if (read_.count(key) == 0) throw ConfigException(place(file_, entry.first.Mark()) + "unknown key " + path_ + key);
+    if (read_.count(key) == 0)
+      throw ConfigException(place(file_, entry.first.Mark()) + "unknown key " + path_ + shown(key));
   }
 }
 

@@ -15,7 +15,8 @@ constexpr std::size_t kColumns = 6;
 constexpr std::array<const char*, kColumns> kNames{"gold_x_um",  "gold_y_um",  "gold_z_um",
                                                    "green_x_um", "green_y_um", "green_z_um"};
 constexpr double kMetresPerMicrometre = 1e-6;
-constexpr double kLimitUm = 1e6;  ///< a tip is never a metre from its remote centre
+constexpr double kLimitUm = 1e6;        ///< a tip is never a metre from its remote centre
+constexpr std::size_t kMaxLine = 4096;  ///< six numbers, and whatever else a logger wrote beside them
 constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
 
 using Cells = std::vector<std::string_view>;
@@ -76,6 +77,7 @@ Recording readRecording(std::istream& stream, const std::string& path) {
   const auto places = readHeader(path, line);
   Recording recording;
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
+    if (line.size() > kMaxLine) fail(path, number, "longer than " + std::to_string(kMaxLine) + " characters");
     const Cells cells = split(line);
     PerArm<Vec3> tips{};
     for (std::size_t column = 0; column < kColumns; ++column) {

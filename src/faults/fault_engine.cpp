@@ -19,7 +19,9 @@ std::size_t channel(Arm arm, int joint) noexcept {
   return index(arm) * kJointCount + static_cast<std::size_t>(joint);
 }
 
+/** Nearest int32, saturated; NaN, such as infinity times 0, gives 0. */
 std::int32_t roundToInt(double value) noexcept {
+  if (std::isnan(value)) return 0;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -2147483648.0, 2147483647.0)));
 }
 
@@ -55,8 +57,8 @@ void FaultEngine::advance(const Fault& fault, Progress* progress, bool pedal_dow
   ++progress->times;
   // Armed late, the periods that have passed are not made up for.
   if (fault.period_ticks == 0) return;
-  while (progress->next <= tick_)
-    progress->next += fault.period_ticks;
+  const std::int64_t passed = (tick_ - progress->next) / fault.period_ticks;
+  progress->next += (passed + 1) * fault.period_ticks;
 }
 
 bool FaultEngine::concerns(const Fault& fault, FaultSite site, FaultTarget target, Arm arm, int joint) const noexcept {

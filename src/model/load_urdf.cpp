@@ -17,7 +17,13 @@
 namespace raven2_trainer::model {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 16U << 20U;  // a robot's description is some 20 kB
+constexpr std::uintmax_t kMaxBytes = 2U << 20U;  // the files of urdf/ take 31 kB; parsing costs 20 times as much memory
+// What a robot or a scene on a table can have; beyond it, sums and products of good numbers stop being good numbers.
+constexpr double kMaxLength = 100.0;  // [m]
+constexpr double kMinMass = 1e-9;     // [kg]
+constexpr double kMaxMass = 1e5;      // [kg]
+constexpr double kMinMoment = 1e-18;  // [kg m2] a grain of a milligram and a micrometre
+constexpr double kMaxLimit = 1e4;     // [rad; m]
 constexpr const char* kPackage = "package://raven2_trainer/";
 constexpr std::array<float, 4> kGrey{0.6F, 0.6F, 0.6F, 1.0F};
 constexpr double kTriangleTolerance = 1e-6;  // relative: files hold rounded numbers
@@ -25,7 +31,7 @@ constexpr double kTriangleTolerance = 1e-6;  // relative: files hold rounded num
 std::string readText(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) failAt(path, 1, "no such file");
-  if (std::filesystem::file_size(path, error) > kMaxBytes) failAt(path, 1, "file over 16 MB");
+  if (std::filesystem::file_size(path, error) > kMaxBytes) failAt(path, 1, "file over 2 MiB");
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
@@ -48,8 +54,7 @@ class Loader {
  public:
   explicit Loader(const std::string& path) { description_.file = path; }
 
-  Description load() {
-    const std::string source = readText(description_.file);
+  Description load(const std::string& source) {
     tree_ = readTree(outlineXml(source, description_.file), description_.file);
     std::string errors;
     const auto model = parseQuietly(source, &errors);
@@ -89,6 +94,7 @@ class Loader {
     source.rotation.getQuaternion(x, y, z, w);
     const Pose pose{Quaternion(w, x, y, z).normalized().toRotationMatrix(), toEigen(source.position)};
     if (!pose.R.allFinite() || !pose.p.allFinite()) fail(what_ + ": origin that is not finite");
+    if (pose.p.cwiseAbs().maxCoeff() > kMaxLength) fail(what_ + ": origin beyond " + text(kMaxLength) + " m");
     return pose;
   }
 
@@ -132,6 +138,9 @@ class Loader {
     if (!std::isfinite(link->lower) || !std::isfinite(link->upper) || !(link->lower < link->upper)) {
       fail(what_ + ": limits " + text(link->lower) + " to " + text(link->upper) + " are not a range");
     }
+    if (std::max(std::abs(link->lower), std::abs(link->upper)) > kMaxLimit) {
+      fail(what_ + ": limits beyond +-" + text(kMaxLimit));
+    }
     if (!std::isfinite(link->effort) || !(link->effort > 0.0)) {
       fail(what_ + ": effort " + text(link->effort) + " is not positive");
     }
@@ -144,6 +153,9 @@ class Loader {
     }
     if (!std::isfinite(source->mass) || !(source->mass > 0.0)) {
       fail(what_ + ": mass " + text(source->mass) + " kg is not positive");
+    }
+    if (source->mass < kMinMass || source->mass > kMaxMass) {
+      fail(what_ + ": mass " + text(source->mass) + " kg is not in [" + text(kMinMass) + ", " + text(kMaxMass) + "]");
     }
     Matrix3 inertia;
     inertia << source->ixx, source->ixy, source->ixz, source->ixy, source->iyy, source->iyz, source->ixz, source->iyz,
@@ -159,6 +171,9 @@ class Loader {
     const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
     const std::string values = text(moments[0]) + ", " + text(moments[1]) + ", " + text(moments[2]) + " kg m2";
     if (!(moments[0] > 0.0)) fail(what_ + ": inertia is not positive definite, principal moments " + values);
+    if (moments[0] < kMinMoment || moments[2] > kMaxMass * kMaxLength * kMaxLength) {
+      fail(what_ + ": principal moments " + values + " are out of range");
+    }
     if (moments[2] > (moments[0] + moments[1]) * (1.0 + kTriangleTolerance)) {
       fail(what_ + ": inertia no body can have, the largest principal moment exceeds the sum of the others: " + values);
     }
@@ -173,6 +188,9 @@ class Loader {
     if (source.material) {
       const urdf::Color& c = source.material->color;
       shape.colour = {c.r, c.g, c.b, c.a};
+      for (const float part : shape.colour) {
+        if (!(part >= 0.0F && part <= 1.0F)) fail(what_ + ": colour outside [0, 1]");
+      }
     }
     link->visuals.push_back(shape);
   }
@@ -195,6 +213,7 @@ class Loader {
 
   double length(double value, const char* what) const {
     if (!std::isfinite(value) || !(value > 0.0)) fail(what_ + ": " + what + " " + text(value) + " m is not positive");
+    if (value > kMaxLength) fail(what_ + ": " + what + " " + text(value) + " m is over " + text(kMaxLength) + " m");
     return value;
   }
 
@@ -252,11 +271,16 @@ class Loader {
   }
 
   std::string resolve(const std::string& name) const {
-    const bool is_known = name.rfind(kPackage, 0) == 0 || name.rfind("file://", 0) == 0;
-    if (!is_known && name.find("://") != std::string::npos) {
+    if (name.rfind(kPackage, 0) != 0 && name.find("://") != std::string::npos) {
       fail(what_ + ": mesh '" + name + "': only " + kPackage + " is known");
     }
-    return meshPath(description_.file, name);
+    const std::string root = modelFolder(description_.file);
+    const std::string path = meshPath(description_.file, name);
+    const std::string inside = std::filesystem::path(path).lexically_relative(root).string();
+    if (inside.empty() || inside.rfind("..", 0) == 0) {
+      fail(what_ + ": mesh '" + name + "' is outside the folder " + root);
+    }
+    return path;
   }
 
   Description description_;
@@ -270,7 +294,11 @@ class Loader {
 }  // namespace
 
 Description loadUrdf(const std::string& path) {
-  return Loader(path).load();
+  return Loader(path).load(readText(path));
+}
+
+Description parseUrdf(const std::string& text, const std::string& path) {
+  return Loader(path).load(text);
 }
 
 }  // namespace raven2_trainer::model

@@ -1,8 +1,10 @@
 #include "raven2_trainer/model/mesh.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <exception>
@@ -17,9 +19,25 @@ namespace {
 constexpr float kSmoothingAngle = 40.0F;  // [deg] edges sharper than this stay sharp
 constexpr double kMaxSize = 10.0;         // [m]
 constexpr std::size_t kMaxTriangles = 1'000'000;
-constexpr std::uintmax_t kMaxBytes = 256U << 20U;  // a million triangles as text
+constexpr std::uintmax_t kMaxBytes = 64U << 20U;  // a million triangles as binary STL, 240,000 as text
+// Of the forty formats that assimp reads, those that robot descriptions use.
+constexpr std::array<const char*, 3> kFormats{".stl", ".obj", ".dae"};
+
+/** Lets a mesh read no file but its own: OBJ and DAE may name others, anywhere. */
+class OneFileSystem : public Assimp::DefaultIOSystem {
+ public:
+  explicit OneFileSystem(std::string path) : path_(std::move(path)) {}
+  bool Exists(const char* file) const override { return path_ == file && DefaultIOSystem::Exists(file); }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return path_ == file ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+
+ private:
+  std::string path_;
+};
 
 const aiScene* import(Assimp::Importer* importer, const std::string& path) {
+  importer->SetIOHandler(new OneFileSystem(path));  // the importer deletes it
   importer->SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_COLORS |
                                                            aiComponent_TEXCOORDS | aiComponent_TANGENTS_AND_BITANGENTS);
   importer->SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -32,7 +50,13 @@ const aiScene* import(Assimp::Importer* importer, const std::string& path) {
 void checkFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ModelException(path + ":1: no such mesh file");
-  if (std::filesystem::file_size(path, error) > kMaxBytes) throw ModelException(path + ":1: mesh file over 256 MB");
+  if (std::filesystem::file_size(path, error) > kMaxBytes) throw ModelException(path + ":1: mesh file over 64 MiB");
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (std::find(kFormats.begin(), kFormats.end(), extension) == kFormats.end()) {
+    throw ModelException(path + ":1: \"" + extension + "\" is no mesh format of .stl, .obj, .dae");
+  }
 }
 
 void checkScale(const std::string& path, const std::array<double, 3>& scale) {
@@ -73,6 +97,10 @@ void append(const aiMesh& part, const std::array<double, 3>& scale, Mesh* mesh, 
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
     const aiFace& face = part.mFaces[i];
     if (face.mNumIndices != 3) continue;
+    for (unsigned k = 0; k < 3; ++k) {
+      if (face.mIndices[k] >= part.mNumVertices)
+        throw ModelException(path + ":1: triangle of a vertex that is not there");
+    }
     const unsigned b = mirrored ? 2 : 1;
     mesh->triangles.push_back({first + face.mIndices[0], first + face.mIndices[b], first + face.mIndices[3 - b]});
   }

@@ -12,15 +12,18 @@ namespace {
 
 namespace fs = std::filesystem;
 const std::string kPackage = "package://raven2_trainer/";
-const std::string kFile = "file://";
 
 }  // namespace
 
-std::string meshPath(const std::string& urdf, const std::string& name) {
+std::string modelFolder(const std::string& urdf) {
   const fs::path folder = fs::absolute(urdf).lexically_normal().parent_path();
-  if (name.rfind(kPackage, 0) == 0) return (folder.parent_path() / name.substr(kPackage.size())).string();
-  if (name.rfind(kFile, 0) == 0) return name.substr(kFile.size());
-  return (folder / name).lexically_normal().string();
+  return (folder.filename() == "urdf" ? folder.parent_path() : folder).string();
+}
+
+std::string meshPath(const std::string& urdf, const std::string& name) {
+  const bool is_ours = name.rfind(kPackage, 0) == 0;
+  const fs::path folder = is_ours ? fs::path(modelFolder(urdf)) : fs::absolute(urdf).parent_path();
+  return (folder / (is_ours ? name.substr(kPackage.size()) : name)).lexically_normal().string();
 }
 
 std::vector<std::string> meshFiles(const std::string& urdf) {

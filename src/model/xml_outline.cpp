@@ -7,7 +7,8 @@
 namespace raven2_trainer::model {
 namespace {
 
-constexpr std::size_t kMaxDepth = 64;  // the URDF parser recurses
+constexpr std::size_t kMaxDepth = 64;        // the URDF parser recurses
+constexpr std::size_t kMaxElements = 20000;  // the larger of the files in urdf/ has 800
 constexpr const char* kSpace = " \t\r\n";
 
 class Outliner {
@@ -79,6 +80,7 @@ class Outliner {
     element.name = attribute(inside, element.tag == "parent" || element.tag == "child" ? "link" : "name");
     element.parent = open_.empty() ? -1 : open_.back();
     if (open_.size() >= kMaxDepth) fail("elements nested deeper than " + std::to_string(kMaxDepth));
+    if (elements_.size() >= kMaxElements) fail("more than " + std::to_string(kMaxElements) + " elements");
     if (inside.back() != '/') open_.push_back(static_cast<int>(elements_.size()));
     elements_.push_back(element);
     advanceTo(end + 1);

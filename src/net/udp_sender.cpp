@@ -29,4 +29,9 @@ bool UdpSender::send(const std::uint8_t* bytes, std::size_t size) noexcept {
   return true;
 }
 
+std::size_t UdpSender::receive(std::uint8_t* buffer, std::size_t capacity) noexcept {
+  const ssize_t size = ::recv(fd_.get(), buffer, capacity, MSG_TRUNC | MSG_DONTWAIT);
+  return size > 0 ? static_cast<std::size_t>(size) : 0;
+}
+
 }  // namespace raven2_trainer::net

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "raven/gravity_compensation.h"
-#include "raven2_trainer/raven/low_pass.h"
 #include "raven/motor_controller.h"
 #include "raven/network_layer.h"
 #include "raven/quick_homing.h"
@@ -16,6 +15,7 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/raven/board_channels.h"
 #include "raven2_trainer/raven/cable_coupling.h"
+#include "raven2_trainer/raven/low_pass.h"
 
 namespace raven2_trainer::raven {
 namespace {
@@ -67,10 +67,10 @@ void reportPose(const MasterTarget& pose, std::size_t arm, std::array<std::int32
 }  // namespace
 
 struct ControlSoftware::Impl {
-  Impl(const ArmsConfig& arms, const VirtualRavenConfig& virtual_raven)
+  Impl(const ArmsConfig& arms, const VirtualRavenConfig& virtual_raven, const wire::ItpKey* key)
       : geometry(arms.geometry),
         config(virtual_raven),
-        network(virtual_raven.master_timeout),
+        network(virtual_raven, key),
         overdrive(virtual_raven),
         quick_homing(arms.geometry.home, virtual_raven.homing_time),
         stop_search(arms.geometry.home, virtual_raven.homing_dac),
@@ -97,6 +97,11 @@ struct ControlSoftware::Impl {
   void publishReport() noexcept;
   void reportJoints(const Mechanism& mech) noexcept;
 
+  /** The robot's clock is its cycles. */
+  std::int64_t nowNs() const noexcept { return static_cast<std::int64_t>(state.cycle) * kTickNanoseconds; }
+  wire::Arrival arrival(const std::uint8_t* bytes, std::size_t size, std::uint64_t source) const noexcept {
+    return {bytes, size, source, nowNs()};
+  }
   void placeAt(const JointArray& offset_from_home) noexcept;
   bool isFirstWristPointAtRcm(const Pose& X_BT) const noexcept;
   bool solveInverse(Mechanism* mech) noexcept;
@@ -225,8 +230,8 @@ void ControlSoftware::Impl::control() noexcept {
   }
 }
 
-/** The first of the two wrist points (step 1 of raven2.md 2.5) within lw of the remote centre: the robot's inverse gives up
- *  there, whatever the second one offers. */
+/** The first of the two wrist points (step 1 of raven2.md 2.5) within lw of the remote centre: the robot's inverse
+ * gives up there, whatever the second one offers. */
 bool ControlSoftware::Impl::isFirstWristPointAtRcm(const Pose& X_BT) const noexcept {
   Vector3 rcm_T = X_BT.inverse().p;
   rcm_T.z() = 0.0;
@@ -351,19 +356,33 @@ void ControlSoftware::Impl::reportJoints(const Mechanism& mech) noexcept {
   }
 }
 
-ControlSoftware::ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfig& config) {
-  if (config.behaviour != "compat") {
-    throw ConfigException("virtual_raven: behaviour is \"" + config.behaviour +
-                          "\": only compat exists so far (a real Raven's rules); hardened is not built yet");
+ControlSoftware::ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfig& config, const wire::ItpKey* key) {
+  if (config.behaviour != "compat" && config.behaviour != "hardened") {
+    throw ConfigException("virtual_raven: behaviour is \"" + config.behaviour + "\": there are compat and hardened");
   }
-  impl_ = std::make_unique<Impl>(arms, config);
+  impl_ = std::make_unique<Impl>(arms, config, key);
 }
 
 ControlSoftware::~ControlSoftware() = default;
 
-void ControlSoftware::receive(const std::uint8_t* bytes, std::size_t size) noexcept {
-  impl_->network.receive(bytes, size, &impl_->faults);
+void ControlSoftware::receive(const std::uint8_t* bytes, std::size_t size, std::uint64_t source) noexcept {
+  impl_->network.receive(impl_->arrival(bytes, size, source), &impl_->faults);
   impl_->state.itp = impl_->network.counts();
+}
+
+bool ControlSoftware::receive(const std::uint8_t* bytes,
+                              std::size_t size,
+                              std::uint64_t source,
+                              const wire::Nonce& fresh,
+                              wire::HandshakeBytes* reply) noexcept {
+  const wire::Arrival arrival = impl_->arrival(bytes, size, source);
+  if (!impl_->network.isHello(arrival)) {
+    receive(bytes, size, source);
+    return false;
+  }
+  const bool answered = impl_->network.answer(arrival, fresh, reply) == Reject::kNone;
+  impl_->state.itp = impl_->network.counts();
+  return answered;
 }
 
 void ControlSoftware::setFaults(const FaultPlan& plan) noexcept {
@@ -395,6 +414,7 @@ PerArm<UsbOutBytes> ControlSoftware::cycle(const PerArm<UsbRead>& boards) noexce
   s.getUsbPackets(boards);
   s.machine.readPins(s.mechanisms[0].in.pins, s.mechanisms[1].in.pins);
   s.network.tick();
+  s.network.idle(s.nowNs());
   for (Mechanism& mech : s.mechanisms) {
     mech.tau = JointArray{};
     mech.dac = DacArray{};

@@ -25,24 +25,56 @@ void injectFaults(faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept
   packet->surgeon_mode = faulted(faults, FaultTarget::kPedal, Arm::kGold, 0, packet->surgeon_mode);
 }
 
+/** [cycles] */
+std::int64_t pedalTimeout(const VirtualRavenConfig& config) noexcept {
+  const bool hardened = config.behaviour == "hardened";
+  return hardened ? std::llround(config.itp.master_timeout / kTickSeconds) : config.master_timeout;
+}
+
+ItpRules hardenedRules(ItpRules rules) noexcept {
+  rules.hardened = true;  // whatever the daemon does
+  return rules;
+}
+
 }  // namespace
 
-Reject NetworkLayer::receive(const std::uint8_t* bytes, std::size_t size, faults::FaultEngine* faults) noexcept {
+NetworkLayer::NetworkLayer(const VirtualRavenConfig& config, const wire::ItpKey* key) noexcept
+    : hardened_(config.behaviour == "hardened"),
+      gate_(hardenedRules(config.itp), wire::Audience::kRobot, key),
+      timeout_(pedalTimeout(config)) {}
+
+Reject NetworkLayer::receive(const wire::Arrival& arrival, faults::FaultEngine* faults) noexcept {
   wire::ItpPacket packet;
-  const Reject reason = judge(bytes, size, faults, &packet);
+  const Reject reason = hardened_ ? judgeHardened(arrival, faults, &packet) : judge(arrival, faults, &packet);
   counts_.count(reason);
   if (reason == Reject::kNone) apply(packet);
   return reason;
 }
 
-Reject NetworkLayer::judge(const std::uint8_t* bytes,
-                           std::size_t size,
+Reject NetworkLayer::judge(const wire::Arrival& arrival,
                            faults::FaultEngine* faults,
                            wire::ItpPacket* packet) noexcept {
-  const Reject size_reason = wire::decodeItp(bytes, std::min(size, wire::kItpSize), packet);
+  const Reject size_reason = wire::decodeItp(arrival.bytes, std::min(arrival.size, wire::kItpSize), packet);
   if (size_reason != Reject::kNone) return size_reason;
   injectFaults(faults, packet);
   return rule_.check(packet->sequence);
+}
+
+/** Faults behind the gate: they are of this program, not of the network, and a signature is over what was sent. */
+Reject NetworkLayer::judgeHardened(const wire::Arrival& arrival,
+                                   faults::FaultEngine* faults,
+                                   wire::ItpPacket* packet) noexcept {
+  const Reject reason = gate_.judge(arrival, packet);
+  if (reason == Reject::kNone) injectFaults(faults, packet);
+  return reason;
+}
+
+Reject NetworkLayer::answer(const wire::Arrival& arrival,
+                            const wire::Nonce& fresh,
+                            wire::HandshakeBytes* reply) noexcept {
+  const Reject reason = gate_.answer(arrival, fresh, reply);
+  if (reason != Reject::kNone) counts_.count(reason);
+  return reason;
 }
 
 void NetworkLayer::apply(const wire::ItpPacket& packet) noexcept {

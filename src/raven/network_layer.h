@@ -4,20 +4,31 @@
 #include <cstdint>
 
 #include "raven/master_target.h"
-#include "raven/sequence_rule.h"
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/wire/itp_gate.h"
+#include "raven2_trainer/wire/sequence_rule.h"
 
 namespace raven2_trainer::raven {
 
-/** The robot's receiver of ITP packets: fault site network_layer, size, order, accumulation (raven2.md 1.4, 1.5).
- *  Real-time safe. */
+/** The robot's receiver of ITP packets: fault site network_layer, size, order, accumulation (raven2.md 1.4, 1.5); or,
+ *  hardened, what the daemon's own ingest demands in their place. Real-time safe. */
 class NetworkLayer {
  public:
-  explicit NetworkLayer(std::int64_t master_timeout) noexcept : timeout_(master_timeout) {}
+  /** @param[in] key of signed ITP, outlives this; may be nullptr. Only a hardened robot verifies. */
+  NetworkLayer(const VirtualRavenConfig& config, const wire::ItpKey* key) noexcept;
 
-  /** One datagram as recvfrom gave it: cut to 124 bytes if longer. */
-  Reject receive(const std::uint8_t* bytes, std::size_t size, faults::FaultEngine* faults) noexcept;
+  /** One datagram as recvfrom gave it: compat cuts it to 124 bytes if longer; only hardened looks at source and time.
+   */
+  Reject receive(const wire::Arrival& arrival, faults::FaultEngine* faults) noexcept;
+
+  /** Hardened with a key: whether this asks for a session; then it is answer()'s. */
+  bool isHello(const wire::Arrival& arrival) const noexcept { return hardened_ && gate_.isHello(arrival); }
+  /** kNone: send `*reply` to the source, nothing is counted. */
+  Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
+
+  /** Hardened: lets go of a silent master. Once a cycle. */
+  void idle(std::int64_t now_ns) noexcept { gate_.idle(now_ns); }
 
   /** Once a cycle: the pedal comes up when more than `master_timeout` cycles have passed without an update. */
   void tick() noexcept;
@@ -30,19 +41,19 @@ class NetworkLayer {
 
   bool pedal() const noexcept { return pedal_; }
   MasterTarget& target(Arm arm) noexcept { return at(targets_, arm); }
-  std::uint32_t lastSequence() const noexcept { return rule_.last(); }
+  std::uint32_t lastSequence() const noexcept { return hardened_ ? gate_.last() : rule_.last(); }
   /** Of the last accepted packet, as /ravenstate shows it; 111 before (raven2 local_io.cpp:103). */
   std::uint32_t lastAccepted() const noexcept { return last_accepted_; }
   const LinkCounts& counts() const noexcept { return counts_; }
 
  private:
-  Reject judge(const std::uint8_t* bytes,
-               std::size_t size,
-               faults::FaultEngine* faults,
-               wire::ItpPacket* packet) noexcept;
+  Reject judge(const wire::Arrival& arrival, faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept;
+  Reject judgeHardened(const wire::Arrival& arrival, faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept;
   void apply(const wire::ItpPacket& packet) noexcept;
 
-  SequenceRule rule_;
+  bool hardened_;
+  wire::SequenceRule rule_;
+  wire::ItpGate gate_;
   PerArm<MasterTarget> targets_{};
   LinkCounts counts_{};
   std::int64_t timeout_;

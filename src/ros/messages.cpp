@@ -3,6 +3,7 @@
 #include <sensor_msgs/image_encodings.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/wire/robot_frame.h"
@@ -36,6 +37,13 @@ DiagnosticStatus status(const std::string& name, bool good, const std::string& m
   s.level = good ? DiagnosticStatus::OK : DiagnosticStatus::ERROR;
   s.message = message;
   return s;
+}
+
+DiagnosticStatus recorderStatus(const RecorderStatus& recorder, std::uint64_t dropped) {
+  const std::string lost = std::to_string(dropped) + " records dropped";
+  if (recorder.failing == 0) return status("recorder", dropped == 0, lost);
+  const std::string reason = std::strerror(recorder.error);
+  return status("recorder", false, "the log cannot be written: " + reason + "; " + lost);
 }
 
 DiagnosticStatus loopStatus(const std::string& name, const LoopTiming& timing) {
@@ -191,6 +199,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
                                              std::uint16_t refused_version,
+                                             const RecorderStatus& recorder,
                                              const std::string& realtime,
                                              const ros::Time& stamp) {
   diagnostic_msgs::DiagnosticArray array;
@@ -203,8 +212,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(robotStatus(robot, now_ns, refused_version));
   array.status.push_back(status("real time", true, realtime));
   if (realtime.rfind("DEGRADED_RT", 0) == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
-  array.status.push_back(
-      status("recorder", counts.records_dropped == 0, std::to_string(counts.records_dropped) + " records dropped"));
+  array.status.push_back(recorderStatus(recorder, counts.records_dropped));
   array.status.push_back(queueStatus(counts));
   return array;
 }

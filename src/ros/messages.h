@@ -41,6 +41,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
                                              std::uint16_t refused_version,
+                                             const RecorderStatus& recorder,
                                              const std::string& realtime,
                                              const ros::Time& stamp);
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_states
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
+constexpr double kNewsPeriod = 0.05;        // [s] a second master is told of at once, but not more often
 constexpr std::uint32_t kQueue = 10;
 
 int every(double period, double base) {
@@ -64,10 +65,14 @@ struct RosBridge::Impl {
       at(forces, arm).publish(wrench(haptic, arm, stamp));
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
-    if (cycle % every(kDiagnosticsPeriod, period) == 0) {
+    const LinkCounts master = simulator.shared().master_link.load();
+    const std::uint64_t foreign = master.rejected[static_cast<std::size_t>(Reject::kForeignSource)];
+    const bool is_news = foreign != foreign_told && cycle % every(kNewsPeriod, period) == 0;
+    if (cycle % every(kDiagnosticsPeriod, period) == 0 || is_news) {
+      foreign_told = foreign;
       diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, net::monotonicNow(),
-                                            simulator.shared().robot_version_refused.load(), simulator.realtimeStatus(),
-                                            stamp));
+                                            simulator.shared().robot_version_refused.load(),
+                                            simulator.shared().recorder.load(), simulator.realtimeStatus(), stamp));
     }
     ++cycle;
   }
@@ -111,6 +116,7 @@ struct RosBridge::Impl {
   std::vector<double> positions;
   std::vector<Pose> poses;
   int cycle{0};
+  std::uint64_t foreign_told{0};
 };
 
 RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}

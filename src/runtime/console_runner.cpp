@@ -2,13 +2,20 @@
 
 #include <array>
 
+#include "raven2_trainer/runtime/key_file.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::runtime {
 
 ConsoleRunner::ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
     : console_(config.console, std::move(source)),
-      to_daemon_(config.network.daemon_host, config.network.master_port),
+      key_(loadKey(config.network)),
+      to_daemon_(config.network.daemon_host,
+                 config.network.master_port,
+                 wire::Audience::kDaemon,
+                 key_.get(),
+                 config.network.itp.auth == ItpAuth::kRequired ? ItpSender::Unanswered::kSilence
+                                                               : ItpSender::Unanswered::kPlain),
       from_daemon_(config.network.bind_address, config.network.force_port),
       ready_timeout_ns_(static_cast<std::int64_t>(config.console.ready_timeout * 1e9)) {}
 
@@ -27,8 +34,8 @@ void ConsoleRunner::tick(std::int64_t now_ns) noexcept {
   receiveForces();
   if (ready_timeout_ns_ > 0 && now_ns - started_ns_ > ready_timeout_ns_) ready_ = true;
   console_.setReady(ready_);
-  const wire::ItpBytes bytes = wire::encodeItp(console_.tick());
-  to_daemon_.send(bytes.data(), bytes.size());
+  to_daemon_.send(console_.tick(), now_ns);
+  signing_.store(to_daemon_.isSigning(), std::memory_order_relaxed);
   finished_.store(console_.finished(), std::memory_order_relaxed);
 }
 

@@ -1,7 +1,5 @@
 #include "force_check.h"
 
-#include <cmath>
-
 #include "raven2_trainer/session/record_difference.h"
 
 namespace raven2_trainer::runtime {
@@ -15,9 +13,7 @@ constexpr std::size_t kWindow = 2 * static_cast<std::size_t>(kAhead);
 }  // namespace
 
 ForceCheck::ForceCheck(const TrainerConfig& config)
-    : stale_ns_(static_cast<std::int64_t>(std::llround(config.network.stale_after * 1e9))),
-      shared_(std::make_unique<SharedState>()),
-      loop_(config, shared_.get()) {}
+    : shared_(std::make_unique<SharedState>()), loop_(config, shared_.get()) {}
 
 void ForceCheck::add(const TickRecord& record) {
   window_.push_back(record);
@@ -47,20 +43,22 @@ std::optional<Difference> ForceCheck::compareOne(const HapticState& recorded, Re
     const RobotState& robot = window_[static_cast<std::size_t>(near)].robot;
     if (robot.cycle != recorded.robot_cycle) continue;
     const ModelState& model = window_[static_cast<std::size_t>(place)].model;
-    difference = session::difference(compute(model, robot, recorded.active != 0), recorded);
+    difference = session::difference(compute(model, robot, recorded.time_ns), recorded);
     is_known = true;
     if (difference.empty()) break;
   }
+  last_ = recorded;
   ++(is_known ? result->forces : result->forces_unknown);
   if (difference.empty()) return std::nullopt;
   return Difference{recorded.tick, "haptic." + difference};
 }
 
-/** When exactly the haptic tick ran is not in the log, but whether the robot's state was fresh then is. */
-HapticState ForceCheck::compute(const ModelState& model, const RobotState& robot, bool active) {
+/** The tick after the one recorded last: how fast a force may change depends on it. */
+HapticState ForceCheck::compute(const ModelState& model, const RobotState& robot, std::int64_t time_ns) {
   shared_->model.store(model);
   shared_->robot.store(robot);
-  loop_.tick(robot.received_ns + (active ? 0 : stale_ns_ + 1));
+  loop_.resume(last_);
+  loop_.tick(time_ns);
   HapticRecord record;
   while (shared_->haptic_records.tryPop(&record)) {
   }

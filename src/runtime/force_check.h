@@ -26,13 +26,13 @@ class ForceCheck {
 
  private:
   std::optional<Difference> compareOne(const HapticState& recorded, ResimulationResult* result);
-  HapticState compute(const ModelState& model, const RobotState& robot, bool active);
+  HapticState compute(const ModelState& model, const RobotState& robot, std::int64_t time_ns);
 
-  std::int64_t stale_ns_;
   std::unique_ptr<SharedState> shared_;  // the loop's own: model and robot of another time
   HapticLoop loop_;
   std::deque<TickRecord> window_;  // newest ticks, without gaps
   std::deque<HapticState> waiting_;
+  HapticState last_{};  // recorded before the one that is compared
 };
 
 }  // namespace raven2_trainer::runtime

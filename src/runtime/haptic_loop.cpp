@@ -27,6 +27,12 @@ void HapticLoop::tick(std::int64_t now_ns) noexcept {
   shared_.force_packets.tryPush(packet);
 }
 
+void HapticLoop::resume(const HapticState& last) noexcept {
+  last_ns_ = last.time_ns;
+  for (const Arm arm : kArms)
+    at(limiters_, arm).resume(toEigen(at(last.force_B, arm)));
+}
+
 bool HapticLoop::isFresh(std::int64_t now_ns) const noexcept {
   const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
   return has_robot && now_ns - robot_.received_ns <= stale_ns_ && now_ns - model_.time_ns <= stale_ns_;
@@ -36,6 +42,7 @@ void HapticLoop::compute(std::int64_t now_ns) noexcept {
   haptic_ = HapticState{};
   haptic_.tick = model_.tick;
   haptic_.robot_cycle = robot_.cycle;
+  haptic_.time_ns = now_ns;
   haptic_.active = isFresh(now_ns) && model_.linked != 0 ? 1 : 0;
   const double seconds = static_cast<double>(now_ns - last_ns_) * 1e-9;
   last_ns_ = now_ns;

@@ -20,6 +20,7 @@ namespace raven2_trainer::runtime {
 namespace {
 
 constexpr Tick kProgressEvery = 100;
+constexpr std::uint64_t kConsole = 1;  // the one master there is
 
 }  // namespace
 
@@ -34,7 +35,7 @@ struct Lockstep::Impl {
         scene(model::loadSceneModel(config)),
         shared(std::make_unique<SharedState>()),
         hands(config.console, std::move(source)),
-        ingest(config.network.max_increment_um, shared.get()),
+        ingest(config.network.itp, nullptr, shared.get()),
         faults(config, shared.get()),
         physics(config, raven, scene, shared.get()),
         haptic(config, shared.get()),
@@ -68,7 +69,7 @@ struct Lockstep::Impl {
   void stepConsole() {
     const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
     carry(bytes.data(), bytes.size(), &to_daemon,
-          [this](const std::uint8_t* data, std::size_t size) { ingest.receive(data, size, /*foreign=*/false); });
+          [this](const std::uint8_t* data, std::size_t size) { ingest.receive({data, size, kConsole, now_ns}); });
   }
 
   /** One packet, or none, into a link, and whatever comes out of it by now. */

@@ -56,7 +56,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       driver_(config.model, &world_),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
-      silence_limit_(static_cast<Tick>(std::llround(config.network.master_timeout / kTickSeconds))) {
+      silence_limit_(static_cast<Tick>(std::llround(config.network.itp.pedalTimeout() / kTickSeconds))) {
   for (const Arm arm : kArms) {
     at(q_d_, arm) = config.arms.geometry.home;
     world_.setJointState(arm, config.arms.geometry.home, JointArray{});
@@ -101,7 +101,7 @@ void PhysicsLoop::readFaults() noexcept {
 
 void PhysicsLoop::drainCommands() noexcept {
   increments_ = Increments{};
-  if (++silent_ticks_ > silence_limit_) pedal_ = false;
+  if (++silent_ticks_ >= silence_limit_) pedal_ = false;
   MasterCommand command;
   while (shared_.master_commands.tryPop(&command)) {
     shared_.command_records.tryPush({state_.tick + 1, command});

@@ -2,16 +2,21 @@
 
 #include <algorithm>
 
+#include "raven2_trainer/runtime/key_file.h"
+
 namespace raven2_trainer::runtime {
 namespace {
 
 constexpr int kPollMs = 20;
+constexpr int kMaxDrain = 64;  // datagrams a wake-up: a flood cannot keep the thread
 
 }  // namespace
 
 RavenServer::RavenServer(const TrainerConfig& config)
     : model_(model::loadRavenModel(config)),
-      software_(config.arms, config.virtual_raven),
+      verifies_(config.virtual_raven.behaviour == "hardened" && config.network.itp.auth != ItpAuth::kOff),
+      key_(verifies_ ? loadKey(config.network) : nullptr),
+      software_(config.arms, config.virtual_raven, key_.get()),
       plant_(model_, config.virtual_raven),
       receiver_(config.network.bind_address, config.network.robot_port),
       state_server_(config.network.bind_address, config.network.state_port, /*is_virtual=*/true),
@@ -48,8 +53,13 @@ void RavenServer::takeInputs() noexcept {
   if (state_server_.faults().tryLoad(&plan)) software_.setFaults(plan);
   if (start_pressed_.exchange(false, std::memory_order_relaxed)) plant_.pressStart();
   Datagram datagram;
-  while (datagrams_.tryPop(&datagram))
-    software_.receive(datagram.bytes.data(), datagram.size);
+  while (datagrams_.tryPop(&datagram)) {
+    Reply reply;
+    reply.to = datagram.source;
+    const bool answers =
+        software_.receive(datagram.bytes.data(), datagram.size, datagram.source, datagram.fresh, &reply.bytes);
+    if (answers) replies_.tryPush(reply);
+  }
   RavenAutomove move;
   while (automoves_.tryPop(&move))
     software_.automove(move.dp_um, move.dq);
@@ -68,14 +78,28 @@ void RavenServer::publish(std::int64_t now_ns) noexcept {
 }
 
 void RavenServer::receiveLoop() {
-  Datagram datagram;
   while (!stop_.load(std::memory_order_relaxed)) {
-    if (!receiver_.wait(kPollMs)) continue;
-    while (const auto received = receiver_.receive(datagram.bytes.data(), datagram.bytes.size())) {
-      datagram.size = static_cast<std::uint32_t>(std::min(received->size, datagram.bytes.size()));
-      datagrams_.tryPush(datagram);
-    }
+    if (receiver_.wait(kPollMs)) takeDatagrams();
+    sendReplies();
   }
+}
+
+void RavenServer::takeDatagrams() {
+  Datagram datagram;
+  for (int i = 0; i < kMaxDrain; ++i) {
+    const auto received = receiver_.receive(datagram.bytes.data(), datagram.bytes.size());
+    if (!received) return;
+    datagram.size = static_cast<std::uint32_t>(std::min(received->size, datagram.bytes.size()));
+    datagram.source = net::sourceId(received->source);
+    if (verifies_ && datagram.size == wire::kHandshakeSize) datagram.fresh = freshNonce();
+    datagrams_.tryPush(datagram);
+  }
+}
+
+void RavenServer::sendReplies() {
+  Reply reply;
+  while (replies_.tryPop(&reply))
+    receiver_.sendTo(net::endpointOf(reply.to), reply.bytes.data(), reply.bytes.size());
 }
 
 }  // namespace raven2_trainer::runtime

@@ -1,13 +1,27 @@
 #include "raven2_trainer/runtime/recorder.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <type_traits>
 
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/session/configuration_copy.h"
 
 namespace raven2_trainer::runtime {
 namespace {
+
+constexpr std::int64_t kRetryNs = 500'000'000;   // [ns] a quarter of the 2 s that the queues hold
+constexpr std::int64_t kSyncNs = 1'000'000'000;  // [ns] what a loss of power can cost
+
+RecordTally minus(const RecordTally& a, const RecordTally& b) noexcept {
+  RecordTally difference{};
+  for (std::size_t k = 0; k < kRecordKindCount; ++k)
+    difference[k] = a[k] - b[k];
+  return difference;
+}
 
 std::string combinedHash(const std::vector<std::string>& files) {
   std::string hashes;
@@ -58,52 +72,141 @@ Recorder::Recorder(const TrainerConfig& config,
                    const std::vector<std::string>& body_names,
                    const session::SessionPaths& paths,
                    const std::string& motion,
-                   SharedState* shared)
+                   SharedState* shared,
+                   session::FlightRecorder* flight)
     : shared_(*shared),
       paths_(paths),
       header_(logHeader(config, body_names, motion, paths)),
       log_(paths.log(), header_),
-      metrics_(header_) {}
+      flight_(flight),
+      metrics_(header_) {
+  if (flight_ == nullptr) return;
+  flight_->attach(paths);
+  flight_->checkpoint({log_.position(), {}, {}});
+}
 
-template <typename Record>
-void Recorder::write(const Record& record) {
-  log_.write(record);
-  if constexpr (std::is_same_v<Record, TickRecord>) session_tick_ = record.model.session_tick;
-  if constexpr (std::is_same_v<Record, TickRecord> || std::is_same_v<Record, HapticRecord> ||
-                std::is_same_v<Record, PlanRecord>) {
-    metrics_.add(record);
+/** Adds what is waiting to the log's batch. */
+Recorder::Batch Recorder::collect() {
+  Batch batch;
+  batch.tick = tick_;
+  batch.dropped = shared_.records.dropped();  // first: these are missing behind what is in the queues, not before
+  // The loops push what a tick consumed before the tick, so with the ticks' end taken first all of it stands before them.
+  const std::uint64_t last_tick = shared_.tick_records.tail();
+  shared_.records.forEach([&](RecordKind kind, const auto& ring) {
+    const std::uint64_t tail = kind == RecordKind::kTick ? last_tick : ring.tail();
+    for (std::uint64_t i = ring.head(); i < tail; ++i) {
+      log_.write(ring.at(i));
+      if constexpr (std::is_same_v<std::decay_t<decltype(ring.at(i))>, TickRecord>) batch.tick = ring.at(i).model.tick;
+    }
+    batch.tails[static_cast<std::size_t>(kind)] = tail;
+  });
+  writeGap(refused_since_gap_ != 0 ? GapReason::kNotWritten : GapReason::kQueueFull, minus(batch.dropped, told_),
+           batch.tick);
+  return batch;
+}
+
+void Recorder::writeGap(GapReason reason, const RecordTally& lost, Tick tick) {
+  if (tallyTotal(lost) != 0) log_.write(GapRecord{tick, reason, refused_since_gap_, lost});
+}
+
+/** The batch is in the log: says so to the flight recorder, feeds the metrics, gives back the queues' room. */
+void Recorder::settle(const Batch& batch) {
+  if (batch.dropped != told_) refused_since_gap_ = 0;
+  told_ = batch.dropped;
+  tick_ = batch.tick;
+  if (flight_ != nullptr) flight_->checkpoint({log_.position(), batch.tails, told_});
+  release(batch.tails);
+}
+
+void Recorder::release(const RecordTally& tails) {
+  shared_.records.forEach([&](RecordKind kind, auto& ring) {
+    using Record = std::decay_t<decltype(ring.at(0))>;
+    const std::uint64_t tail = tails[static_cast<std::size_t>(kind)];
+    for (std::uint64_t i = ring.head(); i < tail; ++i) {
+      if constexpr (std::is_same_v<Record, TickRecord>) session_tick_ = ring.at(i).model.session_tick;
+      if constexpr (std::is_same_v<Record, TickRecord> || std::is_same_v<Record, HapticRecord> ||
+                    std::is_same_v<Record, PlanRecord>) {
+        metrics_.add(ring.at(i));
+      }
+    }
+    ring.release(tail);
+  });
+}
+
+bool Recorder::tryDrain() {
+  const Batch batch = collect();
+  if (!log_.commit()) {
+    refused_since_gap_ = log_.error();
+    return false;
   }
+  settle(batch);
+  return true;
 }
 
-template <typename Record, std::size_t Capacity>
-void Recorder::drainRing(SpscRing<Record, Capacity>* ring) {
-  Record record;
-  while (ring->tryPop(&record))
-    write(record);
-}
-
-void Recorder::drainInputs() {
-  drainRing(&shared_.fault_records);
-  drainRing(&shared_.command_records);
-  drainRing(&shared_.request_records);
-  drainRing(&shared_.plan_records);
-  drainRing(&shared_.contact_records);
-}
-
-/** What a tick consumed was pushed before it, so it stands before it in the log. */
 void Recorder::drain() {
-  TickRecord tick;
-  while (shared_.tick_records.tryPop(&tick)) {
-    drainInputs();
-    write(tick);
-  }
-  drainInputs();
-  drainRing(&shared_.haptic_records);
+  if (!tryDrain()) throw SessionException(paths_.log() + ": cannot be written: " + std::strerror(log_.error()));
 }
 
-void Recorder::finish(const SessionCounts& counts) {
-  drain();
-  log_.finish(counts);
+void Recorder::drain(std::int64_t now_ns) {
+  if (now_ns < retry_ns_) return;
+  const bool taken = tryDrain();
+  if (!taken) {
+    tellRefusal();
+    retry_ns_ = now_ns + kRetryNs;
+  } else if (status_.failing != 0) {
+    tellReturn();
+  }
+  if (taken && now_ns - sync_ns_ >= kSyncNs) {
+    if (!log_.sync()) status_.error = log_.error();
+    sync_ns_ = now_ns;
+  }
+  status_.lost = tallyTotal(shared_.records.dropped());
+  shared_.recorder.store(status_);
+}
+
+void Recorder::tellRefusal() {
+  status_.error = log_.error();
+  if (status_.failing == 0) {
+    std::fprintf(stderr, "%s: cannot be written: %s; the session goes on, its record is tried again\n",
+                 paths_.log().c_str(), std::strerror(log_.error()));
+  }
+  status_.failing = 1;
+}
+
+void Recorder::tellReturn() {
+  status_.failing = 0;
+  retry_ns_ = 0;
+  std::fprintf(stderr, "%s: written again; %llu records of this session are missing in it\n", paths_.log().c_str(),
+               static_cast<unsigned long long>(tallyTotal(told_)));
+}
+
+/** Footer, and before it what is left, or a gap record in its place. */
+void Recorder::writeEnd(SessionCounts* counts) {
+  if (!tryDrain()) giveUp(counts);
+  log_.finish(*counts);
+}
+
+/** What waits and the disk does not take is lost: it counts as never queued. */
+void Recorder::giveUp(SessionCounts* counts) {
+  RecordTally lost = minus(shared_.records.dropped(), told_);
+  shared_.records.forEach([&](RecordKind kind, const auto& ring) {
+    const std::uint64_t waiting = ring.tail() - ring.head();
+    lost[static_cast<std::size_t>(kind)] += waiting;
+    RingCounts& ring_counts = counts->rings[static_cast<std::size_t>(ringOf(kind))];
+    ring_counts.pushed -= std::min(waiting, ring_counts.pushed);
+    ring_counts.dropped += waiting;
+  });
+  writeGap(GapReason::kNotWritten, lost, tick_);
+  counts->records_dropped = tallyTotal(told_) + tallyTotal(lost);
+}
+
+void Recorder::finish(SessionCounts counts) {
+  try {
+    writeEnd(&counts);
+  } catch (const SessionException&) {
+    if (flight_ != nullptr) flight_->keep();
+    throw;
+  }
   metrics_.add(counts);
   const training::SessionMetrics metrics = metrics_.result();
   training::writeMetrics(paths_.metrics(), metrics);

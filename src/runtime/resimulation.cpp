@@ -16,8 +16,8 @@ namespace {
 
 constexpr Tick kProgressEvery = 100;
 
-template <typename T, std::size_t Capacity>
-void discard(SpscRing<T, Capacity>* ring) {
+template <typename T, template <typename, std::size_t> class Ring, std::size_t Capacity>
+void discard(Ring<T, Capacity>* ring) {
   T element;
   while (ring->tryPop(&element)) {
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <mutex>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -16,13 +17,17 @@
 #include "raven2_trainer/runtime/cyclic_thread.h"
 #include "raven2_trainer/runtime/fault_director.h"
 #include "raven2_trainer/runtime/haptic_loop.h"
+#include "raven2_trainer/runtime/itp_sender.h"
+#include "raven2_trainer/runtime/key_file.h"
 #include "raven2_trainer/runtime/master_ingest.h"
 #include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/runtime/physics_loop.h"
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "raven2_trainer/runtime/realtime_check.h"
 #include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/runtime/recover.h"
 #include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/session/recovery.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::runtime {
@@ -32,11 +37,22 @@ constexpr int kIngestWaitMs = 50;
 constexpr int kLinkWaitMs = 5;
 constexpr std::int64_t kResendPlanNs = 1'000'000'000;
 constexpr int kSenderWaitMs = 20;
-constexpr std::int64_t kUnpinAfterNs = 500'000'000;   // a silent master may be replaced by another
+constexpr int kMaxDrain = 64;                         // datagrams a wake-up: a flood cannot keep the thread
+constexpr int kMaxForeign = 16;                       // of others, for the count; the kernel drops the rest
+constexpr std::size_t kRecoverNewest = 64;            // [sessions] at a start; the next start takes the rest
 constexpr std::size_t kBackgroundStack = 16U << 20U;  // llvmpipe compiles its shaders on the render thread
 
 std::int64_t toNanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * 1e9));
+}
+
+/** The ingest in words, for stderr, diagnostics and the record. */
+std::string describeIngest(const NetworkConfig& network) {
+  std::string text = network.itp.hardened ? "hardened" : "compat";
+  text += std::string(", signing ") + kItpAuthNames[static_cast<std::size_t>(network.itp.auth)];
+  text += ", on " + network.bind_address;
+  if (network.allow_plaintext_remote) text += "; unsigned ITP from other computers is allowed";
+  return text;
 }
 
 void sleepFor(double seconds) {
@@ -54,15 +70,21 @@ struct Simulator::Impl {
         started(std::chrono::steady_clock::now()),
         raven(model::loadRavenModel(config)),
         scene(model::loadSceneModel(config)),
-        shared(std::make_unique<SharedState>()),
+        flight(config.runtime.flight_recorder),
+        shared(std::make_unique<SharedState>(flight.rings())),
         receiver(config.network.bind_address, config.network.master_port),
-        to_robot(config.network.robot_host, config.network.robot_port),
+        key(loadKey(config.network)),
+        to_robot(config.network.robot_host,
+                 config.network.robot_port,
+                 wire::Audience::kRobot,
+                 key.get(),
+                 ItpSender::Unanswered::kPlain),
         to_console(config.network.console_host, config.network.force_port),
         robot_client(config.network.robot_host,
                      config.network.state_port,
                      config.network.reconnect_min,
                      config.network.reconnect_max),
-        ingest(config.network.max_increment_um, shared.get()),
+        ingest(config.network.itp, key.get(), shared.get()),
         link(config, shared.get()),
         faults(config, shared.get()),
         physics(config, raven, scene, shared.get()),
@@ -70,7 +92,14 @@ struct Simulator::Impl {
         planner(config, raven, scene, shared.get()),
         paths(session::createSessionDirectory(options.output)),
         meta(startMeta("simulator", options.version, options.motion)),
-        recorder(config, physics.bodyNames(), paths, options.motion, shared.get()) {}
+        recorder(config, physics.bodyNames(), paths, options.motion, shared.get(), &flight) {
+    meta.flight_recorder = flight.description();
+    meta.ingest = describeIngest(config.network);
+    writeMeta("unknown: not ended cleanly");
+    if (config.network.allow_plaintext_remote) std::fprintf(stderr, "warning: ITP ingest %s\n", meta.ingest.c_str());
+    if (config.network.master_address.empty()) return;
+    ingest.allowOnly(net::sourceId(net::resolve(config.network.master_address, 0)));
+  }
 
   void startLoops() {
     const CyclicPolicy policy{config.runtime.max_catch_up,
@@ -106,7 +135,9 @@ struct Simulator::Impl {
     const auto background = [this](const char* name) {
       return ThreadOptions{name, ThreadConfig{0, -1}, config.runtime.background_nice, kBackgroundStack};
     };
-    recorder_thread.start(background("recorder"), [this] { recorderLoop(); });
+    // Not nice: beside other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
+    recorder_thread.start({"recorder", ThreadConfig{0, -1}}, [this] { recorderLoop(); });
+    recovery_thread.start(background("recovery"), [this] { recoveryLoop(); });
     faults_thread.start(background("faults"), [this] { faultsLoop(); });
     planner_thread.start(background("planner"), [this] { plannerLoop(); });
     if (options.render) render_thread.start(background("render"), [this] { renderLoop(); });
@@ -115,17 +146,47 @@ struct Simulator::Impl {
   bool stopping() const noexcept { return stop.load(std::memory_order_relaxed); }
 
   void ingestLoop() {
-    std::array<std::uint8_t, 2 * wire::kItpSize> buffer;
-    std::int64_t heard_ns = net::monotonicNow();
     while (!stopping()) {
       receiver.wait(kIngestWaitMs);
-      while (const auto datagram = receiver.receive(buffer.data(), buffer.size())) {
-        const Reject reason = ingest.receive(buffer.data(), datagram->size, datagram->foreign);
-        if (reason == Reject::kForeignSource) continue;
-        heard_ns = net::monotonicNow();
-        if (reason == Reject::kNone && !receiver.pinnedSource()) receiver.pinSource(datagram->source);
-      }
-      if (net::monotonicNow() - heard_ns > kUnpinAfterNs) receiver.unpinSource();
+      takeDatagrams();
+      ingest.idle(net::monotonicNow());
+      followPin();
+    }
+  }
+
+  void takeDatagrams() {
+    std::array<std::uint8_t, 2 * wire::kSignedItpSize> buffer;
+    for (int i = 0; i < kMaxDrain; ++i) {
+      const auto datagram = receiver.receive(buffer.data(), buffer.size());
+      if (!datagram) break;
+      takeDatagram(buffer.data(), *datagram);
+      followPin();
+    }
+    for (int i = 0; i < kMaxForeign; ++i) {
+      const auto datagram = receiver.receiveForeign(buffer.data(), buffer.size());
+      if (!datagram) break;
+      takeDatagram(buffer.data(), *datagram);
+    }
+  }
+
+  void takeDatagram(const std::uint8_t* bytes, const net::Datagram& datagram) {
+    const wire::Arrival arrival{bytes, datagram.size, net::sourceId(datagram.source), net::monotonicNow()};
+    if (!ingest.isHello(arrival)) {
+      ingest.receive(arrival);
+      return;
+    }
+    wire::HandshakeBytes reply;
+    if (ingest.answer(arrival, freshNonce(), &reply) != Reject::kNone) return;
+    receiver.sendTo(datagram.source, reply.data(), reply.size());
+  }
+
+  /** The socket hears whom the ingest hears. */
+  void followPin() {
+    const auto& pinned = receiver.pinnedSource();
+    if (!ingest.isPinned()) {
+      if (pinned) receiver.unpinSource();
+    } else if (!pinned || net::sourceId(*pinned) != ingest.source()) {
+      receiver.pinSource(net::endpointOf(ingest.source()));
     }
   }
 
@@ -210,8 +271,7 @@ struct Simulator::Impl {
   }
 
   void sendRelay(const MasterCommand& command) {
-    const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
-    const bool taken = to_robot.send(bytes.data(), bytes.size());
+    const bool taken = to_robot.send(wire::fromCommand(command), net::monotonicNow());
     (taken ? shared->relay_sent : shared->relay_failed).add();
   }
 
@@ -222,14 +282,18 @@ struct Simulator::Impl {
   }
 
   void recorderLoop() {
-    try {
-      while (!stopping()) {
-        recorder.drain();
-        sleepFor(config.runtime.recorder_period);
-      }
-    } catch (const SessionException& e) {
-      std::fprintf(stderr, "%s\n", e.what());
-      record_failed.store(true);
+    while (!stopping()) {
+      recorder.drain(net::monotonicNow());
+      sleepFor(config.runtime.recorder_period);
+    }
+  }
+
+  /** Completes the logs of processes that were killed, so that their sessions can be read and their memory is freed. */
+  void recoveryLoop() {
+    const std::string parent = std::filesystem::absolute(paths.directory).parent_path().string();
+    for (const std::string& directory : session::findUncleanSessions(parent, kRecoverNewest)) {
+      if (stopping()) return;
+      recoverAndTell({directory}, [this] { return stopping(); });
     }
   }
 
@@ -298,18 +362,29 @@ struct Simulator::Impl {
     for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread})
       thread->hurry();
     for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &faults_thread,
-                           &render_thread, &recorder_thread}) {
+                           &render_thread, &recorder_thread, &recovery_thread}) {
       thread->join();
     }
   }
 
-  void writeFiles() {
+  void writeMeta(const std::string& realtime) {
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - started;
     meta.wall_duration = wall.count();
-    meta.realtime = realtimeStatus();
+    meta.realtime = realtime;
     session::writeMeta(paths, meta, config);
-    recorder.drain();
-    recorder.finish(counts());
+  }
+
+  /** The log first: on a full disk it has room of its own, and gives some back. */
+  void writeFiles() {
+    recorder.drain(net::monotonicNow() + kResendPlanNs);  // a last try though it may not be due; the counts tell of it
+    try {
+      recorder.finish(counts());
+      meta.flight_recorder = "removed";
+      writeMeta(realtimeStatus());
+    } catch (const SessionException& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+      record_failed = true;
+    }
   }
 
   std::string realtimeStatus() const {
@@ -334,10 +409,13 @@ struct Simulator::Impl {
   const std::chrono::steady_clock::time_point started;
   const model::RavenModel raven;
   const model::SceneModel scene;
+  session::FlightRecorder flight;
   std::unique_ptr<SharedState> shared;
 
   net::UdpReceiver receiver;
-  net::UdpSender to_robot, to_console;
+  std::unique_ptr<const wire::ItpKey> key;
+  ItpSender to_robot;
+  net::UdpSender to_console;
   net::TcpClient robot_client;
   net::EventFd outgoing;
 
@@ -359,11 +437,12 @@ struct Simulator::Impl {
   std::atomic<bool> haptic_ended{false};
   MemoryLock memory;
   std::atomic<bool> stop{false};
-  std::atomic<bool> record_failed{false};
+  bool record_failed{false};
   bool running{false};
 
   CyclicThread physics_thread, haptic_thread;
   Thread ingest_thread, link_thread, sender_thread, recorder_thread, faults_thread, planner_thread, render_thread;
+  Thread recovery_thread;
 };
 
 Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {
@@ -392,7 +471,6 @@ void Simulator::start() {
 }
 
 SimulatorState Simulator::state() const {
-  if (impl_->record_failed.load()) return SimulatorState::kRecordFailed;
   const ModelState model = impl_->shared->model.load();
   const double session = static_cast<double>(model.session_tick + 1) * kTickSeconds;
   if (impl_->options.duration > 0.0 && session >= impl_->options.duration) return SimulatorState::kComplete;
@@ -407,6 +485,10 @@ void Simulator::stop() {
   impl_->running = false;
   impl_->stopThreads();
   impl_->writeFiles();
+}
+
+bool Simulator::recorded() const noexcept {
+  return !impl_->record_failed;
 }
 
 SharedState& Simulator::shared() const noexcept {

@@ -26,7 +26,8 @@ Json describeRecords() {
   return Json::array({describeRecord<TickRecord>("tick"), describeRecord<HapticRecord>("haptic"),
                       describeRecord<CommandRecord>("command"), describeRecord<RequestRecord>("request"),
                       describeRecord<PlanRecord>("plan"), describeRecord<FaultRecord>("faults"),
-                      describeRecord<ContactRecord>("contact"), describeRecord<SessionCounts>("counts")});
+                      describeRecord<ContactRecord>("contact"), describeRecord<SessionCounts>("counts"),
+                      describeRecord<GapRecord>("gap"), describeRecord<RecoveryRecord>("recovery")});
 }
 
 /** What decides over bytes: names, types and shapes; units and meanings may be reworded. */
@@ -42,7 +43,8 @@ Json layoutOf(const Json& fields) {
 
 /** Ours must all be in the log with the same layout; otherwise every such record would be passed over. */
 void checkLayouts(const Json& records) {
-  for (const Json& ours : describeRecords()) {
+  static const Json kOurs = describeRecords();  // milliseconds to make
+  for (const Json& ours : kOurs) {
     const auto theirs = std::find_if(records.begin(), records.end(),
                                      [&](const Json& entry) { return entry.at("type") == ours.at("type"); });
     if (theirs == records.end() || theirs->at("version") != ours.at("version") ||
@@ -83,6 +85,7 @@ std::string headerToJson(const LogHeader& header) {
                   {"loop_names", kLoopNames},
                   {"reject_names", kRejectNames},
                   {"ring_names", kRingNames},
+                  {"record_kind_names", kRecordKindNames},
                   {"records", describeRecords()}};
   // A file name in `motion` may hold any bytes; those that are not UTF-8 become U+FFFD.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

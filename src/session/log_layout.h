@@ -60,6 +60,11 @@ struct EnumNames<FaultTarget> {
   static constexpr const auto& kNames = kFaultTargetNames;
 };
 
+template <>
+struct EnumNames<GapReason> {
+  static constexpr const auto& kNames = kGapReasonNames;
+};
+
 // ---- parts -------------------------------------------------------------------------------------------------------
 
 template <>
@@ -160,6 +165,7 @@ struct Layout<HapticState> {
   static void visit(Visitor& v, State& s) {
     v.field("tick", s.tick, "ms", "model tick it was computed from");
     v.field("robot_cycle", s.robot_cycle, "ms", "robot cycle it was computed from");
+    v.field("time_ns", s.time_ns, "ns", "monotonic clock of the tick; in lockstep tick x 1e6");
     v.field("force_B", s.force_B, "N", "force in each arm's base frame B");
     v.field("force_I", s.force_I, "N", "the same in master (ITP) axes");
     v.field("error", s.error, "m", "distance of model and robot tips");
@@ -352,6 +358,28 @@ struct Layout<ContactRecord> {
     v.field("depth", s.depth, "m", "deepest overlap");
     v.field("p_W", s.p_W, "m", "place, mean of the points, in the world frame W");
     v.field("f_W", s.f_W, "N", "force on a, friction included, in W; that on b is its opposite");
+  }
+};
+
+template <>
+struct Layout<GapRecord> {
+  static constexpr const char* kMeaning = "records that are missing before this one";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "newest tick record before this one; -1 none");
+    v.field("reason", s.reason, "", "why they are missing");
+    v.field("error", s.error, "", "errno of the disk's last refusal since the gap before; 0 none");
+    v.field("lost", s.lost, "records", "how many, by kind (record_kind_names)");
+  }
+};
+
+template <>
+struct Layout<RecoveryRecord> {
+  static constexpr const char* kMeaning = "end of a log whose writer was killed, in place of the counters";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("recovered", s.recovered, "records", "taken from the flight recorder, by kind (record_kind_names)");
+    v.field("cut_bytes", s.cut_bytes, "bytes", "cut off the end: half written, or written and still in the queues");
   }
 };
 

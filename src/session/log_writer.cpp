@@ -1,8 +1,14 @@
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
+#include "append_file.h"
 #include "header_json.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
@@ -13,35 +19,61 @@ namespace raven2_trainer::session {
 
 namespace {
 
-/** [bytes] What a killed process can lose: about 40 ticks. Larger is not faster at 3 MB/s. */
-constexpr std::size_t kFileBuffer = 64 * 1024;
+/** [bytes] A batch that nobody commits is written at this size; the recorder's largest, all queues full, is 6 MiB. */
+constexpr std::size_t kMaxBatch = 16U << 20U;
+constexpr int kLockTries = 20;
+constexpr unsigned kLockWait = 5000;  // [us]
 
 }  // namespace
 
 struct LogWriter::Impl {
   std::string path;
-  std::FILE* file{nullptr};
-  std::uint64_t next_number{0};
-  std::vector<std::uint8_t> frame;
+  AppendFile file;
+  int lock{-1};
+  std::uint64_t next_number{0};       ///< of the next record, the batch included
+  std::uint64_t committed_number{0};  ///< of the first record that is not in the file
+  std::vector<std::uint8_t> batch, frame;
+  bool finished{false};
 
-  Impl(const std::string& file_path, const LogHeader& header) : path(file_path), file(std::fopen(path.c_str(), "wb")) {
-    if (file == nullptr) fail("cannot be created");
-    std::setvbuf(file, nullptr, _IOFBF, kFileBuffer);
-    frame.resize(kFrameHeaderSize + kMaxPayload + kCrcSize);
-    writeHeader(headerToJson(header));
-  }
+  explicit Impl(const std::string& file_path) : path(file_path), frame(kFrameHeaderSize + kMaxPayload + kCrcSize) {}
 
   ~Impl() {
-    if (file != nullptr) std::fclose(file);
+    commit();
+    file.close();
+    if (lock >= 0) ::close(lock);
   }
 
-  [[noreturn]] void fail(const std::string& what) const {
-    throw SessionException(path + ": " + what + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+  /** Tells recoveries in other processes that this log has a living writer; the system lets go with the process. */
+  void takeLock(const std::string& name) {
+    lock = ::open(name.c_str(), O_RDONLY | O_CLOEXEC);
+    // Others hold it for an instant when they look whether the log is abandoned.
+    for (int i = 0; i < kLockTries && lock >= 0; ++i) {
+      if (::flock(lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+      ::usleep(kLockWait);
+    }
+    fail("is being written by another program");
+  }
+
+  /** Header and lock are in place when the log gets its name: nobody ever sees one without. */
+  void create(const std::string& json) {
+    std::error_code none;
+    const bool is_device = std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none);
+    const std::string first = is_device ? path : path + ".new";
+    if (!file.create(first)) fail("cannot be created", file.error());
+    takeLock(first);
+    writeHeader(json);
+    const bool written = commit() && (is_device || file.rename(path));
+    if (written) return;
+    if (!is_device) ::unlink(first.c_str());
+    fail("cannot be written", file.error());
+  }
+
+  [[noreturn]] void fail(const std::string& what, int error = 0) const {
+    throw SessionException(path + ": " + what + (error != 0 ? std::string(": ") + std::strerror(error) : ""));
   }
 
   void writeHeader(const std::string& json) {
     if (json.size() > kMaxHeaderPayload) {
-      errno = 0;
       fail("header of " + std::to_string(json.size()) + " bytes, at most " + std::to_string(kMaxHeaderPayload));
     }
     std::vector<std::uint8_t> bytes(kFrameHeaderSize + json.size() + kCrcSize);
@@ -57,27 +89,43 @@ struct LogWriter::Impl {
     seal(RecordTypeOf<T>::kType, out.size(), frame.data());
   }
 
-  /** Puts header and CRC around the payload already in place and writes it all in one call. */
+  /** Puts header and CRC around the payload already in place and adds it to the batch. */
   void seal(RecordType type, std::size_t payload, std::uint8_t* bytes) {
-    if (file == nullptr) {
-      errno = 0;
-      fail("the log is finished, no record can follow");
-    }
+    if (finished) fail("the log is finished, no record can follow");
     encodeFrameHeader({kMagic, type, kRecordVersion, static_cast<std::uint32_t>(payload), next_number++}, bytes);
     const std::size_t size = kFrameHeaderSize + payload;
     const std::uint32_t crc = crc32Of(bytes, size);
     std::memcpy(bytes + size, &crc, kCrcSize);
-    if (std::fwrite(bytes, 1, size + kCrcSize, file) != size + kCrcSize) fail("cannot be written");
+    batch.insert(batch.end(), bytes, bytes + size + kCrcSize);
+    if (batch.size() > kMaxBatch && !commit()) fail("cannot be written", file.error());
   }
 
-  void close() {
-    std::FILE* open = file;
-    file = nullptr;
-    if (std::fclose(open) != 0) fail("cannot be written");
+  bool commit(bool use_reserve = false) noexcept {
+    if (batch.empty()) return true;
+    const bool written = file.append(batch.data(), batch.size(), use_reserve);
+    batch.clear();
+    (written ? committed_number : next_number) = written ? next_number : committed_number;
+    return written;
+  }
+
+  /** Writes the batch, which ends with the log's last record. */
+  void end() {
+    if (!commit(/*use_reserve=*/true)) fail("cannot be written", file.error());
+    finished = true;
+    file.sync();
+    if (!file.close()) fail("cannot be written", file.error());
   }
 };
 
-LogWriter::LogWriter(const std::string& path, const LogHeader& header) : impl_(new Impl(path, header)) {}
+LogWriter::LogWriter(const std::string& path, const LogHeader& header) : impl_(new Impl(path)) {
+  impl_->create(headerToJson(header));
+}
+
+LogWriter::LogWriter(const std::string& path, const LogPosition& position) : impl_(new Impl(path)) {
+  impl_->takeLock(path);
+  impl_->next_number = impl_->committed_number = position.next_number;
+  if (!impl_->file.resume(path, position.size)) impl_->fail("cannot be written", impl_->file.error());
+}
 
 LogWriter::~LogWriter() = default;
 
@@ -109,9 +157,34 @@ void LogWriter::write(const ContactRecord& record) {
   impl_->write(record);
 }
 
+void LogWriter::write(const GapRecord& record) {
+  impl_->write(record);
+}
+
+bool LogWriter::commit() noexcept {
+  return impl_->commit();
+}
+
+bool LogWriter::sync() noexcept {
+  return impl_->file.sync();
+}
+
+LogPosition LogWriter::position() const noexcept {
+  return {impl_->file.size(), impl_->committed_number};
+}
+
+int LogWriter::error() const noexcept {
+  return impl_->file.error();
+}
+
 void LogWriter::finish(const SessionCounts& counts) {
   impl_->write(counts);
-  impl_->close();
+  impl_->end();
+}
+
+void LogWriter::finishRecovery(const RecoveryRecord& recovery) {
+  impl_->write(recovery);
+  impl_->end();
 }
 
 }  // namespace raven2_trainer::session

@@ -44,6 +44,10 @@ Outcome dispatch(const FrameHeader& header, const std::uint8_t* payload, const L
       return deliver(header, payload, visitor.contact);
     case RecordType::kCounts:
       return deliver(header, payload, visitor.counts);
+    case RecordType::kGap:
+      return deliver(header, payload, visitor.gap);
+    case RecordType::kRecovery:
+      return deliver(header, payload, visitor.recovery);
     case RecordType::kHeader:
       return Outcome::kUnusable;  // only the first record is one
   }
@@ -84,6 +88,7 @@ LogSummary readLog(const std::string& path, const LogVisitor& visitor) {
     ++summary.records;
     if (visitor.position) visitor.position(scanner.position());
     if (header.type == RecordType::kCounts) summary.clean = true;
+    if (header.type == RecordType::kRecovery) summary.recovered = true;
   }
   summary.bad_bytes = scanner.badBytes();
   summary.truncated_bytes = scanner.truncatedBytes();

@@ -28,7 +28,9 @@ enum class RecordType : std::uint16_t {
   kPlan,
   kCounts,
   kContact,
-  kFaults
+  kFaults,
+  kGap,
+  kRecovery
 };
 
 /** Type number of each record struct. */
@@ -61,6 +63,14 @@ struct RecordTypeOf<ContactRecord> {
 template <>
 struct RecordTypeOf<FaultRecord> {
   static constexpr RecordType kType = RecordType::kFaults;
+};
+template <>
+struct RecordTypeOf<GapRecord> {
+  static constexpr RecordType kType = RecordType::kGap;
+};
+template <>
+struct RecordTypeOf<RecoveryRecord> {
+  static constexpr RecordType kType = RecordType::kRecovery;
 };
 template <>
 struct RecordTypeOf<SessionCounts> {

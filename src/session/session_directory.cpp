@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/session/recovery.h"
 
 namespace raven2_trainer::session {
 
@@ -69,6 +70,11 @@ SessionPaths openSessionDirectory(const std::string& directory) {
   if (!fs::is_regular_file(paths.log(), error)) {
     throw SessionException(directory + ": is no session directory (no session.rlog in it)");
   }
+  try {
+    recoverSession(paths);
+  } catch (const SessionException&) {
+    // Read as it is, then; what cannot be read says so when it is.
+  }
   return paths;
 }
 
@@ -77,8 +83,10 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
             {"version", meta.version},
             {"start_time_utc", meta.start_time_utc},
             {"wall_duration_s", meta.wall_duration},
+            {"flight_recorder", meta.flight_recorder},
             {"realtime", meta.realtime},
             {"motion", meta.motion},
+            {"ingest", meta.ingest},
             {"seed", config.seed},
             {"hazard", config.hazard},
             {"build", meta.build},

@@ -13,6 +13,7 @@ constexpr double kMilliPerUnit = 1e3;  ///< mrad per rad, mN per N
 
 constexpr double kQuaternionNormMin = 0.98;  // reliability.md 2.2, rule 5
 constexpr double kQuaternionNormMax = 1.02;
+constexpr double kUsableNorm = 1e-6;  // far above where squares underflow
 
 /** Whole range of the robot's jaw command, -10 to 90 degrees (raven2.md 1.4): no honest increment is larger. */
 constexpr std::int32_t kMaxGraspIncrementMrad = 1745;
@@ -60,6 +61,12 @@ bool isWithin(std::int32_t value, std::int32_t limit) noexcept {
 bool isInRange(const ItpPacket& packet, std::size_t arm, std::int32_t max_increment_um) noexcept {
   return isWithin(packet.delx_um[arm], max_increment_um) && isWithin(packet.dely_um[arm], max_increment_um) &&
          isWithin(packet.delz_um[arm], max_increment_um) && isWithin(packet.grasp_mrad[arm], kMaxGraspIncrementMrad);
+}
+
+/** Angle of a rotation of about unit norm; q and -q are the same rotation. [rad] */
+double angleOf(const ItpPacket& packet, std::size_t arm) noexcept {
+  const double x = packet.Qx[arm], y = packet.Qy[arm], z = packet.Qz[arm];
+  return 2.0 * std::atan2(std::sqrt(x * x + y * y + z * z), std::abs(packet.Qw[arm]));
 }
 
 Quat normalised(double x, double y, double z, double w) noexcept {
@@ -121,13 +128,24 @@ Reject decodeItp(const std::uint8_t* bytes, std::size_t size, ItpPacket* packet)
   return Reject::kNone;
 }
 
-Reject checkItp(const ItpPacket& packet, std::int32_t max_increment_um) noexcept {
+Reject checkItp(const ItpPacket& packet, const ItpLimits& limits) noexcept {
   for (std::size_t arm = 0; arm < kArmCount; ++arm) {
     const Reject reason = checkQuaternion(packet.Qx[arm], packet.Qy[arm], packet.Qz[arm], packet.Qw[arm]);
     if (reason != Reject::kNone) return reason;
   }
   for (std::size_t arm = 0; arm < kArmCount; ++arm) {
-    if (!isInRange(packet, arm, max_increment_um)) return Reject::kOutOfRange;
+    if (!isInRange(packet, arm, limits.max_increment_um)) return Reject::kOutOfRange;
+    if (angleOf(packet, arm) > limits.max_rotation) return Reject::kOutOfRange;
+  }
+  return packet.surgeon_mode == 0 || packet.surgeon_mode == 1 ? Reject::kNone : Reject::kOutOfRange;
+}
+
+Reject checkUsable(const ItpPacket& packet) noexcept {
+  for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+    const double x = packet.Qx[arm], y = packet.Qy[arm], z = packet.Qz[arm], w = packet.Qw[arm];
+    const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+    if (!std::isfinite(norm)) return Reject::kNotFinite;
+    if (norm < kUsableNorm) return Reject::kBadQuaternion;
   }
   return Reject::kNone;
 }

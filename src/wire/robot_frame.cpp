@@ -199,10 +199,19 @@ bool getEnum(ByteReader& in, std::size_t count, Enum* value) noexcept {
   return true;
 }
 
+/** A plan's times: so far from the ends of int64 that the engine's sums stay in it, and a million hours all the same.
+ */
+constexpr std::int64_t kMaxFaultTicks = std::int64_t{1} << 42U;
+
+bool isTime(std::int64_t ticks) noexcept {
+  return ticks >= 0 && ticks <= kMaxFaultTicks;
+}
+
 bool isSane(const Fault& fault) noexcept {
   const bool is_addressed = fault.arm >= -1 && fault.arm < static_cast<int>(kArmCount) && fault.joint >= -1 &&
                             fault.joint < static_cast<int>(kJointCount);
-  const bool is_timed = fault.duration_ticks >= 0 && fault.period_ticks >= 0 && fault.count >= 0;
+  const bool is_timed = fault.first_tick >= -kMaxFaultTicks && fault.first_tick <= kMaxFaultTicks &&
+                        isTime(fault.duration_ticks) && isTime(fault.period_ticks) && fault.count >= 0;
   return is_addressed && is_timed && std::isfinite(fault.value);
 }
 

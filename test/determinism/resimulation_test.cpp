@@ -221,7 +221,8 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   visitor.contact = [&](const ContactRecord&) { ++contacts; };
   session::readLog(paths.log(), visitor);
   EXPECT_EQ(modes,
-            (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking}));
+            (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking,
+                            Mode::kPaused}));
   EXPECT_EQ(requests.size(), 5U);
   EXPECT_EQ(slips, 1U);
   EXPECT_GT(lost, 0U);

@@ -40,7 +40,7 @@ class Rig {
         raven(model::loadRavenModel(config)),
         scene(model::loadSceneModel(config)),
         shared(std::make_unique<SharedState>()),
-        ingest(config.network.max_increment_um, shared.get()),
+        ingest(config.network.itp, nullptr, shared.get()),
         faults(config, shared.get()),
         physics(config, raven, scene, shared.get()),
         haptic(config, shared.get()),
@@ -79,7 +79,7 @@ class Rig {
     now_ns += kTickNanoseconds;
     command.sequence = ++master_sequence;
     const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
-    ingest.receive(bytes.data(), bytes.size(), false);
+    ingest.receive({bytes.data(), bytes.size(), 1, now_ns});
     faults.tick();
     physics.tick(now_ns);
     stepRobot();
@@ -158,8 +158,8 @@ class Rig {
     discard(&shared->contact_records);
   }
 
-  template <typename T, std::size_t Capacity>
-  static std::uint64_t discard(SpscRing<T, Capacity>* ring) {
+  template <typename T, template <typename, std::size_t> class Ring, std::size_t Capacity>
+  static std::uint64_t discard(Ring<T, Capacity>* ring) {
     T element;
     std::uint64_t count = 0;
     while (ring->tryPop(&element))

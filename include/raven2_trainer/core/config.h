@@ -74,21 +74,42 @@ struct HapticGains {
   double max_slew{};   ///< [N/s] fastest rise and fall of a force
 };
 
+/** Whether a receiver of ITP asks for signatures (doc/wire.md). */
+enum class ItpAuth : std::uint8_t { kOff, kAcceptBoth, kRequired };
+constexpr std::size_t kItpAuthCount = 3;
+constexpr std::array<const char*, kItpAuthCount> kItpAuthNames{"off", "accept_both", "required"};
+
+/** What a receiver of ITP demands of it (network.yaml). */
+struct ItpRules {
+  bool hardened{true};  ///< false: a real Raven's own rules, and nothing below but compat_timeout
+  ItpAuth auth{ItpAuth::kOff};
+  std::int32_t max_increment_um{};  ///< [um] largest accepted increment per axis and packet
+  double max_rotation{};            ///< [rad] largest accepted rotation per packet
+  double max_rate{};                ///< [1/s] packets used in the long run
+  std::int32_t max_burst{};         ///< [-] packets used at once
+  double master_timeout{};          ///< [s] silence of the console after which the pedal counts as up
+  double compat_timeout{};          ///< [s] the same with a Raven's rules
+
+  double pedalTimeout() const noexcept { return hardened ? master_timeout : compat_timeout; }
+};
+
 /** config/network.yaml */
 struct NetworkConfig {
   std::string bind_address;     ///< of the daemon's and the robot's listeners
   std::uint16_t master_port{};  ///< UDP console -> daemon
-  std::string daemon_host;         ///< where the console sends to
+  std::string daemon_host;      ///< where the console sends to
   std::string robot_host;
   std::uint16_t robot_port{};  ///< UDP daemon -> robot
   std::string console_host;
-  std::uint16_t force_port{};       ///< UDP daemon -> console
-  std::uint16_t state_port{};       ///< TCP robot -> daemon
-  double stale_after{};             ///< [s] robot state older than this is not used
-  double reconnect_min{};           ///< [s] first pause before the TCP link is tried again
-  double reconnect_max{};           ///< [s] longest pause
-  double master_timeout{};         ///< [s] silence of the console after which the pedal counts as up
-  std::int32_t max_increment_um{};  ///< [um] largest accepted increment per axis and packet
+  std::uint16_t force_port{};     ///< UDP daemon -> console
+  std::uint16_t state_port{};     ///< TCP robot -> daemon
+  double stale_after{};           ///< [s] robot state older than this is not used
+  double reconnect_min{};         ///< [s] first pause before the TCP link is tried again
+  double reconnect_max{};         ///< [s] longest pause
+  ItpRules itp{};                 ///< of the daemon's ingest
+  std::string master_address;     ///< the only one heard; empty: the first that sends a valid packet
+  bool allow_plaintext_remote{};  ///< unsigned ITP from other computers may be listened to
+  std::string key_file;           ///< absolute path; empty: none
 };
 
 /** Scheduling of one thread. */
@@ -101,11 +122,12 @@ struct ThreadConfig {
 struct RuntimeConfig {
   ThreadConfig physics{}, haptic{}, ingest{}, robot_link{}, sender{};
   int stack_kib{};                     ///< [KiB] of each thread above
-  int background_nice{};               ///< [-] of planner, renderer, recorder
+  int background_nice{};               ///< [-] of planner, renderer, recovery
   int max_catch_up{};                  ///< [ticks] extra steps per tick when behind
   double max_backlog{};                ///< [s] beyond it the backlog is given up as a time-slip event
   double fault_period{};               ///< [s] of the fault director
   double recorder_period{};            ///< [s]
+  std::string flight_recorder;         ///< folder on a tmpfs for the record queues, or "none"
   double ros_period{};                 ///< [s] of the ROS publishers
   double plan_at{};                    ///< [s] session time of the scheduled plan; negative = none
   std::int64_t lockstep_plan_delay{};  ///< [ticks] from plan request to result in lockstep
@@ -211,7 +233,8 @@ struct PlantConfig {
 
 /** config/virtual_raven.yaml */
 struct VirtualRavenConfig {
-  std::string behaviour;  ///< compat (hardened is refused until it exists)
+  std::string behaviour;  ///< compat: a real Raven's rules; hardened: those of `itp`
+  ItpRules itp{};         ///< as network.yaml says
   std::array<MotorAxis, kJointCount> axes{};
   double green_insertion_kd{};    ///< [Nms/rad] the one gain that differs between the arms
   std::int32_t max_inst_dac{};    ///< [counts] overdrive threshold of any axis

@@ -62,6 +62,50 @@ struct ContactRecord {
   Vec3 f_W{};              ///< [N] force on a: sum over the points
 };
 
+/** Kinds of record that the loops queue for the recorder. */
+enum class RecordKind : std::uint8_t { kTick, kHaptic, kCommand, kRequest, kPlan, kContact, kFaults };
+constexpr std::size_t kRecordKindCount = 7;
+constexpr std::array<const char*, kRecordKindCount> kRecordKindNames{"tick", "haptic",  "command", "request",
+                                                                     "plan", "contact", "faults"};
+/** A number of records of each kind, by RecordKind. */
+using RecordTally = std::array<std::uint64_t, kRecordKindCount>;
+
+inline std::uint64_t tallyTotal(const RecordTally& tally) noexcept {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : tally)
+    sum += n;
+  return sum;
+}
+
+enum class GapReason : std::uint8_t {
+  kQueueFull,   ///< the recorder did not keep up with the loops
+  kNotWritten,  ///< the disk refused the log for longer than the queues last
+  kDamaged,     ///< found damaged when the log of a killed process was completed
+};
+constexpr std::size_t kGapReasonCount = 3;
+constexpr std::array<const char*, kGapReasonCount> kGapReasonNames{"queue_full", "not_written", "damaged"};
+
+/** Records that are missing from the log before this one. */
+struct GapRecord {
+  Tick tick{-1};  ///< [1 ms] of the newest tick record before this one; -1 none
+  GapReason reason{};
+  std::int32_t error{};  ///< errno of the disk's last refusal since the gap before; 0 none
+  RecordTally lost{};
+};
+
+/** Ends a log that its writer was killed over, in place of the counters. */
+struct RecoveryRecord {
+  RecordTally recovered{};    ///< records taken from the queues and appended
+  std::uint64_t cut_bytes{};  ///< [bytes] of records that were half written, or written but still in the queues
+};
+
+/** What the recorder has to say, for /diagnostics. */
+struct RecorderStatus {
+  std::uint8_t failing{};  ///< 1 while the disk refuses the log
+  std::int32_t error{};    ///< errno of the last refusal; 0 none yet
+  std::uint64_t lost{};    ///< records that will not be in the log, all gaps
+};
+
 enum class LoopId : std::uint8_t { kPhysics, kHaptic };
 constexpr std::size_t kLoopCount = 2;
 constexpr std::array<const char*, kLoopCount> kLoopNames{"physics", "haptic"};
@@ -108,6 +152,14 @@ constexpr std::array<const char*, kRingCount> kRingNames{
     "master_commands", "requests",      "fault_requests", "plan_requests",  "plan_results",
     "relay_packets",   "force_packets", "tick_records",   "haptic_records", "command_records",
     "request_records", "plan_records",  "fault_records",  "contact_records"};
+
+/** The queue of each kind of record. */
+constexpr RingId ringOf(RecordKind kind) noexcept {
+  constexpr std::array<RingId, kRecordKindCount> kRings{
+      RingId::kTickRecords, RingId::kHapticRecords,  RingId::kCommandRecords, RingId::kRequestRecords,
+      RingId::kPlanRecords, RingId::kContactRecords, RingId::kFaultRecords};
+  return kRings[static_cast<std::size_t>(kind)];
+}
 
 /** Counters at the end of a session (and once a second on /diagnostics). */
 struct SessionCounts {

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/record_rings.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/state_cell.h"
@@ -16,6 +20,19 @@ namespace raven2_trainer {
  * consumer, named on the line above it. No member is ever locked. About 10 MiB: allocate on the heap, once.
  */
 struct SharedState {
+  /** With record queues of its own. */
+  SharedState() : SharedState(std::make_unique<RecordRings>()) {}
+  /** With record queues elsewhere, which must outlive it. */
+  explicit SharedState(RecordRings* queues)
+      : records(*queues),
+        tick_records(records.ticks),
+        haptic_records(records.haptics),
+        command_records(records.commands),
+        request_records(records.requests),
+        plan_records(records.plans),
+        fault_records(records.faults),
+        contact_records(records.contacts) {}
+
   // --- latest values -------------------------------------------------------------------------------------------
   // written by physics
   StateCell<ModelState> model;
@@ -39,6 +56,8 @@ struct SharedState {
   StateCell<LoopTiming> physics_timing;
   // written by haptic
   StateCell<LoopTiming> haptic_timing;
+  // written by recorder
+  StateCell<RecorderStatus> recorder;
 
   // --- every element counts ------------------------------------------------------------------------------------
   // ingest -> physics
@@ -55,20 +74,15 @@ struct SharedState {
   SpscRing<RelayPacket, 256> relay_packets;
   // haptic -> sender
   SpscRing<ForcePacket, 256> force_packets;
-  // physics -> recorder
-  SpscRing<TickRecord, 2048> tick_records;
-  // haptic -> recorder
-  SpscRing<HapticRecord, 2048> haptic_records;
-  // physics -> recorder
-  SpscRing<CommandRecord, 4096> command_records;
-  // physics -> recorder
-  SpscRing<RequestRecord, 64> request_records;
-  // physics -> recorder
-  SpscRing<PlanRecord, 8> plan_records;
-  // physics -> recorder
-  SpscRing<FaultRecord, 16> fault_records;
-  // physics -> recorder
-  SpscRing<ContactRecord, 8192> contact_records;
+  // the queues to the recorder (RecordRings says who fills which)
+  RecordRings& records;
+  RecordRing<TickRecord, 2048>& tick_records;
+  RecordRing<HapticRecord, 2048>& haptic_records;
+  RecordRing<CommandRecord, 4096>& command_records;
+  RecordRing<RequestRecord, 64>& request_records;
+  RecordRing<PlanRecord, 8>& plan_records;
+  RecordRing<FaultRecord, 16>& fault_records;
+  RecordRing<ContactRecord, 8192>& contact_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;  // physics
@@ -82,6 +96,11 @@ struct SharedState {
   Counter relay_released;    // sender: pedal-up packets of its own
   Counter force_failed;      // sender
   Counter force_silent;      // sender: zero forces of its own
+ private:
+  explicit SharedState(std::unique_ptr<RecordRings> queues) : SharedState(queues.get()) {
+    own_records_ = std::move(queues);
+  }
+  std::unique_ptr<RecordRings> own_records_;
 };
 
 /** The counters of all rings, by RingId. Any thread. */

@@ -101,6 +101,7 @@ static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads wo
 struct HapticState {
   Tick tick{-1};                ///< model tick it was computed from
   std::uint64_t robot_cycle{};  ///< robot cycle it was computed from
+  std::int64_t time_ns{};       ///< [ns] CLOCK_MONOTONIC of the tick; in lockstep tick x 1e6
   PerArm<Vec3> force_B{};       ///< [N] in each arm's frame B
   PerArm<Vec3> force_I{};       ///< [N] the same in master (ITP) axes
   PerArm<double> error{};       ///< [m] distance of model and robot tips; 0 if either is not finite

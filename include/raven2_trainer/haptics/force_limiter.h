@@ -22,6 +22,9 @@ class ForceLimiter {
    */
   Eigen::Vector3d step(const Eigen::Vector3d& wanted, double seconds) noexcept;
 
+  /** Goes on from a force that was given. */
+  void resume(const Eigen::Vector3d& force) noexcept { force_ = force; }
+
  private:
   double max_force_, max_slew_;
   Eigen::Vector3d force_{Eigen::Vector3d::Zero()};

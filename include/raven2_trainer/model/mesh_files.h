@@ -5,8 +5,11 @@
 
 namespace raven2_trainer::model {
 
-/** Path of a mesh as a URDF names it: `package://raven2_trainer/...` is beside the URDF's folder, anything else is
- *  relative to the file, but for `file://`. */
+/** The folder that the meshes of a URDF may not leave: above a folder urdf/, else the file's own. */
+std::string modelFolder(const std::string& urdf);
+
+/** Path of a mesh as a URDF names it: `package://raven2_trainer/...` is in modelFolder(), anything else is relative to
+ *  the file. */
 std::string meshPath(const std::string& urdf, const std::string& name);
 
 /** The existing files that a URDF refers to, in its order, each once. Empty if it cannot be read. */

@@ -70,11 +70,16 @@ struct Description {
 
 /**
  * Reads a URDF with urdfdom and its meshes with assimp.
- * `package://raven2_trainer/...` resolves to the package's share folder, other paths relative to the file.
+ * `package://raven2_trainer/...` resolves to the folder above the file's `urdf/` (if it is in no folder of that name,
+ * the file's own), other paths relative to the file; none may leave that folder.
  * @throw ModelException with FILE:LINE: for a missing file or mesh, no inertia on a moving link, a mass that is not
- * positive, an inertia that no body can have, a loop, a joint without limits.
+ * positive, an inertia that no body can have, a loop, a joint without limits, lengths and masses beyond a table's, more
+ * than 2 MiB or 20,000 elements.
  */
 Description loadUrdf(const std::string& path);
+
+/** The same from a text; `path` is for messages and the place of the meshes. */
+Description parseUrdf(const std::string& text, const std::string& path);
 
 /** Pose of every link in the URDF's root frame, given each link's joint position (URDF coordinates, by link index).
  *  `poses` must have links.size() entries. No allocation. */

@@ -14,6 +14,14 @@ struct Endpoint {
   bool operator!=(const Endpoint& other) const noexcept { return !(*this == other); }
 };
 
+/** As one number: address << 16 | port. */
+constexpr std::uint64_t sourceId(const Endpoint& endpoint) noexcept {
+  return static_cast<std::uint64_t>(endpoint.address) << 16U | endpoint.port;
+}
+constexpr Endpoint endpointOf(std::uint64_t source) noexcept {
+  return {static_cast<std::uint32_t>(source >> 16U), static_cast<std::uint16_t>(source & 0xFFFFU)};
+}
+
 /** "127.0.0.1:36010" */
 std::string toString(const Endpoint& endpoint);
 

@@ -17,7 +17,13 @@ struct Datagram {
   bool foreign{};  ///< a source is pinned and this is another one
 };
 
-/** A bound UDP socket. Non-blocking; after construction it neither throws nor allocates. */
+/**
+ * A bound UDP socket. Non-blocking; after construction it neither throws nor allocates.
+ *
+ * Pinned to a source, the socket is connected to it: the kernel then hands over nothing else, so that a flood from
+ * elsewhere costs this process nothing. What others send goes to a second, small socket on the same port, from which
+ * receiveForeign() takes samples; the rest is dropped there.
+ */
 class UdpReceiver {
  public:
   /**
@@ -28,20 +34,29 @@ class UdpReceiver {
 
   std::uint16_t port() const noexcept { return port_; }
 
-  /** Waits at most `timeout_ms`. @return true if receive() has something. */
+  /** Waits at most `timeout_ms`; what is foreign does not end it. @return true if receive() has something. */
   bool wait(int timeout_ms) noexcept;
 
   /** Next datagram waiting; its first `capacity` bytes are in `buffer`. Never waits. */
   std::optional<Datagram> receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 
-  /** From now on datagrams of any other address or port are marked foreign. */
-  void pinSource(const Endpoint& source) noexcept { pinned_ = source; }
-  void unpinSource() noexcept { pinned_.reset(); }
+  /** The same of those that came from elsewhere while a source is pinned. */
+  std::optional<Datagram> receiveForeign(std::uint8_t* buffer, std::size_t capacity) noexcept;
+
+  /** Answers a datagram. @return false if the system did not take it. */
+  bool sendTo(const Endpoint& to, const std::uint8_t* bytes, std::size_t size) noexcept;
+
+  /** From now on only this address and port are heard; what is queued already is marked if it is foreign. */
+  void pinSource(const Endpoint& source) noexcept;
+  void unpinSource() noexcept;
   const std::optional<Endpoint>& pinnedSource() const noexcept { return pinned_; }
 
   int fd() const noexcept { return fd_.get(); }
 
  private:
+  std::optional<Datagram> receiveFrom(const FileDescriptor& fd, std::uint8_t* buffer, std::size_t capacity) noexcept;
+
+  FileDescriptor guard_;  ///< bound first, so that the kernel prefers the other one
   FileDescriptor fd_;
   std::uint16_t port_{0};
   std::optional<Endpoint> pinned_;

@@ -18,6 +18,9 @@ class UdpSender {
    *  failure, as for any UDP. */
   bool send(const std::uint8_t* bytes, std::size_t size) noexcept;
 
+  /** Next answer of the receiver, never waits. @return its true size; 0 if there is none. */
+  std::size_t receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
+
   /** Own source port. */
   std::uint16_t port() const noexcept { return port_; }
 

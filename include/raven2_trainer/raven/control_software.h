@@ -8,6 +8,7 @@
 #include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/raven/usb_packets.h"
+#include "raven2_trainer/wire/itp_session.h"
 
 namespace raven2_trainer::raven {
 
@@ -19,13 +20,25 @@ namespace raven2_trainer::raven {
  */
 class ControlSoftware {
  public:
-  ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfig& config);
+  /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. Only `hardened` verifies at all.
+   *  @throw ConfigException for a behaviour that there is not. */
+  ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfig& config, const wire::ItpKey* key = nullptr);
   ~ControlSoftware();
   ControlSoftware(const ControlSoftware&) = delete;
   ControlSoftware& operator=(const ControlSoftware&) = delete;
 
   /** A datagram on UDP 36000, as recvfrom gave it. Injection point network_layer is right behind it. */
-  void receive(const std::uint8_t* bytes, std::size_t size) noexcept;
+  void receive(const std::uint8_t* bytes, std::size_t size) noexcept { receive(bytes, size, 0); }
+  /** `source` names address and port, for `hardened`. */
+  void receive(const std::uint8_t* bytes, std::size_t size, std::uint64_t source) noexcept;
+
+  /** The same with an answer to whoever asks for a session of signed ITP. @param[in] fresh random, used at most once.
+   *  @return true: send `*reply` to the source. */
+  bool receive(const std::uint8_t* bytes,
+               std::size_t size,
+               std::uint64_t source,
+               const wire::Nonce& fresh,
+               wire::HandshakeBytes* reply) noexcept;
 
   /** Faults to apply from the next cycle on. */
   void setFaults(const FaultPlan& plan) noexcept;

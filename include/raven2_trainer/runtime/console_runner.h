@@ -5,15 +5,15 @@
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/net/udp_receiver.h"
-#include "raven2_trainer/net/udp_sender.h"
 #include "raven2_trainer/runtime/cyclic_thread.h"
+#include "raven2_trainer/runtime/itp_sender.h"
 
 namespace raven2_trainer::runtime {
 
 /** The console's thread: one ITP packet a millisecond out, forces in. */
 class ConsoleRunner {
  public:
-  /** @throw NetworkException. */
+  /** @throw NetworkException, ConfigException (the key). */
   ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source);
   void start();
   void stop();
@@ -22,13 +22,16 @@ class ConsoleRunner {
   /** Force packets that made sense, and those that did not. */
   LinkCounts forceCounts() const noexcept { return force_counts_.load(); }
   bool realtime() const noexcept { return thread_.realtime(); }
+  /** Packets go out signed: the daemon has answered. */
+  bool signing() const noexcept { return signing_.load(std::memory_order_relaxed); }
 
  private:
   void tick(std::int64_t now_ns) noexcept;
   void receiveForces() noexcept;
 
   console::Console console_;
-  net::UdpSender to_daemon_;
+  std::unique_ptr<const wire::ItpKey> key_;
+  ItpSender to_daemon_;
   net::UdpReceiver from_daemon_;
   const std::int64_t ready_timeout_ns_;
   std::int64_t started_ns_{0};
@@ -36,7 +39,7 @@ class ConsoleRunner {
   LinkCounts counts_{};
   StateCell<LinkCounts> force_counts_;
   StateCell<LoopTiming> timing_;
-  std::atomic<bool> finished_{false};
+  std::atomic<bool> finished_{false}, signing_{false};
   CyclicThread thread_;
 };
 

@@ -4,28 +4,43 @@
 #include <cstdint>
 
 #include "raven2_trainer/core/shared_state.h"
-#include "raven2_trainer/wire/sequence_window.h"
+#include "raven2_trainer/wire/itp_gate.h"
 
 namespace raven2_trainer::runtime {
 
 /** Body of the ingest thread: one ITP datagram at a time, judged, counted, queued. Real-time safe. */
 class MasterIngest {
  public:
-  MasterIngest(std::int32_t max_increment_um, SharedState* shared) noexcept
-      : max_increment_um_(max_increment_um), shared_(*shared) {}
+  /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. */
+  MasterIngest(const ItpRules& rules, const wire::ItpKey* key, SharedState* shared) noexcept
+      : gate_(rules, wire::Audience::kDaemon, key), shared_(*shared) {}
 
-  /** A datagram as received; `size` is its true length even if longer than the buffer. `foreign`: not from the
-   *  master this daemon is pinned to. */
-  Reject receive(const std::uint8_t* bytes, std::size_t size, bool foreign) noexcept;
+  /** Only this source's address is heard (address << 16). */
+  void allowOnly(std::uint64_t address) noexcept { gate_.allowOnly(address, kAddressBits); }
 
+  /** A datagram as received; its size is the true one even if longer than the buffer. */
+  Reject receive(const wire::Arrival& arrival) noexcept;
+
+  /** Whether this asks for a session; then it is answer()'s, not receive()'s. */
+  bool isHello(const wire::Arrival& arrival) const noexcept { return gate_.isHello(arrival); }
+  /** kNone: send `*reply` to the source; nothing is counted then. @param[in] fresh random, used at most once. */
+  Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
+
+  /** Lets go of a silent master. At least every 100 ms. */
+  void idle(std::int64_t now_ns) noexcept { gate_.idle(now_ns); }
+
+  bool isPinned() const noexcept { return gate_.isPinned(); }
+  std::uint64_t source() const noexcept { return gate_.source(); }  ///< of the pinned master
   const LinkCounts& counts() const noexcept { return counts_; }
 
  private:
-  Reject judge(const std::uint8_t* bytes, std::size_t size, bool foreign) noexcept;
+  static constexpr std::uint64_t kAddressBits = 0xFFFFFFFFULL << 16U;
 
-  std::int32_t max_increment_um_;
+  Reject judge(const wire::Arrival& arrival) noexcept;
+  Reject count(Reject reason) noexcept;
+
+  wire::ItpGate gate_;
   SharedState& shared_;
-  wire::SequenceWindow window_;
   LinkCounts counts_{};
 };
 

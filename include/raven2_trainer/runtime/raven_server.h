@@ -23,7 +23,7 @@ namespace raven2_trainer::runtime {
 /** The virtual Raven's threads: control loop with plant (1 kHz), UDP receiver, state server. */
 class RavenServer {
  public:
-  /** @throw NetworkException, ModelException. */
+  /** @throw NetworkException, ModelException, ConfigException (the key). */
   explicit RavenServer(const TrainerConfig& config);
   ~RavenServer();
   void start();
@@ -55,15 +55,27 @@ class RavenServer {
   /** Longer datagrams are cut here as the robot's recvfrom does; 256 bytes keep "longer" visible. */
   struct Datagram {
     std::uint32_t size{};
+    std::uint64_t source{};
+    wire::Nonce fresh{};  ///< for an answer to it; random only if it may be asked for
     std::array<std::uint8_t, 256> bytes{};
+  };
+
+  /** What the control thread answers: the network thread sends it. */
+  struct Reply {
+    std::uint64_t to{};
+    wire::HandshakeBytes bytes{};
   };
 
   void controlTick(std::int64_t now_ns) noexcept;
   void takeInputs() noexcept;
   void publish(std::int64_t now_ns) noexcept;
   void receiveLoop();
+  void takeDatagrams();
+  void sendReplies();
 
   model::RavenModel model_;
+  const bool verifies_;
+  std::unique_ptr<const wire::ItpKey> key_;
   raven::ControlSoftware software_;
   plant::Plant plant_;
   net::UdpReceiver receiver_;
@@ -72,6 +84,7 @@ class RavenServer {
   net::EventFd report_ready_;
 
   SpscRing<Datagram, 256> datagrams_;      // receiver -> control
+  SpscRing<Reply, 16> replies_;            // control -> receiver
   SpscRing<RavenReport, 256> reports_;     // control -> ros
   SpscRing<RavenAutomove, 64> automoves_;  // ros -> control
   StateCell<RobotState> state_;            // written by control

@@ -24,9 +24,8 @@ struct SimulatorOptions {
 /** What the daemon is up to, for whoever waits for its end. */
 enum class SimulatorState : std::uint8_t {
   kRunning,
-  kComplete,      ///< the wanted session time is reached
-  kNoPedal,       ///< no pedal-down within runtime.start_timeout
-  kRecordFailed,  ///< the session log could not be written
+  kComplete,  ///< the wanted session time is reached
+  kNoPedal,   ///< no pedal-down within runtime.start_timeout
 };
 
 /**
@@ -53,6 +52,9 @@ class Simulator {
 
   /** Zero force first, pedal up to the robot, then the other threads, then the session's files. Safe to call twice. */
   void stop();
+
+  /** After stop(): whether the session's files were written to their end. A disk that refuses ends no session. */
+  bool recorded() const noexcept;
 
   SharedState& shared() const noexcept;
   const TrainerConfig& config() const noexcept;

@@ -17,6 +17,8 @@ struct SessionPaths {
   std::string video() const { return directory + "/video.mp4"; }
   std::string report() const { return directory + "/report.html"; }
   std::string ticks() const { return directory + "/ticks.csv"; }
+  std::string flight() const { return directory + "/flight_recorder"; }  ///< a link, while not ended cleanly
+  std::string recovered() const { return directory + "/recovered.json"; }
 };
 
 /**
@@ -25,7 +27,8 @@ struct SessionPaths {
  */
 SessionPaths createSessionDirectory(const std::string& output);
 
-/** Paths of an existing session. @throw SessionException if there is no session.rlog in it. */
+/** Paths of an existing session; an unclean one is recovered first (recoverSession). @throw SessionException if there
+ * is no session.rlog in it. */
 SessionPaths openSessionDirectory(const std::string& directory);
 
 /** What meta.json says; the only file of a session with wall-clock values. */
@@ -37,6 +40,8 @@ struct SessionMeta {
   std::string realtime;    ///< what scheduling was granted, in words; "lockstep"
   std::string motion;
   std::map<std::string, std::string> build{};  ///< what decides over the bits beside the inputs, by name
+  std::string ingest{};  ///< what was taken for ITP and from whom, in words; empty in lockstep
+  std::string flight_recorder{"none: lockstep"};  ///< file of the record queues while the session runs, or "none: WHY"
 };
 
 /** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file. */

@@ -36,13 +36,25 @@ struct LogHeader {
   std::vector<ConfigurationFile> configuration;  ///< copies beside the log, the root file first; empty: none
 };
 
+/** Where a log stands: all that is whole in the file. */
+struct LogPosition {
+  std::uint64_t size{};         ///< [bytes]
+  std::uint64_t next_number{};  ///< of the record that comes next
+};
+
 /**
- * Writes one log through a buffer of 64 KiB: a process that is killed loses at most its last 40 ticks or so. Not for
- * real-time threads. @throw SessionException on a file that cannot be opened or written.
+ * Writes one log. write() collects a batch, commit() puts it into the file in one piece: after a kill the file holds
+ * whole batches and at most a part of one. Not for real-time threads. While it lives other processes cannot recover
+ * the log. @throw SessionException on a file that cannot be opened or written, from the constructors and finish(), and
+ * from write() for a batch beyond 16 MiB.
  */
 class LogWriter {
  public:
+  /** A new log, its header written. */
   LogWriter(const std::string& path, const LogHeader& header);
+  /** Goes on behind `position` of an existing log; what stands behind it is cut off. */
+  LogWriter(const std::string& path, const LogPosition& position);
+  /** Commits. */
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
@@ -54,8 +66,22 @@ class LogWriter {
   void write(const PlanRecord& record);
   void write(const FaultRecord& record);
   void write(const ContactRecord& record);
-  /** Last record: the counters. A log without it ended uncleanly. Closes the file. */
+  void write(const GapRecord& record);
+  /**
+   * Writes the batch. @return false if the disk refuses: then nothing of it is in the file, it is forgotten, and
+   * error() says why. The next commit() tries the disk anew.
+   */
+  bool commit() noexcept;
+  /** Forces what was committed to the disk; may take long. @return false with error() set. */
+  bool sync() noexcept;
+  /** What was committed. */
+  LogPosition position() const noexcept;
+  /** errno of the last refusal; 0 none. */
+  int error() const noexcept;
+  /** The batch, and the counters as last record, into room kept free for them. A log without it ended uncleanly. */
   void finish(const SessionCounts& counts);
+  /** The same, for a log whose writer was killed. */
+  void finishRecovery(const RecoveryRecord& recovery);
 
  private:
   struct Impl;
@@ -71,7 +97,9 @@ struct LogVisitor {
   std::function<void(const PlanRecord&)> plan;
   std::function<void(const FaultRecord&)> faults;
   std::function<void(const ContactRecord&)> contact;
+  std::function<void(const GapRecord&)> gap;
   std::function<void(const SessionCounts&)> counts;
+  std::function<void(const RecoveryRecord&)> recovery;
   std::function<void(std::uint64_t bytes)> position;  ///< of the file read so far, after each record
 };
 
@@ -79,6 +107,7 @@ struct LogSummary {
   LogHeader header;
   std::uint64_t records{};          ///< intact ones behind the header
   bool clean{};                     ///< the footer was found
+  bool recovered{};                 ///< the writer was killed, and the log completed afterwards
   std::uint64_t bad_bytes{};        ///< skipped because a CRC, a length or a value was wrong
   std::uint64_t truncated_bytes{};  ///< of a last record that was cut short
 };

@@ -38,12 +38,21 @@ ItpBytes encodeItp(const ItpPacket& packet) noexcept;
 /** Copies the fields of exactly kItpSize bytes; no value is judged. kWrongSize, `*packet` unchanged, otherwise. */
 Reject decodeItp(const std::uint8_t* bytes, std::size_t size, ItpPacket* packet) noexcept;
 
+/** What an honest packet stays within. */
+struct ItpLimits {
+  std::int32_t max_increment_um{};  ///< [um] each axis
+  double max_rotation{kPi};         ///< [rad]
+};
+
 /**
- * Judges the values: finite quaternions of norm 0.98 to 1.02, increments within `max_increment_um`, grasp increments
- * within the whole range of the jaws (1745 mrad).
+ * Judges the values: finite quaternions of norm 0.98 to 1.02, increments and rotations within the limits, grasp
+ * increments within the whole range of the jaws (1745 mrad), surgeon_mode 0 or 1.
  * @return kNone, kNotFinite, kBadQuaternion or kOutOfRange.
  */
-Reject checkItp(const ItpPacket& packet, std::int32_t max_increment_um) noexcept;
+Reject checkItp(const ItpPacket& packet, const ItpLimits& limits) noexcept;
+
+/** Only what no model survives: kNotFinite, or kBadQuaternion for one that cannot be made a unit one. */
+Reject checkUsable(const ItpPacket& packet) noexcept;
 
 /** To SI units; quaternions are renormalised. Grasp: positive closes, on the wire and here (raven2.md 1.4). */
 MasterCommand toCommand(const ItpPacket& packet) noexcept;

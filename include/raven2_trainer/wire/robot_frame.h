@@ -57,7 +57,8 @@ bool saysVirtual(const Frame& hello) noexcept;
  */
 Reject decodeState(const Frame& frame, RobotState* state) noexcept;
 
-/** @return false, `*plan` unchanged, on another type, a wrong size, a number that is not finite or an unknown enum. */
+/** @return false, `*plan` unchanged, on another type, a wrong size, a number that is not finite, a time beyond
+ * 2^42 ticks or an unknown enum. */
 bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept;
 
 /** Incremental framer: give it bytes as they come, take frames out. Any split of the stream gives the same frames. */

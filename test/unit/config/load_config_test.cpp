@@ -132,9 +132,41 @@ TEST_F(LoadConfig, AnUnknownHazardIsRefusedWithTheKnownOnes) {
   EXPECT_NE(message().find("known: none"), std::string::npos) << message();
 }
 
-TEST_F(LoadConfig, TheHardenedRobotIsRefusedUntilItExists) {
+TEST_F(LoadConfig, ABehaviourThatThereIsNotIsRefused) {
+  replace("virtual_raven.yaml", "behaviour: compat", "behaviour: meteor");
+  EXPECT_NE(message().find("behaviour"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, TheHardenedRobotDemandsWhatTheDaemonDemands) {
   replace("virtual_raven.yaml", "behaviour: compat", "behaviour: hardened");
-  EXPECT_NE(message().find("hardened is not built yet"), std::string::npos) << message();
+  const TrainerConfig config = loadTrainerConfig((folder_ / "trainer.yaml").string());
+  EXPECT_EQ(config.virtual_raven.behaviour, "hardened");
+  EXPECT_EQ(config.virtual_raven.itp.max_increment_um, config.network.itp.max_increment_um);
+}
+
+TEST_F(LoadConfig, UnsignedItpFromOtherComputersMustBeAskedFor) {
+  replace("network.yaml", "bind_address: 127.0.0.1", "bind_address: 0.0.0.0");
+  EXPECT_NE(message().find("network.yaml:2"), std::string::npos) << message();
+  EXPECT_NE(message().find("allow_plaintext_remote"), std::string::npos) << message();
+  replace("network.yaml", "allow_plaintext_remote: false", "allow_plaintext_remote: true");
+  EXPECT_EQ(message(), "");
+}
+
+TEST_F(LoadConfig, SignedItpMayBeHeardFromOtherComputers) {
+  replace("network.yaml", "bind_address: 127.0.0.1", "bind_address: 0.0.0.0");
+  replace("network.yaml", "key_file: \"\"", "key_file: some.key");
+  replace("network.yaml", "auth: \"off\"", "auth: accept_both");
+  EXPECT_NE(message().find("allow_plaintext_remote"), std::string::npos) << "accept_both takes unsigned ones too";
+  replace("network.yaml", "auth: accept_both", "auth: required");
+  EXPECT_EQ(message(), "");
+}
+
+TEST_F(LoadConfig, SignaturesNeedAKeyAndAReceiverThatVerifies) {
+  replace("network.yaml", "auth: \"off\"", "auth: required");
+  EXPECT_NE(message().find("key_file is empty"), std::string::npos) << message();
+  replace("network.yaml", "key_file: \"\"", "key_file: some.key");
+  replace("network.yaml", "ingest: hardened", "ingest: compat");
+  EXPECT_NE(message().find("compat does not verify"), std::string::npos) << message();
 }
 
 TEST_F(LoadConfig, TrainingLevelsReplaceThresholdsAndGains) {

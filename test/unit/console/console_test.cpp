@@ -35,7 +35,7 @@ TEST(Console, SendsPacketsWithThePedalUpBeforeTheRobotIsReady) {
     ASSERT_EQ(packet.sequence, i);
     ASSERT_EQ(packet.surgeon_mode, 0);
     ASSERT_EQ(packet.checksum, wire::itpChecksum(packet));
-    ASSERT_EQ(wire::checkItp(packet, 0), Reject::kNone);  // no motion, unit quaternions
+    ASSERT_EQ(wire::checkItp(packet, {0}), Reject::kNone);  // no motion, unit quaternions
   }
   EXPECT_FALSE(console.finished());
 }

@@ -304,7 +304,7 @@ TEST(ShippedConsole, KeepsBothArmsInsideTheirLimitsWithTheToolsHeldAsAtHome) {
       at(X_BT, arm) = kinematics::forward(geometry, arm, geometry.home);
     while (!console.finished()) {
       const wire::ItpPacket packet = console.tick();
-      ASSERT_EQ(wire::checkItp(packet, 500), Reject::kNone);  // 0.5 m/s of the tip would be no human's
+      ASSERT_EQ(wire::checkItp(packet, {500}), Reject::kNone);  // 0.5 m/s of the tip would be no human's
       for (const Arm arm : kArms) {
         const Vec3 step_I = at(wire::toCommand(packet).dp_I, arm);
         at(X_BT, arm).p += control::itpToBase(arm) * toEigen(step_I);

@@ -145,6 +145,45 @@ TEST(FaultEngine, ClearingEndsAFaultAtOnceAndReArmingANewOneKeepsTheRest) {
   EXPECT_EQ(engine.activeId(), 0U);
 }
 
+TEST(FaultEngine, OnePeriodAfterAnotherFromLongAgoCostsNoTime) {
+  Fault fault = suddenJump();
+  fault.first_tick = -(std::int64_t{1} << 42U);  // counted up one by one it would take an hour
+  fault.duration_ticks = 1;
+  fault.period_ticks = 3;
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault));
+  // Activations at first_tick + 3 n: 2^42 = 1 mod 3, so after the late one at tick 0 come ticks 2, 5, 8.
+  std::vector<int> active;
+  for (int tick = 0; tick < 9; ++tick) {
+    engine.beginCycle(true);
+    if (engine.activeId() != 0) active.push_back(tick);
+  }
+  EXPECT_EQ(active, (std::vector<int>{0, 2, 5, 8}));
+}
+
+TEST(FaultEngine, AnIncrementThatIsNoNumberBecomesNone) {
+  Fault fault = suddenJump();
+  fault.site = FaultSite::kNetworkLayer;
+  fault.target = FaultTarget::kIncrement;
+  fault.kind = FaultKind::kScale;
+  fault.joint = -1;
+  fault.first_tick = 0;
+  fault.value = 1e308;
+  FaultPlan plan = planOf(fault);
+  plan.count = 2;
+  plan.faults[1] = fault;
+  plan.faults[1].id = 2;
+  plan.faults[1].value = 0.0;  // infinity times 0
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(plan);
+  engine.beginCycle(true);
+  MasterCommand command;
+  command.pedal = 1;
+  command.dp_I[0] = {100e-6, -100e-6, 0.0};
+  engine.applyToCommand(&command);
+  EXPECT_EQ(command.dp_I[0], (Vec3{0.0, 0.0, 0.0}));
+}
+
 TEST(FaultEngine, CorruptsIncrementsInWholeMicrometresAndThePedal) {
   Fault fault;
   fault.id = 3;

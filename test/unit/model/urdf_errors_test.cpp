@@ -36,6 +36,7 @@ constexpr const char* kGood = R"(<?xml version="1.0"?>
 std::string messageOf(const std::string& text) {
   const Scratch scratch;
   const std::string file = scratch.write("two.urdf", text);
+  scratch.write("jaw.stl", readFile(sourceFile("meshes/jaw.stl")));
   try {
     loadUrdf(file);
   } catch (const ModelException& e) {
@@ -217,9 +218,9 @@ TEST(UrdfErrors, MeshesThatAreMissingOrUnusableAreRefused) {
   expectRefused(withMesh("filename=\"package://other/absent.stl\""), 7, "only package://raven2_trainer/ is known");
   expectRefused(withMesh("filename=\"two.urdf\""), 7, "mesh 'two.urdf'");
   expectRefused(withMesh(""), 7, "");
-  const std::string stl = sourceFile("meshes/jaw.stl");
-  expectRefused(withMesh("filename=\"" + stl + "\" scale=\"1 0 1\""), 7, "scale");
-  expectRefused(withMesh("filename=\"" + stl + "\" scale=\"1e6 1e6 1e6\""), 7, "larger than 10 m");
+  expectRefused(withMesh("filename=\"" + sourceFile("meshes/jaw.stl") + "\""), 7, "outside the folder");
+  expectRefused(withMesh("filename=\"jaw.stl\" scale=\"1 0 1\""), 7, "scale");
+  expectRefused(withMesh("filename=\"jaw.stl\" scale=\"1e6 1e6 1e6\""), 7, "larger than 10 m");
 }
 
 TEST(UrdfErrors, NothingIsPrinted) {

@@ -71,10 +71,10 @@ TEST(Udp, SeesAnEmptyDatagram) {
   EXPECT_EQ(datagram->size, 0U);
 }
 
-TEST(Udp, MarksEveryOtherSourceThanThePinnedOneAsForeign) {
+TEST(Udp, HearsOnlyThePinnedSourceAndSeesWhoElseSends) {
   UdpReceiver receiver(kLoopback, 0);
   UdpSender master(kLoopback, receiver.port());
-  UdpSender intruder(kLoopback, receiver.port());
+  UdpSender intruder(kLoopback, receiver.port());  // same address, other port
   std::uint8_t byte = 1;
   const auto next = [&](UdpSender& from) {
     from.send(&byte, 1);
@@ -82,11 +82,87 @@ TEST(Udp, MarksEveryOtherSourceThanThePinnedOneAsForeign) {
     return receiver.receive(&byte, 1).value();
   };
   receiver.pinSource(next(master).source);
-  EXPECT_FALSE(next(master).foreign);
-  EXPECT_TRUE(next(intruder).foreign);  // same address, other port
   EXPECT_EQ(receiver.pinnedSource()->port, master.port());
+  EXPECT_FALSE(next(master).foreign);
+  intruder.send(&byte, 1);
+  EXPECT_FALSE(receiver.wait(50)) << "a stranger does not even wake us";
+  EXPECT_FALSE(receiver.receive(&byte, 1));
+  const auto foreign = receiver.receiveForeign(&byte, 1);
+  ASSERT_TRUE(foreign);
+  EXPECT_TRUE(foreign->foreign);
+  EXPECT_EQ(foreign->source.port, intruder.port());
   receiver.unpinSource();
   EXPECT_FALSE(next(intruder).foreign);
+  EXPECT_FALSE(next(master).foreign);
+}
+
+TEST(Udp, WhatStrangersSentBeforeThePinIsMarked) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender master(kLoopback, receiver.port());
+  UdpSender intruder(kLoopback, receiver.port());
+  std::uint8_t byte = 1;
+  intruder.send(&byte, 1);
+  ASSERT_TRUE(receiver.wait(kLongMs));
+  receiver.pinSource({INADDR_LOOPBACK, master.port()});
+  auto datagram = receiver.receive(&byte, 1);
+  if (!datagram) datagram = receiver.receiveForeign(&byte, 1);
+  ASSERT_TRUE(datagram);
+  EXPECT_TRUE(datagram->foreign);
+}
+
+TEST(Udp, AFloodOfStrangersIsDroppedBeforeThisProcess) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender master(kLoopback, receiver.port());
+  UdpSender intruder(kLoopback, receiver.port());
+  receiver.pinSource({INADDR_LOOPBACK, master.port()});
+  const auto flood = bytes(124, 0);
+  for (int i = 0; i < 20000; ++i)
+    intruder.send(flood.data(), flood.size());
+  std::uint8_t byte = 9;
+  ASSERT_TRUE(master.send(&byte, 1));
+  std::array<std::uint8_t, 124> buffer{};
+  const auto datagram = receiver.receive(buffer.data(), buffer.size());
+  ASSERT_TRUE(datagram) << "the first there is: the master's";
+  EXPECT_EQ(datagram->size, 1U);
+  int seen = 0;
+  while (receiver.receiveForeign(buffer.data(), buffer.size()))
+    ++seen;
+  EXPECT_GT(seen, 0);
+  EXPECT_LT(seen, 100);
+}
+
+TEST(Udp, AnswersWhoAskedAndTheAnswerIsHeard) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender asking(kLoopback, receiver.port());
+  std::uint8_t byte = 5;
+  asking.send(&byte, 1);
+  ASSERT_TRUE(receiver.wait(kLongMs));
+  const auto datagram = receiver.receive(&byte, 1);
+  ASSERT_TRUE(datagram);
+  ASSERT_TRUE(receiver.sendTo(datagram->source, &byte, 1));
+  byte = 0;
+  EXPECT_EQ(asking.receive(&byte, 1), 1U);
+  EXPECT_EQ(byte, 5);
+  EXPECT_EQ(asking.receive(&byte, 1), 0U);
+}
+
+TEST(Udp, ADepartedAskerDoesNotSilenceTheReceiver) {
+  UdpReceiver receiver(kLoopback, 0);
+  std::uint8_t byte = 5;
+  Endpoint gone;
+  {
+    UdpSender asking(kLoopback, receiver.port());
+    gone = {INADDR_LOOPBACK, asking.port()};
+  }
+  receiver.pinSource(gone);
+  for (int i = 0; i < 3; ++i)
+    receiver.sendTo(gone, &byte, 1);  // refused: told at the next call
+  EXPECT_FALSE(receiver.receive(&byte, 1));
+  receiver.unpinSource();
+  UdpSender next(kLoopback, receiver.port());
+  next.send(&byte, 1);
+  ASSERT_TRUE(receiver.wait(kLongMs));
+  EXPECT_TRUE(receiver.receive(&byte, 1));
 }
 
 TEST(Udp, NamesAddressPortAndReasonWhenThePortIsTaken) {

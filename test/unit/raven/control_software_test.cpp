@@ -35,7 +35,7 @@ FaultPlan planOf(FaultSite site, FaultTarget target, FaultKind kind, double valu
 
 TEST(ControlSoftware, RefusesABehaviourThatDoesNotExist) {
   VirtualRavenConfig config = trainerConfig().virtual_raven;
-  config.behaviour = "hardened";
+  config.behaviour = "meteor";
   EXPECT_THROW(ControlSoftware(trainerConfig().arms, config), ConfigException);
 }
 

@@ -56,7 +56,17 @@ class ImpairedIngest : public ::testing::TestWithParam<Cell> {
 TEST_P(ImpairedIngest, AppliesEveryAcceptedPacketOnceAndNoOther) {
   const auto packets = static_cast<std::uint32_t>(raven2_trainer::testing::effort(3000, 20000));
   const auto shared = std::make_unique<SharedState>();
-  MasterIngest ingest(5000, shared.get());
+  ItpRules rules;
+  rules.max_increment_um = 5000;
+  rules.max_rotation = 0.1;
+  rules.max_rate = 1e6;
+  rules.max_burst = 10000;
+  rules.master_timeout = 0.2;
+  MasterIngest ingest(rules, nullptr, shared.get());
+  MasterCommand command;
+  const wire::ItpBytes first = wire::encodeItp(wire::ItpPacket{});  // number 0, pedal up: the master is known from now on
+  ASSERT_EQ(ingest.receive({first.data(), first.size(), 1, 0}), Reject::kNone);
+  ASSERT_TRUE(shared->master_commands.tryPop(&command));
   impair::Channel channel(impairment(), 5, 0, 0);
   Random random(9);
   std::vector<std::uint32_t> arrivals, applied;
@@ -68,9 +78,8 @@ TEST_P(ImpairedIngest, AppliesEveryAcceptedPacketOnceAndNoOther) {
       wire::ItpPacket arrived;
       ASSERT_EQ(wire::decodeItp(out->bytes.data(), out->bytes.size(), &arrived), Reject::kNone);
       arrivals.push_back(arrived.sequence);
-      ingest.receive(out->bytes.data(), out->bytes.size(), /*foreign=*/false);
+      ingest.receive({out->bytes.data(), out->bytes.size(), 1, now});
     }
-    MasterCommand command;
     while (shared->master_commands.tryPop(&command)) {
       applied.push_back(command.sequence);
       for (const Vec3& dp : command.dp_I)
@@ -108,8 +117,8 @@ TEST_P(ImpairedIngest, AppliesEveryAcceptedPacketOnceAndNoOther) {
   }
   EXPECT_EQ(applied, accepted);
   EXPECT_EQ(sum, expected_sum) << "bit by bit";
-  EXPECT_EQ(ingest.counts().received, arrivals.size());
-  EXPECT_EQ(ingest.counts().applied, accepted.size());
+  EXPECT_EQ(ingest.counts().received, 1 + arrivals.size());
+  EXPECT_EQ(ingest.counts().applied, 1 + accepted.size());
   EXPECT_TRUE(ingest.counts().addsUp());
   const auto [delay, jitter, reorder, duplicate] = GetParam();
   EXPECT_EQ(arrivals.size() > packets, duplicate);

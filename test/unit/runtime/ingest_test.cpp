@@ -12,6 +12,18 @@ namespace raven2_trainer::runtime {
 namespace {
 
 constexpr std::int32_t kMaxIncrement = 5000;
+constexpr std::uint64_t kMaster = 7, kStranger = 8;
+
+ItpRules rules() {
+  ItpRules r;
+  r.max_increment_um = kMaxIncrement;
+  r.max_rotation = 0.1;
+  r.max_rate = 1200;
+  r.max_burst = 40;
+  r.master_timeout = 0.2;
+  r.compat_timeout = 5.0;
+  return r;
+}
 
 wire::ItpBytes packet(std::uint32_t sequence, std::int32_t delx = 0) {
   wire::ItpPacket p;
@@ -22,9 +34,9 @@ wire::ItpBytes packet(std::uint32_t sequence, std::int32_t delx = 0) {
 
 TEST(MasterIngest, CountsEveryDatagramByItsReason) {
   auto shared = std::make_unique<SharedState>();
-  MasterIngest ingest(kMaxIncrement, shared.get());
+  MasterIngest ingest(rules(), nullptr, shared.get());
   const auto give = [&](const wire::ItpBytes& bytes, std::size_t size, bool foreign = false) {
-    return ingest.receive(bytes.data(), size, foreign);
+    return ingest.receive({bytes.data(), size, foreign ? kStranger : kMaster, 0});
   };
   EXPECT_EQ(give(packet(1), wire::kItpSize), Reject::kNone);
   EXPECT_EQ(give(packet(2), wire::kItpSize - 1), Reject::kWrongSize);
@@ -44,16 +56,16 @@ TEST(MasterIngest, CountsEveryDatagramByItsReason) {
 
 TEST(MasterIngest, AFullQueueIsCountedNotForgotten) {
   auto shared = std::make_unique<SharedState>();
-  MasterIngest ingest(kMaxIncrement, shared.get());
+  MasterIngest ingest(rules(), nullptr, shared.get());
   for (std::uint32_t n = 1; n <= 300; ++n)
-    ingest.receive(packet(n).data(), wire::kItpSize, false);
+    ingest.receive({packet(n).data(), wire::kItpSize, kMaster, n * kTickNanoseconds});
   EXPECT_EQ(ingest.counts().applied, 256U);
   EXPECT_EQ(ingest.counts().rejected[static_cast<std::size_t>(Reject::kQueueFull)], 44U);
 }
 
 TEST(MasterIngest, RandomBytesNeverBreakTheSums) {
   auto shared = std::make_unique<SharedState>();
-  MasterIngest ingest(kMaxIncrement, shared.get());
+  MasterIngest ingest(rules(), nullptr, shared.get());
   Random random(9);
   std::array<std::uint8_t, 200> bytes;
   MasterCommand command;
@@ -61,7 +73,7 @@ TEST(MasterIngest, RandomBytesNeverBreakTheSums) {
     for (std::uint8_t& byte : bytes)
       byte = static_cast<std::uint8_t>(random.next());
     const std::size_t size = i % 3 == 0 ? random.next() % bytes.size() : wire::kItpSize;
-    ingest.receive(bytes.data(), size, i % 7 == 0);
+    ingest.receive({bytes.data(), size, i % 7 == 0 ? kStranger : kMaster, i * kTickNanoseconds});
     while (shared->master_commands.tryPop(&command)) {
       for (const Arm arm : kArms) {
         for (const double x : at(command.dp_I, arm))

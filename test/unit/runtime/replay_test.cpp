@@ -178,7 +178,7 @@ TEST(Replay, EveryRowHasAsManyCellsAsTheHeader) {
 
 TEST(Replay, RefusesABehaviourThatDoesNotExist) {
   TrainerConfig config = testing::packagedConfig();
-  config.virtual_raven.behaviour = "hardened";
+  config.virtual_raven.behaviour = "meteor";
   EXPECT_THROW(Replay(config, {}), ConfigException);
 }
 

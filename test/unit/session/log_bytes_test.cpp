@@ -114,7 +114,8 @@ TEST(SessionLogSchema, AnnouncesAsManyBytesAsAreWritten) {
       {"tick", payloadSize<TickRecord>()},       {"haptic", payloadSize<HapticRecord>()},
       {"command", payloadSize<CommandRecord>()}, {"request", payloadSize<RequestRecord>()},
       {"plan", payloadSize<PlanRecord>()},       {"contact", payloadSize<ContactRecord>()},
-      {"faults", payloadSize<FaultRecord>()},    {"counts", payloadSize<SessionCounts>()}};
+      {"faults", payloadSize<FaultRecord>()},    {"counts", payloadSize<SessionCounts>()},
+      {"gap", payloadSize<GapRecord>()},         {"recovery", payloadSize<RecoveryRecord>()}};
   ASSERT_EQ(json.at("records").size(), written.size());
   for (const auto& record : json.at("records")) {
     EXPECT_EQ(schemaSize(record.at("fields")), written.at(record.at("name"))) << record.at("name");
@@ -145,7 +146,7 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(RobotArmState), 21 * 8 + 7 * 4 + 7 + /*padding*/ 5 + 6 * 8u);
   EXPECT_EQ(sizeof(LinkCounts), (2 + kRejectCount) * 8u);
   EXPECT_EQ(sizeof(RobotState), 4 * 8 + 2 * 4 + 6 + /*padding*/ 2 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
-  EXPECT_EQ(sizeof(HapticState), 2 * 8 + 12 * 8 + 2 * 8 + 1 + /*padding*/ 7u);
+  EXPECT_EQ(sizeof(HapticState), 3 * 8 + 12 * 8 + 2 * 8 + 1 + /*padding*/ 7u);
   EXPECT_EQ(sizeof(MasterCommand), 4 + 1 + /*padding*/ 3 + 2 * (3 + 4 + 1) * 8u);
   EXPECT_EQ(sizeof(Request), 4 + /*padding*/ 4 + 3 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
@@ -164,6 +165,10 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);
   EXPECT_EQ(payloadSize<ContactRecord>(), sizeof(ContactRecord));
   EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 10 + 1);
+  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 7 * 8u);
+  EXPECT_EQ(payloadSize<GapRecord>(), sizeof(GapRecord) - 3);
+  EXPECT_EQ(sizeof(RecoveryRecord), 8 * 8u);
+  EXPECT_EQ(payloadSize<RecoveryRecord>(), 8 * 8u);
   EXPECT_EQ(payloadSize<SessionCounts>(), sizeof(SessionCounts) - 6);
 }
 

@@ -18,6 +18,7 @@ struct Contents {
     v.plan = [this](const PlanRecord& r) { values.push_back(valuesOf(r)); };
     v.faults = [this](const FaultRecord& r) { values.push_back(valuesOf(r)); };
     v.contact = [this](const ContactRecord& r) { values.push_back(valuesOf(r)); };
+    v.gap = [this](const GapRecord& r) { values.push_back(valuesOf(r)); };
     v.counts = [this](const SessionCounts& r) { values.push_back(valuesOf(r)); };
     return v;
   }
@@ -36,7 +37,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   Contents expected;
   LogWriter log(path, LogHeader{});
   for (int i = 0; i < rounds; ++i) {
-    switch (random.next() % 7) {
+    switch (random.next() % 8) {
       case 0:
         writeRandom<TickRecord>(&log, random, &expected);
         break;
@@ -54,6 +55,9 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
         break;
       case 5:
         writeRandom<FaultRecord>(&log, random, &expected);
+        break;
+      case 6:
+        writeRandom<GapRecord>(&log, random, &expected);
         break;
       default:
         writeRandom<PlanRecord>(&log, random, &expected);
@@ -83,7 +87,7 @@ TEST(SessionLog, GivesBackEveryRecordBitForBit) {
 TEST(SessionLog, GivesBackRecordsThatStraddleItsReadingWindow) {
   // GIVEN a log of more than thirty windows of 256 KiB
   const std::string path = scratchPath("long.rlog");
-  const Contents expected = writeRandomLog(path, 99, 10000);
+  const Contents expected = writeRandomLog(path, 99, 12000);
   ASSERT_GT(readBytes(path).size(), 9u * 1024 * 1024);
   Contents got;
   readLog(path, got.visitor());

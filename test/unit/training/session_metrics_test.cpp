@@ -350,7 +350,15 @@ SessionMetrics makeResult() {
   result.counts.robot_state.received = 50;
   result.counts.robot_state.applied = 50;
   result.counts.force_sent = 70;
-  result.counts.loops[0] = {1000, 990, 10, 1, 260, 1500, 2500, 4};
+  LoopTiming& physics = result.counts.loops[0];
+  physics.ticks = 1000;
+  physics.on_time = 990;
+  physics.slips = 10;
+  physics.time_slips = 1;
+  physics.lost_ticks = 260;
+  physics.max_late_ns = 1500;
+  physics.max_run_ns = 2500;
+  physics.stale_reads = 4;
   result.counts.frames = 12;
   result.counts.realtime = 1;
   return result;

@@ -107,9 +107,9 @@ TEST(ItpCheck, AcceptsIncrementsAtTheLimitAndRejectsOneMicrometreMore) {
       for (const Arm arm : kArms) {
         ItpPacket packet;
         at(packet.*field, arm) = sign * 2000;
-        EXPECT_EQ(checkItp(packet, 2000), Reject::kNone);
+        EXPECT_EQ(checkItp(packet, {2000}), Reject::kNone);
         at(packet.*field, arm) = sign * 2001;
-        EXPECT_EQ(checkItp(packet, 2000), Reject::kOutOfRange);
+        EXPECT_EQ(checkItp(packet, {2000}), Reject::kOutOfRange);
       }
     }
   }
@@ -118,15 +118,15 @@ TEST(ItpCheck, AcceptsIncrementsAtTheLimitAndRejectsOneMicrometreMore) {
 TEST(ItpCheck, RejectsTheSmallestInteger) {
   ItpPacket packet;
   packet.dely_um[1] = std::numeric_limits<std::int32_t>::min();  // its absolute value does not exist
-  EXPECT_EQ(checkItp(packet, 2000), Reject::kOutOfRange);
+  EXPECT_EQ(checkItp(packet, {2000}), Reject::kOutOfRange);
 }
 
 TEST(ItpCheck, RejectsAGraspIncrementBeyondTheWholeRangeOfTheJaws) {
   ItpPacket packet;
   packet.grasp_mrad = {1745, -1745};
-  EXPECT_EQ(checkItp(packet, 2000), Reject::kNone);
+  EXPECT_EQ(checkItp(packet, {2000}), Reject::kNone);
   packet.grasp_mrad = {0, 1746};
-  EXPECT_EQ(checkItp(packet, 2000), Reject::kOutOfRange);
+  EXPECT_EQ(checkItp(packet, {2000}), Reject::kOutOfRange);
 }
 
 TEST(ItpCheck, RejectsWhatIsNotFinite) {
@@ -135,7 +135,7 @@ TEST(ItpCheck, RejectsWhatIsNotFinite) {
       for (const Arm arm : kArms) {
         ItpPacket packet;
         at(packet.*field, arm) = bad;
-        EXPECT_EQ(checkItp(packet, 2000), Reject::kNotFinite);
+        EXPECT_EQ(checkItp(packet, {2000}), Reject::kNotFinite);
       }
     }
   }
@@ -145,12 +145,12 @@ TEST(ItpCheck, RejectsQuaternionsFarFromUnitLength) {
   for (const double norm : {0.0, 0.979, 1.021, 2.0}) {
     ItpPacket packet;
     packet.Qw[1] = norm;
-    EXPECT_EQ(checkItp(packet, 2000), Reject::kBadQuaternion) << norm;
+    EXPECT_EQ(checkItp(packet, {2000}), Reject::kBadQuaternion) << norm;
   }
   for (const double norm : {0.981, 1.0, 1.019}) {
     ItpPacket packet;
     packet.Qw[1] = -norm;
-    EXPECT_EQ(checkItp(packet, 2000), Reject::kNone) << norm;
+    EXPECT_EQ(checkItp(packet, {2000}), Reject::kNone) << norm;
   }
 }
 

@@ -104,7 +104,10 @@ void appendWord(FrameBytes* bytes, std::uint32_t word) {
 }
 
 /** A frame around any payload: header written here by hand, CRC bit by bit, so that nothing of the module is used. */
-FrameBytes rawFrame(std::uint16_t type, const FrameBytes& payload, std::uint8_t minor = kFrameMinor, std::uint8_t major = kFrameMajor) {
+FrameBytes rawFrame(std::uint16_t type,
+                    const FrameBytes& payload,
+                    std::uint8_t minor = kFrameMinor,
+                    std::uint8_t major = kFrameMajor) {
   FrameBytes bytes{
       'R', 'V', '2', 'T', minor, major, static_cast<std::uint8_t>(type), static_cast<std::uint8_t>(type >> 8U)};
   appendWord(&bytes, static_cast<std::uint32_t>(payload.size()));
@@ -291,7 +294,8 @@ TEST(Version, ANewerMinorOneMayAppendToAPayloadAndAddTypes) {
   EXPECT_EQ(got.arms[1].dac, patternState().arms[1].dac);
   EXPECT_EQ(decodeState(only(&parser, rawFrame(77, longer, kFrameMinor + 1)), &got), Reject::kBadFrame);
   longer.resize(500);
-  EXPECT_EQ(decodeState(only(&parser, rawFrame(2, longer, kFrameMinor + 1)), &got), Reject::kWrongSize) << "shorter is never right";
+  EXPECT_EQ(decodeState(only(&parser, rawFrame(2, longer, kFrameMinor + 1)), &got), Reject::kWrongSize)
+      << "shorter is never right";
 }
 
 TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
@@ -351,7 +355,7 @@ TEST(FaultPlanFrame, RoundTripsAnyNumberOfFaults) {
 
 TEST(FaultPlanFrame, RefusesWhatNoFaultCanBe) {
   const FaultPlan good = patternPlan();
-  std::vector<FaultPlan> bad(12, good);
+  std::vector<FaultPlan> bad(16, good);
   bad[0].faults[0].site = static_cast<FaultSite>(kFaultSiteCount);
   bad[1].faults[0].host = static_cast<FaultHost>(2);
   bad[2].faults[0].kind = static_cast<FaultKind>(kFaultKindCount);
@@ -364,6 +368,10 @@ TEST(FaultPlanFrame, RefusesWhatNoFaultCanBe) {
   bad[9].faults[0].duration_ticks = -1;
   bad[10].faults[0].period_ticks = -1;
   bad[11].faults[0].count = -1;
+  bad[12].faults[0].first_tick = std::numeric_limits<std::int64_t>::min();  // sums of these would overflow
+  bad[13].faults[0].first_tick = std::numeric_limits<std::int64_t>::max();
+  bad[14].faults[0].duration_ticks = std::numeric_limits<std::int64_t>::max();
+  bad[15].faults[0].period_ticks = std::numeric_limits<std::int64_t>::max();
   for (std::size_t i = 0; i < bad.size(); ++i) {
     FrameParser parser;
     FaultPlan got;

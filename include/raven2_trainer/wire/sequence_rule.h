@@ -4,7 +4,7 @@
 
 #include "raven2_trainer/core/counters.h"
 
-namespace raven2_trainer::raven {
+namespace raven2_trainer::wire {
 
 /** The robot's own rule for ITP sequence numbers, row by row as its network layer tests them (raven2.md 1.5): unsigned
  *  comparison, no wrap, a gap costs the packet after it. Real-time safe. */
@@ -19,4 +19,4 @@ class SequenceRule {
   std::uint32_t last_{0};
 };
 
-}  // namespace raven2_trainer::raven
+}  // namespace raven2_trainer::wire

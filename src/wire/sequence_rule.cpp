@@ -1,6 +1,6 @@
-#include "raven/sequence_rule.h"
+#include "raven2_trainer/wire/sequence_rule.h"
 
-namespace raven2_trainer::raven {
+namespace raven2_trainer::wire {
 namespace {
 
 constexpr std::uint32_t kResetDistance = 1000;
@@ -26,4 +26,4 @@ Reject SequenceRule::check(std::uint32_t sequence) noexcept {
   return Reject::kOutOfOrder;
 }
 
-}  // namespace raven2_trainer::raven
+}  // namespace raven2_trainer::wire

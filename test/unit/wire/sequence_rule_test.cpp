@@ -1,10 +1,10 @@
-#include "raven/sequence_rule.h"
+#include "raven2_trainer/wire/sequence_rule.h"
 
 #include <gtest/gtest.h>
 
 // The rows of raven2.md 1.5, each with numbers observed on the robot's own program.
 
-namespace raven2_trainer::raven {
+namespace raven2_trainer::wire {
 namespace {
 
 SequenceRule after(std::uint32_t last) {
@@ -71,4 +71,4 @@ TEST(SequenceRule, ComparesUnsignedWithoutWrap) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::raven
+}  // namespace raven2_trainer::wire

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/record_ring.h"
+
+namespace raven2_trainer {
+
+/**
+ * The queues from the 1 kHz loops to the recorder, in one piece of memory without pointers, so that it can be a mapped
+ * file (session::FlightRecorder). About 5 MiB: 2 s of ticks.
+ */
+struct RecordRings {
+  // physics -> recorder
+  RecordRing<TickRecord, 2048> ticks;
+  // haptic -> recorder
+  RecordRing<HapticRecord, 2048> haptics;
+  // physics -> recorder
+  RecordRing<CommandRecord, 4096> commands;
+  // physics -> recorder
+  RecordRing<RequestRecord, 64> requests;
+  // physics -> recorder
+  RecordRing<PlanRecord, 8> plans;
+  // physics -> recorder
+  RecordRing<FaultRecord, 16> faults;
+  // physics -> recorder
+  RecordRing<ContactRecord, 8192> contacts;
+
+  /** call(RecordKind, ring) for each, in the order in which they are written to the log. */
+  template <typename Call>
+  void forEach(Call&& call) {
+    visit(*this, call);
+  }
+  template <typename Call>
+  void forEach(Call&& call) const {
+    visit(*this, call);
+  }
+
+  /** Records that found their ring full, by kind. */
+  RecordTally dropped() const noexcept {
+    RecordTally tally{};
+    forEach([&tally](RecordKind kind, const auto& ring) { tally[static_cast<std::size_t>(kind)] = ring.dropped(); });
+    return tally;
+  }
+
+ private:
+  template <typename Self, typename Call>
+  static void visit(Self& self, Call& call) {
+    call(RecordKind::kFaults, self.faults);
+    call(RecordKind::kCommand, self.commands);
+    call(RecordKind::kRequest, self.requests);
+    call(RecordKind::kPlan, self.plans);
+    call(RecordKind::kContact, self.contacts);
+    call(RecordKind::kTick, self.ticks);
+    call(RecordKind::kHaptic, self.haptics);
+  }
+};
+
+}  // namespace raven2_trainer

@@ -1,0 +1,39 @@
+// recover_session DIR: completes the log of a session whose process was killed.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "apps/common/command_line.h"
+#include "raven2_trainer/runtime/recover.h"
+#include "raven2_trainer/session/recovery.h"
+
+namespace {
+
+int recover(const std::string& directory) {
+  const raven2_trainer::session::SessionPaths paths{directory};
+  if (!std::filesystem::is_regular_file(paths.log())) {
+    std::fprintf(stderr, "%s: is no session directory (no session.rlog in it)\n", directory.c_str());
+    return 1;
+  }
+  if (!raven2_trainer::session::isUnclean(paths)) {
+    std::fprintf(stderr, "%s: nothing to recover: it ended cleanly, or was recovered before\n", directory.c_str());
+    return 0;
+  }
+  return raven2_trainer::runtime::recoverAndTell(paths, {}) ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Completes the log of a session whose process was killed, and writes its metrics.", "recover_session"};
+  app.footer(
+      "The log is cut behind its last whole record, gets what the flight recorder in /dev/shm still holds, and a last\n"
+      "record that says so; recovered.json, metrics.json and faults.json are written. The simulator does the same at "
+      "its\n"
+      "start for the sessions beside its own. Exit status: 0 recovered or nothing to do, 1 otherwise. doc/session.md.");
+  std::string directory;
+  app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
+  return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return recover(directory); });
+}

@@ -1,0 +1,70 @@
+#include "raven2_trainer/runtime/recover.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/session/recovery.h"
+#include "raven2_trainer/training/session_metrics.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+struct Cancelled {};
+
+/** metrics.json and faults.json from the log alone. */
+void completeMetrics(const session::SessionPaths& paths, const std::function<bool()>& cancelled) {
+  training::MetricsAccumulator metrics(session::readLogHeader(paths.log()));
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& record) {
+    if (cancelled && cancelled()) throw Cancelled{};
+    metrics.add(record);
+  };
+  visitor.haptic = [&](const HapticRecord& record) { metrics.add(record); };
+  visitor.plan = [&](const PlanRecord& record) { metrics.add(record); };
+  session::readLog(paths.log(), visitor);
+  const training::SessionMetrics result = metrics.result();
+  training::writeMetrics(paths.metrics(), result);
+  training::writeFaults(paths.faults(), result);
+}
+
+/** @return the line for stderr; empty: nothing to say. */
+std::string describe(const session::Recovery& done) {
+  using session::RecoveryStatus;
+  const std::string kept = std::to_string(tallyTotal(done.recovered)) + " records from the flight recorder (" +
+                           done.flight_recorder + "), " + std::to_string(tallyTotal(done.lost)) + " lost";
+  switch (done.status) {
+    case RecoveryStatus::kNothingToDo:
+      return "";
+    case RecoveryStatus::kRunning:
+      return "is being written by a running program";
+    case RecoveryStatus::kRecovered:
+      return "did not end cleanly and was recovered: " + kept;
+    case RecoveryStatus::kNoLog:
+      return "did not end cleanly and holds no record";
+    case RecoveryStatus::kNotWritable:
+      return "did not end cleanly and cannot be written";
+  }
+  return "";
+}
+
+}  // namespace
+
+bool recoverAndTell(const session::SessionPaths& paths, const std::function<bool()>& cancelled) {
+  using session::RecoveryStatus;
+  try {
+    const session::Recovery done = session::recoverSession(paths);
+    const std::string line = describe(done);
+    if (!line.empty()) std::fprintf(stderr, "%s: %s\n", paths.directory.c_str(), line.c_str());
+    if (done.status == RecoveryStatus::kRecovered) completeMetrics(paths, cancelled);
+    return done.status != RecoveryStatus::kRunning && done.status != RecoveryStatus::kNotWritable;
+  } catch (const Cancelled&) {
+    return false;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s: cannot be recovered: %s\n", paths.directory.c_str(), e.what());
+    return false;
+  }
+}
+
+}  // namespace raven2_trainer::runtime

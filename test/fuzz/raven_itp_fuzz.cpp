@@ -1,0 +1,58 @@
+#include "fuzz/fuzz_target.h"
+#include "raven/network_layer.h"
+
+// The robot's own receiver, which takes whatever the original took: any values, in its own order rule, with the packet
+// faults of a fuzzed plan. Nothing is promised of the poses (the original's become NaN too), but that no value is
+// undefined behaviour and that every packet is counted.
+// Input: a fault (16 bytes), then datagrams as in itp_fuzz.cpp; a longer one counts as cut to 124 bytes.
+
+namespace raven2_trainer::fuzz {
+namespace {
+
+FaultPlan readPlan(Input* input) {
+  FaultPlan plan;
+  plan.generation = 1;
+  plan.count = 1;
+  Fault& fault = plan.faults[0];
+  fault.id = 1;
+  fault.host = FaultHost::kRobot;
+  fault.site = FaultSite::kNetworkLayer;
+  fault.target = (input->byte() & 1U) != 0 ? FaultTarget::kPedal : FaultTarget::kIncrement;
+  fault.kind = static_cast<FaultKind>(input->byte() % kFaultKindCount);
+  fault.arm = static_cast<std::int8_t>(input->byte() % 3 - 1);
+  fault.joint = static_cast<std::int8_t>(input->byte() % 4 - 1);
+  fault.first_tick = input->byte();
+  fault.duration_ticks = input->byte();
+  fault.period_ticks = input->byte();
+  fault.count = input->byte();
+  const Bytes value = input->take(sizeof(fault.value));
+  if (!value.empty()) std::memcpy(&fault.value, value.data(), value.size());
+  return plan;
+}
+
+}  // namespace
+}  // namespace raven2_trainer::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace raven2_trainer;
+  fuzz::Input input(data, size);
+  faults::FaultEngine faults(FaultHost::kRobot);
+  faults.setPlan(fuzz::readPlan(&input));
+  VirtualRavenConfig config;
+  config.behaviour = "compat";
+  config.master_timeout = 200;
+  raven::NetworkLayer robot(config, nullptr);
+  std::int64_t time_ns = 0;
+  while (!input.empty()) {
+    const std::uint8_t kind = input.byte();
+    const fuzz::Bytes bytes = input.take((kind & 1U) == 0 ? wire::kItpSize : kind / 2U);
+    faults.beginCycle(robot.pedal());
+    const Reject reason = robot.receive({bytes.data(), bytes.size(), 1, time_ns += kTickNanoseconds}, &faults);
+    fuzz::require(robot.counts().addsUp(), "received = applied + rejected");
+    fuzz::require(bytes.size() >= wire::kItpSize || reason == Reject::kWrongSize, "a short datagram is refused");
+    robot.tick();
+    for (const Arm arm : kArms)
+      robot.target(arm).pose();
+  }
+  return 0;
+}

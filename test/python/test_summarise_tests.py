@@ -1,0 +1,65 @@
+"""scripts/summarise_tests: what it calls passed, failed and skipped."""
+import pathlib
+import subprocess
+import sys
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "summarise_tests"
+GOOD = '<testsuite><testcase classname="A" name="a"/><testcase classname="A" name="b"/></testsuite>'
+BAD = '<testsuite><testcase classname="A" name="a"><failure/></testcase></testsuite>'
+SKIPPED = '<testsuite><testcase classname="A" name="a"><skipped/></testcase></testsuite>'
+
+
+def run(folder, status=0, log="", name="plain", **files):
+    """One --run of a folder with these files."""
+    results = folder / name
+    results.mkdir()
+    for stem, text in files.items():
+        (results / f"{stem}.xml").write_text(text)
+    log_file = folder / f"{name}.log"
+    log_file.write_text(log)
+    return ["--run", name, str(results), str(status), str(log_file)]
+
+
+def summarise(*runs):
+    done = subprocess.run([sys.executable, str(SCRIPT), *sum(runs, [])], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout.splitlines()
+
+
+def test_runs_are_added_up_and_failures_named_with_their_run(tmp_path):
+    code, lines = summarise(run(tmp_path, core=GOOD, wire=SKIPPED), run(tmp_path, 8, name="asan", core=BAD))
+    assert code == 1
+    assert "failed: asan: A.a" in lines
+    assert lines[-1] == "2 passed, 1 failed, 1 skipped"
+
+
+def test_nothing_skipped_is_not_mentioned(tmp_path):
+    assert summarise(run(tmp_path, core=GOOD)) == (0, ["2 passed, 0 failed"])
+
+
+def test_a_crash_counts_beside_a_failure_of_another_program(tmp_path):
+    log = "The following tests FAILED:\n\t  1 - core (SEGFAULT)\n\t  2 - wire (Failed)\nErrors while running CTest\n"
+    code, lines = summarise(run(tmp_path, 8, log, wire=BAD, net=GOOD))
+    assert code == 1
+    assert "failed: core ended without a result" in lines
+    assert lines[-1] == "2 passed, 2 failed"
+
+
+def test_a_crash_after_good_cases_counts(tmp_path):
+    log = "The following tests FAILED:\n\t 12 - core (Subprocess aborted)\n"
+    assert summarise(run(tmp_path, 8, log, core=GOOD))[1][-1] == "2 passed, 1 failed"
+
+
+def test_a_failed_rostest_is_explained_by_its_own_files(tmp_path):
+    log = "The following tests FAILED:\n\t 30 - rostest_plan (Failed)\n"
+    assert summarise(run(tmp_path, 8, log, **{"rosunit-plan": BAD}))[1][-1] == "0 passed, 1 failed"
+
+
+def test_a_run_that_fails_without_a_word_counts(tmp_path):
+    code, lines = summarise(run(tmp_path, core=GOOD), run(tmp_path, 1, name="fuzz"))
+    assert code == 1
+    assert lines[-1] == "2 passed, 1 failed"
+
+
+def test_a_broken_file_and_an_empty_run_fail(tmp_path):
+    assert summarise(run(tmp_path, core="<testsuite>"))[0] == 1
+    assert summarise(run(tmp_path, name="none"))[0] == 1

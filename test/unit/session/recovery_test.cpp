@@ -1,0 +1,269 @@
+#include "raven2_trainer/session/recovery.h"
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "log_file.h"
+#include "raven2_trainer/core/random.h"
+#include "raven2_trainer/session/flight_recorder.h"
+#include "raven2_trainer/session/session_log.h"
+#include "session/flight_file.h"
+#include "support/effort.h"
+
+namespace raven2_trainer::session {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** A session whose ticks are numbered, with a recorder that can be killed between any two steps of its work. */
+class Session {
+ public:
+  explicit Session(const std::string& name) : paths{scratchPath(name) + "/sessions/0"} {
+    fs::remove_all(scratchPath(name));
+    fs::create_directories(paths.directory);
+    flight = std::make_unique<FlightRecorder>("/dev/shm");
+    log = std::make_unique<LogWriter>(paths.log(), LogHeader{});
+    flight->attach(paths);
+    flight->checkpoint({log->position(), {}, {}});
+  }
+  ~Session() {
+    fs::remove(flight_file_);
+    fs::remove_all(paths.directory);
+  }
+
+  void push(int count) {
+    for (int i = 0; i < count; ++i) {
+      TickRecord record;
+      record.model.tick = next_tick++;
+      flight->rings()->ticks.tryPush(record);
+    }
+  }
+  void collect() {
+    auto& ring = flight->rings()->ticks;
+    heads[0] = ring.tail();
+    for (std::uint64_t i = ring.head(); i < heads[0]; ++i)
+      log->write(ring.at(i));
+  }
+  void commit() { ASSERT_TRUE(log->commit()); }
+  void checkpoint() { flight->checkpoint({log->position(), heads, {}}); }
+  void release() { flight->rings()->ticks.release(heads[0]); }
+  void record() {
+    collect();
+    commit();
+    checkpoint();
+    release();
+  }
+  /** What a SIGKILL leaves: the file as it is, and the log without what was not committed. */
+  void kill() {
+    flight_file_ = flight->description();
+    flight->keep();
+    const std::uint64_t written = fs::file_size(paths.log());
+    log.reset();
+    flight.reset();
+    fs::resize_file(paths.log(), written);
+  }
+  /** Of the log. */
+  std::vector<Tick> ticks() const {
+    std::vector<Tick> found;
+    LogVisitor visitor;
+    visitor.tick = [&](const TickRecord& record) { found.push_back(record.model.tick); };
+    summary = readLog(paths.log(), visitor);
+    return found;
+  }
+  std::vector<Tick> all() const {
+    std::vector<Tick> numbers;
+    for (Tick i = 0; i < next_tick; ++i)
+      numbers.push_back(i);
+    return numbers;
+  }
+  std::string flightFile() const { return flight_file_; }
+
+  SessionPaths paths;
+  std::unique_ptr<FlightRecorder> flight;
+  std::unique_ptr<LogWriter> log;
+  RecordTally heads{};
+  Tick next_tick{0};
+  mutable LogSummary summary;
+
+ private:
+  std::string flight_file_;
+};
+
+#define SKIP_WITHOUT_TMPFS(session) \
+  if ((session).flight->description().rfind("none", 0) == 0) GTEST_SKIP() << (session).flight->description()
+
+TEST(Recovery, MissesAndDoublesNothingWhereverTheRecorderWasKilled) {
+  for (int step = 0; step <= 4; ++step) {
+    Session session("killed");
+    SKIP_WITHOUT_TMPFS(session);
+    session.push(100);
+    session.record();
+    session.push(50);
+    if (step >= 1) session.collect();
+    if (step >= 2) session.commit();
+    if (step >= 3) session.checkpoint();
+    if (step >= 4) session.release();
+    session.push(7);
+    session.kill();
+    EXPECT_TRUE(isUnclean(session.paths));
+    const Recovery done = recoverSession(session.paths);
+    EXPECT_EQ(done.status, RecoveryStatus::kRecovered);
+    EXPECT_EQ(tallyTotal(done.recovered), step >= 3 ? 7u : 57u) << "killed after step " << step;
+    EXPECT_EQ(session.ticks(), session.all()) << "killed after step " << step;
+    EXPECT_TRUE(session.summary.recovered);
+    EXPECT_FALSE(session.summary.clean);
+    EXPECT_EQ(session.summary.bad_bytes + session.summary.truncated_bytes, 0u);
+    EXPECT_FALSE(isUnclean(session.paths));
+    EXPECT_FALSE(fs::exists(session.flightFile()));
+    EXPECT_FALSE(fs::is_symlink(session.paths.flight()));
+  }
+}
+
+TEST(Recovery, CutsAHalfWrittenBatch) {
+  Session session("half");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(40);
+  session.record();
+  session.push(40);
+  session.collect();
+  session.commit();
+  const std::uint64_t size = fs::file_size(session.paths.log());
+  session.kill();
+  fs::resize_file(session.paths.log(), size - 1000);
+  const Recovery done = recoverSession(session.paths);
+  EXPECT_GT(done.cut_bytes, 0u);
+  EXPECT_EQ(session.ticks(), session.all());
+  EXPECT_EQ(session.summary.bad_bytes, 0u);
+}
+
+TEST(Recovery, CanBeKilledItselfAndBegunAgain) {
+  Session session("twice");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(30);
+  session.record();
+  session.push(10);
+  session.kill();
+  const Bytes log = readBytes(session.paths.log());
+  const Bytes flight = readBytes(session.flightFile());
+  recoverSession(session.paths);
+  const Bytes recovered = readBytes(session.paths.log());
+  for (const std::size_t cut : {log.size() + 1, log.size() + 5000, recovered.size() - 1}) {
+    // GIVEN a recovery that was killed when so much was written
+    writeBytes(session.paths.log(), Bytes(recovered.begin(), recovered.begin() + static_cast<std::ptrdiff_t>(cut)));
+    fs::remove(session.paths.recovered());
+    writeBytes(session.flightFile(), flight);
+    fs::remove(session.paths.flight());
+    fs::create_symlink(session.flightFile(), session.paths.flight());
+    recoverSession(session.paths);
+    EXPECT_EQ(session.ticks(), session.all()) << cut;
+    EXPECT_TRUE(session.summary.recovered);
+  }
+}
+
+TEST(Recovery, TellsWhatTheQueuesCouldNotHold) {
+  Session session("full_queue");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(2048 + 13);
+  session.kill();
+  recoverSession(session.paths);
+  RecordTally lost{};
+  LogVisitor visitor;
+  visitor.gap = [&](const GapRecord& gap) {
+    lost = gap.lost;
+    EXPECT_EQ(gap.reason, GapReason::kQueueFull);
+    EXPECT_EQ(gap.tick, 2047);
+  };
+  readLog(session.paths.log(), visitor);
+  EXPECT_EQ(lost, (RecordTally{13, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(session.ticks().size(), 2048u);
+}
+
+TEST(Recovery, LeavesALogWithALivingWriterAlone) {
+  Session session("alive");
+  session.push(5);
+  EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kRunning);
+  EXPECT_TRUE(findUncleanSessions(session.paths.directory + "/..", 10).empty());
+  session.record();
+  session.log->finish(SessionCounts{});
+  EXPECT_FALSE(isUnclean(session.paths));
+  EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kNothingToDo);
+}
+
+TEST(Recovery, WorksWithTheLogAloneAndFindsTheNewestSessions) {
+  Session session("log_alone");
+  session.push(20);
+  session.record();
+  session.push(20);
+  session.kill();
+  if (!session.flightFile().empty()) fs::remove(session.flightFile());
+  const auto found = findUncleanSessions(session.paths.directory + "/..", 10);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(fs::equivalent(found[0], session.paths.directory));
+  EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kRecovered);
+  EXPECT_EQ(session.ticks().size(), 20u);
+  EXPECT_TRUE(session.summary.recovered);
+}
+
+TEST(Recovery, GivesIntactRecordsOnlyWhateverStandsInTheFlightRecorder) {
+  Session session("garbage");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(10);
+  session.record();
+  session.push(300);
+  session.kill();
+  const Bytes log = readBytes(session.paths.log());
+  const Bytes flight = readBytes(session.flightFile());
+  const std::string link = session.flightFile();
+  Random random(2017);
+  const auto checkpoints = reinterpret_cast<std::size_t>(&reinterpret_cast<FlightFile*>(0x1000)->rings) - 0x1000;
+  for (int i = 0; i < raven2_trainer::testing::effort(60, 1000); ++i) {
+    Bytes bytes = flight;
+    for (std::uint32_t n = 0; n < 1 + random.next() % 20; ++n) {
+      // a third in the head, the rest where the records stand
+      const std::size_t span = random.next() % 3 == 0 ? checkpoints : checkpoints + 400 * sizeof(TickRecord);
+      bytes[random.next() % span] ^= static_cast<std::uint8_t>(1U << (random.next() % 8));
+    }
+    if (i % 10 == 9) bytes.resize(random.next() % bytes.size());
+    writeBytes(session.paths.log(), log);
+    writeBytes(link, bytes);
+    fs::remove(session.paths.recovered());
+    fs::remove(session.paths.flight());
+    fs::create_symlink(link, session.paths.flight());
+    const Recovery done = recoverSession(session.paths);
+    ASSERT_EQ(done.status, RecoveryStatus::kRecovered);
+    const std::vector<Tick> ticks = session.ticks();
+    ASSERT_EQ(session.summary.bad_bytes, 0u);
+    for (std::size_t k = 1; k < ticks.size(); ++k)
+      ASSERT_LT(ticks[k - 1], ticks[k]);
+    // each is there or counted as lost; without a usable flight recorder what the log held stays
+    ASSERT_EQ(ticks.size() + done.lost[0], done.flight_recorder == "used" ? 310u : 10u) << done.flight_recorder;
+  }
+}
+
+TEST(FlightRecorder, IsPlainMemoryWhereThereIsNoTmpfs) {
+  for (const char* folder : {"none", "/proc", "/no/such/folder"}) {
+    FlightRecorder flight(folder);
+    EXPECT_EQ(flight.description().rfind("none: ", 0), 0u) << flight.description();
+    EXPECT_TRUE(flight.rings()->ticks.tryPush(TickRecord{}));
+  }
+}
+
+TEST(FlightRecorder, RemovesItsFileInTheEnd) {
+  std::string file;
+  {
+    Session session("removed");
+    SKIP_WITHOUT_TMPFS(session);
+    file = session.flight->description();
+    struct stat status {};
+    ASSERT_EQ(stat(file.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777U, 0600U);
+    session.flight.reset();
+    EXPECT_FALSE(fs::is_symlink(session.paths.flight()));
+  }
+  EXPECT_FALSE(fs::exists(file));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::session
