@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -17,11 +16,12 @@ namespace {
 
 constexpr std::uint64_t kTicksPerSecond = 1000;
 
+/** Never returns early: where sleeping fails, for whatever reason, it waits. */
 void sleepUntil(std::int64_t time_ns) noexcept {
   timespec time{};
   time.tv_sec = time_ns / 1'000'000'000;
   time.tv_nsec = time_ns % 1'000'000'000;
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == EINTR) {
+  while (net::monotonicNow() < time_ns && clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) != 0) {
   }
 }
 
@@ -124,36 +124,38 @@ void CyclicThread::run() noexcept {
   getrusage(RUSAGE_THREAD, &used);
   first_minor_ = static_cast<std::uint64_t>(used.ru_minflt);
   first_major_ = static_cast<std::uint64_t>(used.ru_majflt);
-  std::int64_t release = net::monotonicNow() + kTickNanoseconds;
+  release_ = net::monotonicNow() + kTickNanoseconds;
+  std::int64_t wake = release_;
   while (!stop_.load(std::memory_order_relaxed)) {
-    sleepUntil(release);
-    release = catchUp(release);
+    sleepUntil(wake);
+    wake = catchUp();
   }
 }
 
-/** Runs the tick due at `release`, and late ones after it. @return the next release. */
-std::int64_t CyclicThread::catchUp(std::int64_t release) noexcept {
-  const std::int64_t late = net::monotonicNow() - release;
+/** Runs the tick due at `release_`, and late ones after it. @return when to go on: at the next release, or, if there is
+ *  more to make up for than one tick may, at the next one still to come, so that what runs below this thread gets time. */
+std::int64_t CyclicThread::catchUp() noexcept {
+  const std::int64_t late = net::monotonicNow() - release_;
   counts_.max_late_ns = std::max(counts_.max_late_ns, late);
   counts_.wake_up.add(late);
   std::int64_t backlog = late / kTickNanoseconds;
-  if (backlog > policy_.max_backlog) {
-    release = giveUp(release, backlog);
-    backlog = 0;
-  }
+  if (backlog > policy_.max_backlog) backlog = giveUp(backlog);
   const std::int64_t steps = 1 + std::min<std::int64_t>(backlog, policy_.max_catch_up);
-  for (std::int64_t i = 0; i < steps; ++i, release += kTickNanoseconds)
-    runTick(release);
+  for (std::int64_t i = 0; i < steps; ++i, release_ += kTickNanoseconds)
+    runTick(release_);
   timing_->store(counts_);
-  return release;
+  if (backlog <= policy_.max_catch_up) return release_;
+  const std::int64_t passed = std::max<std::int64_t>(0, net::monotonicNow() - release_) / kTickNanoseconds;
+  return release_ + (passed + 1) * kTickNanoseconds;
 }
 
-/** Too much was missed to make up for. @return the newest release that has passed. */
-std::int64_t CyclicThread::giveUp(std::int64_t release, std::int64_t backlog) noexcept {
+/** Too much was missed to make up for: goes on with the newest release that has passed. @return the backlog left. */
+std::int64_t CyclicThread::giveUp(std::int64_t backlog) noexcept {
   ++counts_.time_slips;
   counts_.lost_ticks += backlog;
   if (hooks_.on_slip) hooks_.on_slip();
-  return release + backlog * kTickNanoseconds;
+  release_ += backlog * kTickNanoseconds;
+  return 0;
 }
 
 void CyclicThread::runTick(std::int64_t release) noexcept {

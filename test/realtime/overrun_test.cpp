@@ -138,6 +138,12 @@ TEST(Overruns, ABacklogUpToTheLimitIsCaughtUpTickByTick) {
   EXPECT_EQ(stall.counts.ticks, stall.counts.on_time + stall.counts.slips);
 }
 
+TEST(Overruns, AMillisecondMakesUpForFourTicksAtMost) {
+  const OneStall stall(100);
+  // The stall left 100 ticks: 20 wake-ups of five ticks, a millisecond apart, the first of them at once and perhaps late.
+  EXPECT_GE(stall.begins[149] - stall.begins[50], 18 * kTickNanoseconds);
+}
+
 TEST(Overruns, ABacklogBeyondTheLimitIsGivenUpAsOneEventThatIsTold) {
   const OneStall stall(400);
   EXPECT_GE(stall.slips, 1);

@@ -70,7 +70,7 @@ struct CyclicPolicy {
  * Calls a body every millisecond of CLOCK_MONOTONIC, by absolute releases:
  *
  *   release  |     |     |     |     |     |
- *   body     |==>  |==============>|=>=>=>|==>     late: up to `max_catch_up` extra steps a tick until caught up
+ *   body     |==>  |==============>|=>=>=>|==>     late: up to `max_catch_up` extra steps a millisecond until caught up
  *
  * Simulated time is never lost, but for a backlog over `max_backlog`, which is counted and told to `on_slip`.
  * A tick is late if it ends more than 1 ms after its release; late ticks in a row are one event. The thread makes these
@@ -95,8 +95,8 @@ class CyclicThread {
 
  private:
   void run() noexcept;
-  std::int64_t catchUp(std::int64_t release) noexcept;
-  std::int64_t giveUp(std::int64_t release, std::int64_t backlog) noexcept;
+  std::int64_t catchUp() noexcept;
+  std::int64_t giveUp(std::int64_t backlog) noexcept;
   void runTick(std::int64_t release) noexcept;
   void countLateness(std::int64_t late_ns) noexcept;
   void countFaults() noexcept;
@@ -106,6 +106,7 @@ class CyclicThread {
   Hooks hooks_;
   StateCell<LoopTiming>* timing_{nullptr};
   LoopTiming counts_{};
+  std::int64_t release_{0};    // [ns] CLOCK_MONOTONIC, of the oldest tick that is still to run
   std::uint64_t late_run_{0};  // [ticks] late in a row so far
   std::uint64_t first_minor_{0}, first_major_{0};
   std::atomic<bool> stop_{false};
