@@ -4,7 +4,9 @@
 #include <ros/spinner.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <array>
 #include <memory>
+#include <utility>
 
 #include "raven2_trainer/net/clock.h"
 #include "ros/exposure.h"
@@ -17,7 +19,7 @@ namespace {
 
 constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_states
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
-constexpr double kNewsPeriod = 0.05;        // [s] a second master is told of at once, but not more often
+constexpr double kNewsPeriod = 0.05;        // [s] what an operator must hear of at once is told no more often than this
 constexpr std::uint32_t kQueue = 10;
 
 int every(double period, double base) {
@@ -65,16 +67,22 @@ struct RosBridge::Impl {
       at(forces, arm).publish(wrench(haptic, arm, stamp));
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
-    const LinkCounts master = simulator.shared().master_link.load();
-    const std::uint64_t foreign = master.rejected[static_cast<std::size_t>(Reject::kForeignSource)];
-    const bool is_news = foreign != foreign_told && cycle % every(kNewsPeriod, period) == 0;
-    if (cycle % every(kDiagnosticsPeriod, period) == 0 || is_news) {
-      foreign_told = foreign;
+    if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
       diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, net::monotonicNow(),
                                             simulator.shared().robot_version_refused.load(),
                                             simulator.shared().recorder.load(), simulator.realtimeStatus(), stamp));
     }
     ++cycle;
+  }
+
+  /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk? */
+  bool isNews() {
+    const SharedState& shared = simulator.shared();
+    const LinkCounts master = shared.master_link.load();
+    const std::array<std::uint64_t, 4> news{
+        master.rejected[static_cast<std::size_t>(Reject::kForeignSource)], shared.recorder.load().failing,
+        shared.physics_timing.load().late_runs, shared.haptic_timing.load().late_runs};
+    return std::exchange(told, news) != news;
   }
 
   void publishTransforms(const ModelState& model, const RobotState& robot, const ros::Time& stamp) {
@@ -116,7 +124,7 @@ struct RosBridge::Impl {
   std::vector<double> positions;
   std::vector<Pose> poses;
   int cycle{0};
-  std::uint64_t foreign_told{0};
+  std::array<std::uint64_t, 4> told{};
 };
 
 RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}

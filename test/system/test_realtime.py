@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, itp, wait_until
+from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, wait_until
 
 NOBODY = 65534
 PEDAL_UP, PEDAL_DOWN = 2, 3
@@ -41,6 +41,35 @@ if paused.any():
     result["forces_late_in_pause"] = float(np.abs(haptic["force_B"][late]).max()) if late.any() else None
     result["goes_on"] = end < len(paused) and bool(linked[end + 50])
 print(json.dumps(result))
+"""
+
+DIAGNOSTICS_READER = """
+import json, os, signal, sys, threading, time
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+changed, told = threading.Condition(), {}
+def take(message):
+    for status in message.status:
+        if status.name.endswith("physics loop"):
+            with changed:
+                told.update({pair.key: int(pair.value) for pair in status.values})
+                changed.notify_all()
+rospy.init_node("reader", disable_signals=True)
+rospy.Subscriber("/diagnostics", DiagnosticArray, take, queue_size=10)
+pid, times = int(sys.argv[1]), []
+with changed:
+    assert changed.wait_for(lambda: "ticks" in told, 30), "no diagnostics"
+for _ in range(int(sys.argv[2])):
+    time.sleep(0.53)
+    os.kill(pid, signal.SIGSTOP)
+    time.sleep(0.2)  # far above what the machine itself does
+    before = told["late_runs"]
+    os.kill(pid, signal.SIGCONT)
+    with changed:
+        begin = time.monotonic()
+        assert changed.wait_for(lambda: told["late_runs"] > before and told["max_late_us"] >= 190000, 10), told
+        times.append(time.monotonic() - begin)
+print(json.dumps(times))
 """
 
 
@@ -164,6 +193,26 @@ def test_a_stop_of_four_tenths_pauses_the_exercise_until_a_new_pedal_down():
         assert session["clock_moved"] == 0
         assert session["forces_late_in_pause"] == 0.0
         assert session["goes_on"]
+
+
+def test_a_late_run_is_on_diagnostics_within_a_second():
+    """R7: what the operator is told of a stop of 200 ms, ten times. In a process of its own: rospy lives once in each."""
+    ros = free_ports(1)[0]
+    with Stack() as stack:
+        stack.environment.update(ROS_MASTER_URI=f"http://127.0.0.1:{ros}", ROS_IP="127.0.0.1")
+        stack.processes["rosmaster"] = subprocess.Popen(["rosmaster", "--core", "-p", str(ros)], env=stack.environment,
+                                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        wait_until(lambda: accepts(ros), 30, "the ROS master listens")
+        stack.start_daemon("--hazard", "none")
+        wait_until(lambda: accepts(ros) and os.path.exists(os.path.join(stack.output, "session.rlog")), 30, "ticks")
+        done = subprocess.run(["/usr/bin/python3", "-c", DIAGNOSTICS_READER, str(stack.processes["simulator"].pid),
+                               str(effort(3, 10))], env=stack.environment, capture_output=True, text=True, timeout=120,
+                              check=False)
+        assert done.returncode == 0, done.stderr
+        times = json.loads(done.stdout)
+        print("on /diagnostics after " + " ".join(f"{1000 * each:.0f}" for each in times) + " ms")
+        assert stack.stop("simulator")[0] == 0, stack.log_text("simulator")
+        assert max(times) <= 1.0
 
 
 def run_daemon(stack, *arguments, prefix=(), environment=None):
