@@ -1,8 +1,9 @@
 // Whether this machine can keep the daemon's two 1 kHz loops: bare threads first, then the loops themselves, both arms
-// moving in contact, no sockets.
+// moving in contact, no sockets. Or the bare threads alone, beside a session or whatever else runs.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <fstream>
 
 #include "apps/common/command_line.h"
@@ -19,21 +20,44 @@ namespace {
 struct Options {
   apps::CommonOptions common;
   double duration{10.0}, calibrate{5.0};  // [s]
+  bool only_bare{false};
   std::string json;
 };
 
-/** Lets the loops run. @throw Exception at a signal: half a measurement is none. */
+/** Lets the loops run. @return false if a signal ended it early. */
 template <typename Loops>
-void observe(Loops* loops, double seconds, const std::string& label) {
+bool observe(Loops* loops, double seconds, const std::string& label) {
   constexpr double kStep = 0.1;  // [s]
   apps::ProgressBar bar(label);
+  bool whole = true;
   loops->start();
-  for (double time = 0.0; time < seconds; time += kStep) {
+  for (double time = 0.0; whole && time < seconds; time += kStep) {
     bar.update(time / seconds);
-    if (apps::waitForSignal(std::min(kStep, seconds - time))) throw Exception("interrupted");
+    whole = !apps::waitForSignal(std::min(kStep, seconds - time));
   }
   loops->stop();
   bar.done("");
+  return whole;
+}
+
+void write(const std::string& path, const nlohmann::ordered_json& json) {
+  if (!path.empty() && !(std::ofstream(path) << json.dump(2) << '\n')) throw Exception(path + ": cannot be written");
+}
+
+constexpr std::array kLoops{LoopId::kPhysics, LoopId::kHaptic};
+std::string nameOf(LoopId id) { return kLoopNames[static_cast<std::size_t>(id)]; }
+
+/** What the machine gives to threads that do nothing. A signal ends it: beside a session its length is not known before. */
+int measureBare(const Options& options, const TrainerConfig& config) {
+  runtime::BareLoops bare(config);
+  observe(&bare, options.calibrate, "bare threads");
+  nlohmann::ordered_json json;
+  for (const LoopId id : kLoops) {
+    std::printf("%s", runtime::timingText(nameOf(id), bare.timing(id), bare.timing(id)).c_str());
+    json[nameOf(id)] = runtime::timingJson(bare.timing(id), bare.timing(id));
+  }
+  write(options.json, json);
+  return 0;
 }
 
 int check(const Options& options) {
@@ -43,21 +67,20 @@ int check(const Options& options) {
   std::printf("%s\n", memory.words.c_str());
   for (const std::string& reason : runtime::schedulingReasons(config.runtime))
     std::printf("%s\n", reason.c_str());
+  if (options.only_bare) return measureBare(options, config);
   runtime::BareLoops bare(config);
-  observe(&bare, options.calibrate, "calibration");
   runtime::DrivenLoops loops(config);
-  observe(&loops, options.duration, "loops");
+  if (!observe(&bare, options.calibrate, "calibration") || !observe(&loops, options.duration, "loops")) {
+    throw Exception("interrupted");  // half a measurement is none
+  }
   bool pass = true;
   nlohmann::ordered_json json;
-  for (const LoopId id : {LoopId::kPhysics, LoopId::kHaptic}) {
-    const std::string name = kLoopNames[static_cast<std::size_t>(id)];
-    std::printf("%s", runtime::timingText(name, loops.timing(id), bare.timing(id)).c_str());
-    json[name] = runtime::timingJson(loops.timing(id), bare.timing(id));
+  for (const LoopId id : kLoops) {
+    std::printf("%s", runtime::timingText(nameOf(id), loops.timing(id), bare.timing(id)).c_str());
+    json[nameOf(id)] = runtime::timingJson(loops.timing(id), bare.timing(id));
     pass = pass && runtime::judgeTiming(loops.timing(id), bare.timing(id)).pass;
   }
-  if (!options.json.empty() && !(std::ofstream(options.json) << json.dump(2) << '\n')) {
-    throw Exception(options.json + ": cannot be written");
-  }
+  write(options.json, json);
   return pass ? 0 : 1;
 }
 
@@ -76,6 +99,7 @@ int main(int argc, char** argv) {
   app.add_option("--calibrate", options.calibrate, "Length of the calibration with bare threads [s]")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 3600.0));
+  app.add_flag("--bare", options.only_bare, "Only bare threads, for --calibrate seconds or until a signal");
   app.add_option("--json", options.json, "File to write the figures to");
   return apps::runProgram(&app, argc, argv, [&] { return check(options); });
 }

@@ -86,11 +86,14 @@ class Stack:
                 yaml.safe_dump(content, file)
         return os.path.join(target, "config", "trainer.yaml")
 
-    def start(self, program, *arguments, prefix=(), **options):
-        """Starts a program of the package with this stack's configuration and ports; its output goes to NAME.log."""
-        ports = ["--master-port", self.master_port, "--robot-port", self.robot_port, "--force-port", self.force_port,
-                 "--state-port", self.state_port]
-        command = [*prefix, os.path.join(PROGRAMS, program), "--config", self.config, *ports, *arguments]
+    def start(self, program, *arguments, prefix=(), ports=None, **options):
+        """Starts a program of the package with this stack's configuration and ports; its output goes to NAME.log.
+
+        ports: {"master" | "robot" | "force" | "state": number} instead of the stack's own, where something stands between."""
+        numbers = {"master": self.master_port, "robot": self.robot_port, "force": self.force_port,
+                   "state": self.state_port, **(ports or {})}
+        words = [word for name, number in numbers.items() for word in (f"--{name}-port", number)]
+        command = [*prefix, os.path.join(PROGRAMS, program), "--config", self.config, *words, *arguments]
         with open(os.path.join(self.folder, program + ".log"), "ab") as log:
             self.processes[program] = subprocess.Popen([str(word) for word in command], stdout=log, stderr=log,
                                                        env=self.environment, **options)
