@@ -57,11 +57,12 @@ class Teleop {
     require(mapper.desiredPose().p.allFinite() && mapper.desiredPose().R.allFinite(), "the desired pose is finite");
   }
 
-  /** The jaws keep the wanted opening about their mid-line also at a limit: together they are within theirs. */
+  /** As on the robot (raven2.md 2.3) the jaws' mid-line has a limit, not each jaw: at it they keep the wanted opening, so
+   *  that one of them wants to go half of it beyond. */
   void requireWithinLimits(const JointArray& q) const {
     constexpr double kMostOpening = 1.571;
     for (std::size_t j = 0; j < kJointCount; ++j) {
-      const double room = j >= kGrasp1 ? kMostOpening : 1e-9;
+      const double room = j >= kGrasp1 ? kMostOpening / 2 : 1e-9;
       require(q[j] >= geometry_.q_min[j] - room && q[j] <= geometry_.q_max[j] + room,
               "desired joints stay near limits");
     }
