@@ -102,7 +102,7 @@ struct DrivenLoops::Impl {
     empty(shared->contact_records, &contact_record);
   }
 
-  void start(const std::function<void(LoopId, std::uint64_t)>& observer) {
+  void start(const std::function<void(LoopId, std::uint64_t)>& told) {
     const RuntimeConfig& runtime = config.runtime;
     drain_thread.start(realtimeThread("sender", runtime.sender, runtime), [this] {
       while (!stop.load(std::memory_order_relaxed)) {
@@ -112,14 +112,14 @@ struct DrivenLoops::Impl {
     });
     CyclicThread::Hooks hooks[2];
     hooks[0].before = [] { physics::attachOdeToThread(); };
-    hooks[0].tick = [this, observer](std::int64_t now_ns) {
-      if (observer) observer(LoopId::kPhysics, ticks);
+    hooks[0].tick = [this, told](std::int64_t now_ns) {
+      if (told) told(LoopId::kPhysics, ticks);
       physicsTick(now_ns);
       outgoing.signal();
     };
     hooks[0].on_slip = [this] { physics.timeSlip(); };
-    hooks[1].tick = [this, observer, n = std::uint64_t{0}](std::int64_t now_ns) mutable {
-      if (observer) observer(LoopId::kHaptic, n++);
+    hooks[1].tick = [this, told, n = std::uint64_t{0}](std::int64_t now_ns) mutable {
+      if (told) told(LoopId::kHaptic, n++);
       haptic.tick(now_ns);
       outgoing.signal();
     };
