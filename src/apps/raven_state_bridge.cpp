@@ -47,10 +47,12 @@ int run(const apps::CommonOptions& common, const std::string& topic, int argc, c
     watch.look(bridge.newest());
   ros.end();
   server.stop();
-  std::fprintf(
-      stderr, "%llu messages, %llu of them refused; %llu frames lost by slow readers; %llu fault plans refused\n",
-      static_cast<unsigned long long>(bridge.received()), static_cast<unsigned long long>(bridge.refused()),
-      static_cast<unsigned long long>(server.framesDropped()), static_cast<unsigned long long>(server.plansRefused()));
+  const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::fprintf(stderr,
+               "%llu messages, %llu of them refused; %llu states lost on the way to the sender, %llu frames lost by slow "
+               "readers; %llu fault plans refused\n",
+               n(bridge.received()), n(bridge.refused()), n(server.statesDropped()), n(server.framesDropped()),
+               n(server.plansRefused()));
   return ros.leave(0);
 }
 
