@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -24,6 +25,18 @@ using Bytes = std::vector<std::uint8_t>;
 inline void require(bool holds, const char* what) {
   if (!holds) throw std::logic_error(std::string("does not hold: ") + what);
 }
+
+/** How many messages a target has judged: an input may hold several. Told at the end in libFuzzer's manner. */
+class MessageCount {
+ public:
+  ~MessageCount() {
+    if (count_ > 0) std::fprintf(stderr, "stat::messages: %llu\n", static_cast<unsigned long long>(count_));
+  }
+  void operator++() { ++count_; }
+
+ private:
+  std::uint64_t count_{0};
+};
 
 /** Takes an input apart; zeros behind its end. */
 class Input {

@@ -97,11 +97,13 @@ class Ingest {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace raven2_trainer;
+  static fuzz::MessageCount datagrams;
   fuzz::Input input(data, size);
   fuzz::Ingest plain(ItpAuth::kOff), guarded(ItpAuth::kRequired);
   while (!input.empty()) {
     const std::uint8_t kind = input.byte();
     const fuzz::Bytes bytes = input.take((kind & 1U) == 0 ? wire::kItpSize : kind / 2U);
+    ++datagrams;
     plain.receive(bytes, kind);
     guarded.receive(bytes, kind);
   }
