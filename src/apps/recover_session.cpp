@@ -17,7 +17,7 @@ int recover(const std::string& directory) {
     std::fprintf(stderr, "%s: is no session directory (no session.rlog in it)\n", directory.c_str());
     return 1;
   }
-  if (!raven2_trainer::session::isUnclean(paths)) {
+  if (!raven2_trainer::session::isUnclean(paths) && !raven2_trainer::session::lacksMetrics(paths)) {
     std::fprintf(stderr, "%s: nothing to recover: it ended cleanly, or was recovered before\n", directory.c_str());
     return 0;
   }

@@ -41,7 +41,10 @@ void ConsoleRunner::tick(std::int64_t now_ns) noexcept {
 
 void ConsoleRunner::receiveForces() noexcept {
   std::array<std::uint8_t, 2 * wire::kForceSize> buffer;
-  while (const auto datagram = from_daemon_.receive(buffer.data(), buffer.size())) {
+  constexpr int kMaxDrain = 64;  // [datagrams] a tick: a flood must not keep the thread that sends
+  for (int i = 0; i < kMaxDrain; ++i) {
+    const auto datagram = from_daemon_.receive(buffer.data(), buffer.size());
+    if (!datagram) break;
     ForcePacket force;
     Reject reason = wire::decodeForce(buffer.data(), datagram->size, &force);
     if (reason == Reject::kNone) reason = console_.applyForce(force);

@@ -84,6 +84,7 @@ void* Thread::entry(void* self) noexcept {
   if (thread->options_.scheduling.priority > 0) touchStack();
   sem_post(&thread->ready_);
   thread->body_();
+  thread->id_.store(0);  // the number may soon be another thread's
   return nullptr;
 }
 

@@ -103,7 +103,8 @@ void PhysicsLoop::drainCommands() noexcept {
   increments_ = Increments{};
   if (++silent_ticks_ >= silence_limit_) pedal_ = false;
   MasterCommand command;
-  while (shared_.master_commands.tryPop(&command)) {
+  for (const MasterCommand* next = nullptr; (next = shared_.master_commands.front()) != nullptr && fits(*next);) {
+    shared_.master_commands.tryPop(&command);
     shared_.command_records.tryPush({state_.tick + 1, command});
     pedal_ = command.pedal != 0;
     silent_ticks_ = 0;
@@ -116,6 +117,21 @@ void PhysicsLoop::drainCommands() noexcept {
       at(increments_.dgrasp, arm) += at(command.dgrasp, arm);
     }
   }
+}
+
+/** Whether this tick may take one more. After a stall many wait: together they would be a jump, to the model as to the
+ *  robot, which refuses in one packet what one packet may not hold. The ticks that catch up take the rest. */
+bool PhysicsLoop::fits(const MasterCommand& command) const noexcept {
+  if (increments_.commands == 0 || command.pedal == 0) return true;
+  const ItpRules& rules = config_.network.itp;
+  for (const Arm arm : kArms) {
+    for (const double dp : sum(at(increments_.dp_I, arm), at(command.dp_I, arm))) {
+      if (std::abs(dp) > rules.max_increment_um * 1e-6) return false;
+    }
+    const Quat turned = product(at(command.dq_I, arm), at(increments_.dq_I, arm));
+    if (2.0 * std::acos(std::min(1.0, std::abs(toEigen(turned).w()))) > rules.max_rotation) return false;
+  }
+  return true;
 }
 
 void PhysicsLoop::drainRequests() noexcept {

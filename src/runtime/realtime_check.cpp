@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kWarmHeap = 8U << 20U;  // [bytes] more than all threads together allocate in a session
+constexpr int kHeapStep = 8 << 20;  // [bytes] by which the heap grows
 
 /** Being root is not enough: a container's root may lack it. */
 bool mayLockAnyAmount() noexcept {
@@ -32,15 +32,10 @@ bool mayLockAnyAmount() noexcept {
   return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
 }
 
-void warmHeap() {
+/** What the heap has had once, locked or not, it keeps. */
+void keepHeap() {
   mallopt(M_TRIM_THRESHOLD, -1);
-  mallopt(M_TOP_PAD, static_cast<int>(kWarmHeap));
-  auto* volatile block = static_cast<volatile char*>(std::malloc(kWarmHeap / 2));
-  if (block == nullptr) return;
-  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  for (std::size_t i = 0; i < kWarmHeap / 2; i += page)
-    block[i] = 0;
-  std::free(const_cast<char*>(block));
+  mallopt(M_TOP_PAD, kHeapStep);
 }
 
 bool isWorldWritable(const struct stat& status) noexcept {
@@ -70,7 +65,7 @@ void append(const std::vector<std::string>& more, std::vector<std::string>* reas
 }  // namespace
 
 MemoryLock lockMemory() {
-  warmHeap();
+  keepHeap();
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   if (!mayLockAnyAmount() && limit.rlim_cur != RLIM_INFINITY) {
@@ -93,8 +88,11 @@ std::vector<std::string> preloadReasons(const char* ld_preload, const std::strin
 
 std::vector<std::string> writableReasons(const std::vector<std::string>& files) {
   std::set<std::string> bad;
-  for (const std::string& file : files)
+  for (const std::string& file : files) {
+    std::error_code error;
     checkPath(fs::absolute(file).lexically_normal(), &bad);
+    checkPath(fs::weakly_canonical(file, error), &bad);  // what a link leads to, too
+  }
   std::vector<std::string> reasons;
   for (const std::string& path : bad)
     reasons.push_back(path + " is writable by everybody");

@@ -116,6 +116,8 @@ void Recorder::settle(const Batch& batch) {
   tick_ = batch.tick;
   if (flight_ != nullptr) flight_->checkpoint({log_.position(), batch.tails, told_});
   release(batch.tails);
+  // The disk takes records again, and the trouble cost none.
+  if (shared_.records.dropped() == told_) refused_since_gap_ = 0;
 }
 
 void Recorder::release(const RecordTally& tails) {

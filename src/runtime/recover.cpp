@@ -36,6 +36,7 @@ std::string describe(const session::Recovery& done) {
                            done.flight_recorder + "), " + std::to_string(tallyTotal(done.lost)) + " lost";
   switch (done.status) {
     case RecoveryStatus::kNothingToDo:
+    case RecoveryStatus::kCancelled:
       return "";
     case RecoveryStatus::kRunning:
       return "is being written by a running program";
@@ -54,11 +55,12 @@ std::string describe(const session::Recovery& done) {
 bool recoverAndTell(const session::SessionPaths& paths, const std::function<bool()>& cancelled) {
   using session::RecoveryStatus;
   try {
-    const session::Recovery done = session::recoverSession(paths);
+    const session::Recovery done = session::recoverSession(paths, cancelled);
     const std::string line = describe(done);
     if (!line.empty()) std::fprintf(stderr, "%s: %s\n", paths.directory.c_str(), line.c_str());
-    if (done.status == RecoveryStatus::kRecovered) completeMetrics(paths, cancelled);
-    return done.status != RecoveryStatus::kRunning && done.status != RecoveryStatus::kNotWritable;
+    if (done.status == RecoveryStatus::kRecovered || session::lacksMetrics(paths)) completeMetrics(paths, cancelled);
+    return done.status == RecoveryStatus::kRecovered || done.status == RecoveryStatus::kNothingToDo ||
+           done.status == RecoveryStatus::kNoLog;
   } catch (const Cancelled&) {
     return false;
   } catch (const std::exception& e) {

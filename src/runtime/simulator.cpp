@@ -56,8 +56,10 @@ std::string describeIngest(const NetworkConfig& network) {
 }
 
 void sleepFor(double seconds) {
+  const std::int64_t length = toNanoseconds(seconds);
   timespec time{};
-  time.tv_nsec = static_cast<long>(toNanoseconds(seconds));
+  time.tv_sec = length / 1'000'000'000;
+  time.tv_nsec = length % 1'000'000'000;
   clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
 }
 
@@ -219,8 +221,12 @@ struct Simulator::Impl {
     link.disconnected();
   }
 
+  /** What waits, in bounded pieces: a peer that never stops sending must not keep this thread. */
   void receiveFrames(std::uint8_t* buffer, std::size_t capacity) {
-    while (const std::size_t size = robot_client.receive(buffer, capacity)) {
+    constexpr int kReads = 64;
+    for (int i = 0; i < kReads; ++i) {
+      const std::size_t size = robot_client.receive(buffer, capacity);
+      if (size == 0) return;
       if (link.receive(buffer, size, net::monotonicNow())) continue;
       reportVersion(shared->robot_version_refused.load());
       robot_client.disconnect();
@@ -290,8 +296,9 @@ struct Simulator::Impl {
 
   /** Completes the logs of processes that were killed, so that their sessions can be read and their memory is freed. */
   void recoveryLoop() {
-    const std::string parent = std::filesystem::absolute(paths.directory).parent_path().string();
-    for (const std::string& directory : session::findUncleanSessions(parent, kRecoverNewest)) {
+    const std::filesystem::path own = std::filesystem::absolute(paths.directory) / "";  // "DIR" and "DIR/" alike
+    const std::string parent = own.parent_path().parent_path().string();
+    for (const std::string& directory : session::findUnfinishedSessions(parent, kRecoverNewest)) {
       if (stopping()) return;
       recoverAndTell({directory}, [this] { return stopping(); });
     }
@@ -359,7 +366,7 @@ struct Simulator::Impl {
     physics_thread.stop();  // before the sender takes its last look: nothing they gave out stays behind
     stop.store(true);
     outgoing.signal();
-    for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread})
+    for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread, &recovery_thread})
       thread->hurry();
     for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &faults_thread,
                            &render_thread, &recorder_thread, &recovery_thread}) {

@@ -121,6 +121,9 @@ void TcpBridge::flush(Connection* connection, std::size_t side) {
     if (moved.result == net::StreamSocket::Result::kError) connection->broken = true;
     if (moved.result != net::StreamSocket::Result::kDone) return;
     way.sent += moved.count;
+    if (way.sent < kWindow) continue;
+    way.out.erase(way.out.begin(), way.out.begin() + static_cast<std::ptrdiff_t>(way.sent));  // a slow reader's past
+    way.sent = 0;
   }
   way.out.clear();
   way.sent = 0;

@@ -64,8 +64,11 @@ bool isAbandoned(const std::string& log) {
   return free;
 }
 
-/** Where the last intact record of the log ends; nothing if there is no intact header. */
-std::optional<LogPosition> intactEnd(const std::string& log) {
+struct Cancelled {};
+
+/** Where the last intact record of the log ends; nothing if there is no intact header. @throw Cancelled. */
+std::optional<LogPosition> intactEnd(const std::string& log, const std::function<bool()>& cancelled) {
+  constexpr std::uint64_t kAskEvery = 1024;  // [records] 1.6 MB
   LogScanner scanner(log);
   LogPosition end;
   FrameHeader header;
@@ -73,6 +76,7 @@ std::optional<LogPosition> intactEnd(const std::string& log) {
   while (scanner.next(&header, &payload)) {
     if (end.size == 0 && (header.type != RecordType::kHeader || scanner.badBytes() != 0)) return std::nullopt;
     end = {scanner.position(), header.number + 1};
+    if (end.next_number % kAskEvery == 0 && cancelled && cancelled()) throw Cancelled{};
   }
   if (end.size == 0) return std::nullopt;
   return end;
@@ -159,13 +163,15 @@ void complete(const SessionPaths& paths, const FlightFile* flight, const LogPosi
 }
 
 /** Where the log is to go on. With a flight recorder at its checkpoint, if the log still reaches that far. */
-std::optional<LogPosition> goOnAt(const SessionPaths& paths, const FlightFile* flight) {
+std::optional<LogPosition> goOnAt(const SessionPaths& paths,
+                                  const FlightFile* flight,
+                                  const std::function<bool()>& cancelled) {
   const std::uint64_t size = fs::file_size(paths.log());
   if (flight != nullptr) {
     const LogPosition& position = newestCheckpoint(*flight)->checkpoint.log;
     if (position.size <= size) return position;
   }
-  return intactEnd(paths.log());
+  return intactEnd(paths.log(), cancelled);
 }
 
 }  // namespace
@@ -176,7 +182,13 @@ bool isUnclean(const SessionPaths& paths) {
   return !hasEnd(paths.log());
 }
 
-Recovery recoverSession(const SessionPaths& paths) {
+bool lacksMetrics(const SessionPaths& paths) {
+  std::error_code error;
+  return fs::is_regular_file(paths.log(), error) && !fs::exists(paths.metrics(), error) &&
+         endsWith(tailOf(paths.log()), RecordType::kRecovery);
+}
+
+Recovery recoverSession(const SessionPaths& paths, const std::function<bool()>& cancelled) try {
   Recovery result;
   if (!isUnclean(paths)) return result;
   if (!isAbandoned(paths.log())) {
@@ -186,7 +198,7 @@ Recovery recoverSession(const SessionPaths& paths) {
   std::string reason;
   const std::unique_ptr<FlightFile> flight = readFlightFile(paths, &reason);
   result.flight_recorder = flight ? "used" : reason;
-  const std::optional<LogPosition> end = goOnAt(paths, flight.get());
+  const std::optional<LogPosition> end = goOnAt(paths, flight.get(), cancelled);
   result.status = end ? RecoveryStatus::kRecovered : RecoveryStatus::kNoLog;
   if (end) {
     if (::access(paths.log().c_str(), W_OK) != 0) {
@@ -199,23 +211,28 @@ Recovery recoverSession(const SessionPaths& paths) {
   writeNote(paths, result);
   if (flight) removeFlightFile(paths);
   return result;
+} catch (const Cancelled&) {
+  Recovery result;
+  result.status = RecoveryStatus::kCancelled;
+  return result;
 }
 
-std::vector<std::string> findUncleanSessions(const std::string& parent, std::size_t limit) {
+std::vector<std::string> findUnfinishedSessions(const std::string& parent, std::size_t limit) {
   std::vector<std::pair<fs::file_time_type, std::string>> sessions;
   std::error_code error;
   for (fs::directory_iterator entry(parent, error), end; !error && entry != end; entry.increment(error)) {
     const SessionPaths paths{entry->path().string()};
     std::error_code none;
     const auto written = fs::last_write_time(paths.log(), none);
-    if (!none && isUnclean(paths) && isAbandoned(paths.log())) sessions.emplace_back(written, paths.directory);
+    const bool is_unfinished = isUnclean(paths) || lacksMetrics(paths);
+    if (!none && is_unfinished && isAbandoned(paths.log())) sessions.emplace_back(written, paths.directory);
   }
   std::sort(sessions.rbegin(), sessions.rend());
   if (sessions.size() > limit) sessions.resize(limit);
-  std::vector<std::string> unclean;
+  std::vector<std::string> directories;
   for (const auto& session : sessions)
-    unclean.push_back(session.second);
-  return unclean;
+    directories.push_back(session.second);
+  return directories;
 }
 
 }  // namespace raven2_trainer::session

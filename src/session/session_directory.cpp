@@ -93,10 +93,11 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
             {"config_files", describeFiles(config)}};
   if (!config.robot_urdf.empty()) json["robot_urdf"] = describeFile(config.robot_urdf);
   if (!config.scene_urdf.empty()) json["scene_urdf"] = describeFile(config.scene_urdf);
-  std::ofstream file(paths.meta());
+  const std::string draft = paths.meta() + ".part";  // renamed: on a full disk the one from the start stays
+  std::ofstream file(draft);
   file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   file.close();
-  if (!file) throw SessionException(paths.meta() + ": cannot be written");
+  if (!file || std::rename(draft.c_str(), paths.meta().c_str()) != 0) throw SessionException(paths.meta() + ": cannot be written");
 }
 
 std::map<std::string, std::string> readBuild(const SessionPaths& paths) {

@@ -28,6 +28,7 @@ void ItpGate::allowOnly(std::uint64_t address, std::uint64_t mask) noexcept {
 }
 
 Reject ItpGate::judge(const Arrival& arrival, ItpPacket* packet) noexcept {
+  if (!isAllowed(arrival.source)) return Reject::kForeignSource;
   return rules_.hardened ? judgeHardened(arrival, packet) : judgeCompat(arrival, packet);
 }
 
@@ -94,9 +95,12 @@ Reject ItpGate::useSigned(SessionTable::Entry* entry, std::uint64_t counter, con
   return Reject::kNone;
 }
 
+bool ItpGate::isAllowed(std::uint64_t source) const noexcept {
+  return allowed_mask_ == 0 || (source & allowed_mask_) == allowed_;
+}
+
 bool ItpGate::isForeign(std::uint64_t source) const noexcept {
-  if (allowed_mask_ != 0 && (source & allowed_mask_) != allowed_) return true;
-  return pinned_ && source != source_;
+  return !isAllowed(source) || (pinned_ && source != source_);
 }
 
 void ItpGate::pin(const Arrival& arrival) noexcept {
@@ -111,8 +115,12 @@ bool ItpGate::isHello(const Arrival& arrival) const noexcept {
 
 Reject ItpGate::answer(const Arrival& arrival, const Nonce& fresh, HandshakeBytes* reply) noexcept {
   if (isForeign(arrival.source)) return Reject::kForeignSource;
+  Nonce sender;
+  const Reject reason = sessions_.examine(arrival.bytes, arrival.size, &sender);
+  if (reason != Reject::kNone) return reason;  // first: whoever has no key costs the one who has it no answer
   if (!hellos_.take(arrival.time_ns)) return Reject::kRateLimited;
-  return sessions_.answer(arrival.bytes, arrival.size, fresh, reply);
+  sessions_.answer(sender, fresh, reply);
+  return Reject::kNone;
 }
 
 void ItpGate::idle(std::int64_t now_ns) noexcept {

@@ -2,22 +2,19 @@
 
 namespace raven2_trainer::wire {
 
-Reject SessionTable::answer(const std::uint8_t* bytes,
-                            std::size_t size,
-                            const Nonce& fresh,
-                            HandshakeBytes* reply) noexcept {
-  Nonce sender;
-  const Reject reason = decodeHello(*key_, audience_, bytes, size, &sender);
-  if (reason != Reject::kNone) return reason;
+Reject SessionTable::examine(const std::uint8_t* bytes, std::size_t size, Nonce* sender) const noexcept {
+  return decodeHello(*key_, audience_, bytes, size, sender);
+}
+
+void SessionTable::answer(const Nonce& sender, const Nonce& fresh, HandshakeBytes* reply) noexcept {
   for (const Entry& entry : pending_) {
     if (!entry.session.isOpen() || entry.sender != sender) continue;
     *reply = encodeChallenge(*key_, audience_, sender, entry.receiver);
-    return Reject::kNone;
+    return;
   }
   pending_[next_] = Entry{ItpSession(*key_, audience_, sender, fresh), ReplayWindow(), sender, fresh};
   next_ = (next_ + 1) % kPending;
   *reply = encodeChallenge(*key_, audience_, sender, fresh);
-  return Reject::kNone;
 }
 
 SessionTable::Entry* SessionTable::find(std::uint32_t session) noexcept {

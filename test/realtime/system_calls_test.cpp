@@ -17,11 +17,12 @@
 #include "raven2_trainer/runtime/driven_loops.h"
 #include "support/effort.h"
 #include "support/rig.h"
+#include "support/sanitizer.h"
 
 // What the 1 kHz threads ask of the kernel, told by the kernel itself: a filter on each of them, put there once warm,
 // lets the few calls pass that such a thread may make and turns every other one into a signal.
 
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && !defined(RAVEN2_HAS_SANITIZER)
 
 namespace raven2_trainer::runtime {
 namespace {

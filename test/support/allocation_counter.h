@@ -7,18 +7,11 @@
 #include <cstddef>
 #include <cstdlib>
 
+#include "support/sanitizer.h"
+
 // Counts the calls of the allocator, and those that lock a mutex. Include in exactly one source of a test program: it replaces the allocator of the
 // whole program, so that libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees
 // them (measured). Sanitizers bring their own allocator: nothing is defined under them.
-
-#if defined(__has_feature)  // clang's way to tell
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RAVEN2_HAS_SANITIZER
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define RAVEN2_HAS_SANITIZER
-#endif
 
 #ifndef RAVEN2_HAS_SANITIZER
 #define RAVEN2_COUNTS_ALLOCATIONS

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <string>
 
+#include "support/sanitizer.h"
+
 namespace raven2_trainer::testing {
 
 /** [bytes] most memory this process has held since resetPeak(); Linux's "VmHWM". 0 where it cannot be told. */
@@ -32,14 +34,8 @@ inline double processorSeconds() {
 
 /** Whether the figures mean anything: a sanitizer multiplies both. */
 constexpr bool kIsSanitized =
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef RAVEN2_HAS_SANITIZER
     true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-    true;
-#else
-    false;
-#endif
 #else
     false;
 #endif

@@ -74,12 +74,17 @@ class Rig {
     link.receive(buffer.data(), wire::encodeHello(++frame_sequence, true, buffer.data()), now_ns);
   }
 
-  /** One millisecond with this command from the masters; its sequence number is filled in. */
-  void tick(MasterCommand command) {
+  /** A packet from the masters after a millisecond, in which nothing else may happen; its number is filled in. */
+  void send(MasterCommand command) {
     now_ns += kTickNanoseconds;
     command.sequence = ++master_sequence;
     const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
     ingest.receive({bytes.data(), bytes.size(), 1, now_ns});
+  }
+
+  /** One millisecond with this command. */
+  void tick(MasterCommand command) {
+    send(command);
     faults.tick();
     physics.tick(now_ns);
     stepRobot();

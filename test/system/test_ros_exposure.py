@@ -29,10 +29,13 @@ def start(master, program, environment=None, configure=None):
         stack.start_daemon()
     else:
         stack.start(program)
-    node = NODES[program]
-    wait_until(lambda: "registered" in stack.log_text(program) or "are there" in stack.log_text(program), 20,
-               f"{program} is registered")
-    return stack, node
+    try:
+        wait_until(lambda: "registered" in stack.log_text(program) or "are there" in stack.log_text(program), 20,
+                   f"{program} is registered")
+    except AssertionError as error:
+        stack.__exit__(type(error), error, None)  # no program may outlive a failure
+        raise
+    return stack, NODES[program]
 
 
 @pytest.mark.parametrize("program", list(NODES))

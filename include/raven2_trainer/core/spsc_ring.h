@@ -33,6 +33,12 @@ class SpscRing {
     return true;
   }
 
+  /** Consumer: the element that tryPop() would give next; null if empty. */
+  const T* front() const noexcept {
+    const std::uint64_t head = head_.load(std::memory_order_relaxed);
+    return head == tail_.load(std::memory_order_acquire) ? nullptr : &elements_[head % Capacity];
+  }
+
   /** @return false if empty; `*element` is unchanged then. */
   bool tryPop(T* element) noexcept {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);

@@ -19,9 +19,9 @@ class HapticLoop {
   HapticLoop(const TrainerConfig& config, SharedState* shared);
   /** @param[in] now_ns CLOCK_MONOTONIC, judges the age of both states. */
   void tick(std::int64_t now_ns) noexcept;
-  /** Cells that could not be read in a bounded number of tries. */
   /** Goes on from the forces of a recorded tick, as re-simulation does. */
   void resume(const HapticState& last) noexcept;
+  /** Cells that could not be read in a bounded number of tries. */
   std::uint64_t staleReads() const noexcept { return stale_reads_; }
 
  private:

@@ -57,6 +57,7 @@ class PhysicsLoop {
 
   void readInputs(std::int64_t now_ns) noexcept;
   void drainCommands() noexcept;
+  bool fits(const MasterCommand& command) const noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;
   void handlePlanResult(PlanResult result) noexcept;

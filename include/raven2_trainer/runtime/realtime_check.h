@@ -18,7 +18,7 @@ struct MemoryLock {
 
 /**
  * Locks all memory, present and future, where that can do no harm: without the privilege, a limit that is not infinite
- * lets mlockall succeed and every later thread fail. Keeps the heap's pages from being given back, and touches some.
+ * lets mlockall succeed and every later thread fail. Keeps the heap's pages from being given back.
  */
 MemoryLock lockMemory();
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ enum class RecoveryStatus : std::uint8_t {
   kRecovered,    ///< the log is complete and ends with a recovery record
   kNoLog,        ///< killed before its first record: nothing to save
   kNotWritable,  ///< the log cannot be written; left as it is
+  kCancelled,    ///< given up before anything was changed
 };
 
 struct Recovery {
@@ -28,16 +30,20 @@ struct Recovery {
 /** Whether the directory holds a log that did not end cleanly and was not recovered. Reads the log's last 8 KiB. */
 bool isUnclean(const SessionPaths& paths);
 
+/** Whether the log was recovered, but whoever did it was stopped before the metrics were written, or had none to write. */
+bool lacksMetrics(const SessionPaths& paths);
+
 /**
  * Completes the log of a killed process: cuts off what is half written, appends what the flight recorder still holds,
  * ends it with a recovery record, writes recovered.json, removes the flight recorder's file. May be killed itself and
  * begun again at any moment. Does nothing to a log that ended cleanly or is being written.
  * Reads the whole log if there is no flight recorder. @throw SessionException for a log that cannot be read.
+ * @param cancelled asked now and then while it reads; may be empty.
  */
-Recovery recoverSession(const SessionPaths& paths);
+Recovery recoverSession(const SessionPaths& paths, const std::function<bool()>& cancelled = {});
 
-/** Directories of unclean sessions directly below `parent` that nobody writes, newest first, at most `limit`. Reads the
- * last 8 KiB of every log there. */
-std::vector<std::string> findUncleanSessions(const std::string& parent, std::size_t limit);
+/** Directories directly below `parent` of sessions that are unclean or lack their metrics and that nobody writes, newest
+ *  first, at most `limit`. Reads the last 8 KiB of every log there. */
+std::vector<std::string> findUnfinishedSessions(const std::string& parent, std::size_t limit);
 
 }  // namespace raven2_trainer::session

@@ -55,6 +55,7 @@ class ItpGate {
   Reject judgePlain(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject judgeSigned(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject useSigned(SessionTable::Entry* entry, std::uint64_t counter, const ItpPacket& packet) noexcept;
+  bool isAllowed(std::uint64_t source) const noexcept;
   bool isForeign(std::uint64_t source) const noexcept;
   void pin(const Arrival& arrival) noexcept;
 

@@ -25,9 +25,11 @@ class SessionTable {
   /** `key` outlives this. */
   SessionTable(const ItpKey* key, Audience audience) noexcept : key_(key), audience_(audience) {}
 
-  /** A hello and its answer; a repeated one gets the same. @param[in] fresh random, used at most once.
-   *  @return as decodeHello(); `*reply` is filled with kNone only. */
-  Reject answer(const std::uint8_t* bytes, std::size_t size, const Nonce& fresh, HandshakeBytes* reply) noexcept;
+  /** Whether this is a hello of one who has the key. @return as decodeHello(); `*sender` is filled with kNone only. */
+  Reject examine(const std::uint8_t* bytes, std::size_t size, Nonce* sender) const noexcept;
+
+  /** The answer to a hello; a repeated one gets the same. @param[in] fresh random, used at most once. */
+  void answer(const Nonce& sender, const Nonce& fresh, HandshakeBytes* reply) noexcept;
 
   /** Whose packet this claims to be; its tag is still to be verified. nullptr: of none that is known. */
   Entry* find(std::uint32_t session) noexcept;

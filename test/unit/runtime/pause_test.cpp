@@ -52,6 +52,30 @@ TEST_F(Pause, LostTimeHoldsTheModelStopsTheSessionsClockAndReleasesTheRobot) {
   EXPECT_EQ(rig->force().force_B[0], Vec3{});
 }
 
+/** Of one tick: what went to the robot as one packet. */
+TEST_F(Pause, WhatWaitsAfterAStallIsNeverOneJump) {
+  rest(true, 200);
+  ASSERT_EQ(rig->model().linked, 1);
+  const double limit = rig->config.network.itp.max_increment_um * 1e-6;
+  MasterCommand command;
+  command.pedal = 1;
+  command.dp_I[0] = {100e-6, -60e-6, 0.0};
+  constexpr int kWaiting = 130;  // of a hand at 1 m/s; physics stood still for 130 ms
+  for (int i = 0; i < kWaiting; ++i)
+    rig->send(command);
+  Vec3 sent{};
+  int ticks = 0;
+  for (; sent[0] < kWaiting * 100e-6 - 1e-9 && ticks < kWaiting; ++ticks) {
+    rig->tick(true);
+    const Vec3& dp = rig->last_relay.command.dp_I[0];
+    ASSERT_LE(std::abs(dp[0]), limit + 1e-12);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      sent[axis] += dp[axis];
+  }
+  EXPECT_EQ(ticks, 7) << "20 packets of 100 um fill the 2 mm of one";
+  EXPECT_NEAR(sent[1], -60e-6 * kWaiting, 1e-9) << "and none is lost";
+}
+
 TEST_F(Pause, OnlyANewPedalDownGoesOnAndFromACommonPose) {
   rest(true, 200, {10e-6, 0.0, 0.0});
   rig->physics.timeSlip();

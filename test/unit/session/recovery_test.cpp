@@ -184,7 +184,7 @@ TEST(Recovery, LeavesALogWithALivingWriterAlone) {
   Session session("alive");
   session.push(5);
   EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kRunning);
-  EXPECT_TRUE(findUncleanSessions(session.paths.directory + "/..", 10).empty());
+  EXPECT_TRUE(findUnfinishedSessions(session.paths.directory + "/..", 10).empty());
   session.record();
   session.log->finish(SessionCounts{});
   EXPECT_FALSE(isUnclean(session.paths));
@@ -198,12 +198,32 @@ TEST(Recovery, WorksWithTheLogAloneAndFindsTheNewestSessions) {
   session.push(20);
   session.kill();
   if (!session.flightFile().empty()) fs::remove(session.flightFile());
-  const auto found = findUncleanSessions(session.paths.directory + "/..", 10);
+  const auto found = findUnfinishedSessions(session.paths.directory + "/..", 10);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(fs::equivalent(found[0], session.paths.directory));
   EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kRecovered);
   EXPECT_EQ(session.ticks().size(), 20u);
   EXPECT_TRUE(session.summary.recovered);
+}
+
+TEST(Recovery, WithoutMetricsIsNotDoneAndCanBeGivenUp) {
+  Session session("no_metrics");
+  session.push(2000);
+  session.record();
+  session.kill();
+  if (!session.flightFile().empty()) fs::remove(session.flightFile());
+  EXPECT_EQ(recoverSession(session.paths, [] { return true; }).status, RecoveryStatus::kCancelled);
+  EXPECT_TRUE(isUnclean(session.paths));
+  EXPECT_FALSE(lacksMetrics(session.paths));
+  // GIVEN a recovery that was killed, or ended, before it came to the metrics
+  EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kRecovered);
+  EXPECT_FALSE(isUnclean(session.paths));
+  // THEN the session is still found, until they are there
+  EXPECT_TRUE(lacksMetrics(session.paths));
+  const std::string parent = session.paths.directory + "/..";
+  EXPECT_EQ(findUnfinishedSessions(parent, 10).size(), 1u);
+  std::ofstream(session.paths.metrics()) << "{}";
+  EXPECT_TRUE(findUnfinishedSessions(parent, 10).empty());
 }
 
 TEST(Recovery, GivesIntactRecordsOnlyWhateverStandsInTheFlightRecorder) {

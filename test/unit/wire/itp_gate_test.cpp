@@ -36,14 +36,16 @@ TEST(ItpGate, AMasterIntroducesItselfWithThePedalUp) {
   EXPECT_EQ(judge(4, false, kOther), Reject::kForeignSource);
 }
 
-TEST(ItpGate, OnlyTheConfiguredAddressIsHeard) {
-  ItpGate gate(benchRules(true, ItpAuth::kOff), Audience::kDaemon, nullptr);
-  gate.allowOnly(std::uint64_t{0x0A000001} << 16U, std::uint64_t{0xFFFFFFFF} << 16U);
-  const auto bytes = plain(GateBench(true, ItpAuth::kOff).packet(1, false));
-  ItpPacket packet;
-  EXPECT_EQ(gate.judge({bytes.data(), bytes.size(), kSurgeon, 0}, &packet), Reject::kForeignSource);
-  const std::uint64_t master = std::uint64_t{0x0A000001} << 16U | 4711U;
-  EXPECT_EQ(gate.judge({bytes.data(), bytes.size(), master, 0}, &packet), Reject::kNone);
+TEST(ItpGate, OnlyTheConfiguredAddressIsHeardWhateverTheBehaviour) {
+  for (const bool hardened : {true, false}) {
+    ItpGate gate(benchRules(hardened, ItpAuth::kOff), Audience::kDaemon, nullptr);
+    gate.allowOnly(std::uint64_t{0x0A000001} << 16U, std::uint64_t{0xFFFFFFFF} << 16U);
+    const auto bytes = plain(GateBench(true, ItpAuth::kOff).packet(1, false));
+    ItpPacket packet;
+    EXPECT_EQ(gate.judge({bytes.data(), bytes.size(), kSurgeon, 0}, &packet), Reject::kForeignSource);
+    const std::uint64_t master = std::uint64_t{0x0A000001} << 16U | 4711U;
+    EXPECT_EQ(gate.judge({bytes.data(), bytes.size(), master, 0}, &packet), Reject::kNone);
+  }
 }
 
 TEST(ItpGate, ASilentMasterIsLetGoAfterHalfASecondAndNotBefore) {
@@ -184,6 +186,19 @@ TEST(ItpGate, HellosAreAnsweredTwentyTimesASecondAtMost) {
   }
   EXPECT_LE(answered, 31);
   EXPECT_GE(answered, 20);
+}
+
+TEST(ItpGate, HellosWithoutTheKeyDoNotUseUpTheAnswers) {
+  GateBench bench(true, ItpAuth::kRequired);
+  HandshakeBytes forged = SignedSender(&benchKey(), Audience::kDaemon).hello(bench.fresh(), 0);
+  forged.back() ^= 1U;
+  HandshakeBytes reply;
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_EQ(bench.gate.answer({forged.data(), forged.size(), kSurgeon, bench.now_ns}, bench.fresh(), &reply),
+              Reject::kBadSignature);
+  }
+  SignedSender honest(&benchKey(), Audience::kDaemon);
+  EXPECT_TRUE(bench.shakeHands(&honest, kSurgeon));
 }
 
 TEST(ItpGate, CompatTakesAnyoneAndCutsWhatIsTooLong) {
