@@ -54,7 +54,9 @@ def test_a_session_of_real_threads_gives_the_same_bits_again_faster_than_it_went
                                                          stack.log_text("master_console")).groups())
         assert received == applied + rejected and 0 < received <= stack.metrics()["packets"]["daemon_to_console"]["sent"]
         log = raven2_session.Session(stack.output).log
-        assert log.ticks["slipped"].sum() == stack.metrics()["timing"]["physics"]["time_slips"]
+        # Time that either loop gave up pauses the exercise; both may have done so before the same tick.
+        slips = [stack.metrics()["timing"][loop]["time_slips"] for loop in ("physics", "haptic")]
+        assert max(slips) <= log.ticks["slipped"].sum() <= sum(slips)
 
         code, output, cpu = resimulate(stack.output)
         ticks = len(log.ticks)
