@@ -32,14 +32,6 @@ inline double processorSeconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/** Whether the figures mean anything: a sanitizer multiplies both. */
-constexpr bool kIsSanitized =
-#ifdef RAVEN2_HAS_SANITIZER
-    true;
-#else
-    false;
-#endif
-
 /**
  * Writes the file and loads it: the refusal starts with FILE:LINE:, contains `reason` and is no longer than a screen;
  * it took at most a second of processor time and 64 MiB (reliability promise on hostile files).

@@ -10,3 +10,15 @@
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // gcc's
 #define RAVEN2_HAS_SANITIZER
 #endif
+
+namespace raven2_trainer::testing {
+
+/** Memory and times mean little then, and long simulations take 30 to 60 times as long: tests may run a part of them. */
+constexpr bool kIsSanitized =
+#ifdef RAVEN2_HAS_SANITIZER
+    true;
+#else
+    false;
+#endif
+
+}  // namespace raven2_trainer::testing

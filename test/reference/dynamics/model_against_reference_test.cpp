@@ -12,13 +12,14 @@
 #include "raven2_trainer/physics/raven_world.h"
 #include "reference/dynamics/experiment.h"
 #include "reference/dynamics/plain_ode_arm.h"
+#include "support/sanitizer.h"
 
 // The nominal model against the reference chain: open loop, in closed loop, over the step, and over a long time.
 
 namespace raven2_trainer::reference {
 namespace {
 
-constexpr int kSeeds = 2;
+constexpr int kSeeds = raven2_trainer::testing::kIsSanitized ? 1 : 2;
 
 class OpenLoop : public ::testing::TestWithParam<std::tuple<int, Family>> {};
 
