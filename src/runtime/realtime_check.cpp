@@ -71,7 +71,9 @@ MemoryLock lockMemory() {
   if (!mayLockAnyAmount() && limit.rlim_cur != RLIM_INFINITY) {
     return {false, "memory not locked (RLIMIT_MEMLOCK is " + std::to_string(limit.rlim_cur / 1024) + " KiB)"};
   }
-  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
+  // What is mapped now, programs and libraries, is fetched at once: a line of a loop that runs for the first time an
+  // hour from now must not wait for the disk. What comes later (stacks, rings) is locked as it is touched.
+  if (mlockall(MCL_CURRENT) != 0 || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) {
     return {false, std::string("memory not locked (") + std::strerror(errno) + ")"};
   }
   return {true, "memory locked"};

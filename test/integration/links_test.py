@@ -292,7 +292,7 @@ class Links(unittest.TestCase):
         self.assertEqual(info.msg_type, "raven_2/raven_state")
         self.assertGreater(len(messages), 1000)
         bridge = Bridge("/replay", 37146)
-        run("rosbag", "play", "-q", "--queue=5000", "--wait-for-subscribers", self.bag, "/ravenstate:=/replay")
+        run("rosbag", "play", "-q", "--queue=5000", "--rate=0.5", "--wait-for-subscribers", self.bag, "/ravenstate:=/replay")
         self.assertIsNotNone(bridge.reader.wait(lambda s: s.last_sequence == messages[-1].last_seq))
         self.assertTrue(bridge.hears("the state is stale"), "the topic ended")
         self.assertEqual(bridge.stop(), 0)
@@ -300,9 +300,8 @@ class Links(unittest.TestCase):
         received, refused, before, behind = map(int, counts.groups())
         self.assertEqual(refused, 0)
         self.assertGreater(received, 0.9 * len(messages))
-        # This reader, beside other programs on a busy machine, need not get them all; those it lost are counted.
         self.assertEqual(len(bridge.reader.states) + before + behind, received)
-        self.assertGreater(len(bridge.reader.states), 100)
+        self.assertGreater(len(bridge.reader.states), 0.9 * len(messages))
         recorded = {}
         for message in messages:
             recorded.setdefault(message.last_seq, []).append(joints(message.mpos, 0) + joints(message.jpos, 1))

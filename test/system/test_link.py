@@ -354,7 +354,7 @@ def test_crowds_that_dribble_and_storms_of_connections_disturb_nobody():
           f"{1e3 * max(served):.0f} ms; N8 {storms} connections in {storm:.2f} s, the next reader served within "
           f"{1e3 * after:.0f} ms; descriptors {start} again; {words}")
     assert len(loris.lived) == 64 and max(loris.lived) <= 1.0
-    assert len(served) > 5 and sorted(served)[-2] <= 0.1, "one may meet a stall of the computer"
+    assert len(served) > 5 and max(served) <= 0.1
     assert after <= 1.0
     assert (np.diff(cycles) == 1).all(), "a good reader lost a frame"
     assert ticks.robot["connected"][ticks.has_robot & (ticks.time < end)].all(), "the daemon lost its place"

@@ -7,7 +7,8 @@
 
 namespace raven2_trainer {
 
-/** Gilbert-Elliott channel: two states, changed with the given probabilities at each packet. Off while to_bad and loss_good are 0. */
+/** Gilbert-Elliott channel: two states, changed with the given probabilities at each packet. Off while to_bad and
+ *  loss_good are 0. */
 struct GilbertElliott {
   double to_bad{};       ///< [0, 1] good to bad, at each packet
   double to_good{1.0};   ///< [0, 1] bad to good, at each packet

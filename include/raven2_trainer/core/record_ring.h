@@ -58,7 +58,8 @@ class RecordRing {
     }
     Slot& slot = slots_[tail % Capacity];
     std::memcpy(&slot.value, &element, sizeof(T));
-    // What the element's padding holds is for the compiler to choose, each time it looks: only what has been written counts.
+    // What the element's padding holds is for the compiler to choose, each time it looks: only what has been written
+    // counts.
     std::atomic_signal_fence(std::memory_order_seq_cst);
     slot.check = recordChecksum(slot.value, tail);
     tail_.store(tail + 1, std::memory_order_release);

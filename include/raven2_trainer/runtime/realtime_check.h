@@ -18,7 +18,8 @@ struct MemoryLock {
 
 /**
  * Locks all memory, present and future, where that can do no harm: without the privilege, a limit that is not infinite
- * lets mlockall succeed and every later thread fail. Keeps the heap's pages from being given back.
+ * lets mlockall succeed and every later thread fail. What is mapped now (code, libraries) is fetched from disk at once,
+ * what comes later when it is touched. Keeps the heap's pages from being given back.
  */
 MemoryLock lockMemory();
 
