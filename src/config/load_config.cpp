@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "raven2_trainer/config/load_impairment.h"
+#include "raven2_trainer/config/load_scenario.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
@@ -339,64 +341,17 @@ void readVirtualRaven(Section& root, VirtualRavenConfig* c) {
   c->plants_folder = (fs::absolute(root.file()).parent_path() / "plants").string();
 }
 
-std::int8_t readAxisOrJoint(Section& root, FaultTarget target) {
-  if (target == FaultTarget::kIncrement) {
-    return static_cast<std::int8_t>(root.choice("joint", std::array<const char*, 3>{"x", "y", "z"}));
-  }
-  if (target == FaultTarget::kPedal) {
-    root.text("joint", {"none"});
-    return -1;
-  }
-  return static_cast<std::int8_t>(root.choice("joint", kJointNames));
+void readInjection(Section& root, InjectionConfig* c) {
+  c->enable = root.boolean("enable");
+  c->real_robot = root.boolean("real_robot");
 }
 
-/** The site that owns each target; a pair that no injector serves is refused. */
-FaultSite siteOf(FaultTarget target) {
-  switch (target) {
-    case FaultTarget::kDac:
-      return FaultSite::kPutUsbPacket;
-    case FaultTarget::kEncoder:
-      return FaultSite::kGetUsbPacket;
-    case FaultTarget::kIncrement:
-    case FaultTarget::kPedal:
-      return FaultSite::kNetworkLayer;
-    case FaultTarget::kNone:
-      break;
+void readImpairments(const std::string& folder, TrainerConfig* c) {
+  c->impairment_names = impairmentNames(folder);
+  for (const std::string& name : c->impairment_names) {
+    c->files.push_back((fs::path(folder) / (name + ".yaml")).string());
+    c->impairments.push_back(loadImpairment(c->files.back()));
   }
-  return FaultSite::kNone;
-}
-
-void checkFault(const Section& root, const Fault& fault) {
-  if (fault.site == FaultSite::kNone || siteOf(fault.target) != fault.site) {
-    throw ConfigException(root.where("target") + " is not a variable of that site");
-  }
-  if (fault.host == FaultHost::kRelay && fault.site != FaultSite::kNetworkLayer) {
-    throw ConfigException(root.where("host") + " relay has only the site network_layer");
-  }
-  if (fault.period_ticks != 0 && fault.period_ticks < fault.duration_ticks) {
-    throw ConfigException(root.where("period_ticks") + " is shorter than duration_ticks");
-  }
-}
-
-Fault readFault(Section& root, std::uint32_t id) {
-  constexpr std::int64_t kMaxTicks = 1000000000;
-  Fault fault;
-  fault.id = id;
-  fault.host = static_cast<FaultHost>(root.choice("host", kFaultHostNames));
-  fault.site = static_cast<FaultSite>(root.choice("site", kFaultSiteNames));
-  fault.target = static_cast<FaultTarget>(root.choice("target", kFaultTargetNames));
-  const std::string arm = root.text("arm", {"gold", "green", "both"});
-  fault.arm = static_cast<std::int8_t>(arm == "both" ? -1 : arm == "green" ? 1 : 0);
-  fault.joint = readAxisOrJoint(root, fault.target);
-  fault.kind = static_cast<FaultKind>(root.choice("kind", kFaultKindNames));
-  if (fault.kind == FaultKind::kNone) throw ConfigException(root.where("kind") + " is none");
-  fault.value = root.number("value", -32768, 32767);
-  fault.first_tick = root.integer("first_tick", 0, kMaxTicks);
-  fault.duration_ticks = root.integer("duration_ticks", 1, kMaxTicks);
-  fault.period_ticks = root.integer("period_ticks", 0, kMaxTicks);
-  fault.count = root.integer("count", 0, kMaxTicks);
-  checkFault(root, fault);
-  return fault;
 }
 
 std::vector<std::string> scenarioFiles(const std::string& folder) {
@@ -413,29 +368,13 @@ std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* al
   std::vector<Scenario> scenarios;
   for (const std::string& file : scenarioFiles(folder)) {
     all->files.push_back(file);
-    scenarios.push_back(loadScenario(file, static_cast<std::uint32_t>(scenarios.size() + 1)));
+    const auto id = static_cast<std::uint32_t>(scenarios.size() + 1);
+    scenarios.push_back(loadScenario(file, id, all->impairment_names));
   }
   return scenarios;
 }
 
 }  // namespace
-
-Scenario loadScenario(const std::string& path, std::uint32_t id) {
-  Section root = Section::fromFile(path);
-  Scenario scenario;
-  scenario.name = root.text("name");
-  if (scenario.name != fs::path(path).stem()) throw ConfigException(root.where("name") + " is not the file's name");
-  scenario.title = root.text("title");
-  scenario.hazard = root.text("hazard", {"H1-1", "H1-2", "H1-3", "H-2", "H-3"});
-  scenario.maude = root.texts("maude");
-  scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
-  scenario.basis = root.text("basis", {"published", "design"});
-  scenario.expected = root.text("expected");
-  scenario.response = root.text("response");
-  scenario.fault = readFault(root, id);
-  root.finish();
-  return scenario;
-}
 
 TrainerConfig loadTrainerConfig(const std::string& path) {
   TrainerConfig c;
@@ -454,6 +393,8 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);
   c.virtual_raven.itp = c.network.itp;
   selectPlant(&c, c.virtual_raven.plant_name);
+  c.injection = readFile<InjectionConfig>(file("injection"), &c, readInjection);
+  readImpairments(file("impairments"), &c);
   c.scenarios = readScenarios(file("faults"), &c);
   c.robot_urdf = file("robot_urdf");
   c.scene_urdf = file("scene_urdf");
@@ -494,7 +435,7 @@ std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {
   if (name == "none") return 0;
   std::string known = "none";
   for (const Scenario& scenario : config.scenarios) {
-    if (scenario.name == name) return scenario.fault.id;
+    if (scenario.name == name) return scenario.faults[0].id;
     known += ", " + scenario.name;
   }
   throw ConfigException("no hazard is called \"" + name + "\"; known: " + known);
@@ -503,9 +444,11 @@ std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {
 FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation) {
   FaultPlan plan;
   plan.generation = generation;
-  if (id == 0 || id > config.scenarios.size()) return plan;
-  plan.count = 1;
-  plan.faults[0] = config.scenarios[id - 1].fault;
+  if (!config.injection.enable || id == 0 || id > config.scenarios.size()) return plan;
+  for (Fault fault : config.scenarios[id - 1].faults) {
+    fault.seed += config.seed;
+    plan.faults[plan.count++] = fault;
+  }
   return plan;
 }
 

@@ -103,6 +103,10 @@ YAML::Node Section::find(const std::string& key) {
   return value;
 }
 
+bool Section::has(const std::string& key) const {
+  return (*node_)[key].IsDefined();
+}
+
 std::vector<std::string> Section::keys() const {
   std::vector<std::string> names;
   for (const auto& entry : *node_)

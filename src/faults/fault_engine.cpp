@@ -7,112 +7,213 @@ namespace raven2_trainer::faults {
 namespace {
 
 bool isSame(const Fault& a, const Fault& b) noexcept {
-  return a.id == b.id && a.site == b.site && a.first_tick == b.first_tick && a.value == b.value;
+  return a.id == b.id && a.host == b.host && a.variable == b.variable && a.kind == b.kind && a.trigger == b.trigger &&
+         a.arm == b.arm && a.channel == b.channel && a.first_tick == b.first_tick && a.value == b.value &&
+         a.low == b.low && a.high == b.high && a.seed == b.seed;
 }
 
-bool isDue(const Fault& fault, std::int64_t next, std::int64_t times, std::int64_t tick) noexcept {
+bool isDue(const Fault& fault, std::int64_t next, std::int64_t times, std::int64_t clock) noexcept {
   const bool exhausted = fault.period_ticks == 0 ? times > 0 : (fault.count > 0 && times >= fault.count);
-  return !exhausted && tick >= next;
+  return !exhausted && clock >= next;
 }
 
-std::size_t channel(Arm arm, int joint) noexcept {
-  return index(arm) * kJointCount + static_cast<std::size_t>(joint);
+/** Has what the trigger waits for come about? */
+bool hasCome(const Fault& fault, const FaultCycle& cycle, std::uint32_t tool_changes) noexcept {
+  switch (fault.trigger) {
+    case FaultTrigger::kHand:
+      return true;
+    case FaultTrigger::kRunLevel:
+      return cycle.run_level == static_cast<int>(fault.threshold);
+    case FaultTrigger::kTissueDistance:
+      return cycle.signals.tissue_distance <= fault.threshold;
+    case FaultTrigger::kTargetDistance:
+      return cycle.signals.target_distance <= fault.threshold;
+    case FaultTrigger::kStep:
+      return cycle.signals.step >= fault.threshold;
+    case FaultTrigger::kToolChange:
+      return cycle.signals.tool_changes != tool_changes;
+    default:
+      return false;
+  }
 }
 
-/** Nearest int32, saturated; NaN, such as infinity times 0, gives 0. */
-std::int32_t roundToInt(double value) noexcept {
-  if (std::isnan(value)) return 0;
-  return static_cast<std::int32_t>(std::lround(std::clamp(value, -2147483648.0, 2147483647.0)));
+double share(const Fault& fault, std::int64_t elapsed) noexcept {
+  return elapsed + 1 >= fault.ramp_ticks ? 1.0
+                                         : static_cast<double>(elapsed + 1) / static_cast<double>(fault.ramp_ticks);
 }
 
 }  // namespace
 
+void FaultEngine::start(const Fault& fault, Progress* progress) const noexcept {
+  *progress = Progress{};
+  progress->next = fault.first_tick;
+  progress->tool_changes = signals_.tool_changes;
+  // Rows of one scenario share its seed: what they act on tells them apart.
+  progress->random = Random(fault.seed, (static_cast<std::uint64_t>(fault.variable) << 16U) +
+                                            (static_cast<std::uint64_t>(fault.arm + 1) << 8U) +
+                                            static_cast<std::uint64_t>(fault.channel + 1));
+}
+
 void FaultEngine::setPlan(const FaultPlan& plan) noexcept {
-  if (plan.generation == plan_.generation) return;
-  std::array<Progress, kMaxFaults> progress{};
-  for (std::size_t i = 0; i < std::min<std::size_t>(plan.count, kMaxFaults); ++i) {
-    progress[i].next = plan.faults[i].first_tick;
-    for (std::size_t k = 0; k < plan_.count; ++k) {
-      if (isSame(plan.faults[i], plan_.faults[k])) progress[i] = progress_[k];
-    }
-  }
+  if (!kHasHooks || plan.generation == plan_.generation) return;
+  const FaultPlan old = plan_;
   plan_ = plan;
   plan_.count = std::min<std::uint32_t>(plan.count, kMaxFaults);
-  progress_ = progress;
-}
-
-void FaultEngine::beginCycle(bool pedal_down) noexcept {
-  if (tick_ >= 0 || pedal_down) ++tick_;
-  if (tick_ < 0) return;
+  const auto former = progress_;
+  armed_ = false;
   for (std::size_t i = 0; i < plan_.count; ++i) {
-    if (plan_.faults[i].host == host_) advance(plan_.faults[i], &progress_[i], pedal_down);
+    const Fault& fault = plan_.faults[i];
+    armed_ = armed_ || fault.host == host_;
+    const auto* end = old.faults.begin() + old.count;
+    const auto* same = std::find_if(old.faults.begin(), end, [&](const Fault& f) { return isSame(f, fault); });
+    if (same != end) {
+      progress_[i] = former[static_cast<std::size_t>(same - old.faults.begin())];
+    } else {
+      start(fault, &progress_[i]);
+    }
   }
 }
 
-void FaultEngine::advance(const Fault& fault, Progress* progress, bool pedal_down) const noexcept {
-  if (progress->active && tick_ >= progress->end) progress->active = false;
-  if (progress->active || !isDue(fault, progress->next, progress->times, tick_) || !pedal_down) return;
-  progress->active = true;
-  progress->end = tick_ + fault.duration_ticks;
-  ++progress->times;
-  // Armed late, the periods that have passed are not made up for.
-  if (fault.period_ticks == 0) return;
-  const std::int64_t passed = (tick_ - progress->next) / fault.period_ticks;
-  progress->next += (passed + 1) * fault.period_ticks;
-}
-
-bool FaultEngine::concerns(const Fault& fault, FaultSite site, FaultTarget target, Arm arm, int joint) const noexcept {
-  return fault.host == host_ && fault.site == site && fault.target == target &&
-         (fault.arm < 0 || static_cast<std::size_t>(fault.arm) == index(arm)) &&
-         (fault.joint < 0 || fault.joint == joint);
-}
-
-double FaultEngine::apply(FaultSite site, FaultTarget target, Arm arm, int joint, double value) noexcept {
+void FaultEngine::beginCycle(const FaultCycle& cycle) noexcept {
+  ++cycle_;
+  if (tick_ >= 0 || cycle.pedal_down) ++tick_;
+  signals_ = cycle.signals;
+  if (!isArmed()) return;
   for (std::size_t i = 0; i < plan_.count; ++i) {
     const Fault& fault = plan_.faults[i];
-    if (!concerns(fault, site, target, arm, joint)) continue;
-    double& held = progress_[i].held[channel(arm, joint)];
-    if (!progress_[i].active) {
-      held = value;
+    if (fault.host != host_ || fault.trigger == FaultTrigger::kPacket) continue;
+    progress_[i].clock = clockOf(fault, progress_[i], cycle);
+    advance(fault, &progress_[i], fault.trigger != FaultTrigger::kPedalDown || cycle.pedal_down);
+  }
+}
+
+void FaultEngine::beginPacket(bool pedal_down) noexcept {
+  if (packet_ >= 0 || pedal_down) ++packet_;
+  if (!isArmed()) return;
+  for (std::size_t i = 0; i < plan_.count; ++i) {
+    const Fault& fault = plan_.faults[i];
+    if (fault.host != host_ || fault.trigger != FaultTrigger::kPacket) continue;
+    progress_[i].clock = packet_;
+    advance(fault, &progress_[i], true);
+  }
+}
+
+std::int64_t FaultEngine::clockOf(const Fault& fault,
+                                  const Progress& progress,
+                                  const FaultCycle& cycle) const noexcept {
+  if (fault.trigger == FaultTrigger::kPedalDown) return tick_;
+  if (fault.trigger == FaultTrigger::kPowerOn) return cycle_;
+  if (progress.clock >= 0) return progress.clock + 1;
+  return hasCome(fault, cycle, progress.tool_changes) ? 0 : -1;
+}
+
+void FaultEngine::advance(const Fault& fault, Progress* progress, bool may_start) noexcept {
+  const std::int64_t clock = progress->clock;
+  if (clock < 0) return;
+  if (progress->active && fault.duration_ticks > 0 && clock >= progress->begin + fault.duration_ticks)
+    progress->active = false;
+  if (progress->active || !isDue(fault, progress->next, progress->times, clock) || !may_start) return;
+  ++progress->times;
+  // Armed late, the periods that have passed are not made up for.
+  if (fault.period_ticks != 0) {
+    const std::int64_t passed = (clock - progress->next) / fault.period_ticks;
+    progress->next += (passed + 1) * fault.period_ticks;
+  }
+  if (fault.probability < 1.0 && progress->random.uniform(0.0, 1.0) >= fault.probability) return;
+  progress->active = true;
+  progress->begin = clock;
+  ++progress->activations;
+}
+
+bool FaultEngine::concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept {
+  return fault.host == host_ && fault.variable == variable &&
+         (fault.arm < 0 || static_cast<std::size_t>(fault.arm) == index(arm)) &&
+         (fault.channel < 0 || static_cast<std::size_t>(fault.channel) == channel);
+}
+
+bool FaultEngine::isActing(const Fault& fault, const Progress& progress) const noexcept {
+  if (!progress.active) return false;
+  if (fault.half_period_ticks == 0) return true;
+  return (progress.clock - progress.begin) / fault.half_period_ticks % 2 == 0;
+}
+
+double FaultEngine::corrupt(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
+  for (std::size_t i = 0; i < plan_.count; ++i) {
+    const Fault& fault = plan_.faults[i];
+    if (!isNumberKind(fault.kind) || !concerns(fault, variable, arm, channel)) continue;
+    Progress& progress = progress_[i];
+    Element& element = progress.elements[index(arm) * kMaxFaultChannels + channel];
+    if (!progress.active) {
+      element.last = value;
+      element.seen = true;
       continue;
     }
-    switch (fault.kind) {
-      case FaultKind::kStuckAt:
-        value = fault.value;
-        break;
-      case FaultKind::kAdd:
-        value += fault.value;
-        break;
-      case FaultKind::kScale:
-        value *= fault.value;
-        break;
-      case FaultKind::kHoldLast:
-        value = held;
-        break;
-      case FaultKind::kNone:
-        break;
+    if (element.of != progress.activations) {
+      element.of = progress.activations;
+      element.onset = value;
+      if (!element.seen) element.last = value;
     }
+    if (isActing(fault, progress)) value = corrupted(fault, &progress, element, value);
   }
   return value;
 }
 
-void FaultEngine::applyToCommand(MasterCommand* command) noexcept {
-  if (plan_.count == 0) return;
-  for (const Arm arm : kArms) {
-    Vec3& dp = at(command->dp_I, arm);
-    for (int axis = 0; axis < 3; ++axis) {
-      double& component = dp[static_cast<std::size_t>(axis)];
-      const double um = apply(FaultSite::kNetworkLayer, FaultTarget::kIncrement, arm, axis, component * 1e6);
-      component = static_cast<double>(roundToInt(um)) * 1e-6;
-    }
+double FaultEngine::corrupted(const Fault& fault, Progress* progress, const Element& element, double value) noexcept {
+  switch (fault.kind) {
+    case FaultKind::kStuckAt:
+      return fault.value;
+    case FaultKind::kAdd:
+      return value + fault.value;
+    case FaultKind::kAddAndHold:
+      return element.onset + fault.value;
+    case FaultKind::kScale:
+      return value * fault.value;
+    case FaultKind::kSignFlip:
+      return -value;
+    case FaultKind::kRamp:
+      return element.onset + (fault.value - element.onset) * share(fault, progress->clock - progress->begin);
+    case FaultKind::kRandom:
+      return progress->random.uniform(fault.low, fault.high);
+    case FaultKind::kHoldLast:
+      return element.last;
+    default:
+      return value;
   }
-  const double pedal = apply(FaultSite::kNetworkLayer, FaultTarget::kPedal, Arm::kGold, 0, command->pedal);
-  command->pedal = pedal != 0.0 ? 1 : 0;
+}
+
+std::int32_t FaultEngine::applyInt(FaultVariable variable, Arm arm, std::size_t channel, std::int32_t value) noexcept {
+  if (!isArmed()) return value;
+  const double faulted = corrupt(variable, arm, channel, value);
+  if (std::isnan(faulted)) return 0;
+  return static_cast<std::int32_t>(std::lround(std::clamp(faulted, -2147483648.0, 2147483647.0)));
+}
+
+FaultEngine::Acting FaultEngine::acting(FaultVariable variable, FaultKind kind) const noexcept {
+  if (!isArmed()) return {};
+  for (std::size_t i = 0; i < plan_.count; ++i) {
+    const Fault& fault = plan_.faults[i];
+    if (fault.host == host_ && fault.variable == variable && fault.kind == kind && isActing(fault, progress_[i]))
+      return {&fault, progress_[i].activations};
+  }
+  return {};
+}
+
+double FaultEngine::draw(const Fault& fault) noexcept {
+  return progress_[static_cast<std::size_t>(&fault - plan_.faults.data())].random.uniform(0.0, 1.0);
+}
+
+std::uint8_t FaultEngine::activeMask() const noexcept {
+  unsigned mask = 0;
+  for (std::size_t i = 0; isArmed() && i < plan_.count; ++i) {
+    if (plan_.faults[i].host == host_ && progress_[i].active) mask |= 1U << i;
+  }
+  return static_cast<std::uint8_t>(mask);
 }
 
 std::uint32_t FaultEngine::activeId() const noexcept {
-  for (std::size_t i = 0; i < plan_.count; ++i) {
-    if (plan_.faults[i].host == host_ && progress_[i].active) return plan_.faults[i].id;
+  const unsigned mask = activeMask();
+  for (std::size_t i = 0; mask != 0 && i < plan_.count; ++i) {
+    if ((mask >> i & 1U) != 0) return plan_.faults[i].id;
   }
   return 0;
 }

@@ -14,9 +14,6 @@ namespace raven2_trainer::config {
  */
 TrainerConfig loadTrainerConfig(const std::string& path);
 
-/** One scenario file. `id` becomes Fault::id. @throw ConfigException, also for a trigger that can never fire. */
-Scenario loadScenario(const std::string& path, std::uint32_t id);
-
 /** The arms' geometry with another tool. @throw ConfigException listing the known names. */
 ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name);
 
@@ -27,7 +24,8 @@ void selectPlant(TrainerConfig* config, const std::string& name);
 /** Position + 1 of a scenario by name; 0 for "none". @throw ConfigException listing the known names. */
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name);
 
-/** The plan that arms one scenario (id from faultId; 0 = nothing). */
+/** The plan that arms one scenario (id from faultId; 0 = nothing), drawing from the configuration's seed; an empty one
+ *  where injection is not enabled. */
 FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation);
 
 }  // namespace raven2_trainer::config

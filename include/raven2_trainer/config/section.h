@@ -25,6 +25,7 @@ class Section {
   /** The same from a text; `name` stands for the file in messages. */
   static Section fromText(const std::string& text, const std::string& name);
 
+  bool has(const std::string& key) const;
   /** All keys in the file's order; those not read later are still refused by finish(). */
   std::vector<std::string> keys() const;
   Section section(const std::string& key);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/fault.h"
+#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/types.h"
 
 // Plain structs, one for each file of config/. Read once by module `config`, which demands every key, refuses unknown
@@ -48,7 +49,7 @@ struct JointGains {
 /** config/model.yaml: dynamics and control of the nominal model. */
 struct ModelConfig {
   std::array<JointGains, kJointCount> gains{};
-  double green_insertion_kd{};     ///< [Ns/m] the one gain that differs between the robot's arms (raven2.md 3.6)
+  double green_insertion_kd{};  ///< [Ns/m] the one gain that differs between the robot's arms (raven2.md 3.6)
   bool gravity_compensation{};
   double gravity{};               ///< [m/s2] along -z of W
   int sub_steps{1};               ///< [-] steps of ODE a tick
@@ -185,7 +186,7 @@ struct ConsoleConfig {
   double clutch_time{};                ///< [s] pedal up while clutching
   Vec3 task_W_min{},
       task_W_max{};            ///< [m] [@frame W] box of the strokes' targets for the gold arm, mirrored in y for green
-  double ready_timeout{};          ///< [s] begin without a robot that is ready after this long; 0 = never
+  double ready_timeout{};      ///< [s] begin without a robot that is ready after this long; 0 = never
   double recording_scale{};    ///< [-] hand motion = recording x this
   double recording_lead_in{};  ///< [s] minimum-jerk move from home to the recording's first position
 };
@@ -256,13 +257,22 @@ struct VirtualRavenConfig {
 struct Scenario {
   std::string name;
   std::string title;
-  std::string hazard;              ///< class of hazards.md section 1: H1-1, H1-2, H1-3, H-2, H-3
-  std::vector<std::string> maude;  ///< report numbers
-  std::string maude_link;          ///< how sure the link is: table, similar, none
-  std::string basis;               ///< published or design
-  std::string expected;            ///< outcome
-  std::string response;            ///< what the trainee should do
-  Fault fault{};
+  std::int64_t number{};             ///< of the library's list; 0 for one of the user's own
+  std::string source;                ///< where its numbers come from
+  std::string published;             ///< what the source observed
+  std::vector<std::string> hazards;  ///< classes of doc/hazards.md: H1-1, H1-2, H1-3, H-2, H-3
+  std::vector<std::string> maude;    ///< report numbers
+  std::string maude_link;            ///< how sure the link is: table, similar, none
+  std::string basis;                 ///< published or design
+  std::string expected;              ///< outcome
+  std::string response;              ///< what the trainee should do
+  std::vector<Fault> faults;         ///< 1 to kMaxFaults, `id` set
+};
+
+/** What may be injected at all. */
+struct InjectionConfig {
+  bool enable{};      ///< nothing is armed without
+  bool real_robot{};  ///< the second key: the relayed stream to a real robot may be corrupted
 };
 
 /** Everything. `files` lists each file read, in order, for the session's hashes. */
@@ -276,10 +286,13 @@ struct TrainerConfig {
   RenderConfig render{};
   ConsoleConfig console{};
   VirtualRavenConfig virtual_raven{};
-  std::string robot_urdf;           ///< absolute path
-  std::string scene_urdf;           ///< absolute path
-  std::string hazard;               ///< scenario armed at the start, or "none"
-  std::vector<Scenario> scenarios;  ///< the library; Fault::id is the position + 1
+  std::string robot_urdf;  ///< absolute path
+  std::string scene_urdf;  ///< absolute path
+  std::string hazard;      ///< scenario armed at the start, or "none"
+  InjectionConfig injection{};
+  std::vector<Scenario> scenarios;            ///< the library; Fault::id is the position + 1
+  std::vector<Impairment> impairments;        ///< presets that kind `impair` names by position
+  std::vector<std::string> impairment_names;  ///< of the same
   std::uint64_t seed{};
   std::vector<std::string> files;
 };

@@ -2,64 +2,206 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <type_traits>
 
 #include "raven2_trainer/core/types.h"
 
-// A fault as data: a row that crosses threads, the TCP link and the log. Whoever applies it is in module `faults`.
+// A fault as data: a row that crosses threads, the TCP link and the log. What variables there are is in
+// core/fault_variables.h; whoever applies a fault is in module `faults`.
 
 namespace raven2_trainer {
 
-/** Where in the system a fault acts (paper, Table 1 column 4 and Figure 2). */
+/** Whose process applies it, and so who is deceived. */
+enum class FaultHost : std::uint8_t {
+  kRobot,    ///< the robot's control software: model and surgeon stay clean
+  kRelay,    ///< the daemon, on the stream to the robot: the model stays clean (paper, 3.2)
+  kMaster,   ///< the daemon, on the masters' stream: model and robot both follow it
+  kConsole,  ///< the daemon, on what the surgeon feels and sees
+};
+constexpr std::size_t kFaultHostCount = 4;
+constexpr std::array<const char*, kFaultHostCount> kFaultHostNames{"robot", "relay", "master", "console"};
+
+/** Where in the system a fault acts: functions of the robot's control program (raven2.md 4.2), and what surrounds it.
+ */
 enum class FaultSite : std::uint8_t {
   kNone,
-  kNetworkLayer,  ///< increments on their way to the robot: the relayed stream, or after the robot's recvfrom
-  kGetUsbPacket,  ///< encoder counts, before the robot's control loop reads them
-  kPutUsbPacket,  ///< DAC commands, after the robot's own safety checks
+  kNetworkLayer,       ///< packets: behind the robot's recvfrom, on the relayed stream or on the masters' stream
+  kGetUsbPacket,       ///< what the boards sent, before the control loop reads it
+  kAtmelInputs,        ///< the PLC's pins as the control program sees them
+  kStateMachine,       ///< the run level it goes by
+  kStateEstimate,      ///< motor positions and velocities
+  kForwardCoupling,    ///< joints from motors
+  kForwardKinematics,  ///< the tip from joints
+  kInverseKinematics,  ///< wanted tip and joints
+  kCableCoupling,      ///< wanted motor positions
+  kController,         ///< torques and gains
+  kTorqueToDac,        ///< DAC commands, before the robot's own check of them
+  kAtmelOutputs,       ///< pins for the PLC
+  kPutUsbPacket,       ///< DAC commands and pins, after all of the robot's own checks
+  kStateReturn,        ///< the state as it is sent to the daemon
+  kHaptic,             ///< the force
+  kVideo,              ///< the picture
+  kProcess,            ///< the control program as a whole
 };
-constexpr std::size_t kFaultSiteCount = 4;
-constexpr std::array<const char*, kFaultSiteCount> kFaultSiteNames{"none", "network_layer", "get_usb_packet",
-                                                                   "put_usb_packet"};
+constexpr std::size_t kFaultSiteCount = 18;
+constexpr std::array<const char*, kFaultSiteCount> kFaultSiteNames{"none",
+                                                                   "network_layer",
+                                                                   "get_usb_packet",
+                                                                   "atmel_inputs",
+                                                                   "state_machine",
+                                                                   "state_estimate",
+                                                                   "forward_coupling",
+                                                                   "forward_kinematics",
+                                                                   "inverse_kinematics",
+                                                                   "cable_coupling",
+                                                                   "controller",
+                                                                   "torque_to_dac",
+                                                                   "atmel_outputs",
+                                                                   "put_usb_packet",
+                                                                   "state_return",
+                                                                   "haptic",
+                                                                   "video",
+                                                                   "process"};
 
-/** Whose process applies it. The relay corrupts what the robot gets while the model stays clean (paper, 3.2). */
-enum class FaultHost : std::uint8_t { kRobot, kRelay };
-constexpr std::array<const char*, 2> kFaultHostNames{"robot", "relay"};
-
-/** What is done to the target variable (kinds of raven2_sim's generate_mfi2.py; more arrive with the library). */
+/** What is done to the variable. */
 enum class FaultKind : std::uint8_t {
   kNone,
-  kStuckAt,   ///< overwrite with `value`
-  kAdd,       ///< add `value`
-  kScale,     ///< multiply by `value`
-  kHoldLast,  ///< keep the value of the tick before the fault began
+  // numbers
+  kStuckAt,     ///< overwrite with `value`
+  kAdd,         ///< add `value` each time
+  kAddAndHold,  ///< the number at onset plus `value`, held
+  kScale,       ///< multiply by `value`
+  kSignFlip,    ///< multiply by -1
+  kRamp,        ///< from the number at onset to `value` in `ramp_ticks`, then stuck there
+  kRandom,      ///< uniform in [low, high), drawn each time
+  kHoldLast,    ///< the number before onset: frozen
+  // streams (packets, frames, pictures)
+  kDrop,       ///< each is lost with probability `value`
+  kDelay,      ///< each comes [low, high] ticks later; none overtakes
+  kDuplicate,  ///< each comes 1 + `value` times
+  kReorder,    ///< blocks of `value` come in reverse order
+  kReplay,     ///< the motion of the last `value` before onset, over and over, under the true numbers
+  kForge,      ///< another follows each, its number `low` ahead, moving `value` along `channel`
+  kImpair,     ///< a bad network: preset number `value` of config/impairments
+  // the whole program
+  kCrash,  ///< it ends at once
+  kHang,   ///< it stops where it is, the process stays
 };
-constexpr std::size_t kFaultKindCount = 5;
-constexpr std::array<const char*, kFaultKindCount> kFaultKindNames{"none", "stuck_at", "add", "scale", "hold_last"};
+constexpr std::size_t kFaultKindCount = 18;
+constexpr std::array<const char*, kFaultKindCount> kFaultKindNames{
+    "none", "stuck_at", "add",       "add_and_hold", "scale",  "sign_flip", "ramp",   "random", "hold_last",
+    "drop", "delay",    "duplicate", "reorder",      "replay", "forge",     "impair", "crash",  "hang"};
 
-/** Which variable at that site. */
-enum class FaultTarget : std::uint8_t {
+/** Kinds that work on numbers, as apply() does; the others are for streams and programs. */
+constexpr bool isNumberKind(FaultKind kind) noexcept {
+  return kind >= FaultKind::kStuckAt && kind <= FaultKind::kHoldLast;
+}
+constexpr bool isStreamKind(FaultKind kind) noexcept {
+  return kind >= FaultKind::kDrop && kind <= FaultKind::kImpair;
+}
+
+/** Which variable; each belongs to one site. */
+enum class FaultVariable : std::uint8_t {
   kNone,
-  kDac,        ///< [counts] of `joint`, at kPutUsbPacket
-  kEncoder,    ///< [counts] of `joint`, at kGetUsbPacket
-  kIncrement,  ///< [um] along ITP axis `joint` (0 x, 1 y, 2 z), at kNetworkLayer
-  kPedal,      ///< surgeon_mode, at kNetworkLayer
+  // network_layer
+  kIncrement,
+  kQuaternion,
+  kTurn,
+  kGrasp,
+  kPedal,
+  kSequence,
+  kPacket,
+  // get_usb_packet
+  kGetBoardCount,
+  kGetBoardIndex,
+  kReadResult,
+  kBuffer,
+  kEncoder,
+  // atmel_inputs
+  kInputs,
+  kPlcState,
+  // state_machine
+  kRunLevelDesired,
+  // state_estimate
+  kMpos,
+  kMvel,
+  // forward_coupling
+  kJpos,
+  kJvel,
+  // forward_kinematics
+  kPos,
+  kOri,
+  // inverse_kinematics
+  kPosD,
+  kJposD,
+  // cable_coupling
+  kMposD,
+  // controller
+  kTauD,
+  kGain,
+  // torque_to_dac
+  kCurrentCmd,
+  // atmel_outputs
+  kSurgeonMode,
+  kRunLevel,
+  kInitialized,
+  // put_usb_packet
+  kPutBoardCount,
+  kPutBoardIndex,
+  kOutputs,
+  kDac,
+  // state_return
+  kReturnedJpos,
+  kReturnedRunLevel,
+  kFrame,
+  // haptic
+  kForce,
+  // video
+  kPicture,
+  // process
+  kProgram,
 };
-constexpr std::size_t kFaultTargetCount = 5;
-constexpr std::array<const char*, kFaultTargetCount> kFaultTargetNames{"none", "dac", "encoder", "increment", "pedal"};
+constexpr std::size_t kFaultVariableCount = 41;
 
-/** One armed fault. Ticks count the host's own 1 ms cycles since the first pedal down that host saw. */
+/** From when a fault's clock runs. */
+enum class FaultTrigger : std::uint8_t {
+  kPedalDown,       ///< the first pedal-down cycle its host saw; it then waits for the pedal to be down
+  kPowerOn,         ///< the host's first cycle
+  kHand,            ///< the cycle that saw it armed
+  kPacket,          ///< the first pedal-down packet its host saw: its ticks are packets
+  kRunLevel,        ///< run level `threshold` is reached
+  kTissueDistance,  ///< a tip is at most `threshold` [m] from tissue
+  kTargetDistance,  ///< a tip is at most `threshold` [m] from the exercise's target
+  kStep,            ///< the exercise has reached step `threshold`
+  kToolChange,      ///< the tool-change button
+};
+constexpr std::size_t kFaultTriggerCount = 9;
+constexpr std::array<const char*, kFaultTriggerCount> kFaultTriggerNames{
+    "pedal_down",      "power_on",        "hand", "packet",     "run_level",
+    "tissue_distance", "target_distance", "step", "tool_change"};
+
+/** One armed fault. A tick is the host's own 1 ms cycle; with trigger kPacket it is a packet. */
 struct Fault {
   std::uint32_t id{};  ///< names the scenario across processes; 0 is "no fault"
-  FaultSite site{FaultSite::kNone};
   FaultHost host{FaultHost::kRobot};
+  FaultSite site{FaultSite::kNone};
+  FaultVariable variable{FaultVariable::kNone};
   FaultKind kind{FaultKind::kNone};
-  FaultTarget target{FaultTarget::kNone};
-  std::int8_t arm{-1};            ///< 0 gold, 1 green, -1 both
-  std::int8_t joint{-1};          ///< Joint, or ITP axis; -1 all
-  std::int64_t first_tick{};      ///< [1 ms] earliest start; waits for the next pedal-down tick
-  std::int64_t duration_ticks{};  ///< [1 ms] length: 300 means 300 cycles
-  std::int64_t period_ticks{};    ///< [1 ms] repeat every; 0 = once
-  std::int64_t count{};           ///< number of times; 0 = for ever
-  double value{};                 ///< [counts, um, -] by target and kind
+  FaultTrigger trigger{FaultTrigger::kPedalDown};
+  std::int8_t arm{-1};               ///< 0 gold, 1 green, -1 both
+  std::int8_t channel{-1};           ///< of the variable; -1 all
+  std::int64_t first_tick{};         ///< [ticks] earliest start, on the trigger's clock
+  std::int64_t duration_ticks{};     ///< [ticks] length: 300 means 300 cycles; 0 = until cleared
+  std::int64_t period_ticks{};       ///< [ticks] repeat every; 0 = once
+  std::int64_t count{};              ///< number of times; 0 = for ever
+  std::int64_t half_period_ticks{};  ///< [ticks] acts so long, rests so long, while it lasts; 0 = never rests
+  std::int64_t ramp_ticks{};         ///< [ticks] kRamp
+  double threshold{};                ///< by trigger
+  double probability{1.0};           ///< [0, 1] that it comes, drawn each time it is due
+  std::uint64_t seed{};              ///< of probability, kRandom, kDrop, kDelay
+  double value{};                    ///< in the variable's unit, or by kind
+  double low{}, high{};              ///< the same
 };
 
 constexpr std::size_t kMaxFaults = 8;
@@ -70,5 +212,20 @@ struct FaultPlan {
   std::uint32_t count{};
   std::array<Fault, kMaxFaults> faults{};
 };
+
+/** What triggers look at besides cycles and pedals: written by whoever runs the exercise. */
+struct FaultSignals {
+  double tissue_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
+  double target_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
+  std::uint32_t step{};                                             ///< of the exercise; 0 none
+  std::uint32_t tool_changes{};                                     ///< presses of the button so far
+};
+static_assert(std::is_trivially_copyable<FaultPlan>::value && std::is_trivially_copyable<FaultSignals>::value,
+              "cross threads word by word");
+
+constexpr bool operator==(const FaultSignals& a, const FaultSignals& b) noexcept {
+  return a.tissue_distance == b.tissue_distance && a.target_distance == b.target_distance && a.step == b.step &&
+         a.tool_changes == b.tool_changes;
+}
 
 }  // namespace raven2_trainer

@@ -3,17 +3,31 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/fault.h"
+#include "raven2_trainer/core/fault_variables.h"
+#include "raven2_trainer/core/random.h"
 
 namespace raven2_trainer::faults {
 
+#ifdef RAVEN2_TRAINER_WITHOUT_FAULT_HOOKS
+constexpr bool kHasHooks = false;  ///< for the test that hooks change nothing
+#else
+constexpr bool kHasHooks = true;
+#endif
+
+/** What triggers look at in one cycle. */
+struct FaultCycle {
+  bool pedal_down{};
+  int run_level{-1};  ///< -1 unknown to this host
+  FaultSignals signals{};
+};
+
 /**
- * Applies the faults of one host, tick by tick. With an empty plan every apply is the identity.
+ * Applies the faults of one host, tick by tick. With nothing armed every apply is the identity and costs one branch.
  *
- * Ticks count the host's cycles since the first pedal-down cycle it saw. A fault is due at `first_tick` and then every
- * `period_ticks`; when it is due with the pedal up it waits for the next pedal-down cycle, and then stays active for
- * exactly `duration_ticks` cycles. Real-time safe.
+ * Each fault's clock runs from its trigger (FaultTrigger). It is due at `first_tick` and then every `period_ticks`;
+ * with trigger pedal_down, when it is due with the pedal up, it waits for the next pedal-down cycle. Then it lasts for
+ * exactly `duration_ticks` cycles, or packets. Draws come from each fault's own seed. Real-time safe.
  */
 class FaultEngine {
  public:
@@ -23,38 +37,87 @@ class FaultEngine {
   void setPlan(const FaultPlan& plan) noexcept;
 
   /** Once a cycle, before any apply. */
-  void beginCycle(bool pedal_down) noexcept;
+  void beginCycle(const FaultCycle& cycle) noexcept;
+  /** Once a packet, before any apply to it. */
+  void beginPacket(bool pedal_down) noexcept;
 
-  /** Value of one variable after the faults of that site. `joint` is a Joint or, for increments, an ITP axis. */
-  double apply(FaultSite site, FaultTarget target, Arm arm, int joint, double value) noexcept;
+  /** Is there anything for this host? */
+  bool isArmed() const noexcept { return kHasHooks && armed_; }
 
-  /** Applies increment and pedal faults of kNetworkLayer to a command. */
-  void applyToCommand(MasterCommand* command) noexcept;
+  /** One element of a variable after its faults. `arm` is of no account where a variable has none. */
+  double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
+    return isArmed() ? corrupt(variable, arm, channel, value) : value;
+  }
+  /** The same for what is a whole number in the robot's program: truncated and saturated as C on x86 does not, so that
+   *  what a scenario says is what it does; NaN gives 0. */
+  std::int32_t applyInt(FaultVariable variable, Arm arm, std::size_t channel, std::int32_t value) noexcept;
+  /** Every element of an array. */
+  template <typename Array>
+  void applyAll(FaultVariable variable, Arm arm, Array* values) noexcept {
+    if (!isArmed()) return;
+    for (std::size_t i = 0; i < values->size(); ++i)
+      (*values)[i] = corrupt(variable, arm, i, (*values)[i]);
+  }
+
+  /** The fault of such a kind that acts on a stream or program now, and how far it has come; null if none does. */
+  struct Acting {
+    const Fault* fault{};
+    std::int64_t activation{};  ///< counts its activations: 1, 2, ...
+    explicit operator bool() const noexcept { return fault != nullptr; }
+  };
+  Acting acting(FaultVariable variable, FaultKind kind) const noexcept;
+
+  /** Uniform in [0, 1) from the seed of an acting fault. */
+  double draw(const Fault& fault) noexcept;
 
   /** Id of the first active fault, 0 if none. */
   std::uint32_t activeId() const noexcept;
+  /** Bit i: row i of the plan acts in this cycle. */
+  std::uint8_t activeMask() const noexcept;
 
   /** Cycles since the first pedal-down cycle; -1 before it. */
   std::int64_t tick() const noexcept { return tick_; }
+  /** Cycles begun; 0 in the first. */
+  std::int64_t cycle() const noexcept { return cycle_; }
 
  private:
-  static constexpr std::size_t kChannels = kArmCount * kJointCount;
+  static constexpr std::size_t kChannels = kArmCount * kMaxFaultChannels;
 
-  struct Progress {
-    std::int64_t next{};   ///< tick at which it is due
-    std::int64_t end{-1};  ///< first tick after the present activation; -1 idle
-    std::int64_t times{};  ///< activations so far
-    bool active{};
-    std::array<double, kChannels> held{};  ///< kHoldLast: last value before the fault
+  struct Element {
+    double last{};        ///< before the activation
+    double onset{};       ///< at its first tick
+    std::int64_t of{-1};  ///< activation that `onset` belongs to
+    bool seen{};
   };
 
-  bool concerns(const Fault& fault, FaultSite site, FaultTarget target, Arm arm, int joint) const noexcept;
-  void advance(const Fault& fault, Progress* progress, bool pedal_down) const noexcept;
+  struct Progress {
+    std::int64_t clock{-1};  ///< -1: the trigger has not come
+    std::int64_t next{};     ///< tick at which it is due
+    std::int64_t begin{};    ///< of the present activation
+    std::int64_t times{};    ///< times it was due
+    std::int64_t activations{};
+    std::uint32_t tool_changes{};  ///< when it was armed
+    bool active{};
+    Random random{0};
+    std::array<Element, kChannels> elements{};
+  };
+
+  void start(const Fault& fault, Progress* progress) const noexcept;
+  double corrupt(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept;
+  double corrupted(const Fault& fault, Progress* progress, const Element& element, double value) noexcept;
+  bool concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept;
+  bool isActing(const Fault& fault, const Progress& progress) const noexcept;
+  std::int64_t clockOf(const Fault& fault, const Progress& progress, const FaultCycle& cycle) const noexcept;
+  void advance(const Fault& fault, Progress* progress, bool may_start) noexcept;
 
   FaultHost host_;
+  bool armed_{false};
   FaultPlan plan_{};
   std::array<Progress, kMaxFaults> progress_{};
+  FaultSignals signals_{};
+  std::int64_t cycle_{-1};
   std::int64_t tick_{-1};
+  std::int64_t packet_{-1};
 };
 
 }  // namespace raven2_trainer::faults

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+
+namespace raven2_trainer::config {
+
+/**
+ * One scenario file; its form is described in doc/hazards.md.
+ * @param[in] id becomes Fault::id. @param[in] impairments names that kind `impair` may use.
+ * @throw ConfigException with FILE:LINE for an unknown site, variable, channel or kind, a kind that the variable does
+ * not take, a value out of the variable's range (core/fault_variables.h) and a trigger that can never fire.
+ */
+Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vector<std::string>& impairments);
+
+}  // namespace raven2_trainer::config

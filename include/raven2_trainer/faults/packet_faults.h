@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/faults/fault_engine.h"
+
+// Faults on what one packet says, in the units of the wire. Real-time safe.
+
+namespace raven2_trainer::faults {
+
+/** [um] [@frame I] */
+std::array<std::int32_t, 3> faultedIncrement(FaultEngine* engine, Arm arm, std::array<std::int32_t, 3> um) noexcept;
+
+/** Elements as they come (`quaternion`), then the turn as a rotation vector (`turn`): any four numbers in and out. */
+Quat faultedRotation(FaultEngine* engine, Arm arm, const Quat& q) noexcept;
+
+/** Everything in a command that is a number. Increments become whole micrometres, the grasp whole milliradians. A
+ *  rotation may come out as no rotation: whoever takes it judges it. */
+void applyToCommand(FaultEngine* engine, MasterCommand* command) noexcept;
+
+}  // namespace raven2_trainer::faults

@@ -1,0 +1,170 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/faults/fault_engine.h"
+
+namespace raven2_trainer::faults {
+
+/**
+ * Faults on a stream of packets: loss, delay, repetition, order, replay, forgery. What goes in comes out at once and
+ * unchanged while nothing acts; a packet that is held when a fault ends comes out as soon as it is due. None overtakes
+ * another but by `reorder`. With no room left the newest is lost, as in a full queue.
+ *
+ * `Traits` knows the packets: `sequence(T&)` is a reference to its number, `takeMotion(T* to, const T& from)`
+ * everything else, `forge(T* packet, Arm arm, std::size_t channel, double value)` makes it move so.
+ *
+ * Real-time safe after construction. Ticks are those of the engine's cycles.
+ */
+template <typename T, typename Traits, std::size_t Capacity = 512>
+class PacketStream {
+ public:
+  explicit PacketStream(FaultVariable variable) : variable_(variable), memory_(std::make_unique<Memory>()) {}
+
+  /** A packet goes in. */
+  void offer(const T& packet, FaultEngine* engine) noexcept {
+    T changed = packet;
+    replay(&changed, *engine);
+    remember(packet, *engine);
+    if (isLost(engine)) return;
+    const std::int64_t due = engine->cycle() + delay(engine);
+    const FaultEngine::Acting twice = engine->acting(variable_, FaultKind::kDuplicate);
+    const std::int64_t copies = twice ? 1 + std::llround(twice.fault->value) : 1;
+    for (std::int64_t i = 0; i < copies; ++i)
+      put(changed, due);
+    forge(changed, due, *engine);
+    reorder(*engine);
+  }
+
+  /** The next packet that is due. @return false if there is none. */
+  bool take(T* packet, const FaultEngine& engine) noexcept {
+    if (released_ == end_) return false;
+    if (held_back_ && !engine.acting(variable_, FaultKind::kReorder)) letGo();  // the block will not be completed
+    if (released_ == visible() || slot(released_).due > engine.cycle()) return false;
+    *packet = slot(released_).packet;
+    ++released_;
+    return true;
+  }
+
+  bool isEmpty() const noexcept { return released_ == end_; }
+  std::uint64_t lost() const noexcept { return lost_; }
+
+ private:
+  struct Slot {
+    T packet{};
+    std::int64_t due{};
+  };
+  struct Memory {
+    std::array<Slot, Capacity> queue{};
+    std::array<T, Capacity> history{};
+  };
+
+  Slot& slot(std::uint64_t number) noexcept { return memory_->queue[number % Capacity]; }
+  T& past(std::uint64_t number) noexcept { return memory_->history[number % Capacity]; }
+  /** A block that is to be reversed is not seen before it is complete. */
+  std::uint64_t visible() const noexcept { return held_back_ ? block_begin_ : end_; }
+
+  void put(const T& packet, std::int64_t due) noexcept {
+    if (end_ - released_ == Capacity) {
+      ++lost_;
+      return;
+    }
+    newest_due_ = std::max(newest_due_, due);
+    slot(end_) = {packet, newest_due_};
+    ++end_;
+  }
+
+  bool isLost(FaultEngine* engine) noexcept {
+    const FaultEngine::Acting drop = engine->acting(variable_, FaultKind::kDrop);
+    if (!drop || engine->draw(*drop.fault) >= drop.fault->value) return false;
+    ++lost_;
+    return true;
+  }
+
+  std::int64_t delay(FaultEngine* engine) noexcept {
+    const FaultEngine::Acting late = engine->acting(variable_, FaultKind::kDelay);
+    if (!late) return 0;
+    const double drawn = engine->draw(*late.fault);
+    return std::llround(late.fault->low + (late.fault->high - late.fault->low) * drawn);
+  }
+
+  /** The window before onset, again and again; for hold_last it is one packet long. */
+  void replay(T* packet, const FaultEngine& engine) noexcept {
+    FaultEngine::Acting again = engine.acting(variable_, FaultKind::kReplay);
+    const bool frozen = !again && (again = engine.acting(variable_, FaultKind::kHoldLast));
+    if (!again) {
+      replayed_ = -1;
+      return;
+    }
+    const auto wanted = frozen ? 1 : static_cast<std::uint64_t>(std::llround(again.fault->value));
+    const std::uint64_t window = std::min({wanted, remembered_, std::uint64_t{Capacity}});
+    if (window == 0) return;
+    ++replayed_;
+    Traits::takeMotion(packet, past(remembered_ - window + static_cast<std::uint64_t>(replayed_) % window));
+  }
+
+  void remember(const T& packet, const FaultEngine& engine) noexcept {
+    if (engine.acting(variable_, FaultKind::kReplay) || engine.acting(variable_, FaultKind::kHoldLast)) return;
+    past(remembered_++) = packet;
+  }
+
+  void forge(const T& packet, std::int64_t due, const FaultEngine& engine) noexcept {
+    const FaultEngine::Acting forger = engine.acting(variable_, FaultKind::kForge);
+    if (!forger) return;
+    T forged = packet;
+    Traits::sequence(forged) += static_cast<std::uint32_t>(std::llround(forger.fault->low));
+    for (const Arm arm : kArms) {
+      const bool concerned = forger.fault->arm < 0 || static_cast<std::size_t>(forger.fault->arm) == index(arm);
+      if (concerned) Traits::forge(&forged, arm, static_cast<std::size_t>(forger.fault->channel), forger.fault->value);
+    }
+    put(forged, due);
+  }
+
+  void reorder(const FaultEngine& engine) noexcept {
+    const FaultEngine::Acting mixed = engine.acting(variable_, FaultKind::kReorder);
+    if (!mixed) return;
+    if (!held_back_) block_begin_ = end_ - 1;
+    held_back_ = true;
+    if (end_ - block_begin_ >= static_cast<std::uint64_t>(std::llround(mixed.fault->value))) letGo();
+  }
+
+  /** Turns the block round. */
+  void letGo() noexcept {
+    held_back_ = false;
+    if (end_ == block_begin_) return;
+    for (std::uint64_t i = block_begin_, k = end_ - 1; i < k; ++i, --k)
+      std::swap(slot(i).packet, slot(k).packet);  // the times stay in order
+  }
+
+  FaultVariable variable_;
+  std::unique_ptr<Memory> memory_;
+  std::uint64_t released_{0}, end_{0}, block_begin_{0};
+  std::uint64_t remembered_{0};
+  std::int64_t replayed_{-1};
+  std::int64_t newest_due_{0};
+  std::uint64_t lost_{0};
+  bool held_back_{false};
+};
+
+/** For commands of the masters, on their way in or out. */
+struct CommandTraits {
+  static std::uint32_t& sequence(MasterCommand& command) noexcept { return command.sequence; }
+  static void takeMotion(MasterCommand* to, const MasterCommand& from) noexcept {
+    to->dp_I = from.dp_I;
+    to->dq_I = from.dq_I;
+    to->dgrasp = from.dgrasp;
+    to->pedal = from.pedal;
+  }
+  static void forge(MasterCommand* command, Arm arm, std::size_t axis, double um) noexcept {
+    at(command->dp_I, arm)[axis] = um * 1e-6;
+    command->pedal = 1;
+  }
+};
+using CommandStream = PacketStream<MasterCommand, CommandTraits>;
+
+}  // namespace raven2_trainer::faults

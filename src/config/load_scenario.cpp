@@ -1,0 +1,242 @@
+#include "raven2_trainer/config/load_scenario.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "raven2_trainer/config/section.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/fault_variables.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxTicks = 1000000000;
+constexpr std::int64_t kMaxDelay = 500;  // [ticks] what a stream can hold back
+constexpr double kMaxFactor = 1e6;
+constexpr double kMaxReach = 10.0;  // [m] of a distance
+
+FaultVariable readVariable(Section& root, FaultSite site) {
+  const std::string name = root.text("variable");
+  std::string known;
+  for (const FaultVariableInfo& info : kFaultVariables) {
+    if (info.site != site) continue;
+    if (name == info.name) return info.variable;
+    known += (known.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw ConfigException(root.where("variable") + " is \"" + name + "\", site " +
+                        kFaultSiteNames[static_cast<std::size_t>(site)] + " has: " + known);
+}
+
+std::int8_t readArm(Section& root, const FaultVariableInfo& info) {
+  if (!info.per_arm && info.variable != FaultVariable::kPacket) return -1;
+  const std::string arm = root.text("arm", {"gold", "green", "both"});
+  return static_cast<std::int8_t>(arm == "both" ? -1 : arm == "green" ? 1 : 0);
+}
+
+std::int8_t readChannel(Section& root, const Fault& fault) {
+  const FaultChannelNames& channels = channelsOf(fault.variable);
+  const bool is_whole = infoOf(fault.variable).is_stream && fault.kind != FaultKind::kForge;
+  if (channels.count == 1 || is_whole) return -1;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < channels.count; ++i)
+    names.push_back(i < channels.names.size() && channels.names[i] != nullptr ? channels.names[i] : std::to_string(i));
+  if (fault.kind != FaultKind::kForge) names.push_back("all");
+  const std::string name = root.text("channel", names);
+  if (name == "all") return -1;
+  return static_cast<std::int8_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/** Which kinds a variable takes. */
+bool takes(FaultVariable variable, FaultKind kind) {
+  switch (variable) {
+    case FaultVariable::kProgram:
+      return kind == FaultKind::kCrash || kind == FaultKind::kHang;
+    case FaultVariable::kPicture:
+      return kind == FaultKind::kStuckAt || kind == FaultKind::kHoldLast || kind == FaultKind::kDelay ||
+             kind == FaultKind::kSignFlip;
+    case FaultVariable::kFrame:
+      return kind == FaultKind::kDrop || kind == FaultKind::kDelay || kind == FaultKind::kDuplicate ||
+             kind == FaultKind::kHoldLast;
+    case FaultVariable::kPacket:
+      return isStreamKind(kind) || kind == FaultKind::kHoldLast;
+    default:
+      return isNumberKind(kind);
+  }
+}
+
+double readValue(Section& root, const char* key, FaultVariable variable) {
+  return root.number(key, infoOf(variable).low, infoOf(variable).high);
+}
+
+void readDelay(Section& root, Fault* fault) {
+  fault->low = static_cast<double>(root.integer("low", 0, kMaxDelay));
+  fault->high = static_cast<double>(root.integer("high", static_cast<std::int64_t>(fault->low), kMaxDelay));
+}
+
+void readForgery(Section& root, Fault* fault) {
+  fault->value = readValue(root, "value", FaultVariable::kIncrement);
+  fault->low = static_cast<double>(root.integer("low", -1000000, 1000000));
+}
+
+void readImpairment(Section& root, const std::vector<std::string>& names, Fault* fault) {
+  const std::string name = root.text("value", names);
+  fault->value = static_cast<double>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+void readRandom(Section& root, Fault* fault) {
+  fault->low = readValue(root, "low", fault->variable);
+  fault->high = readValue(root, "high", fault->variable);
+  if (!(fault->low < fault->high)) throw ConfigException(root.where("high") + " is not above low");
+}
+
+/** What the kind needs to know. */
+void readParameters(Section& root, const std::vector<std::string>& impairments, Fault* fault) {
+  switch (fault->kind) {
+    case FaultKind::kStuckAt:
+    case FaultKind::kAdd:
+    case FaultKind::kAddAndHold:
+      fault->value = readValue(root, "value", fault->variable);
+      break;
+    case FaultKind::kScale:
+      fault->value = root.number("value", -kMaxFactor, kMaxFactor);
+      break;
+    case FaultKind::kRamp:
+      fault->value = readValue(root, "value", fault->variable);
+      fault->ramp_ticks = root.integer("ramp_ticks", 1, kMaxTicks);
+      break;
+    case FaultKind::kRandom:
+      readRandom(root, fault);
+      break;
+    case FaultKind::kDrop:
+      fault->value = root.number("value", 0, 1);
+      break;
+    case FaultKind::kDelay:
+      readDelay(root, fault);
+      break;
+    case FaultKind::kDuplicate:
+      fault->value = static_cast<double>(root.integer("value", 1, 8));
+      break;
+    case FaultKind::kReorder:
+      fault->value = static_cast<double>(root.integer("value", 2, 64));
+      break;
+    case FaultKind::kReplay:
+      fault->value = static_cast<double>(root.integer("value", 1, kMaxDelay));
+      break;
+    case FaultKind::kForge:
+      readForgery(root, fault);
+      break;
+    case FaultKind::kImpair:
+      readImpairment(root, impairments, fault);
+      break;
+    default:
+      break;  // nothing more to say
+  }
+}
+
+/** [low, high] of a trigger's threshold; nothing where it has none. */
+void readThreshold(Section& start, Fault* fault) {
+  switch (fault->trigger) {
+    case FaultTrigger::kRunLevel:
+      fault->threshold = static_cast<double>(start.integer("threshold", 0, 3));
+      break;
+    case FaultTrigger::kTissueDistance:
+    case FaultTrigger::kTargetDistance:
+      fault->threshold = start.number("threshold", 0, kMaxReach);
+      break;
+    case FaultTrigger::kStep:
+      fault->threshold = static_cast<double>(start.integer("threshold", 1, 1000));
+      break;
+    default:
+      break;
+  }
+}
+
+std::int64_t optional(Section& root, const char* key, std::int64_t low) {
+  return root.has(key) ? root.integer(key, low, kMaxTicks) : 0;
+}
+
+void readTimes(Section& root, Fault* fault) {
+  Section start = root.section("start");
+  fault->trigger = static_cast<FaultTrigger>(start.choice("trigger", kFaultTriggerNames));
+  fault->first_tick = start.integer("first_tick", 0, kMaxTicks);
+  readThreshold(start, fault);
+  start.finish();
+  fault->duration_ticks = root.integer("duration_ticks", 0, kMaxTicks);
+  fault->period_ticks = optional(root, "period_ticks", 0);
+  fault->count = optional(root, "count", 0);
+  fault->half_period_ticks = optional(root, "half_period_ticks", 1);
+  fault->seed = static_cast<std::uint64_t>(optional(root, "seed", 0));
+  if (root.has("probability")) fault->probability = root.number("probability", 0, 1);
+}
+
+void refuse(bool wrong, const Section& root, const char* key, const std::string& why) {
+  if (wrong) throw ConfigException(root.where(key) + " " + why);
+}
+
+/** What no single value shows. */
+void checkFault(const Section& root, const Fault& fault) {
+  const std::string kind = kFaultKindNames[static_cast<std::size_t>(fault.kind)];
+  refuse(!serves(fault.host, fault.site), root, "host", "does not serve that site");
+  refuse(!takes(fault.variable, fault.kind), root, "kind", kind + " is not for that variable");
+  refuse(
+      fault.kind == FaultKind::kImpair && (fault.host == FaultHost::kRobot || fault.trigger == FaultTrigger::kPacket),
+      root, "kind", "impair is for the daemon's streams, by ticks");
+  refuse(fault.trigger == FaultTrigger::kPacket && fault.host == FaultHost::kConsole, root, "start",
+         "can never fire: the console's forces and pictures are no packets");
+  refuse(!(fault.probability > 0.0), root, "probability", "can never fire");
+  refuse(fault.period_ticks != 0 && fault.duration_ticks == 0, root, "period_ticks",
+         "can never come: the first time does not end");
+  refuse(fault.period_ticks != 0 && fault.period_ticks < fault.duration_ticks, root, "period_ticks",
+         "is shorter than duration_ticks");
+  refuse(fault.period_ticks == 0 && fault.count > 1, root, "count", "can never be reached without period_ticks");
+}
+
+Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>& impairments) {
+  Fault fault;
+  fault.id = id;
+  fault.host = static_cast<FaultHost>(root.choice("host", kFaultHostNames));
+  fault.site = static_cast<FaultSite>(root.choice("site", kFaultSiteNames));
+  fault.variable = readVariable(root, fault.site);
+  fault.kind = static_cast<FaultKind>(root.choice("kind", kFaultKindNames));
+  fault.arm = readArm(root, infoOf(fault.variable));
+  fault.channel = readChannel(root, fault);
+  readTimes(root, &fault);
+  checkFault(root, fault);
+  readParameters(root, impairments, &fault);
+  root.finish();
+  return fault;
+}
+
+}  // namespace
+
+Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vector<std::string>& impairments) {
+  Section root = Section::fromFile(path);
+  Scenario scenario;
+  scenario.name = root.text("name");
+  if (scenario.name != fs::path(path).stem()) throw ConfigException(root.where("name") + " is not the file's name");
+  scenario.title = root.text("title");
+  scenario.number = root.integer("number", 0, 10000);
+  scenario.source = root.text("source");
+  scenario.published = root.text("published");
+  scenario.hazards = root.texts("hazard");
+  constexpr std::array<const char*, 5> kClasses{"H1-1", "H1-2", "H1-3", "H-2", "H-3"};
+  for (const std::string& hazard : scenario.hazards)
+    refuse(std::find(kClasses.begin(), kClasses.end(), hazard) == kClasses.end(), root, "hazard",
+           "holds \"" + hazard + "\", expected H1-1, H1-2, H1-3, H-2, H-3");
+  scenario.maude = root.texts("maude");
+  scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
+  refuse(scenario.maude.empty() != (scenario.maude_link == "none"), root, "maude_link", "does not fit maude");
+  scenario.basis = root.text("basis", {"published", "design"});
+  scenario.expected = root.text("expected");
+  scenario.response = root.text("response");
+  for (Section& row : root.list("faults"))
+    scenario.faults.push_back(readFault(row, id, impairments));
+  refuse(scenario.faults.empty() || scenario.faults.size() > kMaxFaults, root, "faults",
+         "holds " + std::to_string(scenario.faults.size()) + " rows, expected 1 to " + std::to_string(kMaxFaults));
+  root.finish();
+  return scenario;
+}
+
+}  // namespace raven2_trainer::config
