@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdlib>
 
 #include "apps/common/command_line.h"
 #include "apps/common/signals.h"
@@ -15,7 +16,8 @@
 namespace raven2_trainer {
 namespace {
 
-constexpr double kReportEvery = 1.0;  // [s]
+constexpr double kLookEvery = 0.05;  // [s]
+constexpr int kCrashed = 139;        // as a shell reports a segmentation fault
 
 struct Options {
   apps::CommonOptions common;
@@ -48,6 +50,12 @@ int replay(const Options& options) {
   return 0;
 }
 
+/** The emulated program has ended, by a fault: nothing is closed or said to anybody, as then. */
+[[noreturn]] void crash() {
+  std::fprintf(stderr, "the control program crashed (fault)\n");
+  std::_Exit(kCrashed);
+}
+
 int run(const Options& options, int argc, char** argv) {
   apps::blockSignals();
   const TrainerConfig config = options.load();
@@ -61,9 +69,11 @@ int run(const Options& options, int argc, char** argv) {
                refusal.empty() ? "SCHED_FIFO" : ("DEGRADED_RT: " + refusal).c_str(), memory.words.c_str());
   ros.start();
   RunLevel shown = RunLevel::kEStop;
-  for (double time = 0.0; (options.duration <= 0.0 || time < options.duration) && !apps::waitForSignal(kReportEvery);
-       time += kReportEvery) {
-    const RunLevel level = server.state().runlevel;
+  for (double time = 0.0; (options.duration <= 0.0 || time < options.duration) && !apps::waitForSignal(kLookEvery);
+       time += kLookEvery) {
+    const RobotState state = server.state();
+    if (state.program == ProgramState::kCrashed) crash();
+    const RunLevel level = state.runlevel;
     if (level != shown) std::fprintf(stderr, "run level %s\n", kRunLevelNames[static_cast<std::size_t>(level)]);
     shown = level;
   }

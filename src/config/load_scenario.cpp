@@ -13,20 +13,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxTicks = 1000000000;
-constexpr std::int64_t kMaxDelay = 500;  // [ticks] what a stream can hold back
+constexpr auto kMaxDelay = static_cast<std::int64_t>(kMaxStreamDelay);
 constexpr double kMaxFactor = 1e6;
 constexpr double kMaxReach = 10.0;  // [m] of a distance
 
 FaultVariable readVariable(Section& root, FaultSite site) {
-  const std::string name = root.text("variable");
-  std::string known;
+  std::vector<std::string> names;
+  std::vector<FaultVariable> variables;
   for (const FaultVariableInfo& info : kFaultVariables) {
     if (info.site != site) continue;
-    if (name == info.name) return info.variable;
-    known += (known.empty() ? "" : ", ") + std::string(info.name);
+    names.push_back(info.name);
+    variables.push_back(info.variable);
   }
-  throw ConfigException(root.where("variable") + " is \"" + name + "\", site " +
-                        kFaultSiteNames[static_cast<std::size_t>(site)] + " has: " + known);
+  const std::string name = root.text("variable", names);
+  return variables[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())];
 }
 
 std::int8_t readArm(Section& root, const FaultVariableInfo& info) {
@@ -48,24 +48,6 @@ std::int8_t readChannel(Section& root, const Fault& fault) {
   return static_cast<std::int8_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-/** Which kinds a variable takes. */
-bool takes(FaultVariable variable, FaultKind kind) {
-  switch (variable) {
-    case FaultVariable::kProgram:
-      return kind == FaultKind::kCrash || kind == FaultKind::kHang;
-    case FaultVariable::kPicture:
-      return kind == FaultKind::kStuckAt || kind == FaultKind::kHoldLast || kind == FaultKind::kDelay ||
-             kind == FaultKind::kSignFlip;
-    case FaultVariable::kFrame:
-      return kind == FaultKind::kDrop || kind == FaultKind::kDelay || kind == FaultKind::kDuplicate ||
-             kind == FaultKind::kHoldLast;
-    case FaultVariable::kPacket:
-      return isStreamKind(kind) || kind == FaultKind::kHoldLast;
-    default:
-      return isNumberKind(kind);
-  }
-}
-
 double readValue(Section& root, const char* key, FaultVariable variable) {
   return root.number(key, infoOf(variable).low, infoOf(variable).high);
 }
@@ -77,7 +59,7 @@ void readDelay(Section& root, Fault* fault) {
 
 void readForgery(Section& root, Fault* fault) {
   fault->value = readValue(root, "value", FaultVariable::kIncrement);
-  fault->low = static_cast<double>(root.integer("low", -1000000, 1000000));
+  fault->low = static_cast<double>(root.integer("low", static_cast<std::int64_t>(-kMaxForgedAhead), static_cast<std::int64_t>(kMaxForgedAhead)));
 }
 
 void readImpairment(Section& root, const std::vector<std::string>& names, Fault* fault) {
@@ -116,10 +98,10 @@ void readParameters(Section& root, const std::vector<std::string>& impairments, 
       readDelay(root, fault);
       break;
     case FaultKind::kDuplicate:
-      fault->value = static_cast<double>(root.integer("value", 1, 8));
+      fault->value = static_cast<double>(root.integer("value", 1, static_cast<std::int64_t>(kMaxDuplicates)));
       break;
     case FaultKind::kReorder:
-      fault->value = static_cast<double>(root.integer("value", 2, 64));
+      fault->value = static_cast<double>(root.integer("value", 2, static_cast<std::int64_t>(kMaxReordered)));
       break;
     case FaultKind::kReplay:
       fault->value = static_cast<double>(root.integer("value", 1, kMaxDelay));
@@ -224,7 +206,7 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
   constexpr std::array<const char*, 5> kClasses{"H1-1", "H1-2", "H1-3", "H-2", "H-3"};
   for (const std::string& hazard : scenario.hazards)
     refuse(std::find(kClasses.begin(), kClasses.end(), hazard) == kClasses.end(), root, "hazard",
-           "holds \"" + hazard + "\", expected H1-1, H1-2, H1-3, H-2, H-3");
+           "holds what is none of H1-1, H1-2, H1-3, H-2, H-3");
   scenario.maude = root.texts("maude");
   scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
   refuse(scenario.maude.empty() != (scenario.maude_link == "none"), root, "maude_link", "does not fit maude");

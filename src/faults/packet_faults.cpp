@@ -43,6 +43,11 @@ Quat faultedRotation(FaultEngine* engine, Arm arm, const Quat& q) noexcept {
   return faulted == turn ? result : quaternionOf(faulted);
 }
 
+std::uint32_t faultedSequence(FaultEngine* engine, std::uint32_t sequence) noexcept {
+  const double faulted = engine->apply(FaultVariable::kSequence, Arm::kGold, 0, sequence);
+  return static_cast<std::uint32_t>(std::clamp(std::round(faulted), 0.0, 4294967295.0));
+}
+
 void applyToCommand(FaultEngine* engine, MasterCommand* command) noexcept {
   if (!engine->isArmed()) return;
   for (const Arm arm : kArms) {
@@ -55,8 +60,7 @@ void applyToCommand(FaultEngine* engine, MasterCommand* command) noexcept {
     dgrasp = engine->applyInt(FaultVariable::kGrasp, arm, 0, toWire(dgrasp * 1e3)) * 1e-3;
   }
   command->pedal = engine->applyInt(FaultVariable::kPedal, Arm::kGold, 0, command->pedal) != 0 ? 1 : 0;
-  command->sequence = static_cast<std::uint32_t>(
-      std::clamp(engine->apply(FaultVariable::kSequence, Arm::kGold, 0, command->sequence), 0.0, 4294967295.0));
+  command->sequence = faultedSequence(engine, command->sequence);
 }
 
 }  // namespace raven2_trainer::faults

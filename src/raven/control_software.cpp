@@ -11,7 +11,7 @@
 #include "raven/state_machine.h"
 #include "raven/stop_search.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/raven/board_channels.h"
 #include "raven2_trainer/raven/cable_coupling.h"
@@ -29,8 +29,6 @@ struct Mechanism {
         controller(which, config),
         gravity(which, config) {}
 
-  const JointArray& mpos() const noexcept { return estimator.mpos(); }
-
   Arm arm;
   CableCoupling coupling;
   StateEstimator estimator;
@@ -39,7 +37,11 @@ struct Mechanism {
   LowPass published_velocity;
 
   UsbIn read{}, in{};   // as the board sent it; as the software takes it
+  UsbOutBytes sent{};   // what the arm's board was last sent
+  JointArray mpos{};    // [rad] as the estimator says, and after faults
+  JointArray mvel{};    // [rad/s] the same
   JointArray jpos{};    // [rad; m]
+  JointArray jvel{};    // [rad/s; m/s] only shown
   JointArray jpos_d{};  // [rad; m] stays where it is when the inverse refuses
   JointArray mpos_d{};  // [rad]
   Pose X_BT;            // actual tip
@@ -49,9 +51,30 @@ struct Mechanism {
   DacArray dac{};
 };
 
-double clampCount(double value, double low, double high) noexcept {
-  return std::isnan(value) ? 0.0 : std::clamp(std::round(value), low, high);
+/** What 16 bits of a wider command say, as the boards get them (raven2 put_USB_packet.cpp:76-99). */
+std::int16_t low16(std::int32_t command) noexcept {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(static_cast<std::uint32_t>(command)));
 }
+
+/** 24-bit counts. */
+std::int32_t clampCount(std::int32_t count) noexcept {
+  return std::clamp(count, -8388608, 8388607);
+}
+
+constexpr std::int32_t kBoards = 2;  // activeAtStart
+
+/** State frames: only the time is their own. */
+struct FrameTraits {
+  static std::uint64_t& sequence(RobotState& state) noexcept { return state.cycle; }
+  static void takeMotion(RobotState* to, const RobotState& from) noexcept {
+    const auto cycle = to->cycle;
+    const auto time_ns = to->time_ns;
+    *to = from;
+    to->cycle = cycle;
+    to->time_ns = time_ns;
+  }
+  static void forge(RobotState*, Arm, std::size_t, double) noexcept {}
+};
 
 /** Serial numbers of the boards, raven2 defines.h:52-55. */
 constexpr std::array<std::int32_t, kArmCount> kBoardSerials{49, 22};
@@ -81,8 +104,13 @@ struct ControlSoftware::Impl {
   }
 
   // The steps of one cycle, in the order of raven2.md 4.2.
+  void beginCycle() noexcept;
+  void runCycle(const PerArm<UsbRead>& boards) noexcept;
   void getUsbPackets(const PerArm<UsbRead>& boards) noexcept;
+  void getUsbPacket(const PerArm<UsbRead>& boards, Mechanism* mech) noexcept;
+  void readLevel() noexcept;
   void estimateState() noexcept;
+  void corruptTip(Mechanism* mech) noexcept;
   void trackActual() noexcept;
   void updateTargets() noexcept;
   void control() noexcept;
@@ -91,7 +119,10 @@ struct ControlSoftware::Impl {
   void runCartesian() noexcept;
   void torqueToDac() noexcept;
   void detectOverdrive() noexcept;
+  std::uint8_t atmelOutputs() noexcept;
   PerArm<UsbOutBytes> putUsbPackets() noexcept;
+  UsbOutBytes packetFor(Mechanism* mech, std::uint8_t pins) noexcept;
+  void putUsbPacket(Mechanism* mech, std::uint8_t pins) noexcept;
   void publishState() noexcept;
   void fillHoming(Arm arm, std::array<std::uint8_t, kJointCount>* jstate) const noexcept;
   void publishReport() noexcept;
@@ -106,12 +137,15 @@ struct ControlSoftware::Impl {
   bool isFirstWristPointAtRcm(const Pose& X_BT) const noexcept;
   bool solveInverse(Mechanism* mech) noexcept;
   void addGravity(Mechanism* mech) noexcept;
+  void couple(Mechanism* mech) noexcept;
   JointArray track(Mechanism* mech) noexcept;
   void rebaseMaster() noexcept { network.rebase({&mechanisms[0].pos_d, &mechanisms[1].pos_d}); }
 
   ArmGeometry geometry;
   VirtualRavenConfig config;
   faults::FaultEngine faults{FaultHost::kRobot};
+  FaultSignals signals{};
+  faults::PacketStream<RobotState, FrameTraits> returned{FaultVariable::kFrame};
   NetworkLayer network;
   StateMachine machine;
   OverdriveCheck overdrive;
@@ -130,34 +164,79 @@ void ControlSoftware::Impl::placeAt(const JointArray& offset_from_home) noexcept
     for (std::size_t j = 0; j < kJointCount; ++j)
       mech.jpos_d[j] = geometry.home[j] + offset_from_home[j];
     mech.estimator.setMotor(mech.coupling.toMotor(mech.jpos_d));
+    mech.mpos = mech.estimator.mpos();
   }
 }
 
 void ControlSoftware::Impl::getUsbPackets(const PerArm<UsbRead>& boards) noexcept {
+  std::int32_t count = faults.applyInt(FaultVariable::kGetBoardCount, Arm::kGold, 0, kBoards);
   for (Mechanism& mech : mechanisms) {
-    const UsbRead& read = at(boards, mech.arm);
-    if (read.result == UsbRead::kComplete) {
-      decodeIn(read.bytes, &mech.read);  // another type of packet leaves the old counts and is no error
-    } else {
-      ++usb_errors;
-    }
+    if (count-- > 0) getUsbPacket(boards, &mech);
     mech.in = mech.read;
     for (std::size_t j = 0; j < kJointCount; ++j) {
-      std::int32_t& count = mech.in.encoder[channelOf(j)];
-      const double faulted =
-          faults.apply(FaultSite::kGetUsbPacket, FaultTarget::kEncoder, mech.arm, static_cast<int>(j), count);
-      count = static_cast<std::int32_t>(clampCount(faulted, -8388608.0, 8388607.0));
+      std::int32_t& counts = mech.in.encoder[channelOf(j)];
+      counts = clampCount(faults.applyInt(FaultVariable::kEncoder, mech.arm, j, counts));
     }
+    mech.in.pins = static_cast<std::uint8_t>(faults.applyInt(FaultVariable::kInputs, mech.arm, 0, mech.in.pins));
   }
+}
+
+/** A read that fails leaves the old counts and pins; so does another type of packet, which is no error. */
+void ControlSoftware::Impl::getUsbPacket(const PerArm<UsbRead>& boards, Mechanism* mech) noexcept {
+  const auto own = static_cast<std::int32_t>(index(mech->arm));
+  const std::int32_t board = faults.applyInt(FaultVariable::kGetBoardIndex, mech->arm, 0, own);
+  if (board < 0 || board >= kBoards) {
+    ++usb_errors;
+    return;
+  }
+  const UsbRead& read = boards[static_cast<std::size_t>(board)];
+  if (faults.applyInt(FaultVariable::kReadResult, mech->arm, 0, read.result) != UsbRead::kComplete) {
+    ++usb_errors;
+    return;
+  }
+  UsbInBytes bytes = read.bytes;
+  for (std::size_t k = 0; faults.isArmed() && k < kMaxFaultChannels; ++k) {
+    std::uint8_t& byte = bytes[bytes.size() - kMaxFaultChannels + k];
+    byte = static_cast<std::uint8_t>(faults.applyInt(FaultVariable::kBuffer, mech->arm, k, byte));
+  }
+  decodeIn(bytes, &mech->read);
+}
+
+void ControlSoftware::Impl::readLevel() noexcept {
+  const RunLevel wanted = StateMachine::levelOf(mechanisms[0].in.pins, mechanisms[1].in.pins);
+  // PLCState is shown and no more (raven2.md 4.2, step 5).
+  faults.applyInt(FaultVariable::kPlcState, Arm::kGold, 0, static_cast<std::int32_t>(wanted));
+  const std::int32_t level =
+      faults.applyInt(FaultVariable::kRunLevelDesired, Arm::kGold, 0, static_cast<std::int32_t>(wanted));
+  machine.follow(static_cast<RunLevel>(level));
 }
 
 void ControlSoftware::Impl::estimateState() noexcept {
   for (Mechanism& mech : mechanisms) {
     mech.estimator.update(mech.in.encoder);
-    mech.jpos = mech.coupling.toJoint(mech.mpos());
+    mech.mpos = mech.estimator.mpos();
+    mech.mvel = mech.estimator.mvel();
+    faults.applyAll(FaultVariable::kMpos, mech.arm, &mech.mpos);
+    faults.applyAll(FaultVariable::kMvel, mech.arm, &mech.mvel);
+    mech.jpos = mech.coupling.toJoint(mech.mpos);
+    faults.applyAll(FaultVariable::kJpos, mech.arm, &mech.jpos);
+    mech.jvel = mech.coupling.toJoint(mech.published_velocity.update(mech.mvel));
+    faults.applyAll(FaultVariable::kJvel, mech.arm, &mech.jvel);
     mech.X_BT = kinematics::forward(geometry, mech.arm, mech.jpos);
     mech.actual.set(mech.X_BT, kinematics::jawOpening(mech.jpos));
+    corruptTip(&mech);
   }
+}
+
+void ControlSoftware::Impl::corruptTip(Mechanism* mech) noexcept {
+  if (!faults.isArmed()) return;
+  for (std::size_t k = 0; k < 3; ++k)
+    mech->actual.p_um[k] = faults.applyInt(FaultVariable::kPos, mech->arm, k, mech->actual.p_um[k]);
+  const Matrix3 R = mech->X_BT.R;
+  Matrix3 faulted = R;
+  for (Eigen::Index k = 0; k < 9; ++k)
+    faulted(k / 3, k % 3) = faults.apply(FaultVariable::kOri, mech->arm, static_cast<std::size_t>(k), R(k / 3, k % 3));
+  if (faulted != R) mech->actual.R_BT = Quaternion(faulted).normalized();
 }
 
 /** The desired pose follows the actual one, and the accumulators with it. */
@@ -173,12 +252,25 @@ void ControlSoftware::Impl::updateTargets() noexcept {
   for (Mechanism& mech : mechanisms) {
     if (level == RunLevel::kPedalDown) mech.pos_d = network.target(mech.arm);
     if (level == RunLevel::kInit && !machine.initialized()) mech.pos_d = mech.actual;
+    for (std::size_t k = 0; k < 3; ++k)
+      mech.pos_d.p_um[k] = faults.applyInt(FaultVariable::kPosD, mech.arm, k, mech.pos_d.p_um[k]);
   }
 }
 
+void ControlSoftware::Impl::couple(Mechanism* mech) noexcept {
+  mech->mpos_d = mech->coupling.toMotorMeasured(mech->jpos_d, mech->mpos[kInsertion]);
+  faults.applyAll(FaultVariable::kMposD, mech->arm, &mech->mpos_d);
+}
+
 JointArray ControlSoftware::Impl::track(Mechanism* mech) noexcept {
-  mech->mpos_d = mech->coupling.toMotorMeasured(mech->jpos_d, mech->mpos()[kInsertion]);
-  return mech->controller.torque(mech->mpos_d, mech->mpos(), mech->estimator.mvel());
+  if (faults.isArmed()) {
+    JointArray gains{1, 1, 1, 1, 1, 1, 1};
+    faults.applyAll(FaultVariable::kGain, mech->arm, &gains);
+    mech->controller.scaleGains(gains);
+  }
+  JointArray tau = mech->controller.torque(mech->mpos_d, mech->mpos, mech->mvel);
+  faults.applyAll(FaultVariable::kTauD, mech->arm, &tau);
+  return tau;
 }
 
 void ControlSoftware::Impl::addGravity(Mechanism* mech) noexcept {
@@ -196,6 +288,7 @@ void ControlSoftware::Impl::runQuickHoming() noexcept {
   quick_homing.tick();
   for (Mechanism& mech : mechanisms) {
     mech.jpos_d = quick_homing.desired(mech.arm);
+    couple(&mech);
     mech.tau = track(&mech);
     addGravity(&mech);
   }
@@ -208,6 +301,7 @@ void ControlSoftware::Impl::runStopSearch() noexcept {
   if (!stop_search.advance({mechanisms[0].jpos, mechanisms[1].jpos})) return;
   for (Mechanism& mech : mechanisms) {
     mech.jpos_d = stop_search.arm(mech.arm).desired();
+    couple(&mech);
     mech.tau = track(&mech);
   }
   torqueToDac();
@@ -216,6 +310,8 @@ void ControlSoftware::Impl::runStopSearch() noexcept {
     mech.jpos_d = mech.jpos = stop_search.arm(mech.arm).desired();
     mech.mpos_d = mech.coupling.toMotor(mech.jpos_d);
     mech.estimator.setMotor(mech.mpos_d);
+    mech.mpos = mech.mpos_d;
+    mech.mvel = JointArray{};
   }
   homed = stop_search.done();
 }
@@ -262,7 +358,8 @@ void ControlSoftware::Impl::runCartesian() noexcept {
     if (!solveInverse(&mech) && mech.arm == Arm::kGold) break;
   }
   for (Mechanism& mech : mechanisms) {
-    mech.mpos_d = mech.coupling.toMotorMeasured(mech.jpos_d, mech.mpos()[kInsertion]);
+    faults.applyAll(FaultVariable::kJposD, mech.arm, &mech.jpos_d);
+    couple(&mech);
     if (machine.runLevel() == RunLevel::kPedalDown) mech.tau = track(&mech);
     addGravity(&mech);
   }
@@ -272,6 +369,8 @@ void ControlSoftware::Impl::runCartesian() noexcept {
 void ControlSoftware::Impl::torqueToDac() noexcept {
   for (Mechanism& mech : mechanisms) {
     mech.dac = machine.softEstopped() ? DacArray{} : mech.controller.toDac(mech.tau);
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      mech.dac[j] = faults.applyInt(FaultVariable::kCurrentCmd, mech.arm, j, mech.dac[j]);
   }
 }
 
@@ -282,26 +381,49 @@ void ControlSoftware::Impl::detectOverdrive() noexcept {
   }
 }
 
+std::uint8_t ControlSoftware::Impl::atmelOutputs() noexcept {
+  const auto told = [this](FaultVariable variable, std::int32_t value) {
+    return faults.applyInt(variable, Arm::kGold, 0, value);
+  };
+  StateMachine::Outputs outputs;
+  outputs.pedal = told(FaultVariable::kSurgeonMode, network.pedal() ? 1 : 0) != 0;
+  outputs.level = static_cast<RunLevel>(told(FaultVariable::kRunLevel, static_cast<std::int32_t>(machine.runLevel())));
+  outputs.initialized = told(FaultVariable::kInitialized, machine.initialized() ? 1 : 0) != 0;
+  return machine.outputPins(outputs);
+}
+
+/** A board that is not written keeps its last command; writing beyond the array of boards ends the program. */
 PerArm<UsbOutBytes> ControlSoftware::Impl::putUsbPackets() noexcept {
-  PerArm<UsbOutBytes> boards;
-  const std::uint8_t pins = machine.outputPins(network.pedal());
+  const std::uint8_t pins = atmelOutputs();
+  std::int32_t count = faults.applyInt(FaultVariable::kPutBoardCount, Arm::kGold, 0, kBoards);
+  if (count > kBoards) state.program = ProgramState::kCrashed;
   for (Mechanism& mech : mechanisms) {
-    UsbOut out;
-    out.pins = pins;
-    for (std::size_t j = 0; j < kJointCount; ++j) {
-      const double sent =
-          faults.apply(FaultSite::kPutUsbPacket, FaultTarget::kDac, mech.arm, static_cast<int>(j), mech.dac[j]);
-      mech.dac[j] = static_cast<std::int32_t>(clampCount(sent, -32768.0, 32767.0));
-      out.dac[channelOf(j)] = static_cast<std::int16_t>(mech.dac[j]);
-    }
-    at(boards, mech.arm) = encodeOut(out);
+    if (count-- > 0) putUsbPacket(&mech, pins);
   }
-  return boards;
+  return {mechanisms[0].sent, mechanisms[1].sent};
+}
+
+void ControlSoftware::Impl::putUsbPacket(Mechanism* mech, std::uint8_t pins) noexcept {
+  const auto own = static_cast<std::int32_t>(index(mech->arm));
+  const std::int32_t board = faults.applyInt(FaultVariable::kPutBoardIndex, mech->arm, 0, own);
+  const UsbOutBytes bytes = packetFor(mech, pins);
+  if (board >= 0 && board < kBoards) mechanisms[static_cast<std::size_t>(board)].sent = bytes;
+}
+
+UsbOutBytes ControlSoftware::Impl::packetFor(Mechanism* mech, std::uint8_t pins) noexcept {
+  UsbOut out;
+  out.pins = static_cast<std::uint8_t>(faults.applyInt(FaultVariable::kOutputs, mech->arm, 0, pins));
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const std::int16_t dac = low16(faults.applyInt(FaultVariable::kDac, mech->arm, j, mech->dac[j]));
+    mech->dac[j] = out.dac[channelOf(j)] = dac;
+  }
+  return encodeOut(out);
 }
 
 void ControlSoftware::Impl::publishState() noexcept {
   state.last_sequence = network.lastSequence();
   state.active_fault = faults.activeId();
+  state.fault_mask = faults.activeMask();
   state.runlevel = machine.runLevel();
   state.sublevel = machine.subLevel();
   state.homed = homed ? 1 : 0;
@@ -310,8 +432,8 @@ void ControlSoftware::Impl::publishState() noexcept {
   for (Mechanism& mech : mechanisms) {
     RobotArmState& arm = at(state.arms, mech.arm);
     arm.q = mech.jpos;
-    arm.dq = mech.coupling.toJoint(mech.published_velocity.update(mech.estimator.mvel()));
-    arm.motor = mech.mpos();
+    arm.dq = mech.jvel;
+    arm.motor = mech.mpos;
     arm.dac = mech.dac;
     fillHoming(mech.arm, &arm.jstate);
   }
@@ -346,8 +468,8 @@ void ControlSoftware::Impl::reportJoints(const Mechanism& mech) noexcept {
     report.encoder_offset[k] = static_cast<float>(mech.estimator.offset()[j]);
     report.dac[k] = mech.dac[j];
     report.tau[k] = mech.tau[j];
-    report.mpos[k] = mech.mpos()[j];
-    report.mvel[k] = mech.estimator.mvel()[j];
+    report.mpos[k] = mech.mpos[j];
+    report.mvel[k] = mech.mvel[j];
     report.jpos[k] = mech.jpos[j];
     // Only three joints, and without the coupling (fwd_cable_coupling.cpp:177-180).
     report.jvel[k] = j <= kInsertion ? report.mvel[k] / config.axes[j].transmission : 0.0;
@@ -407,27 +529,67 @@ PerArm<UsbOutBytes> ControlSoftware::cycle(const PerArm<UsbInBytes>& boards) noe
   return cycle(reads);
 }
 
-PerArm<UsbOutBytes> ControlSoftware::cycle(const PerArm<UsbRead>& boards) noexcept {
-  Impl& s = *impl_;
-  ++s.state.cycle;
-  s.faults.beginCycle(s.machine.runLevel() == RunLevel::kPedalDown);
-  s.getUsbPackets(boards);
-  s.machine.readPins(s.mechanisms[0].in.pins, s.mechanisms[1].in.pins);
-  s.network.tick();
-  s.network.idle(s.nowNs());
-  for (Mechanism& mech : s.mechanisms) {
+void ControlSoftware::Impl::beginCycle() noexcept {
+  ++state.cycle;
+  const RunLevel level = machine.runLevel();
+  faults.beginCycle({level == RunLevel::kPedalDown, static_cast<int>(level), signals});
+  if (faults.acting(FaultVariable::kProgram, FaultKind::kCrash)) state.program = ProgramState::kCrashed;
+  if (faults.acting(FaultVariable::kProgram, FaultKind::kHang)) state.program = ProgramState::kHung;
+}
+
+void ControlSoftware::Impl::runCycle(const PerArm<UsbRead>& boards) noexcept {
+  getUsbPackets(boards);
+  readLevel();
+  network.release(&faults);
+  network.tick();
+  network.idle(nowNs());
+  for (Mechanism& mech : mechanisms) {
     mech.tau = JointArray{};
     mech.dac = DacArray{};
   }
-  s.machine.step(s.homed);
-  s.estimateState();
-  s.updateTargets();
-  s.control();
-  s.detectOverdrive();
+  machine.step(homed);
+  estimateState();
+  updateTargets();
+  control();
+  detectOverdrive();
+}
+
+PerArm<UsbOutBytes> ControlSoftware::cycle(const PerArm<UsbRead>& boards) noexcept {
+  Impl& s = *impl_;
+  const PerArm<UsbOutBytes> last{s.mechanisms[0].sent, s.mechanisms[1].sent};
+  if (!isAlive()) return last;
+  s.beginCycle();
+  if (!isAlive()) return last;
+  s.runCycle(boards);
   const PerArm<UsbOutBytes> out = s.putUsbPackets();
+  if (!isAlive()) return last;
   s.publishState();
   s.publishReport();
   return out;
+}
+
+bool ControlSoftware::isAlive() const noexcept {
+  return impl_->state.program == ProgramState::kRunning;
+}
+
+void ControlSoftware::setSignals(const FaultSignals& signals) noexcept {
+  impl_->signals = signals;
+}
+
+void ControlSoftware::returnState(std::int64_t time_ns) noexcept {
+  Impl& s = *impl_;
+  if (!isAlive()) return;
+  RobotState state = s.state;
+  state.time_ns = time_ns;
+  for (const Arm arm : kArms)
+    s.faults.applyAll(FaultVariable::kReturnedJpos, arm, &at(state.arms, arm).q);
+  state.runlevel = static_cast<RunLevel>(
+      s.faults.applyInt(FaultVariable::kReturnedRunLevel, Arm::kGold, 0, static_cast<std::int32_t>(state.runlevel)));
+  s.returned.offer(state, &s.faults);
+}
+
+bool ControlSoftware::nextReturned(RobotState* state) noexcept {
+  return isAlive() && impl_->returned.take(state, impl_->faults);
 }
 
 const RobotState& ControlSoftware::state() const noexcept {

@@ -24,7 +24,7 @@ JointArray MotorController::torque(const JointArray& desired,
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const double error = desired[j] - motor[j];
     integral_[j] += error * kTickSeconds;
-    tau[j] = axes_[j].kp * error - axes_[j].kd * velocity[j] + axes_[j].ki * integral_[j];
+    tau[j] = scale_[j] * (axes_[j].kp * error - axes_[j].kd * velocity[j] + axes_[j].ki * integral_[j]);
   }
   return tau;
 }

@@ -18,12 +18,16 @@ class MotorController {
    *  robot, so kd damps; the integral has no anti-windup and is never reset. */
   JointArray torque(const JointArray& desired, const JointArray& motor, const JointArray& velocity) noexcept;
 
+  /** Factors on kp, kd and ki of each joint from now on. */
+  void scaleGains(const JointArray& factors) noexcept { scale_ = factors; }
+
   /** Truncated, saturated to 16 bits; 0 for what is not finite. */
   DacArray toDac(const JointArray& torque) const noexcept;
 
  private:
   Arm arm_;
   std::array<MotorAxis, kJointCount> axes_;
+  JointArray scale_{1, 1, 1, 1, 1, 1, 1};
   JointArray integral_{};  // [rad s]
 };
 

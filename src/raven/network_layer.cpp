@@ -1,28 +1,33 @@
 #include "raven/network_layer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "raven2_trainer/faults/packet_faults.h"
 
 namespace raven2_trainer::raven {
 namespace {
 
-std::int32_t toField(double value) noexcept {
-  if (std::isnan(value)) return 0;
-  return static_cast<std::int32_t>(std::clamp(value, -2147483648.0, 2147483647.0));
-}
-
-std::int32_t faulted(faults::FaultEngine* faults, FaultTarget target, Arm arm, int axis, std::int32_t value) noexcept {
-  return toField(faults->apply(FaultSite::kNetworkLayer, target, arm, axis, value));
-}
-
 /** Faults on the fields as they stand on the wire, before any check (paper, Table 1). */
 void injectFaults(faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept {
+  if (!faults->isArmed()) return;
   for (const Arm arm : kArms) {
-    at(packet->delx_um, arm) = faulted(faults, FaultTarget::kIncrement, arm, 0, at(packet->delx_um, arm));
-    at(packet->dely_um, arm) = faulted(faults, FaultTarget::kIncrement, arm, 1, at(packet->dely_um, arm));
-    at(packet->delz_um, arm) = faulted(faults, FaultTarget::kIncrement, arm, 2, at(packet->delz_um, arm));
+    const auto um = faults::faultedIncrement(
+        faults, arm, {at(packet->delx_um, arm), at(packet->dely_um, arm), at(packet->delz_um, arm)});
+    at(packet->delx_um, arm) = um[0];
+    at(packet->dely_um, arm) = um[1];
+    at(packet->delz_um, arm) = um[2];
+    const Quat q = faults::faultedRotation(
+        faults, arm, {at(packet->Qx, arm), at(packet->Qy, arm), at(packet->Qz, arm), at(packet->Qw, arm)});
+    at(packet->Qx, arm) = q[0];
+    at(packet->Qy, arm) = q[1];
+    at(packet->Qz, arm) = q[2];
+    at(packet->Qw, arm) = q[3];
+    at(packet->grasp_mrad, arm) = faults->applyInt(FaultVariable::kGrasp, arm, 0, at(packet->grasp_mrad, arm));
   }
-  packet->surgeon_mode = faulted(faults, FaultTarget::kPedal, Arm::kGold, 0, packet->surgeon_mode);
+  packet->surgeon_mode = faults->applyInt(FaultVariable::kPedal, Arm::kGold, 0, packet->surgeon_mode);
+  packet->sequence = faults::faultedSequence(faults, packet->sequence);
 }
 
 /** [cycles] */
@@ -38,35 +43,50 @@ ItpRules hardenedRules(ItpRules rules) noexcept {
 
 }  // namespace
 
-NetworkLayer::NetworkLayer(const VirtualRavenConfig& config, const wire::ItpKey* key) noexcept
+void ItpTraits::takeMotion(wire::ItpPacket* to, const wire::ItpPacket& from) noexcept {
+  const std::uint32_t sequence = to->sequence;
+  *to = from;
+  to->sequence = sequence;
+}
+
+void ItpTraits::forge(wire::ItpPacket* packet, Arm arm, std::size_t axis, double um) noexcept {
+  const std::array<PerArm<std::int32_t>*, 3> axes{&packet->delx_um, &packet->dely_um, &packet->delz_um};
+  at(*axes[axis], arm) = static_cast<std::int32_t>(std::lround(um));
+  packet->surgeon_mode = 1;
+}
+
+NetworkLayer::NetworkLayer(const VirtualRavenConfig& config, const wire::ItpKey* key)
     : hardened_(config.behaviour == "hardened"),
       gate_(hardenedRules(config.itp), wire::Audience::kRobot, key),
       timeout_(pedalTimeout(config)) {}
 
-Reject NetworkLayer::receive(const wire::Arrival& arrival, faults::FaultEngine* faults) noexcept {
+/** Hardened, faults are behind the gate: they are of this program, not of the network, and a signature is over what was
+ *  sent. In compat they are before the order of the packets is looked at. */
+void NetworkLayer::receive(const wire::Arrival& arrival, faults::FaultEngine* faults) noexcept {
   wire::ItpPacket packet;
-  const Reject reason = hardened_ ? judgeHardened(arrival, faults, &packet) : judge(arrival, faults, &packet);
+  const Reject reason = hardened_ ? gate_.judge(arrival, &packet)
+                                  : wire::decodeItp(arrival.bytes, std::min(arrival.size, wire::kItpSize), &packet);
+  if (reason != Reject::kNone) {
+    counts_.count(reason);
+    return;
+  }
+  faults->beginPacket(packet.surgeon_mode != 0);
+  if (!faults->isArmed() && held_.isEmpty()) return take(packet, faults);
+  held_.offer(packet, faults);
+  release(faults);
+}
+
+void NetworkLayer::release(faults::FaultEngine* faults) noexcept {
+  wire::ItpPacket packet;
+  while (held_.take(&packet, *faults))
+    take(packet, faults);
+}
+
+void NetworkLayer::take(wire::ItpPacket packet, faults::FaultEngine* faults) noexcept {
+  injectFaults(faults, &packet);
+  const Reject reason = hardened_ ? Reject::kNone : rule_.check(packet.sequence);
   counts_.count(reason);
   if (reason == Reject::kNone) apply(packet);
-  return reason;
-}
-
-Reject NetworkLayer::judge(const wire::Arrival& arrival,
-                           faults::FaultEngine* faults,
-                           wire::ItpPacket* packet) noexcept {
-  const Reject size_reason = wire::decodeItp(arrival.bytes, std::min(arrival.size, wire::kItpSize), packet);
-  if (size_reason != Reject::kNone) return size_reason;
-  injectFaults(faults, packet);
-  return rule_.check(packet->sequence);
-}
-
-/** Faults behind the gate: they are of this program, not of the network, and a signature is over what was sent. */
-Reject NetworkLayer::judgeHardened(const wire::Arrival& arrival,
-                                   faults::FaultEngine* faults,
-                                   wire::ItpPacket* packet) noexcept {
-  const Reject reason = gate_.judge(arrival, packet);
-  if (reason == Reject::kNone) injectFaults(faults, packet);
-  return reason;
 }
 
 Reject NetworkLayer::answer(const wire::Arrival& arrival,

@@ -5,22 +5,31 @@
 
 #include "raven/master_target.h"
 #include "raven2_trainer/core/counters.h"
-#include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/wire/itp_gate.h"
 #include "raven2_trainer/wire/sequence_rule.h"
 
 namespace raven2_trainer::raven {
+
+/** What faults on a stream of packets must know of one. */
+struct ItpTraits {
+  static std::uint32_t& sequence(wire::ItpPacket& packet) noexcept { return packet.sequence; }
+  static void takeMotion(wire::ItpPacket* to, const wire::ItpPacket& from) noexcept;
+  static void forge(wire::ItpPacket* packet, Arm arm, std::size_t axis, double um) noexcept;
+};
 
 /** The robot's receiver of ITP packets: fault site network_layer, size, order, accumulation (raven2.md 1.4, 1.5); or,
  *  hardened, what the daemon's own ingest demands in their place. Real-time safe. */
 class NetworkLayer {
  public:
   /** @param[in] key of signed ITP, outlives this; may be nullptr. Only a hardened robot verifies. */
-  NetworkLayer(const VirtualRavenConfig& config, const wire::ItpKey* key) noexcept;
+  NetworkLayer(const VirtualRavenConfig& config, const wire::ItpKey* key);
 
   /** One datagram as recvfrom gave it: compat cuts it to 124 bytes if longer; only hardened looks at source and time.
-   */
-  Reject receive(const wire::Arrival& arrival, faults::FaultEngine* faults) noexcept;
+   *  A packet that a fault loses was never received; one that it holds back is received when it comes out. */
+  void receive(const wire::Arrival& arrival, faults::FaultEngine* faults) noexcept;
+  /** Packets that a fault held back and that are due. Once a cycle. */
+  void release(faults::FaultEngine* faults) noexcept;
 
   /** Hardened with a key: whether this asks for a session; then it is answer()'s. */
   bool isHello(const wire::Arrival& arrival) const noexcept { return hardened_ && gate_.isHello(arrival); }
@@ -47,13 +56,13 @@ class NetworkLayer {
   const LinkCounts& counts() const noexcept { return counts_; }
 
  private:
-  Reject judge(const wire::Arrival& arrival, faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept;
-  Reject judgeHardened(const wire::Arrival& arrival, faults::FaultEngine* faults, wire::ItpPacket* packet) noexcept;
+  void take(wire::ItpPacket packet, faults::FaultEngine* faults) noexcept;
   void apply(const wire::ItpPacket& packet) noexcept;
 
   bool hardened_;
   wire::SequenceRule rule_;
   wire::ItpGate gate_;
+  faults::PacketStream<wire::ItpPacket, ItpTraits> held_{FaultVariable::kPacket};
   PerArm<MasterTarget> targets_{};
   LinkCounts counts_{};
   std::int64_t timeout_;

@@ -13,8 +13,11 @@ constexpr int kWatchdogHalf = 25;   // cycles high, then as many low
 
 }  // namespace
 
-void StateMachine::readPins(std::uint8_t gold_pins, std::uint8_t green_pins) noexcept {
-  const auto wanted = static_cast<RunLevel>(std::min(gold_pins >> pins::kLevelShift, green_pins >> pins::kLevelShift));
+RunLevel StateMachine::levelOf(std::uint8_t gold_pins, std::uint8_t green_pins) noexcept {
+  return static_cast<RunLevel>(std::min(gold_pins >> pins::kLevelShift, green_pins >> pins::kLevelShift));
+}
+
+void StateMachine::follow(RunLevel wanted) noexcept {
   if (wanted == level_) return;
   if (differing_cycles_ < kConfirmCycles) {
     ++differing_cycles_;
@@ -56,10 +59,10 @@ void StateMachine::stepInit(bool homed) noexcept {
   }
 }
 
-std::uint8_t StateMachine::outputPins(bool pedal) noexcept {
-  auto out = static_cast<unsigned>(level_);
-  if (pedal && level_ > RunLevel::kInit) out |= pins::kFootPedal;
-  if (initialized_) out |= pins::kReady;
+std::uint8_t StateMachine::outputPins(const Outputs& outputs) noexcept {
+  auto out = static_cast<unsigned>(outputs.level);
+  if (outputs.pedal && outputs.level > RunLevel::kInit) out |= pins::kFootPedal;
+  if (outputs.initialized) out |= pins::kReady;
   watchdog_phase_ = (watchdog_phase_ + 1) % (2 * kWatchdogHalf);
   if (watchdog_phase_ >= kWatchdogHalf && !soft_estopped_) out |= pins::kWatchdog;
   return static_cast<std::uint8_t>(out);

@@ -9,8 +9,11 @@ namespace raven2_trainer::raven {
 /** Run level and sub-level of the control software (raven2.md 4.3). Real-time safe. */
 class StateMachine {
  public:
-  /** Takes the lowest of the levels on the boards' pins; a change counts on the 4th differing cycle. */
-  void readPins(std::uint8_t gold_pins, std::uint8_t green_pins) noexcept;
+  /** The lowest of the levels on the boards' pins. */
+  static RunLevel levelOf(std::uint8_t gold_pins, std::uint8_t green_pins) noexcept;
+
+  /** Takes the level that the PLC asks for; a change counts on the 4th differing cycle. */
+  void follow(RunLevel wanted) noexcept;
 
   /** Walks the sub-levels of INIT; `homed` lets sub-level 3 end. Clears everything in E-STOP. */
   void step(bool homed) noexcept;
@@ -18,8 +21,14 @@ class StateMachine {
   /** Overdrive check or console: all DACs zero and no watchdog until E-STOP has been reached. */
   void softEstop() noexcept { soft_estopped_ = true; }
 
-  /** Pins for the PLC: level echo, FP, READY, watchdog. */
-  std::uint8_t outputPins(bool pedal) noexcept;
+  /** What the PLC is told. */
+  struct Outputs {
+    bool pedal{};
+    RunLevel level{RunLevel::kEStop};
+    bool initialized{};
+  };
+  /** Pins for the PLC: level echo, FP, READY, and the watchdog, which is the machine's own. */
+  std::uint8_t outputPins(const Outputs& outputs) noexcept;
 
   RunLevel runLevel() const noexcept { return level_; }
   std::uint8_t subLevel() const noexcept { return sub_level_; }

@@ -23,7 +23,9 @@ void FaultDirector::apply(const FaultRequest& request) {
     if (!cleared) next.faults[next.count++] = plan_.faults[i];
   }
   const FaultPlan added = config::planFor(config_, request.fault_id, 0);
-  if (request.start != 0 && added.count > 0 && next.count < kMaxFaults) next.faults[next.count++] = added.faults[0];
+  const bool fits = next.count + added.count <= kMaxFaults;  // a scenario is armed whole or not at all
+  for (std::size_t i = 0; request.start != 0 && fits && i < added.count; ++i)
+    next.faults[next.count++] = added.faults[i];
   ++next.generation;
   plan_ = next;
   shared_.faults.store(plan_);

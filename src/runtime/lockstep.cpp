@@ -13,6 +13,7 @@
 #include "raven2_trainer/runtime/physics_loop.h"
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/robot_link.h"
 #include "raven2_trainer/wire/itp.h"
 
@@ -68,8 +69,9 @@ struct Lockstep::Impl {
 
   void stepConsole() {
     const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
-    carry(bytes.data(), bytes.size(), &to_daemon,
-          [this](const std::uint8_t* data, std::size_t size) { ingest.receive({data, size, kConsole, now_ns}); });
+    carry(bytes.data(), bytes.size(), &to_daemon, [this](const std::uint8_t* data, std::size_t size) {
+      ingest.receive({data, size, kConsole, now_ns});
+    });
   }
 
   /** One packet, or none, into a link, and whatever comes out of it by now. */
@@ -100,17 +102,26 @@ struct Lockstep::Impl {
 
   void stepRobot() {
     RelayPacket packet;
-    while (shared->relay_packets.tryPop(&packet)) {
-      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(packet.command));
+    const auto send = [this](const MasterCommand& command) {
+      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
       software.receive(bytes.data(), bytes.size());
       shared->relay_sent.add();
-    }
+    };
+    while (shared->relay_packets.tryPop(&packet))
+      relay_channel.pass(packet, now_ns, send);
+    relay_channel.flush(now_ns, send);
     plant.step(software.cycle(plant.read()));
     receiveFaultPlan();
-    RobotState state = software.state();
-    state.time_ns = now_ns;
-    const std::size_t size = wire::encodeState(++frame_sequence, state, buffer.data());
-    link.receive(buffer.data(), size, now_ns);
+    returnState();
+  }
+
+  void returnState() {
+    software.returnState(now_ns);
+    RobotState state;
+    while (software.nextReturned(&state)) {
+      const std::size_t size = wire::encodeState(++frame_sequence, state, buffer.data());
+      link.receive(buffer.data(), size, now_ns);
+    }
   }
 
   void receiveFaultPlan() {
@@ -118,10 +129,11 @@ struct Lockstep::Impl {
     if (size == 0) return;
     to_robot.feed(buffer.data(), size);
     wire::Frame frame;
+    if (to_robot.next(&frame) != wire::FrameParser::Result::kFrame) return;
     FaultPlan armed;
-    if (to_robot.next(&frame) == wire::FrameParser::Result::kFrame && wire::decodeFaultPlan(frame, &armed)) {
-      software.setFaults(armed);
-    }
+    FaultSignals signals;
+    if (wire::decodeFaultPlan(frame, &armed)) software.setFaults(armed);
+    if (wire::decodeFaultSignals(frame, &signals)) software.setSignals(signals);
   }
 
   void deliverForce() {
@@ -175,6 +187,7 @@ struct Lockstep::Impl {
   raven::ControlSoftware software;
   plant::Plant plant;
   wire::FrameParser to_robot;
+  RelayChannel relay_channel{config};
   // the network between console and daemon; empty: a perfect one
   std::optional<impair::Channel> to_daemon, to_console;
 
@@ -198,6 +211,10 @@ Lockstep::~Lockstep() = default;
 void Lockstep::impair(const Impairment& impairment) {
   impl_->to_daemon.emplace(impairment, impl_->config.seed, 0, impl_->now_ns);
   impl_->to_console.emplace(impairment, impl_->config.seed, 1, impl_->now_ns);
+}
+
+void Lockstep::setSignals(const FaultSignals& signals) noexcept {
+  impl_->physics.setSignals(signals);
 }
 
 void Lockstep::tick() {

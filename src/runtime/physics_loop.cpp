@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/faults/packet_faults.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/runtime/contact_records.h"
 
@@ -40,6 +41,12 @@ bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
 Quat product(const Quat& later, const Quat& earlier) noexcept {
   if (later == kIdentityQuat) return earlier;  // exact, and the common case
   return toArray((toEigen(later) * toEigen(earlier)).normalized());
+}
+
+/** What a fault made of a turn may be no turn: then there is none. */
+Quat unitOrNone(const Quat& q) noexcept {
+  const double norm = toEigen(q).norm();
+  return norm > 1e-6 && std::isfinite(norm) ? toArray(toEigen(q).normalized()) : kIdentityQuat;
 }
 
 }  // namespace
@@ -94,6 +101,7 @@ void PhysicsLoop::readFaults() noexcept {
   FaultPlan plan;
   if (!shared_.faults.tryLoad(&plan)) return;
   relay_faults_.setPlan(plan);
+  master_faults_.setPlan(plan);
   if (plan.generation == fault_generation_) return;
   fault_generation_ = plan.generation;
   shared_.fault_records.tryPush({state_.tick + 1, plan});
@@ -102,21 +110,44 @@ void PhysicsLoop::readFaults() noexcept {
 void PhysicsLoop::drainCommands() noexcept {
   increments_ = Increments{};
   if (++silent_ticks_ >= silence_limit_) pedal_ = false;
+  master_faults_.beginCycle({pedal_, static_cast<int>(robot_.runlevel), state_.signals});
   MasterCommand command;
   for (const MasterCommand* next = nullptr; (next = shared_.master_commands.front()) != nullptr && fits(*next);) {
     shared_.master_commands.tryPop(&command);
     shared_.command_records.tryPush({state_.tick + 1, command});
-    pedal_ = command.pedal != 0;
-    silent_ticks_ = 0;
-    increments_.last_sequence = command.sequence;
-    ++increments_.commands;
-    if (!pedal_) continue;
-    for (const Arm arm : kArms) {
-      at(increments_.dp_I, arm) = sum(at(increments_.dp_I, arm), at(command.dp_I, arm));
-      at(increments_.dq_I, arm) = product(at(command.dq_I, arm), at(increments_.dq_I, arm));
-      at(increments_.dgrasp, arm) += at(command.dgrasp, arm);
+    const bool is_clean = !(master_faults_.isArmed() && mayInject()) && master_stream_.isEmpty();
+    master_faults_.beginPacket(command.pedal != 0);
+    if (is_clean) {
+      takeCommand(command);
+    } else {
+      master_stream_.offer(command, &master_faults_);
     }
   }
+  while (master_stream_.take(&command, master_faults_)) {
+    faults::applyToCommand(&master_faults_, &command);
+    for (Quat& dq : command.dq_I)
+      dq = unitOrNone(dq);
+    takeCommand(command);
+  }
+}
+
+void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
+  pedal_ = command.pedal != 0;
+  silent_ticks_ = 0;
+  increments_.last_sequence = command.sequence;
+  ++increments_.commands;
+  if (!pedal_) return;
+  for (const Arm arm : kArms) {
+    at(increments_.dp_I, arm) = sum(at(increments_.dp_I, arm), at(command.dp_I, arm));
+    at(increments_.dq_I, arm) = product(at(command.dq_I, arm), at(increments_.dq_I, arm));
+    at(increments_.dgrasp, arm) += at(command.dgrasp, arm);
+  }
+}
+
+/** Into what a real robot is sent, only with the second key. */
+bool PhysicsLoop::mayInject() const noexcept {
+  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
+  return !has_robot || robot_.is_virtual != 0 || config_.injection.real_robot;
 }
 
 /** Whether this tick may take one more. After a stall many wait: together they would be a jump, to the model as to the
@@ -388,17 +419,33 @@ void PhysicsLoop::relay() noexcept {
     packet.command.dq_I = increments_.dq_I;
     packet.command.dgrasp = increments_.dgrasp;
   }
-  if (robot_.is_virtual != 0) {  // never a real robot's commands
-    relay_faults_.beginCycle(linked_);
-    relay_faults_.applyToCommand(&packet.command);
+  relay_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.signals});
+  relay_faults_.beginPacket(linked_);
+  const bool is_clean = !(relay_faults_.isArmed() && mayInject()) && relay_stream_.isEmpty();
+  if (is_clean) return sendToRobot(packet);
+  relay_stream_.offer(packet.command, &relay_faults_);
+  while (relay_stream_.take(&packet.command, relay_faults_)) {
+    faults::applyToCommand(&relay_faults_, &packet.command);
+    sendToRobot(packet);
   }
-  shared_.relay_packets.tryPush(packet);
+}
+
+void PhysicsLoop::sendToRobot(const RelayPacket& packet) noexcept {
+  const auto network = relay_faults_.acting(FaultVariable::kPacket, FaultKind::kImpair);
+  RelayPacket sent = packet;
+  sent.impairment = network && mayInject() ? 1 + static_cast<std::uint32_t>(network.fault->value) : 0;
+  shared_.relay_packets.tryPush(sent);
 }
 
 void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   ++state_.tick;
   state_.time_ns = now_ns;
   state_.linked = linked_ ? 1 : 0;
+  const bool injects = mayInject();
+  state_.relay_faults = injects ? relay_faults_.activeMask() : std::uint8_t{0};
+  state_.master_faults = injects ? master_faults_.activeMask() : std::uint8_t{0};
+  const std::uint32_t relayed = injects ? relay_faults_.activeId() : 0;
+  state_.active_fault = relayed != 0 || !injects ? relayed : master_faults_.activeId();
   for (const Arm arm : kArms)
     fillArm(arm, &at(state_.arms, arm));
   world_.bodyPoses(&state_.bodies);

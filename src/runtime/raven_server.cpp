@@ -51,6 +51,8 @@ void RavenServer::controlTick(std::int64_t now_ns) noexcept {
 void RavenServer::takeInputs() noexcept {
   FaultPlan plan;
   if (state_server_.faults().tryLoad(&plan)) software_.setFaults(plan);
+  FaultSignals signals;
+  if (state_server_.signals().tryLoad(&signals)) software_.setSignals(signals);
   if (start_pressed_.exchange(false, std::memory_order_relaxed)) plant_.pressStart();
   Datagram datagram;
   while (datagrams_.tryPop(&datagram)) {
@@ -66,15 +68,23 @@ void RavenServer::takeInputs() noexcept {
 }
 
 void RavenServer::publish(std::int64_t now_ns) noexcept {
-  RobotState state = software_.state();
+  RobotState state = withLost(software_.state());
   state.time_ns = now_ns;
-  const std::uint64_t dropped = datagrams_.dropped();  // arrived, and no room on the way to the control loop
-  state.itp.received += dropped;
-  state.itp.rejected[static_cast<std::size_t>(Reject::kQueueFull)] += dropped;
   state_.store(state);
-  state_server_.push(state);
+  if (!software_.isAlive()) return;  // nobody is left to say anything
+  software_.returnState(now_ns);
+  while (software_.nextReturned(&state))
+    state_server_.push(withLost(state));
   reports_.tryPush(software_.report());
   report_ready_.signal();
+}
+
+/** With the datagrams that arrived and found no room on the way to the control loop. */
+RobotState RavenServer::withLost(RobotState state) const noexcept {
+  const std::uint64_t dropped = datagrams_.dropped();
+  state.itp.received += dropped;
+  state.itp.rejected[static_cast<std::size_t>(Reject::kQueueFull)] += dropped;
+  return state;
 }
 
 void RavenServer::receiveLoop() {

@@ -116,6 +116,7 @@ struct Resimulation::Impl {
       if (r.refused == 0) push(&shared->plan_results, r.result, now);
     });
     shared->robot.store(recorded.robot);
+    physics.setSignals(recorded.model.signals);
     if (recorded.slipped != 0) physics.timeSlip();
   }
 

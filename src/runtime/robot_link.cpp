@@ -106,9 +106,16 @@ void RobotLink::publish(std::int64_t received_ns) noexcept {
 std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
   if (state_.is_virtual == 0) return 0;  // no fault ever goes to a real robot
   FaultPlan plan;
-  if (!shared_.faults.tryLoad(&plan) || plan.generation == sent_generation_) return 0;
-  sent_generation_ = plan.generation;
-  return wire::encodeFaultPlan(++sequence_, plan, out);
+  if (shared_.faults.tryLoad(&plan) && plan.generation != sent_generation_) {
+    sent_generation_ = plan.generation;
+    has_plan_ = plan.count > 0;
+    sent_signals_ = FaultSignals{};
+    return wire::encodeFaultPlan(++sequence_, plan, out);
+  }
+  ModelState model;
+  if (!has_plan_ || !shared_.model.tryLoad(&model) || model.signals == sent_signals_) return 0;
+  sent_signals_ = model.signals;
+  return wire::encodeFaultSignals(++sequence_, model.signals, out);
 }
 
 }  // namespace raven2_trainer::runtime

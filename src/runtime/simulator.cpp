@@ -18,6 +18,7 @@
 #include "raven2_trainer/runtime/fault_director.h"
 #include "raven2_trainer/runtime/haptic_loop.h"
 #include "raven2_trainer/runtime/itp_sender.h"
+#include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/key_file.h"
 #include "raven2_trainer/runtime/master_ingest.h"
 #include "raven2_trainer/runtime/motion.h"
@@ -270,8 +271,11 @@ struct Simulator::Impl {
   }
 
   void sendWaiting() {
+    const std::int64_t now = net::monotonicNow();
+    const auto send = [this](const MasterCommand& command) { sendRelay(command); };
     while (shared->relay_packets.tryPop(&last_relay))
-      sendRelay(last_relay.command);
+      relay_channel.pass(last_relay, now, send);
+    relay_channel.flush(now, send);
     while (shared->force_packets.tryPop(&last_force))
       sendForce(last_force);
   }
@@ -441,6 +445,7 @@ struct Simulator::Impl {
   ImageSink sink;
   ForcePacket last_force{};  // the sender's own, as the next
   RelayPacket last_relay{};
+  RelayChannel relay_channel{config};
   std::atomic<bool> haptic_ended{false};
   MemoryLock memory;
   std::atomic<bool> stop{false};

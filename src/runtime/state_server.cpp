@@ -89,6 +89,8 @@ void StateServer::receive(ClientId client, const std::uint8_t* bytes, std::size_
 }
 
 void StateServer::handle(ClientId client, Reader* reader, const wire::Frame& frame) {
+  FaultSignals signals;
+  if (wire::decodeFaultSignals(frame, &signals) && plan_owner_ == client) signals_.store(signals);
   FaultPlan plan;
   if (!wire::decodeFaultPlan(frame, &plan)) return;
   const bool may_arm = is_virtual_ && (plan_owner_ == 0 || plan_owner_ == client);
@@ -130,6 +132,7 @@ void StateServer::forget(ClientId client) {
   connected_.erase(client);
   if (plan_owner_ != client) return;
   plan_owner_ = 0;
+  signals_.store(FaultSignals{});
   arm(FaultPlan{});  // nobody is left who could clear it: no fault stays armed
 }
 

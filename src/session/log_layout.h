@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/core/record.h"
 
 // What a record looks like in the log, said once. Layout<T>::visit() names each field of T in order, with its unit
@@ -56,8 +57,13 @@ struct EnumNames<FaultKind> {
 };
 
 template <>
-struct EnumNames<FaultTarget> {
-  static constexpr const auto& kNames = kFaultTargetNames;
+struct EnumNames<FaultVariable> {
+  static constexpr std::array<const char*, kFaultVariableCount> kNames = namesOf(kFaultVariables);
+};
+
+template <>
+struct EnumNames<FaultTrigger> {
+  static constexpr const auto& kNames = kFaultTriggerNames;
 };
 
 template <>
@@ -105,6 +111,17 @@ struct Layout<ArmState> {
 };
 
 template <>
+struct Layout<FaultSignals> {
+  template <typename Visitor, typename Signals>
+  static void visit(Visitor& v, Signals& s) {
+    v.field("tissue_distance", s.tissue_distance, "m", "of the nearer tip; infinite if there is none");
+    v.field("target_distance", s.target_distance, "m", "the same to the exercise's target");
+    v.field("step", s.step, "", "of the exercise; 0 none");
+    v.field("tool_changes", s.tool_changes, "", "presses of the button so far");
+  }
+};
+
+template <>
 struct Layout<ModelState> {
   template <typename Visitor, typename State>
   static void visit(Visitor& v, State& s) {
@@ -116,6 +133,10 @@ struct Layout<ModelState> {
     v.field("engaged", s.engaged, "", "1 while the robot is sent the surgeon's motion");
     v.field("robot_fresh", s.robot_fresh, "", "1 while the robot's state is connected and fresh");
     v.field("linked", s.linked, "", "1 while model and robot move from a common pose");
+    v.field("active_fault", s.active_fault, "", "fault acting on a stream of the daemon: position in scenarios + 1");
+    v.field("relay_faults", s.relay_faults, "", "bit i: row i of the armed plan acts on the stream to the robot");
+    v.field("master_faults", s.master_faults, "", "the same on the masters' stream");
+    v.field("signals", s.signals, "", "what faults' triggers look at");
     v.field("commands_used", s.commands_used, "packets", "master commands that moved the model in this tick");
     v.field("arms", s.arms, "", "gold, green");
     v.field("bodies", s.bodies, "", "free bodies of the scene in the world frame W");
@@ -144,14 +165,17 @@ struct Layout<RobotState> {
   static void visit(Visitor& v, State& s) {
     v.field("cycle", s.cycle, "ms", "robot control cycle that sent the frame");
     v.field("frame", s.frame, "frames", "applied so far; 0 = none yet, the rest is then meaningless");
-    v.field("time_ns", s.time_ns, "ns", "monotonic clock of the robot's computer in that cycle; in lockstep tick x 1e6");
-    v.field("received_ns", s.received_ns, "ns", "monotonic clock of the receipt less the delay; in lockstep tick x 1e6");
+    v.field("time_ns", s.time_ns, "ns",
+            "monotonic clock of the robot's computer in that cycle; in lockstep tick x 1e6");
+    v.field("received_ns", s.received_ns, "ns",
+            "monotonic clock of the receipt less the delay; in lockstep tick x 1e6");
     v.field("last_sequence", s.last_sequence, "", "newest ITP sequence number that the robot took");
     v.field("active_fault", s.active_fault, "", "fault acting in that cycle: position in scenarios + 1, 0 none");
     v.field("runlevel", s.runlevel, "", "run level of the robot's state machine");
     v.field("sublevel", s.sublevel, "", "its sublevel");
     v.field("connected", s.connected, "", "1 while the TCP link is up");
     v.field("homed", s.homed, "", "1 once homed");
+    v.field("fault_mask", s.fault_mask, "", "bit i: row i of the armed plan acts in the robot in that cycle");
     v.field("soft_estopped", s.soft_estopped, "", "1 after a stop by the software's own check");
     v.field("is_virtual", s.is_virtual, "", "1 for the virtual robot");
     v.field("arms", s.arms, "", "gold, green");
@@ -227,17 +251,25 @@ struct Layout<Fault> {
   template <typename Visitor, typename Row>
   static void visit(Visitor& v, Row& s) {
     v.field("id", s.id, "", "position in scenarios + 1; 0 none");
-    v.field("site", s.site, "", "where in the system it acts");
     v.field("host", s.host, "", "whose process applies it");
-    v.field("kind", s.kind, "", "what is done to the variable");
-    v.field("target", s.target, "", "which variable");
+    v.field("site", s.site, "", "where in the system it acts");
+    v.field("variable", s.variable, "", "on what");
+    v.field("kind", s.kind, "", "what is done to it");
+    v.field("trigger", s.trigger, "", "from when its ticks count");
     v.field("arm", s.arm, "", "0 gold, 1 green, -1 both");
-    v.field("joint", s.joint, "", "joint or master axis; -1 all");
-    v.field("first_tick", s.first_tick, "ms", "earliest start");
-    v.field("duration_ticks", s.duration_ticks, "ms", "length");
-    v.field("period_ticks", s.period_ticks, "ms", "repeated every; 0 once");
+    v.field("channel", s.channel, "", "element of the variable; -1 all");
+    v.field("first_tick", s.first_tick, "ms, packets", "earliest start");
+    v.field("duration_ticks", s.duration_ticks, "ms, packets", "length; 0 until cleared");
+    v.field("period_ticks", s.period_ticks, "ms, packets", "repeated every; 0 once");
     v.field("count", s.count, "", "number of times; 0 for ever");
-    v.field("value", s.value, "counts, um or factor", "by kind and target");
+    v.field("half_period_ticks", s.half_period_ticks, "ms, packets", "acts so long, rests so long; 0 never rests");
+    v.field("ramp_ticks", s.ramp_ticks, "ms, packets", "of a ramp");
+    v.field("threshold", s.threshold, "", "of the trigger");
+    v.field("probability", s.probability, "", "that it comes when it is due");
+    v.field("seed", s.seed, "", "of its draws");
+    v.field("value", s.value, "", "by variable and kind");
+    v.field("low", s.low, "", "by kind");
+    v.field("high", s.high, "", "by kind");
   }
 };
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/training/session_metrics.h"
 
 namespace raven2_trainer::training {
@@ -173,7 +174,26 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"lockstep", counts.lockstep != 0}});
 }
 
+Json describeInjection(const Injection& injection) {
+  const Fault& fault = injection.fault;
+  const Json robot_clear = injection.clear_cycle == 0 ? Json(nullptr) : Json(injection.clear_cycle);
+  return {{"name", injection.name},
+          {"host", kFaultHostNames[static_cast<std::size_t>(fault.host)]},
+          {"site", kFaultSiteNames[static_cast<std::size_t>(fault.site)]},
+          {"variable", infoOf(fault.variable).name},
+          {"arm", fault.arm < 0 ? "both" : kArmNames[static_cast<std::size_t>(fault.arm)]},
+          {"channel", fault.channel < 0 ? Json("all") : Json(fault.channel)},
+          {"kind", kFaultKindNames[static_cast<std::size_t>(fault.kind)]},
+          {"value", fault.value},
+          {"inject", {{"tick", injection.inject_tick}, {"cycle", injection.inject_cycle}}},
+          {"observe", {{"tick", orNull(injection.observe_tick)}}},
+          {"clear", {{"tick", orNull(injection.clear_tick)}, {"cycle", robot_clear}}}};
+}
+
 void writeFaults(const std::string& path, const SessionMetrics& metrics) {
+  Json injections = Json::array();
+  for (const Injection& injection : metrics.injections)
+    injections.push_back(describeInjection(injection));
   Json events = Json::array();
   for (const FaultEvent& event : metrics.faults) {
     events.push_back({{"name", event.name},
@@ -183,7 +203,8 @@ void writeFaults(const std::string& path, const SessionMetrics& metrics) {
   writeJson(path, {{"clocks",
                     {{"model", "ms since the first pedal down, as the daemon's ticks"},
                      {"robot", "ms, the robot's own control cycles"}}},
-                   {"faults", events}});
+                   {"faults", events},
+                   {"injections", injections}});
 }
 
 void setFrames(const std::string& path, std::uint64_t frames) {

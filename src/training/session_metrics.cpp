@@ -50,6 +50,7 @@ MetricsAccumulator::MetricsAccumulator(const session::LogHeader& header) : heade
 void MetricsAccumulator::add(const TickRecord& record) {
   model_now_ = record.model.tick;
   now_ = record.model.session_tick;
+  followRows(record);
   if (now_ >= 0) {
     if (first_ < 0) first_ = now_;
     ++metrics_.ticks;
@@ -59,9 +60,63 @@ void MetricsAccumulator::add(const TickRecord& record) {
   useForces();
 }
 
+void MetricsAccumulator::add(const FaultRecord& record) {
+  plans_.push_back(record);
+}
+
+void MetricsAccumulator::followRows(const TickRecord& record) {
+  followMask(FaultHost::kRobot, record.robot.frame > 0 ? record.robot.fault_mask : std::uint8_t{0}, record);
+  followMask(FaultHost::kRelay, record.model.relay_faults, record);
+  followMask(FaultHost::kMaster, record.model.master_faults, record);
+}
+
+void MetricsAccumulator::followMask(FaultHost host, std::uint8_t mask, const TickRecord& record) {
+  std::uint8_t& before = masks_[static_cast<std::size_t>(host)];
+  for (std::size_t row = 0; row < kMaxFaults; ++row) {
+    const bool acts = (mask >> row & 1) != 0, acted = (before >> row & 1) != 0;
+    if (acts && !acted) {
+      Span span{host, row, record.model.tick, {}};
+      span.injection.inject_tick = record.model.session_tick;
+      span.injection.inject_cycle = record.robot.cycle;
+      spans_.push_back(span);
+    }
+    if (acts || !acted) continue;
+    const auto open = std::find_if(spans_.rbegin(), spans_.rend(),
+                                   [&](const Span& span) { return span.host == host && span.row == row; });
+    open->injection.clear_tick = record.model.session_tick;
+    open->injection.clear_cycle = record.robot.cycle;
+  }
+  before = mask;
+}
+
+/** With the names: a plan may have been read from the log behind the first ticks that it was in force. */
+std::vector<Injection> MetricsAccumulator::injections() const {
+  std::vector<Injection> all;
+  for (const Span& span : spans_) {
+    Injection injection = span.injection;
+    for (const FaultRecord& record : plans_) {
+      const bool holds = record.tick <= span.model_tick && span.row < record.plan.count;
+      if (holds) injection.fault = record.plan.faults[span.row];
+    }
+    injection.name = nameOf(injection.fault.id);
+    for (const FaultEvent& event : metrics_.faults) {
+      const bool within =
+          injection.inject_tick >= event.first_tick && (event.end_tick < 0 || injection.inject_tick <= event.end_tick);
+      if (within && event.onset_tick >= injection.inject_tick) injection.observe_tick = event.onset_tick;
+    }
+    all.push_back(injection);
+  }
+  return all;
+}
+
+std::string MetricsAccumulator::nameOf(std::uint32_t id) const {
+  return id > 0 && id <= header_.scenarios.size() ? header_.scenarios[id - 1] : "fault_" + std::to_string(id);
+}
+
 void MetricsAccumulator::followFault(const TickRecord& record) {
-  const std::uint32_t acting = record.robot.frame > 0 ? record.robot.active_fault : 0;
-  if (acting != 0 && acting != active_fault_) beginFault(record.robot);
+  const std::uint32_t in_robot = record.robot.frame > 0 ? record.robot.active_fault : 0;
+  const std::uint32_t acting = in_robot != 0 ? in_robot : record.model.active_fault;
+  if (acting != 0 && acting != active_fault_) beginFault(acting, record.robot);
   active_fault_ = acting;
   if (acting != 0) {
     metrics_.faults.back().last_tick = now_;
@@ -77,11 +132,10 @@ void MetricsAccumulator::followFault(const TickRecord& record) {
   }
 }
 
-void MetricsAccumulator::beginFault(const RobotState& robot) {
+void MetricsAccumulator::beginFault(std::uint32_t id, const RobotState& robot) {
   if (inFault()) metrics_.faults.back().end_tick = now_ - 1;
   FaultEvent event;
-  const std::uint32_t id = robot.active_fault;
-  event.name = id <= header_.scenarios.size() ? header_.scenarios[id - 1] : "fault_" + std::to_string(id);
+  event.name = nameOf(id);
   event.first_tick = now_;
   event.first_cycle = robot.cycle;
   metrics_.faults.push_back(event);
@@ -151,6 +205,7 @@ SessionMetrics MetricsAccumulator::result() const {
   end.model_now_ = waiting_.empty() ? model_now_ : std::max(model_now_, waiting_.back().model_tick);
   end.now_ += end.model_now_ - model_now_;
   end.useForces();
+  end.metrics_.injections = end.injections();
   return end.metrics_;
 }
 
@@ -160,6 +215,7 @@ SessionMetrics computeMetrics(const std::string& log_path) {
   visitor.tick = [&](const TickRecord& record) { accumulator.add(record); };
   visitor.haptic = [&](const HapticRecord& record) { accumulator.add(record); };
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
+  visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
   return accumulator.result();

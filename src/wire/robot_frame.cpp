@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "raven2_trainer/core/bytes.h"
+#include "raven2_trainer/core/fault_variables.h"
 
 namespace raven2_trainer::wire {
 namespace {
@@ -18,14 +19,13 @@ constexpr std::uint16_t kFrameVersion = kFrameMajor << 8U | kFrameMinor;
 
 constexpr std::size_t kStateArmSize = 3 * kJointCount * sizeof(double) + kJointCount * (sizeof(std::int32_t) + 1);
 constexpr std::size_t kCountsSize = (2 + kRejectCount) * sizeof(std::uint64_t);
-constexpr std::size_t kStateSize = 8 + 8 + 4 + 4 + 4 + kArmCount * kStateArmSize + kCountsSize;
-static_assert(kStateSize == 618, "the layout of doc/wire.md; another size needs another version");
-constexpr std::size_t kReasonsOfMinor0 = 15;
-constexpr std::size_t kStateSizeOfMinor0 = kStateSize - (kRejectCount - kReasonsOfMinor0) * sizeof(std::uint64_t);
+constexpr std::size_t kStateSize = 8 + 8 + 4 + 4 + 5 + kArmCount * kStateArmSize + kCountsSize;
+static_assert(kStateSize == 619, "the layout of doc/wire.md; another size needs another version");
+constexpr std::size_t kSignalsSize = 2 * sizeof(double) + 2 * sizeof(std::uint32_t);
 
 constexpr std::size_t kFaultPlanHead = 8 + 4;
-constexpr std::size_t kFaultSize = 4 + 4 + 2 + 4 * sizeof(std::int64_t) + sizeof(double);
-static_assert(kFaultSize == 50, "the layout of doc/wire.md; another size needs another version");
+constexpr std::size_t kFaultSize = 4 + 8 + 8 + 6 * sizeof(std::int64_t) + 5 * sizeof(double);
+static_assert(kFaultSize == 108, "the layout of doc/wire.md; another size needs another version");
 static_assert(kFaultPlanHead + kMaxFaults * kFaultSize <= kMaxPayload && kStateSize <= kMaxPayload, "fits a frame");
 
 /** Far more than a drained parser ever holds; more means a caller that feeds and never takes. */
@@ -82,7 +82,7 @@ bool isOtherVersion(const Header& header) noexcept {
 bool isUsable(const Header& header) noexcept {
   const bool is_newer = (header.version & 0xFFU) > kFrameMinor;
   const bool is_known = header.type >= static_cast<std::uint16_t>(FrameType::kHello) &&
-                        header.type <= static_cast<std::uint16_t>(FrameType::kFaultPlan);
+                        header.type <= static_cast<std::uint16_t>(FrameType::kFaultSignals);
   return header.magic == kFrameMagic && (is_known || is_newer) && header.length <= kMaxPayload;
 }
 
@@ -155,13 +155,10 @@ void putCounts(ByteWriter& out, const LinkCounts& counts) noexcept {
   putAll(out, counts.rejected);
 }
 
-/** An older robot knows fewer reasons: zero of the others. */
-void getCounts(ByteReader& in, std::size_t reasons, LinkCounts* counts) noexcept {
-  *counts = LinkCounts{};
+void getCounts(ByteReader& in, LinkCounts* counts) noexcept {
   counts->received = in.get<std::uint64_t>();
   counts->applied = in.get<std::uint64_t>();
-  for (std::size_t i = 0; i < reasons; ++i)
-    counts->rejected[i] = in.get<std::uint64_t>();
+  getAll(in, &counts->rejected);
 }
 
 /** Run level, sub-level and flags. @return false on a value they cannot have. */
@@ -170,24 +167,45 @@ bool getStatus(ByteReader& in, RobotState* state) noexcept {
   state->sublevel = in.get<std::uint8_t>();
   state->homed = in.get<std::uint8_t>();
   state->soft_estopped = in.get<std::uint8_t>();
+  state->fault_mask = in.get<std::uint8_t>();
   if (runlevel >= kRunLevelNames.size() || state->homed > 1 || state->soft_estopped > 1) return false;
   state->runlevel = static_cast<RunLevel>(runlevel);
   return true;
 }
 
+/** The fields of a fault in the order of the wire. */
+template <typename Row, typename Call>
+void forEachTime(Row& fault, Call call) noexcept {
+  call(fault.first_tick);
+  call(fault.duration_ticks);
+  call(fault.period_ticks);
+  call(fault.count);
+  call(fault.half_period_ticks);
+  call(fault.ramp_ticks);
+}
+
+template <typename Row, typename Call>
+void forEachNumber(Row& fault, Call call) noexcept {
+  call(fault.threshold);
+  call(fault.probability);
+  call(fault.value);
+  call(fault.low);
+  call(fault.high);
+}
+
 void putFault(ByteWriter& out, const Fault& fault) noexcept {
   out.put(fault.id);
-  out.put(static_cast<std::uint8_t>(fault.site));
   out.put(static_cast<std::uint8_t>(fault.host));
+  out.put(static_cast<std::uint8_t>(fault.site));
+  out.put(static_cast<std::uint8_t>(fault.variable));
   out.put(static_cast<std::uint8_t>(fault.kind));
-  out.put(static_cast<std::uint8_t>(fault.target));
+  out.put(static_cast<std::uint8_t>(fault.trigger));
   out.put(fault.arm);
-  out.put(fault.joint);
-  out.put(fault.first_tick);
-  out.put(fault.duration_ticks);
-  out.put(fault.period_ticks);
-  out.put(fault.count);
-  out.put(fault.value);
+  out.put(fault.channel);
+  out.put(std::uint8_t{0});
+  out.put(fault.seed);
+  forEachTime(fault, [&](std::int64_t ticks) { out.put(ticks); });
+  forEachNumber(fault, [&](double number) { out.put(number); });
 }
 
 /** Reads an enum of one byte. @return false if it names none of `count` values. */
@@ -199,36 +217,19 @@ bool getEnum(ByteReader& in, std::size_t count, Enum* value) noexcept {
   return true;
 }
 
-/** A plan's times: so far from the ends of int64 that the engine's sums stay in it, and a million hours all the same.
- */
-constexpr std::int64_t kMaxFaultTicks = std::int64_t{1} << 42U;
-
-bool isTime(std::int64_t ticks) noexcept {
-  return ticks >= 0 && ticks <= kMaxFaultTicks;
-}
-
-bool isSane(const Fault& fault) noexcept {
-  const bool is_addressed = fault.arm >= -1 && fault.arm < static_cast<int>(kArmCount) && fault.joint >= -1 &&
-                            fault.joint < static_cast<int>(kJointCount);
-  const bool is_timed = fault.first_tick >= -kMaxFaultTicks && fault.first_tick <= kMaxFaultTicks &&
-                        isTime(fault.duration_ticks) && isTime(fault.period_ticks) && fault.count >= 0;
-  return is_addressed && is_timed && std::isfinite(fault.value);
-}
-
 bool getFault(ByteReader& in, Fault* fault) noexcept {
   fault->id = in.get<std::uint32_t>();
-  const bool is_known = getEnum(in, kFaultSiteCount, &fault->site) &&
-                        getEnum(in, kFaultHostNames.size(), &fault->host) &&
-                        getEnum(in, kFaultKindCount, &fault->kind) && getEnum(in, kFaultTargetCount, &fault->target);
+  const bool is_known = getEnum(in, kFaultHostCount, &fault->host) && getEnum(in, kFaultSiteCount, &fault->site) &&
+                        getEnum(in, kFaultVariableCount, &fault->variable) &&
+                        getEnum(in, kFaultKindCount, &fault->kind) && getEnum(in, kFaultTriggerCount, &fault->trigger);
   if (!is_known) return false;
   fault->arm = in.get<std::int8_t>();
-  fault->joint = in.get<std::int8_t>();
-  fault->first_tick = in.get<std::int64_t>();
-  fault->duration_ticks = in.get<std::int64_t>();
-  fault->period_ticks = in.get<std::int64_t>();
-  fault->count = in.get<std::int64_t>();
-  fault->value = in.get<double>();
-  return isSane(*fault);
+  fault->channel = in.get<std::int8_t>();
+  in.get<std::uint8_t>();
+  fault->seed = in.get<std::uint64_t>();
+  forEachTime(*fault, [&](std::int64_t& ticks) { ticks = in.get<std::int64_t>(); });
+  forEachNumber(*fault, [&](double& number) { number = in.get<double>(); });
+  return isSound(*fault);
 }
 
 }  // namespace
@@ -248,6 +249,7 @@ std::size_t encodeState(std::uint32_t sequence, const RobotState& state, std::ui
   payload.put(state.sublevel);
   payload.put(state.homed);
   payload.put(state.soft_estopped);
+  payload.put(state.fault_mask);
   for (const RobotArmState& arm : state.arms)
     putArm(payload, arm);
   putCounts(payload, state.itp);
@@ -264,6 +266,15 @@ std::size_t encodeFaultPlan(std::uint32_t sequence, const FaultPlan& plan, std::
   return finishFrame(FrameType::kFaultPlan, sequence, payload.size(), out);
 }
 
+std::size_t encodeFaultSignals(std::uint32_t sequence, const FaultSignals& signals, std::uint8_t* out) noexcept {
+  ByteWriter payload(out + kFrameHeaderSize, kMaxPayload);
+  payload.put(signals.tissue_distance);
+  payload.put(signals.target_distance);
+  payload.put(signals.step);
+  payload.put(signals.tool_changes);
+  return finishFrame(FrameType::kFaultSignals, sequence, payload.size(), out);
+}
+
 std::string refusalText(const std::string& who, std::uint16_t version) {
   return who + " refused: it speaks frame version " + versionText(version) + ", this program " +
          versionText(kFrameVersion);
@@ -276,8 +287,7 @@ bool saysVirtual(const Frame& hello) noexcept {
 
 Reject decodeState(const Frame& frame, RobotState* state) noexcept {
   if (frame.type != FrameType::kState) return Reject::kBadFrame;
-  const bool is_old = frame.minor == 0;
-  if (!hasSize(frame, is_old ? kStateSizeOfMinor0 : kStateSize)) return Reject::kWrongSize;
+  if (!hasSize(frame, kStateSize)) return Reject::kWrongSize;
   ByteReader in(frame.payload, frame.size);
   RobotState decoded = *state;
   decoded.cycle = in.get<std::uint64_t>();
@@ -289,7 +299,7 @@ Reject decodeState(const Frame& frame, RobotState* state) noexcept {
     const Reject reason = getArm(in, &arm);
     if (reason != Reject::kNone) return reason;
   }
-  getCounts(in, is_old ? kReasonsOfMinor0 : kRejectCount, &decoded.itp);
+  getCounts(in, &decoded.itp);
   *state = decoded;
   return Reject::kNone;
 }
@@ -305,6 +315,20 @@ bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept {
     if (!getFault(in, &decoded.faults[i])) return false;
   }
   *plan = decoded;
+  return true;
+}
+
+bool decodeFaultSignals(const Frame& frame, FaultSignals* signals) noexcept {
+  if (frame.type != FrameType::kFaultSignals || !hasSize(frame, kSignalsSize)) return false;
+  ByteReader in(frame.payload, frame.size);
+  FaultSignals decoded;
+  decoded.tissue_distance = in.get<double>();
+  decoded.target_distance = in.get<double>();
+  decoded.step = in.get<std::uint32_t>();
+  decoded.tool_changes = in.get<std::uint32_t>();
+  // Infinity says "nothing there".
+  if (!(decoded.tissue_distance >= 0.0) || !(decoded.target_distance >= 0.0)) return false;
+  *signals = decoded;
   return true;
 }
 

@@ -28,11 +28,11 @@ TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
   config.runtime.plan_at = -1.0;
-  Fault& fault = config.scenarios[0].fault;
+  Fault& fault = config.scenarios[0].faults[0];
   fault.site = FaultSite::kNetworkLayer;
   fault.kind = FaultKind::kAdd;
-  fault.target = FaultTarget::kIncrement;
-  fault.joint = 0;
+  fault.variable = FaultVariable::kIncrement;
+  fault.channel = 0;
   fault.value = 2.0;
   fault.first_tick = 500;
   fault.duration_ticks = 300;
@@ -79,7 +79,7 @@ TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
-  config.scenarios[0].fault.first_tick = 2000;
+  config.scenarios[0].faults[0].first_tick = 2000;
   raven2_trainer::testing::Rig rig(config);
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 1500; ++i)

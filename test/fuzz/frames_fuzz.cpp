@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
-#include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/faults/packet_faults.h"
+#include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/wire/robot_frame.h"
 
 // The TCP link: bytes in any pieces, then what the frames say, then a robot that runs the fault plan.
@@ -53,11 +54,17 @@ void mend(Bytes* stream) {
 void runPlan(const FaultPlan& plan) {
   faults::FaultEngine engine(FaultHost::kRobot);
   engine.setPlan(plan);
+  faults::CommandStream stream(FaultVariable::kPacket);
   for (int cycle = 0; cycle < 20; ++cycle) {
-    engine.beginCycle(cycle % 7 != 6);
-    engine.apply(FaultSite::kPutUsbPacket, FaultTarget::kDac, Arm::kGold, 0, 100.0);
-    engine.apply(FaultSite::kGetUsbPacket, FaultTarget::kEncoder, Arm::kGreen, 6, -1e6);
-    engine.apply(FaultSite::kNetworkLayer, FaultTarget::kIncrement, Arm::kGold, 2, 7.0);
+    engine.beginCycle({cycle % 7 != 6, cycle % 4, {}});
+    engine.beginPacket(true);
+    engine.apply(FaultVariable::kDac, Arm::kGold, 0, 100.0);
+    engine.applyInt(FaultVariable::kEncoder, Arm::kGreen, 6, -1000000);
+    engine.apply(FaultVariable::kIncrement, Arm::kGold, 2, 7.0);
+    MasterCommand command;
+    stream.offer(command, &engine);
+    while (stream.take(&command, engine))
+      faults::applyToCommand(&engine, &command);
     engine.activeId();
   }
 }
@@ -80,6 +87,8 @@ void use(const wire::Frame& frame) {
     require(plan.count <= kMaxFaults, "a plan fits");
     runPlan(plan);
   }
+  FaultSignals signals;
+  if (wire::decodeFaultSignals(frame, &signals)) require(signals.tissue_distance >= 0.0, "a distance is one");
   wire::saysVirtual(frame);
 }
 

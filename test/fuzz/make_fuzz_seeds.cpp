@@ -110,7 +110,7 @@ FaultPlan plan() {
     f.id = i + 1;
     f.site = FaultSite::kPutUsbPacket;
     f.kind = FaultKind::kStuckAt;
-    f.target = FaultTarget::kDac;
+    f.variable = FaultVariable::kDac;
     f.first_tick = i == 0 ? 2 : std::numeric_limits<std::int64_t>::max();
     f.duration_ticks = 3;
     f.period_ticks = 5;

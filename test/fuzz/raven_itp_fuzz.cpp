@@ -1,5 +1,10 @@
+#include <array>
+#include <cmath>
+#include <cstring>
+
 #include "fuzz/fuzz_target.h"
 #include "raven/network_layer.h"
+#include "raven2_trainer/core/fault_variables.h"
 
 // The robot's own receiver, which takes whatever the original took: any values, in its own order rule, with the packet
 // faults of a fuzzed plan. Nothing is promised of the poses (the original's become NaN too), but that no value is
@@ -17,16 +22,23 @@ FaultPlan readPlan(Input* input) {
   fault.id = 1;
   fault.host = FaultHost::kRobot;
   fault.site = FaultSite::kNetworkLayer;
-  fault.target = (input->byte() & 1U) != 0 ? FaultTarget::kPedal : FaultTarget::kIncrement;
+  constexpr std::array<FaultVariable, 7> kVariables{FaultVariable::kIncrement, FaultVariable::kPedal,
+                                                    FaultVariable::kQuaternion, FaultVariable::kTurn,
+                                                    FaultVariable::kGrasp,      FaultVariable::kSequence,
+                                                    FaultVariable::kPacket};
+  fault.variable = kVariables[input->byte() % kVariables.size()];
   fault.kind = static_cast<FaultKind>(input->byte() % kFaultKindCount);
   fault.arm = static_cast<std::int8_t>(input->byte() % 3 - 1);
-  fault.joint = static_cast<std::int8_t>(input->byte() % 4 - 1);
+  fault.channel = static_cast<std::int8_t>(input->byte() % 4 - 1);
   fault.first_tick = input->byte();
   fault.duration_ticks = input->byte();
   fault.period_ticks = input->byte();
   fault.count = input->byte();
   const Bytes value = input->take(sizeof(fault.value));
   if (!value.empty()) std::memcpy(&fault.value, value.data(), value.size());
+  fault.low = std::trunc(fault.value / 2.0);
+  fault.high = fault.value;
+  if (!isSound(fault)) plan.count = 0;  // as the link refuses it
   return plan;
 }
 
@@ -46,10 +58,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   while (!input.empty()) {
     const std::uint8_t kind = input.byte();
     const fuzz::Bytes bytes = input.take((kind & 1U) == 0 ? wire::kItpSize : kind / 2U);
-    faults.beginCycle(robot.pedal());
-    const Reject reason = robot.receive({bytes.data(), bytes.size(), 1, time_ns += kTickNanoseconds}, &faults);
+    faults.beginCycle({robot.pedal(), 3, {}});
+    const std::uint64_t applied = robot.counts().applied;
+    robot.release(&faults);
+    const std::uint64_t released = robot.counts().applied;
+    robot.receive({bytes.data(), bytes.size(), 1, time_ns += kTickNanoseconds}, &faults);
     fuzz::require(robot.counts().addsUp(), "received = applied + rejected");
-    fuzz::require(bytes.size() >= wire::kItpSize || reason == Reject::kWrongSize, "a short datagram is refused");
+    fuzz::require(bytes.size() >= wire::kItpSize || robot.counts().applied == released, "a short datagram is refused");
+    fuzz::require(released >= applied, "nothing is taken back");
     robot.tick();
     for (const Arm arm : kArms)
       robot.target(arm).pose();

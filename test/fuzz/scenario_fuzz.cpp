@@ -1,8 +1,9 @@
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
-#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/load_scenario.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/fault_variables.h"
 
 // A scenario file. Input: a byte (even: the text follows; odd: edits of the packaged scenario, fuzz_target.h), the
 // rest.
@@ -11,9 +12,8 @@ namespace raven2_trainer::fuzz {
 namespace {
 
 void requireSane(const Fault& fault) {
-  require(std::isfinite(fault.value) && std::abs(fault.value) <= 32768.0, "a fault's value is in range");
-  require(fault.duration_ticks >= 1 && fault.period_ticks >= 0 && fault.count >= 0, "a fault's times are in range");
-  require(fault.kind != FaultKind::kNone && fault.target != FaultTarget::kNone, "a fault does something");
+  require(isSound(fault), "an engine can work with it");
+  require(fault.kind != FaultKind::kNone && fault.variable != FaultVariable::kNone, "a fault does something");
 }
 
 }  // namespace
@@ -27,7 +27,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool edits = (input.byte() & 1U) != 0;
   const std::string file = scratch.write("sudden_jump.yaml", edits ? fuzz::edited(packaged, &input) : input.rest());
   try {
-    fuzz::requireSane(config::loadScenario(file, 1).fault);
+    for (const Fault& fault : config::loadScenario(file, 1, {"net_delay_1", "wan"}).faults)
+      fuzz::requireSane(fault);
   } catch (const ConfigException& e) {
     fuzz::requirePlace(e.what(), file);
   }

@@ -5,9 +5,9 @@ import threading
 import zlib
 
 HEADER = struct.Struct("<4sHHII")
-STATE = struct.Struct("<QqII4B" + 2 * "21d7i7B" + "23Q")
+STATE = struct.Struct("<QqII5B" + 2 * "21d7i7B" + "23Q")
 PLAN_HEAD = struct.Struct("<QI")
-VERSION = 0x201
+VERSION = 0x300
 HELLO, STATE_TYPE, PLAN = 1, 2, 3
 
 
@@ -17,8 +17,8 @@ class State:
     def __init__(self, payload):
         values = STATE.unpack(payload)
         self.cycle, self.time_ns, self.last_sequence, self.active_fault = values[:4]
-        self.runlevel, self.sublevel, self.homed, self.soft_estopped = values[4:8]
-        arms = [values[8 + 35 * a:8 + 35 * (a + 1)] for a in (0, 1)]
+        self.runlevel, self.sublevel, self.homed, self.soft_estopped, self.fault_mask = values[4:9]
+        arms = [values[9 + 35 * a:9 + 35 * (a + 1)] for a in (0, 1)]
         self.q = [list(arm[0:7]) for arm in arms]
         self.dq = [list(arm[7:14]) for arm in arms]
         self.motor = [list(arm[14:21]) for arm in arms]
@@ -90,7 +90,8 @@ class FrameReader:
 
     def send_plan(self, fault_id=1):
         """A plan of one fault that never begins (first tick in the far future)."""
-        payload = PLAN_HEAD.pack(1, 1) + struct.pack("<I4B2b4qd", fault_id, 3, 0, 1, 1, 0, 0, 10**12, 300, 0, 1, 0.0)
+        payload = PLAN_HEAD.pack(1, 1) + struct.pack(
+            "<I5B2bBQ6q5d", fault_id, 0, 13, 34, 1, 0, 0, 0, 0, 0, 10**12, 300, 0, 1, 0, 0, 0.0, 1.0, 0.0, 0.0, 0.0)
         self._sequence += 1
         head = HEADER.pack(b"RV2T", VERSION, PLAN, len(payload), self._sequence)
         self._socket.sendall(head + struct.pack("<I", zlib.crc32(payload, zlib.crc32(head))) + payload)

@@ -22,7 +22,8 @@ struct MasterCommand {
 /** What the relay sends the robot for one tick: the increments that the model applied. */
 struct RelayPacket {
   Tick tick{};
-  MasterCommand command{};  ///< sequence is the relay's own
+  MasterCommand command{};     ///< sequence is the relay's own
+  std::uint32_t impairment{};  ///< 1 + position of the bad network it goes through, 0 none
 };
 
 /** Force for the console, one a haptic tick. */
@@ -36,8 +37,8 @@ struct ForcePacket {
 /** Orders from operators (ROS services, schedules) to the physics loop. */
 enum class RequestKind : std::uint8_t { kNone, kEngage, kDisengage, kPlan, kCancelPlan, kSetCollisions };
 constexpr std::size_t kRequestKindCount = 6;
-constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{"none", "engage", "disengage", "plan",
-                                                                       "cancel_plan", "set_collisions"};
+constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{"none", "engage",      "disengage",
+                                                                       "plan", "cancel_plan", "set_collisions"};
 
 struct Request {
   RequestKind kind{RequestKind::kNone};

@@ -132,6 +132,14 @@ constexpr const FaultChannelNames& channelsOf(FaultVariable variable) noexcept {
   return kFaultChannelNames[static_cast<std::size_t>(infoOf(variable).channels)];
 }
 
+template <std::size_t N>
+constexpr std::array<const char*, N> namesOf(const std::array<FaultVariableInfo, N>& variables) noexcept {
+  std::array<const char*, N> names{};
+  for (std::size_t i = 0; i < N; ++i)
+    names[i] = variables[i].name;
+  return names;
+}
+
 /** The table stands in the order of the enumeration. */
 constexpr bool isFaultTableInOrder() noexcept {
   for (std::size_t i = 0; i < kFaultVariableCount; ++i) {
@@ -140,6 +148,19 @@ constexpr bool isFaultTableInOrder() noexcept {
   return true;
 }
 static_assert(isFaultTableInOrder(), "infoOf() finds a variable by its number");
+
+/** Which kinds a variable takes. */
+bool takes(FaultVariable variable, FaultKind kind) noexcept;
+
+/** Whether every field is one that an engine can work with, whoever sent it: numbers finite, enumerations and channels
+ *  known, site and variable and kind of each other, times within a million hours, counts of a stream within its room.
+ */
+bool isSound(const Fault& fault) noexcept;
+
+constexpr double kMaxStreamDelay = 500;  ///< [ticks] what a stream can hold back, and the longest replay [packets]
+constexpr double kMaxDuplicates = 8;
+constexpr double kMaxReordered = 64;
+constexpr double kMaxForgedAhead = 1e6;
 
 /** Hosts that serve a site. */
 constexpr bool serves(FaultHost host, FaultSite site) noexcept {

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/types.h"
 
 // State structs that cross threads word by word, so everything is a plain array. Joint coordinates are the robot's
@@ -23,8 +24,8 @@ enum class Mode : std::uint8_t {
   kPaused,         ///< simulated time was lost: the model holds, the session's clock stands, until a new pedal-down
 };
 constexpr std::size_t kModeCount = 7;
-constexpr std::array<const char*, kModeCount> kModeNames{"waiting",  "pedal_up", "teleoperating",
-                                                         "planning", "tracking", "stopped",       "paused"};
+constexpr std::array<const char*, kModeCount> kModeNames{"waiting",  "pedal_up", "teleoperating", "planning",
+                                                         "tracking", "stopped",  "paused"};
 
 /** Run level of the Raven's state machine (raven2.md 4.3). */
 enum class RunLevel : std::uint8_t { kEStop = 0, kInit = 1, kPedalUp = 2, kPedalDown = 3 };
@@ -51,10 +52,14 @@ struct ModelState {
   Tick session_tick{-1};   ///< [1 ms] since the first pedal down; -1 before
   std::int64_t time_ns{};  ///< [ns] CLOCK_MONOTONIC at the start of the tick; in lockstep tick x 1e6
   Mode mode{Mode::kWaiting};
-  std::uint8_t pedal{};           ///< 1 while the surgeon's pedal is down
-  std::uint8_t engaged{1};        ///< 1 while the robot is sent the surgeon's motion
-  std::uint8_t robot_fresh{};     ///< 1 while the robot's state is connected and at most 20 ms old
-  std::uint8_t linked{};       ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
+  std::uint8_t pedal{};          ///< 1 while the surgeon's pedal is down
+  std::uint8_t engaged{1};       ///< 1 while the robot is sent the surgeon's motion
+  std::uint32_t active_fault{};  ///< Fault::id acting on one of the two streams, 0 none
+  std::uint8_t relay_faults{};   ///< bit i: row i of the armed plan acts on the stream to the robot
+  std::uint8_t master_faults{};  ///< the same on the masters' stream
+  std::uint8_t robot_fresh{};    ///< 1 while the robot's state is connected and at most 20 ms old
+  std::uint8_t linked{};   ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
+  FaultSignals signals{};  ///< what faults' triggers look at
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order
@@ -67,6 +72,9 @@ constexpr std::uint8_t kMaxJointState = 6;
 constexpr std::uint8_t kJointStateUnknown = 255;  ///< a robot that does not tell it
 constexpr std::array<std::uint8_t, kJointCount> kNoJointStates{255, 255, 255, 255, 255, 255, 255};
 
+/** Whether the robot's control program runs: faults can end it. */
+enum class ProgramState : std::uint8_t { kRunning, kHung, kCrashed };
+
 /** One arm of the robot as received. */
 struct RobotArmState {
   JointArray q{};                               ///< [rad; m for kInsertion]
@@ -74,8 +82,8 @@ struct RobotArmState {
   JointArray motor{};                           ///< [rad] motor position
   std::array<std::int32_t, kJointCount> dac{};  ///< [counts] last command, after the robot's clipping and after faults
   std::array<std::uint8_t, kJointCount> jstate = kNoJointStates;  ///< homing state of each joint
-  Vec3 p_BT{};                                  ///< [m] tool tip by forward kinematics of `q`
-  Vec3 v_BT{};                                  ///< [m/s] J dq (paper, eq. 3)
+  Vec3 p_BT{};                                                    ///< [m] tool tip by forward kinematics of `q`
+  Vec3 v_BT{};                                                    ///< [m/s] J dq (paper, eq. 3)
 };
 
 /** The robot, from its newest state frame. */
@@ -91,7 +99,9 @@ struct RobotState {
   std::uint8_t connected{};  ///< 1 while the TCP link is up
   std::uint8_t homed{};
   std::uint8_t soft_estopped{};
-  std::uint8_t is_virtual{};  ///< 1 only if the hello said "virtual"; anything else is a real robot
+  std::uint8_t fault_mask{};                     ///< bit i: row i of the armed plan acts in that cycle
+  ProgramState program{ProgramState::kRunning};  ///< does not travel: who does not run sends nothing
+  std::uint8_t is_virtual{};                     ///< 1 only if the hello said "virtual"; anything else is a real robot
   PerArm<RobotArmState> arms{};
   LinkCounts itp{};  ///< the robot's own count of our packets
 };

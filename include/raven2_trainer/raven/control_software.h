@@ -15,7 +15,7 @@ namespace raven2_trainer::raven {
 /**
  * The Raven's control program (`r2_control`), emulated and stepped: network layer with the robot's own sequence rules,
  * state machine, inverse kinematics, cable coupling, PD in motor space, DAC, overdrive check, USB packets, in the
- * order of raven2.md 4.2, with the paper's three injection points. No sockets, threads or clocks.
+ * order of raven2.md 4.2, with an injection point in each of its functions (core/fault_variables.h). No sockets, threads or clocks.
  * Real-time safe after construction.
  */
 class ControlSoftware {
@@ -43,6 +43,13 @@ class ControlSoftware {
   /** Faults to apply from the next cycle on. */
   void setFaults(const FaultPlan& plan) noexcept;
 
+  /** What their triggers look at, from the next cycle on. */
+  void setSignals(const FaultSignals& signals) noexcept;
+
+  /** false from the cycle in which a fault ended or stopped the program: it does nothing any more, the boards keep
+   *  their last commands. state().program says which. */
+  bool isAlive() const noexcept;
+
   /** Homed and in PEDAL_UP, both arms exactly at home where the boards' counts are 0. Before the first cycle. */
   void startAtHome() noexcept;
 
@@ -57,8 +64,13 @@ class ControlSoftware {
   PerArm<UsbOutBytes> cycle(const PerArm<UsbInBytes>& boards) noexcept;
 
   /** What the state frame carries after the last cycle: cycle, last_sequence, active_fault, run level, arms' q, dq,
-   *  motor, dac, homed, soft_estopped, itp counters. */
+   *  motor, dac, homed, soft_estopped, itp counters, fault_mask; program says whether it still runs. */
   const RobotState& state() const noexcept;
+
+  /** The state as it is sent to the daemon: one goes in behind each cycle, as many come out as faults let.
+   *  @param[in] time_ns [ns] clock of the robot's computer in that cycle. */
+  void returnState(std::int64_t time_ns) noexcept;
+  bool nextReturned(RobotState* state) noexcept;
 
   /** What the robot publishes on /ravenstate after the last cycle. */
   const RavenReport& report() const noexcept;

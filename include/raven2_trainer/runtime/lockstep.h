@@ -44,6 +44,9 @@ class Lockstep {
    */
   bool run(double seconds, const std::function<void(double)>& progress);
 
+  /** What faults' triggers look at, from the next tick on. */
+  void setSignals(const FaultSignals& signals) noexcept;
+
   /** One tick of everything, for tests. */
   void tick();
 

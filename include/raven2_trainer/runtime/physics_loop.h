@@ -11,7 +11,7 @@
 #include "raven2_trainer/control/teleop_mapper.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
-#include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/runtime/model_driver.h"
@@ -43,6 +43,9 @@ class PhysicsLoop {
   /** The same at the next tick, from any thread: another loop of the exercise gave up time. */
   void requestPause() noexcept { pause_requested_.store(true, std::memory_order_relaxed); }
 
+  /** What faults' triggers look at, from the next tick on; from the thread of the ticks. */
+  void setSignals(const FaultSignals& signals) noexcept { state_.signals = signals; }
+
   /** Bodies by the numbers of contacts. */
   const std::vector<std::string>& bodyNames() const noexcept { return world_.bodyNames(); }
 
@@ -57,6 +60,8 @@ class PhysicsLoop {
 
   void readInputs(std::int64_t now_ns) noexcept;
   void drainCommands() noexcept;
+  void takeCommand(const MasterCommand& command) noexcept;
+  bool mayInject() const noexcept;
   bool fits(const MasterCommand& command) const noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;
@@ -78,6 +83,7 @@ class PhysicsLoop {
   void joinRobot() noexcept;
   void driveModel(const PerArm<JointArray>& target) noexcept;
   void relay() noexcept;
+  void sendToRobot(const RelayPacket& packet) noexcept;
   void publish(std::int64_t now_ns) noexcept;
   void publishContacts() noexcept;
   void fillArm(Arm arm, ArmState* state) const noexcept;
@@ -88,7 +94,8 @@ class PhysicsLoop {
   PerArm<control::TeleopMapper> mappers_;
   ModelDriver driver_;
   control::PathFollower follower_;
-  faults::FaultEngine relay_faults_{FaultHost::kRelay};
+  faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster};
+  faults::CommandStream relay_stream_{FaultVariable::kPacket}, master_stream_{FaultVariable::kPacket};
   std::int64_t stale_ns_, lost_ns_;
   Tick silence_limit_;
 

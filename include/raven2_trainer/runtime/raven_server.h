@@ -69,6 +69,7 @@ class RavenServer {
   void controlTick(std::int64_t now_ns) noexcept;
   void takeInputs() noexcept;
   void publish(std::int64_t now_ns) noexcept;
+  RobotState withLost(RobotState state) const noexcept;
   void receiveLoop();
   void takeDatagrams();
   void sendReplies();

@@ -43,7 +43,8 @@ class RobotLink {
    * last one, of which the robot does not know yet that it is dead. */
   void resendPlan() noexcept { sent_generation_ = ~std::uint64_t{0}; }
 
-  /** A frame to send now (the fault plan, when it changed or the robot is new); 0 if there is none.
+  /** A frame to send now (the fault plan, when it changed or the robot is new; then what its triggers look at, when that
+   *  changed); 0 if there is none.
    *  @param[out] out at least wire::kMaxFrame bytes. */
   std::size_t pendingFrame(std::uint8_t* out) noexcept;
 
@@ -66,6 +67,8 @@ class RobotLink {
   LinkCounts counts_{};
   bool is_first_{true};  ///< no frame of this connection yet: only then a hello may come
   std::uint64_t sent_generation_{~std::uint64_t{0}};
+  bool has_plan_{false};      ///< something is armed
+  FaultSignals sent_signals_{};
   std::uint32_t sequence_{0};
   std::uint16_t refused_version_{0};
 };

@@ -49,6 +49,9 @@ class StateServer {
   /** The plan armed now; its generation changes with every plan. Any thread. */
   const StateCell<FaultPlan>& faults() const noexcept { return faults_; }
 
+  /** What its triggers look at, from the owner of the plan. Any thread. */
+  const StateCell<FaultSignals>& signals() const noexcept { return signals_; }
+
   std::uint16_t port() const noexcept { return server_.port(); }
 
   // Any thread.
@@ -87,6 +90,7 @@ class StateServer {
   net::EventFd state_ready_;
   SpscRing<RobotState, 256> states_;    // push() -> thread
   StateCell<FaultPlan> faults_;         // written by the thread
+  StateCell<FaultSignals> signals_;     // written by the thread
   StateCell<net::FrameTotals> frames_;  // written by the thread
   std::atomic<std::uint64_t> plans_refused_{0}, readers_refused_{0}, readers_evicted_{0};
   std::atomic<std::size_t> reader_count_{0}, parts_waiting_{0};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -39,12 +40,24 @@ struct FaultEvent {
   Tick errorToForce() const noexcept { return force_tick < 0 ? -1 : force_tick - onset_tick; }
 };
 
+/** One row of a fault plan from when it began to act until it ended: the ground truth. */
+struct Injection {
+  Fault fault{};  ///< id 0: not in the record
+  std::string name;
+  Tick inject_tick{};            ///< [1 ms] session ticks, -1 before the first pedal down; first that saw it
+  Tick clear_tick{-1};           ///< first that no longer saw it; -1 it lasts to the end
+  std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock of the same
+  std::uint64_t clear_cycle{};   ///< 0: it lasts to the end
+  Tick observe_tick{-1};         ///< first session tick with the tips parted by more than the tolerance; -1 never
+};
+
 struct SessionMetrics {
   double duration{};         ///< [s] from the first pedal down
   std::uint64_t ticks{};     ///< of the same span
   RunningStats error;        ///< [m] tip distance, larger arm, while both follow the surgeon, outside faults
   double error_max_force{};  ///< [N] largest force outside faults and their aftermath
   std::vector<FaultEvent> faults;
+  std::vector<Injection> injections;
   double max_force{};  ///< [N]
   double tolerance{};  ///< [m]
   PlanResult plan{};   ///< newest, status kNone if none was asked for
@@ -68,6 +81,7 @@ class MetricsAccumulator {
   void add(const TickRecord& record);
   void add(const HapticRecord& record);
   void add(const PlanRecord& record);
+  void add(const FaultRecord& record);
   void add(const SessionCounts& counts);
   SessionMetrics result() const;
 
@@ -78,8 +92,20 @@ class MetricsAccumulator {
     double newton{};  ///< [N] larger of both arms
   };
 
+  /** A row that acts, or acted; which fault that is the plans tell. */
+  struct Span {
+    FaultHost host{};
+    std::size_t row{};
+    Tick model_tick{};
+    Injection injection;
+  };
+
+  void followRows(const TickRecord& record);
+  void followMask(FaultHost host, std::uint8_t mask, const TickRecord& record);
+  std::vector<Injection> injections() const;
   void followFault(const TickRecord& record);
-  void beginFault(const RobotState& robot);
+  std::string nameOf(std::uint32_t id) const;
+  void beginFault(std::uint32_t id, const RobotState& robot);
   void followAftermath(double error, bool comparable, bool follows);
   void useForces();
   void useForce(const Force& force);
@@ -89,6 +115,9 @@ class MetricsAccumulator {
   session::LogHeader header_;
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
+  std::vector<FaultRecord> plans_;
+  std::vector<Span> spans_;
+  std::array<std::uint8_t, kFaultHostCount> masks_{};  ///< of the tick before
   Tick first_{-1};      ///< session tick of the first tick seen in the session; -1 before
   Tick now_{-1};        ///< session tick being looked at
   Tick model_now_{-1};  ///< its model tick

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/load_scenario.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "support/hostile_file.h"
 
@@ -13,7 +14,7 @@ using testing::expectRefusedCheaply;
 
 void expectRefused(const std::string& text, const std::string& reason) {
   expectRefusedCheaply<ConfigException>("hostile.yaml", text, reason,
-                                        [](const std::string& path) { loadScenario(path, 1); });
+                                        [](const std::string& path) { loadScenario(path, 1, {}); });
 }
 
 std::string times(std::size_t n, const std::string& text) {
@@ -107,7 +108,8 @@ TEST(HostileYaml, ALongQuotedValueWithoutEndIsRefused) {
 }
 
 TEST(HostileYaml, ControlCharactersDoNotReachTheTerminal) {
-  expectRefused("name: hostile\ntitle: t\nhazard: \"\\e[2J\\a\"\n", "?[2J?");
+  expectRefused("name: hostile\ntitle: t\nnumber: 1\nsource: s\npublished: p\nhazard: []\nmaude: []\n"
+                "maude_link: \"\\e[2J\\a\"\n", "?[2J?");
 }
 
 TEST(HostileYaml, AMegabyteOfCommentIsNoScenario) {
@@ -119,7 +121,7 @@ TEST(HostileYaml, AScenarioNamedAsAPathIsRefused) {
 }
 
 TEST(HostileYaml, AFolderIsRefused) {
-  EXPECT_THROW(loadScenario("/", 1), ConfigException);
+  EXPECT_THROW(loadScenario("/", 1, {}), ConfigException);
 }
 
 }  // namespace

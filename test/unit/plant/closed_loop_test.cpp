@@ -50,10 +50,10 @@ Fault shoulderStuckAt(double value) {
   Fault fault;
   fault.id = 1;
   fault.site = FaultSite::kPutUsbPacket;
-  fault.target = FaultTarget::kDac;
+  fault.variable = FaultVariable::kDac;
   fault.kind = FaultKind::kStuckAt;
   fault.arm = 0;
-  fault.joint = kShoulder;
+  fault.channel = kShoulder;
   fault.first_tick = 500;
   fault.duration_ticks = 300;
   fault.value = value;

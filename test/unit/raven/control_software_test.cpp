@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "unit/raven/raven_fixture.h"
@@ -17,17 +18,17 @@ namespace {
 using test::Bench;
 using test::trainerConfig;
 
-FaultPlan planOf(FaultSite site, FaultTarget target, FaultKind kind, double value, std::int8_t joint = kShoulder) {
+FaultPlan planOf(FaultVariable variable, FaultKind kind, double value, std::int8_t channel = kShoulder) {
   FaultPlan plan;
   plan.generation = 1;
   plan.count = 1;
   Fault& fault = plan.faults[0];
   fault.id = 9;
-  fault.site = site;
-  fault.target = target;
+  fault.site = infoOf(variable).site;
+  fault.variable = variable;
   fault.kind = kind;
   fault.arm = 0;
-  fault.joint = joint;
+  fault.channel = channel;
   fault.duration_ticks = 5;
   fault.value = value;
   return plan;
@@ -291,7 +292,7 @@ TEST(ControlSoftware, AnOverdriveRowGivesZeroThenSoftEStopAndNoWatchdog) {
 
 TEST(ControlSoftware, DacFaultsActBehindTheSafetyChecks) {
   Bench bench;
-  bench.software.setFaults(planOf(FaultSite::kPutUsbPacket, FaultTarget::kDac, FaultKind::kStuckAt, 30000));
+  bench.software.setFaults(planOf(FaultVariable::kDac, FaultKind::kStuckAt, 30000));
   bench.bringTo(RunLevel::kPedalUp);
   bench.send();
   bench.plc = RunLevel::kPedalDown;
@@ -308,7 +309,7 @@ TEST(ControlSoftware, DacFaultsActBehindTheSafetyChecks) {
 
 TEST(ControlSoftware, EncoderFaultsActBeforeTheStateIsEstimated) {
   Bench bench;
-  bench.software.setFaults(planOf(FaultSite::kGetUsbPacket, FaultTarget::kEncoder, FaultKind::kAdd, 1000));
+  bench.software.setFaults(planOf(FaultVariable::kEncoder, FaultKind::kAdd, 1000));
   bench.bringTo(RunLevel::kPedalUp);
   const double before = at(bench.software.state().arms, Arm::kGold).motor[kShoulder];
   bench.send();
@@ -323,7 +324,7 @@ TEST(ControlSoftware, EncoderFaultsActBeforeTheStateIsEstimated) {
 
 TEST(ControlSoftware, NetworkFaultsActOnTheFieldsBeforeTheyAreUsed) {
   Bench bench;
-  FaultPlan plan = planOf(FaultSite::kNetworkLayer, FaultTarget::kPedal, FaultKind::kStuckAt, 0, -1);
+  FaultPlan plan = planOf(FaultVariable::kPedal, FaultKind::kStuckAt, 0, -1);
   plan.faults[0].arm = -1;
   plan.faults[0].duration_ticks = 1000;
   bench.software.setFaults(plan);

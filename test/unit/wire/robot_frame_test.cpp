@@ -42,6 +42,7 @@ RobotState patternState() {
   value.time_ns = 123456789012;
   value.last_sequence = 77;
   value.active_fault = 3;
+  value.fault_mask = 0x81;
   value.runlevel = RunLevel::kPedalDown;
   value.sublevel = 1;
   value.homed = 1;
@@ -69,14 +70,22 @@ FaultPlan patternPlan() {
   value.faults[0].site = FaultSite::kPutUsbPacket;
   value.faults[0].host = FaultHost::kRobot;
   value.faults[0].kind = FaultKind::kStuckAt;
-  value.faults[0].target = FaultTarget::kDac;
+  value.faults[0].variable = FaultVariable::kDac;
   value.faults[0].arm = 0;
-  value.faults[0].joint = 2;
+  value.faults[0].channel = 2;
   value.faults[0].first_tick = 2000;
   value.faults[0].duration_ticks = 300;
   value.faults[0].period_ticks = 8000;
   value.faults[0].count = 3;
+  value.faults[0].trigger = FaultTrigger::kRunLevel;
+  value.faults[0].half_period_ticks = 30;
+  value.faults[0].ramp_ticks = 40;
+  value.faults[0].threshold = 2.0;
+  value.faults[0].probability = 0.25;
+  value.faults[0].seed = 99;
   value.faults[0].value = -1234.5;
+  value.faults[0].low = -0.5;
+  value.faults[0].high = 0.75;
   return value;
 }
 
@@ -126,30 +135,33 @@ FrameBytes payloadOf(const FrameBytes& frame) {
 // ---- bytes ----------------------------------------------------------------------------------------------------------
 
 TEST(FrameBytesOnTheWire, HelloIsWhatPythonPacks) {
-  // h = struct.pack('<4sHHII', b'RV2T', 0x201, 1, 8, 5); p = b'virtual\0'
+  // h = struct.pack('<4sHHII', b'RV2T', 0x300, 1, 8, 5); p = b'virtual\0'
   // h + struct.pack('<I', zlib.crc32(h + p)) + p
-  EXPECT_EQ(hello(5), fromHex("52563254010201000800000005000000fae9df9f7669727475616c00"));
+  EXPECT_EQ(hello(5), fromHex("52563254000301000800000005000000e4525a2d7669727475616c00"));
 }
 
 TEST(FrameBytesOnTheWire, FaultPlanIsWhatPythonPacks) {
-  // struct.pack('<QI', 12, 1) + struct.pack('<I4B2b4qd', 4, 3, 0, 1, 1, 0, 2, 2000, 300, 8000, 3, -1234.5)
+  // struct.pack('<QI', 12, 1) + struct.pack('<I5B2bBQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 0, 99, 2000, 300, 8000, 3, 30,
+  //                                          40, 2.0, 0.25, -1234.5, -0.5, 0.75)
   EXPECT_EQ(payloadOf(plan(1, patternPlan())),
-            fromHex("0c000000000000000100000004000000030001010002d0070000000000002c01"
-                    "000000000000401f000000000000030000000000000000000000004a93c0"));
+            fromHex("0c000000000000000100000004000000000d2201040002006300000000000000"
+                    "d0070000000000002c01000000000000401f0000000000000300000000000000"
+                    "1e0000000000000028000000000000000000000000000040000000000000d03f"
+                    "00000000004a93c0000000000000e0bf000000000000e83f"));
 }
 
 TEST(FrameBytesOnTheWire, StateHasTheSizeAndCrcThatPythonComputes) {
-  // s = struct.pack('<QqII4B', 1000001, 123456789012, 77, 3, 3, 1, 1, 0)
+  // s = struct.pack('<QqII5B', 1000001, 123456789012, 77, 3, 3, 1, 1, 0, 0x81)
   // for a in 0, 1: for b in 0, 10, 20: s += struct.pack('<7d', *[(100*a + b + j) / 8 for j in range(7)])
   //                s += struct.pack('<7i', *[(-1)**j * (1000*a + j) for j in range(7)])
   //                s += bytes(range(7)) if a == 0 else b'\xff' * 7
-  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x201, 2, len(s), 6)
+  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x300, 2, len(s), 6)
   // len(s), hex(zlib.crc32(h + s))
   const FrameBytes bytes = state(6, patternState());
-  ASSERT_EQ(bytes.size(), kFrameHeaderSize + 618);
+  ASSERT_EQ(bytes.size(), kFrameHeaderSize + 619);
   std::uint32_t crc = 0;
   std::memcpy(&crc, bytes.data() + 16, sizeof(crc));
-  EXPECT_EQ(crc, 0x5e56c592U);
+  EXPECT_EQ(crc, 0x72756f16U);
 }
 
 // ---- round trips ----------------------------------------------------------------------------------------------------
@@ -193,6 +205,7 @@ TEST(State, CarriesWhatTravelsAndLeavesTheRest) {
   EXPECT_EQ(got.sublevel, sent.sublevel);
   EXPECT_EQ(got.homed, sent.homed);
   EXPECT_EQ(got.soft_estopped, sent.soft_estopped);
+  EXPECT_EQ(got.fault_mask, sent.fault_mask);
   for (std::size_t a = 0; a < kArmCount; ++a) {
     EXPECT_EQ(got.arms[a].q, sent.arms[a].q);
     EXPECT_EQ(got.arms[a].dq, sent.arms[a].dq);
@@ -208,20 +221,6 @@ TEST(State, CarriesWhatTravelsAndLeavesTheRest) {
   EXPECT_EQ(got.connected, 1);
   EXPECT_EQ(got.is_virtual, 1);
   EXPECT_EQ(got.arms[1].p_BT, (Vec3{1, 2, 3}));
-}
-
-TEST(State, OfARobotThatKnowsFewerReasonsIsReadToo) {
-  const FrameBytes now = state(6, patternState());
-  FrameBytes payload(now.begin() + kFrameHeaderSize, now.begin() + kFrameHeaderSize + 570);
-  FrameParser parser;
-  RobotState got;
-  got.itp.rejected[static_cast<std::size_t>(Reject::kStale)] = 9;
-  ASSERT_EQ(decodeState(only(&parser, rawFrame(2, payload, /*minor=*/0)), &got), Reject::kNone);
-  EXPECT_EQ(got.itp.rejected[static_cast<std::size_t>(Reject::kBadVersion)], 216U);
-  EXPECT_EQ(got.itp.rejected[static_cast<std::size_t>(Reject::kStale)], 0U);
-  payload.push_back(0);
-  FrameParser again;
-  EXPECT_EQ(decodeState(only(&again, rawFrame(2, payload, /*minor=*/0)), &got), Reject::kWrongSize);
 }
 
 TEST(State, RefusesNumbersThatAreNotFinite) {
@@ -299,7 +298,7 @@ TEST(Version, ANewerMinorOneMayAppendToAPayloadAndAddTypes) {
 }
 
 TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
-  for (const std::uint8_t major : {1, 3, 255}) {
+  for (const std::uint8_t major : {1, 2, 255}) {
     const FrameBytes frame = rawFrame(2, payloadOf(state(1, patternState())), 4, major);
     FrameParser parser;
     parser.feed(frame.data(), frame.size());
@@ -309,7 +308,7 @@ TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
     parser.reset();
     EXPECT_EQ(parser.refusedVersion(), 0U);
   }
-  EXPECT_EQ(refusalText("robot", 3 << 8 | 4), "robot refused: it speaks frame version 3.4, this program 2.1");
+  EXPECT_EQ(refusalText("robot", 4 << 8 | 4), "robot refused: it speaks frame version 4.4, this program 3.0");
 }
 
 TEST(Version, AStreamBrokenOtherwiseNamesNone) {
@@ -330,7 +329,7 @@ TEST(FaultPlanFrame, RoundTripsAnyNumberOfFaults) {
     for (std::uint32_t i = 0; i < count; ++i) {
       sent.faults[i] = patternPlan().faults[0];
       sent.faults[i].id = i + 1;
-      sent.faults[i].joint = static_cast<std::int8_t>(i % 8) - 1;
+      sent.faults[i].channel = static_cast<std::int8_t>(i % 8) - 1;
       sent.faults[i].first_tick = -5 - static_cast<std::int64_t>(i);
     }
     FrameParser parser;
@@ -342,28 +341,36 @@ TEST(FaultPlanFrame, RoundTripsAnyNumberOfFaults) {
       EXPECT_EQ(got.faults[i].id, i + 1);
       EXPECT_EQ(got.faults[i].site, FaultSite::kPutUsbPacket);
       EXPECT_EQ(got.faults[i].kind, FaultKind::kStuckAt);
-      EXPECT_EQ(got.faults[i].target, FaultTarget::kDac);
-      EXPECT_EQ(got.faults[i].joint, sent.faults[i].joint);
+      EXPECT_EQ(got.faults[i].variable, FaultVariable::kDac);
+      EXPECT_EQ(got.faults[i].channel, sent.faults[i].channel);
       EXPECT_EQ(got.faults[i].first_tick, sent.faults[i].first_tick);
       EXPECT_EQ(got.faults[i].duration_ticks, 300);
       EXPECT_EQ(got.faults[i].period_ticks, 8000);
       EXPECT_EQ(got.faults[i].count, 3);
+      EXPECT_EQ(got.faults[i].trigger, FaultTrigger::kRunLevel);
+      EXPECT_EQ(got.faults[i].half_period_ticks, 30);
+      EXPECT_EQ(got.faults[i].ramp_ticks, 40);
+      EXPECT_EQ(got.faults[i].threshold, 2.0);
+      EXPECT_EQ(got.faults[i].probability, 0.25);
+      EXPECT_EQ(got.faults[i].seed, 99U);
       EXPECT_EQ(got.faults[i].value, -1234.5);
+      EXPECT_EQ(got.faults[i].low, -0.5);
+      EXPECT_EQ(got.faults[i].high, 0.75);
     }
   }
 }
 
 TEST(FaultPlanFrame, RefusesWhatNoFaultCanBe) {
   const FaultPlan good = patternPlan();
-  std::vector<FaultPlan> bad(16, good);
+  std::vector<FaultPlan> bad(24, good);
   bad[0].faults[0].site = static_cast<FaultSite>(kFaultSiteCount);
-  bad[1].faults[0].host = static_cast<FaultHost>(2);
+  bad[1].faults[0].host = static_cast<FaultHost>(kFaultHostCount);
   bad[2].faults[0].kind = static_cast<FaultKind>(kFaultKindCount);
-  bad[3].faults[0].target = static_cast<FaultTarget>(kFaultTargetCount);
+  bad[3].faults[0].variable = static_cast<FaultVariable>(kFaultVariableCount);
   bad[4].faults[0].arm = 2;
   bad[5].faults[0].arm = -2;
-  bad[6].faults[0].joint = 7;
-  bad[7].faults[0].joint = -2;
+  bad[6].faults[0].channel = 7;
+  bad[7].faults[0].channel = -2;
   bad[8].faults[0].value = kNan;
   bad[9].faults[0].duration_ticks = -1;
   bad[10].faults[0].period_ticks = -1;
@@ -372,6 +379,18 @@ TEST(FaultPlanFrame, RefusesWhatNoFaultCanBe) {
   bad[13].faults[0].first_tick = std::numeric_limits<std::int64_t>::max();
   bad[14].faults[0].duration_ticks = std::numeric_limits<std::int64_t>::max();
   bad[15].faults[0].period_ticks = std::numeric_limits<std::int64_t>::max();
+  bad[16].faults[0].trigger = static_cast<FaultTrigger>(kFaultTriggerCount);
+  bad[17].faults[0].probability = 1.5;
+  bad[18].faults[0].site = FaultSite::kGetUsbPacket;  // of another variable
+  bad[19].faults[0].host = FaultHost::kRelay;         // does not serve that site
+  bad[20].faults[0].kind = FaultKind::kDrop;          // not of a number
+  bad[21].faults[0].low = kInf;
+  bad[22].faults[0].half_period_ticks = -1;
+  Fault& endless = bad[23].faults[0];  // copies without end
+  endless.variable = FaultVariable::kPacket;
+  endless.site = FaultSite::kNetworkLayer;
+  endless.kind = FaultKind::kDuplicate;
+  endless.value = 1e18;
   for (std::size_t i = 0; i < bad.size(); ++i) {
     FrameParser parser;
     FaultPlan got;
@@ -391,6 +410,23 @@ TEST(FaultPlanFrame, RefusesACountThatDoesNotMatchTheSize) {
   FrameParser parser;
   FaultPlan got;
   EXPECT_FALSE(decodeFaultPlan(only(&parser, rawFrame(3, FrameBytes(11, 0))), &got));
+}
+
+TEST(FaultSignalsFrame, RoundTripsAndRefusesWhatNoDistanceIs) {
+  const auto encoded = [](const FaultSignals& signals) {
+    FrameBytes bytes(kMaxFrame);
+    bytes.resize(encodeFaultSignals(3, signals, bytes.data()));
+    return bytes;
+  };
+  FrameParser parser;
+  FaultSignals got;
+  const FaultSignals sent{0.0125, kInf, 7, 2};
+  ASSERT_TRUE(decodeFaultSignals(only(&parser, encoded(sent)), &got));
+  EXPECT_TRUE(got == sent);
+  EXPECT_FALSE(decodeFaultSignals(only(&parser, encoded({-0.1, 0.0, 1, 1})), &got));
+  EXPECT_FALSE(decodeFaultSignals(only(&parser, encoded({0.1, kNan, 1, 1})), &got));
+  EXPECT_FALSE(decodeFaultSignals(only(&parser, plan(1, patternPlan())), &got));
+  EXPECT_TRUE(got == sent);
 }
 
 // ---- framing --------------------------------------------------------------------------------------------------------
@@ -494,7 +530,7 @@ TEST(FrameParser, BreaksOnALengthOverTheLimitBeforeThePayloadArrives) {
 }
 
 TEST(FrameParser, BreaksOnAnUnknownType) {
-  for (const std::uint16_t type : {0, 4, 256, 65535}) {
+  for (const std::uint16_t type : {0, 5, 256, 65535}) {
     const FrameBytes bytes = rawFrame(type, {});
     FrameParser parser;
     parser.feed(bytes.data(), bytes.size());

@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "raven2_trainer/faults/fault_engine.h"
+
+namespace raven2_trainer::faults {
+namespace {
+
+/** Gold shoulder DAC stuck at 1 for three ticks. */
+Fault stuck(FaultTrigger trigger, std::int64_t first_tick) {
+  Fault fault;
+  fault.id = 1;
+  fault.site = FaultSite::kPutUsbPacket;
+  fault.variable = FaultVariable::kDac;
+  fault.kind = FaultKind::kStuckAt;
+  fault.trigger = trigger;
+  fault.arm = 0;
+  fault.channel = kShoulder;
+  fault.first_tick = first_tick;
+  fault.duration_ticks = 3;
+  fault.value = 1.0;
+  return fault;
+}
+
+FaultEngine armed(const Fault& fault) {
+  FaultPlan plan;
+  plan.generation = 1;
+  plan.count = 1;
+  plan.faults[0] = fault;
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(plan);
+  return engine;
+}
+
+/** Cycles 0 .. `count` - 1 in which the fault acts. */
+template <typename CycleAt>
+std::vector<int> actingCycles(FaultEngine engine, int count, CycleAt cycle_at) {
+  std::vector<int> cycles;
+  for (int i = 0; i < count; ++i) {
+    engine.beginCycle(cycle_at(i));
+    if (engine.activeMask() == 1) cycles.push_back(i);
+  }
+  return cycles;
+}
+
+TEST(FaultTriggers, PowerOnCountsFromTheFirstCycleWithThePedalUp) {
+  EXPECT_EQ(actingCycles(armed(stuck(FaultTrigger::kPowerOn, 4)), 20, [](int) { return FaultCycle{}; }),
+            (std::vector<int>{4, 5, 6}));
+}
+
+TEST(FaultTriggers, ByHandCountsFromWhereItWasArmed) {
+  FaultEngine engine(FaultHost::kRobot);
+  for (int i = 0; i < 100; ++i)
+    engine.beginCycle({});
+  FaultPlan plan;
+  plan.generation = 1;
+  plan.count = 1;
+  plan.faults[0] = stuck(FaultTrigger::kHand, 2);
+  engine.setPlan(plan);
+  EXPECT_EQ(actingCycles(engine, 20, [](int) { return FaultCycle{}; }), (std::vector<int>{2, 3, 4}));
+}
+
+TEST(FaultTriggers, RunLevelCountsFromTheCycleThatReachesIt) {
+  Fault fault = stuck(FaultTrigger::kRunLevel, 1);
+  fault.threshold = 2.0;
+  const auto level = [](int i) { return FaultCycle{false, i < 7 ? 1 : 2, {}}; };
+  EXPECT_EQ(actingCycles(armed(fault), 20, level), (std::vector<int>{8, 9, 10}));
+}
+
+TEST(FaultTriggers, DistancesCountFromTheCycleThatComesSoNear) {
+  for (const FaultTrigger trigger : {FaultTrigger::kTissueDistance, FaultTrigger::kTargetDistance}) {
+    Fault fault = stuck(trigger, 0);
+    fault.threshold = 0.005;
+    const auto approach = [&](int i) {
+      FaultCycle cycle;
+      (trigger == FaultTrigger::kTissueDistance ? cycle.signals.tissue_distance : cycle.signals.target_distance) =
+          0.010 - 0.001 * i;
+      return cycle;
+    };
+    EXPECT_EQ(actingCycles(armed(fault), 9, approach), (std::vector<int>{5, 6, 7}));
+    EXPECT_TRUE(actingCycles(armed(fault), 9, [](int) { return FaultCycle{}; }).empty()) << "nothing is near";
+  }
+}
+
+TEST(FaultTriggers, AStepCountsFromWhereTheExerciseReachesIt) {
+  Fault fault = stuck(FaultTrigger::kStep, 0);
+  fault.threshold = 3.0;
+  const auto exercise = [](int i) {
+    FaultCycle cycle;
+    cycle.signals.step = static_cast<std::uint32_t>(i / 4);
+    return cycle;
+  };
+  EXPECT_EQ(actingCycles(armed(fault), 30, exercise), (std::vector<int>{12, 13, 14}));
+}
+
+TEST(FaultTriggers, AToolChangeIsTheNextPressOfTheButton) {
+  const auto presses = [](int i) {
+    FaultCycle cycle;
+    cycle.signals.tool_changes = i < 5 ? 7 : 8;
+    return cycle;
+  };
+  FaultEngine engine(FaultHost::kRobot);
+  engine.beginCycle(presses(0));  // seven presses were before it was armed
+  FaultPlan plan;
+  plan.generation = 1;
+  plan.count = 1;
+  plan.faults[0] = stuck(FaultTrigger::kToolChange, 0);
+  engine.setPlan(plan);
+  EXPECT_EQ(actingCycles(engine, 20, presses), (std::vector<int>{5, 6, 7}));
+}
+
+TEST(FaultTriggers, PacketsAreCountedFromTheFirstWithThePedalDown) {
+  FaultEngine engine = armed(stuck(FaultTrigger::kPacket, 4));
+  std::vector<int> acting;
+  for (int packet = 0; packet < 20; ++packet) {
+    engine.beginCycle({});  // cycles do not count
+    engine.beginCycle({});
+    engine.beginPacket(packet >= 2);
+    if (engine.activeMask() == 1) acting.push_back(packet);
+  }
+  EXPECT_EQ(acting, (std::vector<int>{6, 7, 8}));
+}
+
+TEST(FaultTriggers, ProbabilityIsThatOfEachTimeItIsDueAndOfTheSeed) {
+  Fault fault = stuck(FaultTrigger::kPowerOn, 0);
+  fault.period_ticks = 5;
+  fault.probability = 0.3;
+  const auto count = [&](std::uint64_t seed) {
+    fault.seed = seed;
+    return actingCycles(armed(fault), 50000, [](int) { return FaultCycle{}; });
+  };
+  const std::vector<int> one = count(1);
+  EXPECT_EQ(one, count(1));
+  EXPECT_NE(one, count(2));
+  // 10,000 times due, 3 ticks each: mean 9,000, deviation 3 sqrt(10,000 0.3 0.7) = 137
+  EXPECT_NEAR(static_cast<double>(one.size()), 9000.0, 4 * 137.0);
+}
+
+TEST(FaultTriggers, UntilClearedMeansUntilCleared) {
+  Fault fault = stuck(FaultTrigger::kPowerOn, 3);
+  fault.duration_ticks = 0;
+  EXPECT_EQ(actingCycles(armed(fault), 5000, [](int) { return FaultCycle{}; }).size(), 4997U);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::faults
