@@ -7,23 +7,12 @@
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/impairment.h"
-#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/runtime/lockstep_stack.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace raven2_trainer::runtime {
 
-/** Newest states of a lockstep run. */
-struct LockstepView {
-  ModelState model{};
-  RobotState robot{};
-  HapticState haptic{};
-};
-
-/**
- * Console, daemon and virtual Raven in one thread, stepped together tick by tick through the same bytes that
- * otherwise cross the sockets: no sockets, no threads, no clocks, faster than real time, and the same bytes in the
- * log from the same seed and configuration.
- */
+/** A session in lockstep: the stack, recorded. The same seed and configuration give the same bytes in the log. */
 class Lockstep {
  public:
   /** @throw ModelException, SessionException. `motion` goes into the log's header. */

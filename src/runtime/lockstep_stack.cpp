@@ -1,0 +1,252 @@
+#include "raven2_trainer/runtime/lockstep_stack.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "raven2_trainer/impair/channel.h"
+#include "raven2_trainer/plant/plant.h"
+#include "raven2_trainer/raven/control_software.h"
+#include "raven2_trainer/runtime/fault_director.h"
+#include "raven2_trainer/runtime/haptic_loop.h"
+#include "raven2_trainer/runtime/master_ingest.h"
+#include "raven2_trainer/runtime/physics_loop.h"
+#include "raven2_trainer/runtime/planner_worker.h"
+#include "raven2_trainer/runtime/relay_channel.h"
+#include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+constexpr std::uint64_t kConsole = 1;  // the one master there is
+
+}  // namespace
+
+struct LockstepStack::Impl {
+  Impl(const TrainerConfig& configuration, std::unique_ptr<console::MotionSource> source)
+      : config(configuration),
+        raven(model::loadRavenModel(config)),
+        scene(model::loadSceneModel(config)),
+        shared(std::make_unique<SharedState>()),
+        hands(config.console, std::move(source)),
+        ingest(config.network.itp, nullptr, shared.get()),
+        faults(config, shared.get()),
+        physics(config, raven, scene, shared.get()),
+        haptic(config, shared.get()),
+        link(config, shared.get()),
+        planner(config, raven, scene, shared.get()),
+        software(config.arms, config.virtual_raven),
+        plant(raven, config.virtual_raven) {
+    connect();
+  }
+
+  void connect() {
+    link.connected();
+    const std::size_t size = wire::encodeHello(++frame_sequence, /*is_virtual=*/true, buffer.data());
+    link.receive(buffer.data(), size, 0);
+  }
+
+  void tick() {
+    now_ns += kTickNanoseconds;
+    stepConsole();
+    faults.tick();
+    physics.tick(now_ns);
+    servePlanner();
+    stepRobot();
+    haptic.tick(now_ns);
+    deliverForce();
+    refreshView();
+  }
+
+  void stepConsole() {
+    const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
+    carry(bytes.data(), bytes.size(), &to_daemon, [this](const std::uint8_t* data, std::size_t size) {
+      ingest.receive({data, size, kConsole, now_ns});
+    });
+  }
+
+  /** One packet, or none, into a link, and whatever comes out of it by now. */
+  template <typename Receive>
+  void carry(const std::uint8_t* bytes, std::size_t size, std::optional<impair::Channel>* way, Receive receive) {
+    if (!*way) {
+      if (bytes != nullptr) receive(bytes, size);
+      return;
+    }
+    if (bytes != nullptr) (*way)->offer(bytes, size, now_ns);
+    while (const auto packet = (*way)->take(now_ns))
+      receive(packet->bytes.data(), packet->bytes.size());
+  }
+
+  /** Planning takes a fixed simulated time, so that the result does not depend on the machine. */
+  void servePlanner() {
+    PlanRequest request;
+    if (!plan && shared->plan_requests.tryPop(&request)) {  // one after the other, as the planner's thread
+      plan = planner.planNow(request);
+      plan->planning_time = static_cast<double>(config.runtime.lockstep_plan_delay) * kTickSeconds;
+      plan_due = now_ns + config.runtime.lockstep_plan_delay * kTickNanoseconds;
+    }
+    if (plan && now_ns >= plan_due) {
+      shared->plan_results.tryPush(*plan);
+      plan.reset();
+    }
+  }
+
+  void stepRobot() {
+    RelayPacket packet;
+    const auto send = [this](const MasterCommand& command) {
+      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
+      software.receive(bytes.data(), bytes.size());
+      shared->relay_sent.add();
+    };
+    while (shared->relay_packets.tryPop(&packet))
+      relay_channel.pass(packet, now_ns, send);
+    relay_channel.flush(now_ns, send);
+    plant.step(software.cycle(plant.read()));
+    receiveFaultPlan();
+    returnState();
+  }
+
+  void returnState() {
+    software.returnState(now_ns);
+    RobotState state;
+    while (software.nextReturned(&state)) {
+      const std::size_t size = wire::encodeState(++frame_sequence, state, buffer.data());
+      link.receive(buffer.data(), size, now_ns);
+    }
+  }
+
+  void receiveFaultPlan() {
+    const std::size_t size = link.pendingFrame(buffer.data());
+    if (size == 0) return;
+    to_robot.feed(buffer.data(), size);
+    wire::Frame frame;
+    if (to_robot.next(&frame) != wire::FrameParser::Result::kFrame) return;
+    FaultPlan armed;
+    FaultSignals signals;
+    if (wire::decodeFaultPlan(frame, &armed)) software.setFaults(armed);
+    if (wire::decodeFaultSignals(frame, &signals)) software.setSignals(signals);
+  }
+
+  void deliverForce() {
+    const auto receive = [this](const std::uint8_t* bytes, std::size_t size) { receiveForce(bytes, size); };
+    ForcePacket packet;
+    while (shared->force_packets.tryPop(&packet)) {
+      const wire::ForceBytes bytes = wire::encodeForce(packet);
+      carry(bytes.data(), bytes.size(), &to_console, receive);
+      shared->force_sent.add();
+    }
+    carry(nullptr, 0, &to_console, receive);
+  }
+
+  void receiveForce(const std::uint8_t* bytes, std::size_t size) {
+    ForcePacket received;
+    if (wire::decodeForce(bytes, size, &received) != Reject::kNone) return;
+    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp));
+    hands.applyForce(received);
+  }
+
+  void refreshView() {
+    view.model = shared->model.load();
+    view.robot = shared->robot.load();
+    view.haptic = shared->haptic.load();
+  }
+
+  SessionCounts counts() const {
+    SessionCounts c = sharedCounts(*shared);
+    c.master = ingest.counts();
+    c.robot_state = link.counts();
+    c.relay = view.robot.itp;
+    c.lockstep = 1;
+    return c;
+  }
+
+  const TrainerConfig config;
+  const model::RavenModel raven;
+  const model::SceneModel scene;
+  std::unique_ptr<SharedState> shared;
+  // the console
+  console::Console hands;
+  // the daemon
+  MasterIngest ingest;
+  FaultDirector faults;
+  PhysicsLoop physics;
+  HapticLoop haptic;
+  RobotLink link;
+  PlannerWorker planner;
+  // the virtual Raven
+  raven::ControlSoftware software;
+  plant::Plant plant;
+  wire::FrameParser to_robot;
+  RelayChannel relay_channel{config};
+  // the network between console and daemon; empty: a perfect one
+  std::optional<impair::Channel> to_daemon, to_console;
+
+  std::int64_t now_ns{0};
+  std::uint32_t frame_sequence{0};
+  std::array<std::uint8_t, wire::kMaxFrame> buffer{};
+  std::optional<PlanResult> plan;
+  std::int64_t plan_due{0};
+  LockstepView view{};
+};
+
+LockstepStack::LockstepStack(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
+    : impl_(std::make_unique<Impl>(config, std::move(source))) {}
+
+LockstepStack::~LockstepStack() = default;
+
+void LockstepStack::impair(const Impairment& impairment) {
+  impl_->to_daemon.emplace(impairment, impl_->config.seed, 0, impl_->now_ns);
+  impl_->to_console.emplace(impairment, impl_->config.seed, 1, impl_->now_ns);
+}
+
+void LockstepStack::setSignals(const FaultSignals& signals) noexcept {
+  impl_->physics.setSignals(signals);
+}
+
+void LockstepStack::arm(const FaultPlan& plan) {
+  impl_->software.setFaults(plan);
+  impl_->shared->faults.store(plan);
+}
+
+void LockstepStack::tick() {
+  impl_->tick();
+}
+
+const LockstepView& LockstepStack::view() const noexcept {
+  return impl_->view;
+}
+
+const RobotState& LockstepStack::robot() const noexcept {
+  return impl_->software.state();
+}
+
+const RavenReport& LockstepStack::report() const noexcept {
+  return impl_->software.report();
+}
+
+JointArray LockstepStack::trueJoints(Arm arm) const noexcept {
+  return impl_->plant.jointPositions(arm);
+}
+
+RunLevel LockstepStack::plcLevel() const noexcept {
+  return impl_->plant.runLevel();
+}
+
+SharedState* LockstepStack::shared() noexcept {
+  return impl_->shared.get();
+}
+
+std::vector<std::string> LockstepStack::bodyNames() const {
+  return impl_->physics.bodyNames();
+}
+
+SessionCounts LockstepStack::counts() const {
+  return impl_->counts();
+}
+
+void LockstepStack::discardRecords() noexcept {
+  impl_->shared->records.forEach([](RecordKind, auto& ring) { ring.release(ring.tail()); });
+}
+
+}  // namespace raven2_trainer::runtime
