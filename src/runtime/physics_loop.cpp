@@ -102,6 +102,7 @@ void PhysicsLoop::readFaults() noexcept {
   if (!shared_.faults.tryLoad(&plan)) return;
   relay_faults_.setPlan(plan);
   master_faults_.setPlan(plan);
+  console_faults_.setPlan(plan);
   if (plan.generation == fault_generation_) return;
   fault_generation_ = plan.generation;
   shared_.fault_records.tryPush({state_.tick + 1, plan});
@@ -437,15 +438,32 @@ void PhysicsLoop::sendToRobot(const RelayPacket& packet) noexcept {
   shared_.relay_packets.tryPush(sent);
 }
 
+/** What the surgeon feels and sees: from what is right to what faults make of it. */
+void PhysicsLoop::corruptConsole() noexcept {
+  console_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.signals});
+  state_.console_faults = console_faults_.activeMask();
+  for (const Arm arm : kArms) {
+    at(state_.force_gain, arm) = console_faults_.apply(FaultVariable::kForceGain, arm, 0, 1.0);
+    at(state_.force_offset_B, arm) = Vec3{};
+    console_faults_.applyAll(FaultVariable::kForceOffset, arm, &at(state_.force_offset_B, arm));
+  }
+  const std::int32_t picture = console_faults_.applyInt(FaultVariable::kPicture, Arm::kGold, 0, 0);
+  const std::int32_t delay = console_faults_.applyInt(FaultVariable::kPictureDelay, Arm::kGold, 0, 0);
+  state_.picture = static_cast<std::uint8_t>(std::clamp(picture, 0, 3));
+  state_.picture_delay_ms = static_cast<std::uint16_t>(std::clamp(delay, 0, 5000));
+}
+
 void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   ++state_.tick;
   state_.time_ns = now_ns;
   state_.linked = linked_ ? 1 : 0;
+  corruptConsole();
   const bool injects = mayInject();
   state_.relay_faults = injects ? relay_faults_.activeMask() : std::uint8_t{0};
   state_.master_faults = injects ? master_faults_.activeMask() : std::uint8_t{0};
   const std::uint32_t relayed = injects ? relay_faults_.activeId() : 0;
   state_.active_fault = relayed != 0 || !injects ? relayed : master_faults_.activeId();
+  if (state_.active_fault == 0) state_.active_fault = console_faults_.activeId();
   for (const Arm arm : kArms)
     fillArm(arm, &at(state_.arms, arm));
   world_.bodyPoses(&state_.bodies);

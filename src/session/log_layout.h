@@ -133,9 +133,14 @@ struct Layout<ModelState> {
     v.field("engaged", s.engaged, "", "1 while the robot is sent the surgeon's motion");
     v.field("robot_fresh", s.robot_fresh, "", "1 while the robot's state is connected and fresh");
     v.field("linked", s.linked, "", "1 while model and robot move from a common pose");
-    v.field("active_fault", s.active_fault, "", "fault acting on a stream of the daemon: position in scenarios + 1");
+    v.field("active_fault", s.active_fault, "", "fault acting in the daemon: position in scenarios + 1, 0 none");
     v.field("relay_faults", s.relay_faults, "", "bit i: row i of the armed plan acts on the stream to the robot");
     v.field("master_faults", s.master_faults, "", "the same on the masters' stream");
+    v.field("console_faults", s.console_faults, "", "the same on what the surgeon feels and sees");
+    v.field("picture", s.picture, "", "the surgeon's picture: 0 right, 1 black, 2 frozen, 3 eyes changed over");
+    v.field("picture_delay_ms", s.picture_delay_ms, "ms", "by which it is late");
+    v.field("force_gain", s.force_gain, "", "factor that a fault puts on the force; 1 is right");
+    v.field("force_offset_B", s.force_offset_B, "N", "what a fault adds to it, in frame B");
     v.field("signals", s.signals, "", "what faults' triggers look at");
     v.field("commands_used", s.commands_used, "packets", "master commands that moved the model in this tick");
     v.field("arms", s.arms, "", "gold, green");

@@ -68,6 +68,7 @@ void MetricsAccumulator::followRows(const TickRecord& record) {
   followMask(FaultHost::kRobot, record.robot.frame > 0 ? record.robot.fault_mask : std::uint8_t{0}, record);
   followMask(FaultHost::kRelay, record.model.relay_faults, record);
   followMask(FaultHost::kMaster, record.model.master_faults, record);
+  followMask(FaultHost::kConsole, record.model.console_faults, record);
 }
 
 void MetricsAccumulator::followMask(FaultHost host, std::uint8_t mask, const TickRecord& record) {

@@ -156,13 +156,15 @@ enum class FaultVariable : std::uint8_t {
   kReturnedRunLevel,
   kFrame,
   // haptic
-  kForce,
+  kForceGain,
+  kForceOffset,
   // video
   kPicture,
+  kPictureDelay,
   // process
   kProgram,
 };
-constexpr std::size_t kFaultVariableCount = 41;
+constexpr std::size_t kFaultVariableCount = 43;
 
 /** From when a fault's clock runs. */
 enum class FaultTrigger : std::uint8_t {

@@ -52,12 +52,17 @@ struct ModelState {
   Tick session_tick{-1};   ///< [1 ms] since the first pedal down; -1 before
   std::int64_t time_ns{};  ///< [ns] CLOCK_MONOTONIC at the start of the tick; in lockstep tick x 1e6
   Mode mode{Mode::kWaiting};
-  std::uint8_t pedal{};          ///< 1 while the surgeon's pedal is down
-  std::uint8_t engaged{1};       ///< 1 while the robot is sent the surgeon's motion
-  std::uint32_t active_fault{};  ///< Fault::id acting on one of the two streams, 0 none
-  std::uint8_t relay_faults{};   ///< bit i: row i of the armed plan acts on the stream to the robot
-  std::uint8_t master_faults{};  ///< the same on the masters' stream
-  std::uint8_t robot_fresh{};    ///< 1 while the robot's state is connected and at most 20 ms old
+  std::uint8_t pedal{};                   ///< 1 while the surgeon's pedal is down
+  std::uint8_t engaged{1};                ///< 1 while the robot is sent the surgeon's motion
+  std::uint32_t active_fault{};           ///< Fault::id acting in the daemon, 0 none
+  std::uint8_t relay_faults{};            ///< bit i: row i of the armed plan acts on the stream to the robot
+  std::uint8_t console_faults{};          ///< the same on what the surgeon feels and sees
+  std::uint8_t picture{};                 ///< FaultVariable::kPicture
+  std::uint16_t picture_delay_ms{};       ///< [ms] the same, kPictureDelay
+  PerArm<double> force_gain{{1.0, 1.0}};  ///< kForceGain
+  PerArm<Vec3> force_offset_B{};          ///< [N] kForceOffset
+  std::uint8_t master_faults{};           ///< the same on the masters' stream
+  std::uint8_t robot_fresh{};             ///< 1 while the robot's state is connected and at most 20 ms old
   std::uint8_t linked{};   ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
   FaultSignals signals{};  ///< what faults' triggers look at
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
