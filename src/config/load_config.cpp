@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/load_scenario.h"
@@ -364,12 +365,24 @@ std::vector<std::string> scenarioFiles(const std::string& folder) {
   return files;
 }
 
+/** In the order of the list; a user's own, which have number 0, come last and so change no other's id. */
+bool isBefore(const Scenario& a, const Scenario& b) {
+  const auto rank = [](const Scenario& s) { return std::make_pair(s.number == 0, s.number); };
+  return rank(a) < rank(b);
+}
+
 std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* all) {
   std::vector<Scenario> scenarios;
   for (const std::string& file : scenarioFiles(folder)) {
     all->files.push_back(file);
-    const auto id = static_cast<std::uint32_t>(scenarios.size() + 1);
-    scenarios.push_back(loadScenario(file, id, all->impairment_names));
+    scenarios.push_back(loadScenario(file, 0, all->impairment_names));
+  }
+  std::stable_sort(scenarios.begin(), scenarios.end(), isBefore);  // of one number: by name, as the files come
+  std::uint32_t id = 0;
+  for (Scenario& scenario : scenarios) {
+    ++id;
+    for (Fault& fault : scenario.faults)
+      fault.id = id;
   }
   return scenarios;
 }

@@ -54,7 +54,28 @@ TEST_F(LoadConfig, ThePackagedFilesAreGood) {
   EXPECT_DOUBLE_EQ(config.arms.geometry.d4, -0.47);
   EXPECT_DOUBLE_EQ(config.haptics.tolerance, 0.003);
   EXPECT_EQ(config.network.robot_port, 36000);
-  EXPECT_EQ(config.scenarios.at(0).name, "sudden_jump");
+  EXPECT_EQ(config.scenarios.at(2).name, "sudden_jump");
+}
+
+TEST_F(LoadConfig, ScenariosComeInTheOrderOfTheirNumbersAndTheUsersOwnLast) {
+  fs::copy(folder_ / "faults/sudden_jump.yaml", folder_ / "faults/a_jump.yaml");
+  replace("faults/a_jump.yaml", "name: sudden_jump", "name: a_jump");
+  replace("faults/a_jump.yaml", "number: 3", "number: 0");
+  const TrainerConfig config = loadTrainerConfig(root());
+  // The paper's table first (Li et al. 2017, Table 1)
+  EXPECT_EQ(faultId(config, "unavailable_recoverable"), 1U);
+  EXPECT_EQ(faultId(config, "unavailable_permanent"), 2U);
+  EXPECT_EQ(faultId(config, "sudden_jump"), 3U);
+  EXPECT_EQ(config.scenarios.back().name, "a_jump");
+  for (std::size_t i = 0; i + 1 < config.scenarios.size(); ++i) {
+    const Scenario& scenario = config.scenarios[i];
+    for (const Fault& fault : scenario.faults)
+      EXPECT_EQ(fault.id, i + 1) << scenario.name;
+    if (i == 0) continue;
+    const Scenario& before = config.scenarios[i - 1];
+    EXPECT_LE(before.number, scenario.number) << scenario.name;
+    EXPECT_TRUE(before.number < scenario.number || before.name < scenario.name) << scenario.name;
+  }
 }
 
 TEST_F(LoadConfig, TheChosenToolIsThatOfTheArms) {
