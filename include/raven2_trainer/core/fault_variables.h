@@ -154,6 +154,29 @@ constexpr bool isFaultTableInOrder() noexcept {
 }
 static_assert(isFaultTableInOrder(), "infoOf() finds a variable by its number");
 
+/** Whether it is a whole number in the robot's program or on the wire. */
+constexpr bool isWhole(FaultVariable variable) noexcept {
+  switch (variable) {
+    case FaultVariable::kQuaternion:
+    case FaultVariable::kTurn:
+    case FaultVariable::kMpos:
+    case FaultVariable::kMvel:
+    case FaultVariable::kJpos:
+    case FaultVariable::kJvel:
+    case FaultVariable::kOri:
+    case FaultVariable::kJposD:
+    case FaultVariable::kMposD:
+    case FaultVariable::kTauD:
+    case FaultVariable::kGain:
+    case FaultVariable::kReturnedJpos:
+    case FaultVariable::kForceGain:
+    case FaultVariable::kForceOffset:
+      return false;
+    default:
+      return true;
+  }
+}
+
 /** Which kinds a variable takes. */
 bool takes(FaultVariable variable, FaultKind kind) noexcept;
 
