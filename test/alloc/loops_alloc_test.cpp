@@ -28,7 +28,7 @@ TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
   config.runtime.plan_at = -1.0;
-  Fault& fault = config.scenarios[0].faults[0];
+  Fault& fault = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");
   fault.site = FaultSite::kNetworkLayer;
   fault.kind = FaultKind::kAdd;
   fault.variable = FaultVariable::kIncrement;
@@ -79,7 +79,7 @@ TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
-  config.scenarios[0].faults[0].first_tick = 2000;
+  raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump").first_tick = 2000;
   raven2_trainer::testing::Rig rig(config);
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 1500; ++i)

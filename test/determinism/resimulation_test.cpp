@@ -52,8 +52,9 @@ class EventfulSession {
     TrainerConfig config = packagedConfig();
     config.hazard = "none";
     config.runtime.plan_at = -1.0;
-    config.scenarios[0].fault.first_tick = 0;  // at the first pedal-down once it is armed
-    config.scenarios[0].fault.duration_ticks = 100;
+    Fault& jump = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");
+    jump.first_tick = 0;  // at the first pedal-down once it is armed
+    jump.duration_ticks = 100;
     config.planner.samples = 50;
     return config;
   }
@@ -134,7 +135,7 @@ class EventfulSession {
   }
 
   void hazard() {
-    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, 1}));
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, config::faultId(config, "sudden_jump")}));
     stroke(400, 1.0);
     ASSERT_TRUE(rig.shared->fault_requests.tryPush({0, 0}));
     stroke(100, -1.0);
