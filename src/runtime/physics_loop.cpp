@@ -110,6 +110,8 @@ void PhysicsLoop::drainCommands() noexcept {
     silent_ticks_ = 0;
     increments_.last_sequence = command.sequence;
     ++increments_.commands;
+    for (const Arm arm : kArms)
+      at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
     if (!pedal_) continue;
     for (const Arm arm : kArms) {
       at(increments_.dp_I, arm) = sum(at(increments_.dp_I, arm), at(command.dp_I, arm));
@@ -161,6 +163,7 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
       break;
     case RequestKind::kCancelPlan:
       follower_.stop();
+      state_.guide_plan = 0;
       raise(Event::kPlanFailed);
       break;
     case RequestKind::kSetCollisions:
@@ -212,6 +215,7 @@ void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
   } else if (result.status == PlanStatus::kSuccess) {
     raise(Event::kPlanReady);
     follower_.start(result);
+    state_.guide_plan = result.id;
   } else {
     raise(Event::kPlanFailed);
   }
@@ -276,6 +280,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
   const Mode before = state_.mode;
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
+  if (next == Mode::kPlanning || next == Mode::kStopped || next == Mode::kPaused) state_.guide_plan = 0;
   linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && robot_ready_ && state_.engaged != 0;
   if (next == Mode::kTeleoperating && linked_) joinRobot();
   for (const Arm arm : kArms) {
