@@ -60,8 +60,8 @@ void PassivityGuard::addAllowance(const Vector3d& hand) noexcept {
   block_ticks_ = 0;
 }
 
-void PassivityGuard::given(const Vector3d& force) noexcept {
-  const bool acts = force != Vector3d::Zero();
+void PassivityGuard::given(const Vector3d& force, bool is_asked) noexcept {
+  const bool acts = is_asked || force != Vector3d::Zero();
   if (resting_ && !acts) return;
   if (resting_) {
     resting_ = false;

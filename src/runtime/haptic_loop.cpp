@@ -57,7 +57,9 @@ void HapticLoop::account(const HapticState& state) noexcept {
   last_ = state;
   for (const Arm arm : kArms) {
     at(limiters_, arm).resume(toEigen(at(state.force_B, arm)));
-    at(guards_, arm).given(toEigen(at(state.force_I, arm)));
+    const bool is_asked =
+        at(state.cue_B, arm) != Vec3{} || at(state.guidance_B, arm) != Vec3{} || at(state.edge_B, arm) != Vec3{};
+    at(guards_, arm).given(toEigen(at(state.force_I, arm)), is_asked);
   }
   forgotten_ = forgotten_ && !(guards_[0].isResting() && guards_[1].isResting());
 }

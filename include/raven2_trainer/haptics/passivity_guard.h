@@ -26,7 +26,7 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * shortened, never added to: a damper at this end of an unknown delay would push as often as it brakes, and at rest
  * nothing is ever felt.
  *
- * The account starts anew after a rest without force. Real-time safe: fixed size (about 20 KiB), at most max_delay steps.
+ * The account starts anew after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size (about 20 KiB), at most max_delay steps.
  */
 class PassivityGuard {
  public:
@@ -36,8 +36,9 @@ class PassivityGuard {
    *  is not finite counts as no motion. */
   void observe(const Eigen::Vector3d& hand) noexcept;
 
-  /** The force [N] that is given from now to the next tick. Must be finite. */
-  void given(const Eigen::Vector3d& force) noexcept;
+  /** The force [N] that is given from now to the next tick. Must be finite.
+   *  @param[in] is_asked Whether the law asked for one. */
+  void given(const Eigen::Vector3d& force, bool is_asked) noexcept;
 
   /** Nothing acts and nothing is watched: the next force finds a new account. */
   bool isResting() const noexcept { return resting_; }
