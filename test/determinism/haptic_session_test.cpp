@@ -97,7 +97,7 @@ TEST_F(HapticSession, ALooseHandBehindFiftyMillisecondsIsGivenNoMoreThanItsAccou
   config.console.hand_mass = 0.15;
   config.console.hand_damping = 2.0;
   Impairment link;
-  link.delay_ms = 50.0;
+  link.delay.constant_ns = 50 * kTickNanoseconds;
   const PortOfSession port = run(config, 26.0, &link);
   print("sudden_jump, loose hand, 50 ms each way", port);
   EXPECT_GT(port.felt, 100);

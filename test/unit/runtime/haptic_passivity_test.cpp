@@ -235,6 +235,16 @@ TEST(HapticPassivity, ALooseHandBehindFiftyMillisecondsEachWayIsLeftInPeace) {
   EXPECT_LE(guarded.excess, 0.0);
 }
 
+TEST(HapticPassivity, AnObserverThatReckonsWithNoDelaySeesNothing) {
+  // GIVEN the sum of force given and motion arriving, as of a device in the same computer
+  TrainerConfig config = packaged();
+  config.haptics.passivity.max_delay = 0.0;
+  const Outcome out = outcome(config, Bench{}, true);
+  print("an observer of no delay", out);
+  EXPECT_GT(out.amplitude, 0.003);
+  EXPECT_EQ(out.least_gain, 1.0);
+}
+
 TEST(HapticPassivity, StrongGainsAtFullScaleNoLongerSwingTheHandByCentimetres) {
   TrainerConfig config = packaged();
   config.haptics.kp = 300.0;
