@@ -296,7 +296,7 @@ TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {
   const ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, flipped);
-  EXPECT_EQ(result.difference->field.rfind("model.arms[0].", 0), 0U) << result.difference->field;
+  EXPECT_EQ(result.difference->field.rfind("model.master_I[0][0]", 0), 0U) << result.difference->field;
 }
 
 TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {

@@ -70,6 +70,18 @@ class HapticParts : public ::testing::Test {
   std::int64_t now_ns{1'000'000'000};
 };
 
+TEST_F(HapticParts, TheForceGoesThroughTheAxesOfEachArm) {
+  // raven2.md 1.4: gold x = -itp z, y = -itp x, z = +itp y; green x = -itp z, y = +itp x, z = -itp y
+  at(robot.arms, Arm::kGold).p_BT = {-0.010, 0.0, 0.0};
+  at(robot.arms, Arm::kGreen).p_BT = {0.0, -0.006, -0.008};
+  const HapticState state = ticks(100);
+  // from the robot to the model, 150 N/m times 10 mm
+  EXPECT_NEAR((toEigen(state.force_B[0]) - Vector3(1.5, 0.0, 0.0)).norm(), 0.0, kRounding);
+  EXPECT_NEAR((toEigen(state.force_I[0]) - Vector3(0.0, 0.0, -1.5)).norm(), 0.0, kRounding);
+  EXPECT_NEAR((toEigen(state.force_B[1]) - Vector3(0.0, 0.9, 1.2)).norm(), 0.0, kRounding);
+  EXPECT_NEAR((toEigen(state.force_I[1]) - Vector3(0.9, -1.2, 0.0)).norm(), 0.0, kRounding);
+}
+
 TEST_F(HapticParts, APathGuidesItsOwnArmWithThePedalDownAndFadesIn) {
   putTips(Arm::kGold, {0.05, 0.004, 0.0});
   putTips(Arm::kGreen, {0.05, 0.004, 0.0});

@@ -158,8 +158,8 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(Fault), 4 + 6 + /*padding*/ 6 + 5 * 8u);
   EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + /*padding*/ 4 + 8 * sizeof(Fault));
   EXPECT_EQ(payloadSize<FaultRecord>(), 8 + sizeof(FaultPlan) - 4 - 8 * 6);
-  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 5 + 1);
-  EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 7);
+  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 + sizeof(RobotState) - 2 - 2 * 5 + 1);
+  EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 2);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
   EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 8);
   EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);
