@@ -87,6 +87,34 @@ void readModel(Section& root, ModelConfig* c) {
   arm_contacts.finish();
 }
 
+void readPassivity(Section& root, PassivityConfig* c) {
+  c->enabled = root.boolean("enabled");
+  c->max_delay = root.number("max_delay", 0, 0.4);
+  c->budget = root.number("budget", 0.0001, 10);
+  c->hand_damping = root.number("hand_damping", 0, 100);
+  c->rest = root.number("rest", 0, 60);
+  root.finish();
+}
+
+void readGuidance(Section& root, double max_force, GuidanceConfig* c) {
+  c->enabled = root.boolean("enabled");
+  c->stiffness = root.number("stiffness", 0, 2000);
+  c->max_force = root.number("max_force", 0, max_force);
+  c->reach = root.number("reach", 0.001, 0.5);
+  c->fade_time = root.number("fade_time", 0.01, 60);
+  root.finish();
+}
+
+void readEdge(Section& root, double max_force, EdgeConfig* c) {
+  c->enabled = root.boolean("enabled");
+  c->size_I = root.vec3("size_I", 0.01, 10);
+  const double shortest = *std::min_element(c->size_I.begin(), c->size_I.end());
+  c->margin = root.number("margin", 0.001, 0.5 * shortest);
+  c->max_force = root.number("max_force", 0, max_force);
+  c->origin = static_cast<WorkspaceOrigin>(root.choice("origin", kWorkspaceOriginNames));
+  root.finish();
+}
+
 void readHaptics(Section& root, HapticGains* c) {
   c->kp = root.number("kp", 0, 2000);
   c->kd = root.number("kd", 0, 100);
@@ -95,6 +123,10 @@ void readHaptics(Section& root, HapticGains* c) {
   c->min_force = root.number("min_force", 0, c->max_force);
   // Never slower than from max_force to nothing in 50 ms: what a hand feels from a state gone stale ends by then.
   c->max_slew = root.number("max_slew", c->max_force / 0.05, 10000);
+  Section passivity = root.section("passivity"), guidance = root.section("guidance"), edge = root.section("edge");
+  readPassivity(passivity, &c->passivity);
+  readGuidance(guidance, c->max_force, &c->guidance);
+  readEdge(edge, c->max_force, &c->edge);
 }
 
 std::uint16_t port(Section& section, const std::string& key, int low) {

@@ -116,6 +116,8 @@ void PhysicsLoop::drainCommands() noexcept {
   for (const MasterCommand* next = nullptr; (next = shared_.master_commands.front()) != nullptr && fits(*next);) {
     shared_.master_commands.tryPop(&command);
     shared_.command_records.tryPush({state_.tick + 1, command});
+    for (const Arm arm : kArms)  // where the hands really are
+      at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
     const bool is_clean = !(master_faults_.isArmed() && mayInject()) && master_stream_.isEmpty();
     master_faults_.beginPacket(command.pedal != 0);
     if (is_clean) {
@@ -193,6 +195,7 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
       break;
     case RequestKind::kCancelPlan:
       follower_.stop();
+      state_.guide_plan = 0;
       raise(Event::kPlanFailed);
       break;
     case RequestKind::kSetCollisions:
@@ -244,6 +247,7 @@ void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
   } else if (result.status == PlanStatus::kSuccess) {
     raise(Event::kPlanReady);
     follower_.start(result);
+    state_.guide_plan = result.id;
   } else {
     raise(Event::kPlanFailed);
   }
@@ -308,6 +312,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
   const Mode before = state_.mode;
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
+  if (next == Mode::kPlanning || next == Mode::kStopped || next == Mode::kPaused) state_.guide_plan = 0;
   linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && robot_ready_ && state_.engaged != 0;
   if (next == Mode::kTeleoperating && linked_) joinRobot();
   for (const Arm arm : kArms) {

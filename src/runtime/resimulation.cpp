@@ -62,7 +62,10 @@ struct Resimulation::Impl {
     session::LogVisitor visitor;
     visitor.command = upToDifference<CommandRecord>([this](const auto& record) { commands.add(record); });
     visitor.request = upToDifference<RequestRecord>([this](const auto& record) { requests.add(record); });
-    visitor.plan = upToDifference<PlanRecord>([this](const auto& record) { plans.add(record); });
+    visitor.plan = upToDifference<PlanRecord>([this](const auto& record) {
+      plans.add(record);
+      forces.add(record);
+    });
     visitor.faults = upToDifference<FaultRecord>([this](const auto& record) { faults.add(record); });
     visitor.contact = upToDifference<ContactRecord>([this](const auto& record) { contacts.add(record); });
     visitor.haptic = upToDifference<HapticRecord>([this](const auto& record) { addForce(record); });

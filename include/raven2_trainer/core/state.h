@@ -66,6 +66,8 @@ struct ModelState {
   std::uint8_t linked{};   ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
   FaultSignals signals{};  ///< what faults' triggers look at
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
+  std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
+  PerArm<Vec3> master_I{};  ///< [m] [@frame I] sum of all increments that the masters sent, used or not, pedal up or down
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order
 };
@@ -112,15 +114,27 @@ struct RobotState {
 };
 static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads word by word");
 
-/** Force cue of one tick (paper, eqs. 5 and 6). */
+/** What the hands are given in one tick. Holds all that the next tick depends on but the states of model and robot. */
 struct HapticState {
   Tick tick{-1};                ///< model tick it was computed from
+  std::uint64_t count{};        ///< haptic ticks so far
   std::uint64_t robot_cycle{};  ///< robot cycle it was computed from
   std::int64_t time_ns{};       ///< [ns] CLOCK_MONOTONIC of the tick; in lockstep tick x 1e6
   PerArm<Vec3> force_B{};       ///< [N] in each arm's frame B
   PerArm<Vec3> force_I{};       ///< [N] the same in master (ITP) axes
   PerArm<double> error{};       ///< [m] distance of model and robot tips; 0 if either is not finite
-  std::uint8_t active{};        ///< 1 while the cue may act: linked, model and robot fresh; else forces fall to 0
+  PerArm<Vec3> cue_B{};         ///< [N] what eqs. (5) and (6) ask for
+  PerArm<Vec3> guidance_B{};    ///< [N] what the guidance along a path asks for
+  PerArm<Vec3> edge_B{};        ///< [N] what the edge of the master's workspace asks for
+  PerArm<double> gain{{1.0, 1.0}};   ///< [-] share of them that the passivity controller lets through
+  PerArm<double> energy{};           ///< [J] given to the hand, less what the force takes back where it began
+  PerArm<double> allowance{};        ///< [J] what that may be
+  PerArm<double> guidance_fade{};    ///< [-] 0 none to 1 whole
+  PerArm<Vec3> master_I{};           ///< [m] ModelState::master_I of `tick`
+  PerArm<Vec3> hand_I{};             ///< [m] of the hand from what is taken for the middle of its workspace
+  std::uint32_t guide_plan{};        ///< id of the plan whose path was at hand; 0 none
+  std::uint8_t pedal{};              ///< ModelState::pedal of `tick`
+  std::uint8_t active{};  ///< 1 while forces may act: linked, model and robot fresh; else they fall to 0
 };
 static_assert(std::is_trivially_copyable<HapticState>::value, "crosses threads word by word");
 

@@ -130,6 +130,35 @@ TEST_F(LoadConfig, AValueOutOfRangeIsRefusedWithTheRange) {
       << message();
 }
 
+TEST_F(LoadConfig, ThePartsOfTheForceAreThoseThatATraineeExpects) {
+  const HapticGains haptics = loadTrainerConfig(root()).haptics;
+  EXPECT_TRUE(haptics.passivity.enabled);
+  EXPECT_FALSE(haptics.guidance.enabled);
+  EXPECT_FALSE(haptics.edge.enabled);
+  EXPECT_EQ(haptics.edge.size_I, (Vec3{0.07, 0.16, 0.12}));
+  EXPECT_EQ(haptics.edge.origin, WorkspaceOrigin::kPedalDown);
+  replace("haptics.yaml", "origin: pedal_down", "origin: start");
+  EXPECT_EQ(loadTrainerConfig(root()).haptics.edge.origin, WorkspaceOrigin::kStart);
+}
+
+TEST_F(LoadConfig, NoPartOfTheForceMayExceedTheWhole) {
+  replace("haptics.yaml", "max_force: 3.3", "max_force: 0.9");
+  EXPECT_NE(message().find("max_force is 1, expected [0, 0.9]"), std::string::npos) << message();
+  SetUp();
+  replace("haptics.yaml", "max_force: 3.3", "max_force: 1.2");
+  EXPECT_NE(message().find("max_force is 1.5, expected [0, 1.2]"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, TheMarginOfTheWorkspaceFitsIntoIt) {
+  replace("haptics.yaml", "margin: 0.01", "margin: 0.036");
+  EXPECT_NE(message().find("margin is 0.036, expected [0.001, 0.035]"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, ADelayThatTheGuardCannotHoldIsRefused) {
+  replace("haptics.yaml", "max_delay: 0.12", "max_delay: 0.5");
+  EXPECT_NE(message().find("max_delay is 0.5, expected [0, 0.4]"), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, WrongTypesAreRefused) {
   for (const char* value : {"fast", "[1, 2]", ".nan", "{a: 1}"}) {
     SetUp();
