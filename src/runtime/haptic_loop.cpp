@@ -119,8 +119,8 @@ void HapticLoop::computeArm(Arm arm, const Inputs& in, HapticState* out) const n
   at(out->energy, arm) = guard.energy();
   at(out->allowance, arm) = guard.allowance();
   Vector3 wanted = haptics::shortened(cue_B, gain, gains_.min_force) + gain * (guidance_B + edge_B);
-  if (in.model.console_faults != 0 && out->active != 0)  // size and slew stay limited whatever a fault does
-    wanted = at(in.model.force_gain, arm) * wanted + toEigen(at(in.model.force_offset_B, arm));
+  if (in.model.faults.console != 0 && out->active != 0)  // size and slew stay limited whatever a fault does
+    wanted = at(in.model.faults.force_gain, arm) * wanted + toEigen(at(in.model.faults.force_offset_B, arm));
   haptics::ForceLimiter limiter = at(limiters_, arm);
   const Vector3 force_B = limiter.step(wanted, in.seconds);
   at(out->force_B, arm) = toArray(force_B);

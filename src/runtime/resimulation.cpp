@@ -119,7 +119,7 @@ struct Resimulation::Impl {
       if (r.refused == 0) push(&shared->plan_results, r.result, now);
     });
     shared->robot.store(recorded.robot);
-    physics.setSignals(recorded.model.signals);
+    physics.setSignals(recorded.model.faults.signals);
     if (recorded.slipped != 0) physics.timeSlip();
   }
 

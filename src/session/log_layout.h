@@ -122,6 +122,22 @@ struct Layout<FaultSignals> {
 };
 
 template <>
+struct Layout<DaemonFaults> {
+  template <typename Visitor, typename Faults>
+  static void visit(Visitor& v, Faults& s) {
+    v.field("active", s.active, "", "the first that acts: position in scenarios + 1, 0 none");
+    v.field("relay", s.relay, "", "bit i: row i of the armed plan acts on the stream to the robot");
+    v.field("master", s.master, "", "the same on the masters' stream");
+    v.field("console", s.console, "", "the same on what the surgeon feels and sees");
+    v.field("picture", s.picture, "", "the surgeon's picture: 0 right, 1 black, 2 frozen, 3 eyes changed over");
+    v.field("picture_delay_ms", s.picture_delay_ms, "ms", "by which it is late");
+    v.field("force_gain", s.force_gain, "", "factor on the force; 1 is right");
+    v.field("force_offset_B", s.force_offset_B, "N", "added to it, in frame B");
+    v.field("signals", s.signals, "", "what triggers look at");
+  }
+};
+
+template <>
 struct Layout<ModelState> {
   template <typename Visitor, typename State>
   static void visit(Visitor& v, State& s) {
@@ -133,18 +149,10 @@ struct Layout<ModelState> {
     v.field("engaged", s.engaged, "", "1 while the robot is sent the surgeon's motion");
     v.field("robot_fresh", s.robot_fresh, "", "1 while the robot's state is connected and fresh");
     v.field("linked", s.linked, "", "1 while model and robot move from a common pose");
-    v.field("active_fault", s.active_fault, "", "fault acting in the daemon: position in scenarios + 1, 0 none");
-    v.field("relay_faults", s.relay_faults, "", "bit i: row i of the armed plan acts on the stream to the robot");
-    v.field("master_faults", s.master_faults, "", "the same on the masters' stream");
-    v.field("console_faults", s.console_faults, "", "the same on what the surgeon feels and sees");
-    v.field("picture", s.picture, "", "the surgeon's picture: 0 right, 1 black, 2 frozen, 3 eyes changed over");
-    v.field("picture_delay_ms", s.picture_delay_ms, "ms", "by which it is late");
-    v.field("force_gain", s.force_gain, "", "factor that a fault puts on the force; 1 is right");
-    v.field("force_offset_B", s.force_offset_B, "N", "what a fault adds to it, in frame B");
-    v.field("signals", s.signals, "", "what faults' triggers look at");
     v.field("commands_used", s.commands_used, "packets", "master commands that moved the model in this tick");
     v.field("guide_plan", s.guide_plan, "", "id of the plan along whose path the hand may be guided; 0 none");
     v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent, in master (ITP) axes");
+    v.field("faults", s.faults, "", "what faults do in the daemon");
     v.field("arms", s.arms, "", "gold, green");
     v.field("bodies", s.bodies, "", "free bodies of the scene in the world frame W");
   }

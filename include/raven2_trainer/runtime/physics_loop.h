@@ -44,7 +44,7 @@ class PhysicsLoop {
   void requestPause() noexcept { pause_requested_.store(true, std::memory_order_relaxed); }
 
   /** What faults' triggers look at, from the next tick on; from the thread of the ticks. */
-  void setSignals(const FaultSignals& signals) noexcept { state_.signals = signals; }
+  void setSignals(const FaultSignals& signals) noexcept { state_.faults.signals = signals; }
 
   /** Bodies by the numbers of contacts. */
   const std::vector<std::string>& bodyNames() const noexcept { return world_.bodyNames(); }

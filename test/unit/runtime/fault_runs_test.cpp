@@ -103,7 +103,7 @@ TEST(FaultRuns, TheRelayDeceivesTheRobotAloneAndTheMastersStreamBoth) {
     } else {
       EXPECT_LT(distance, 2e-3) << "both went";
     }
-    EXPECT_EQ(model.active_fault, 0U) << "it is over";
+    EXPECT_EQ(model.faults.active, 0U) << "it is over";
   }
 }
 
@@ -169,7 +169,7 @@ TEST(FaultRuns, TriggersOnSignalsFireInRobotAndDaemon) {
     run.stack->setSignals(signals);
     run.ticks(100);
     const auto acts = [&] {
-      return host == FaultHost::kRobot ? run.stack->robot().fault_mask : run.stack->view().model.relay_faults;
+      return host == FaultHost::kRobot ? run.stack->robot().fault_mask : run.stack->view().model.faults.relay;
     };
     EXPECT_EQ(acts(), 0);
     signals.tissue_distance = 0.004;
@@ -201,7 +201,7 @@ TEST(FaultRuns, ARealRobotsStreamStaysCleanWithoutTheSecondKey) {
     for (int i = 0; i < 5; ++i)
       rig.tick(true);
     EXPECT_EQ(rig.last_relay.command.dp_I[0][0] != 0.0, key);
-    EXPECT_EQ(rig.model().relay_faults != 0, key);
+    EXPECT_EQ(rig.model().faults.relay != 0, key);
   }
 }
 
