@@ -72,7 +72,8 @@ class Series:
         self.p_model = model["arms"]["p_BT"]
         self.p_robot = np.where(seen[:, None, None], robot["arms"]["p_BT"], np.nan)
         in_robot = np.where(seen, robot["active_fault"], 0)
-        self.fault_ids = np.where(in_robot != 0, in_robot, ticks["model"]["faults"]["active"])
+        has_own = "faults" in (model.dtype.names or ())  # logs older than version 5 have none of the daemon's own
+        self.fault_ids = np.where(in_robot != 0, in_robot, model["faults"]["active"]) if has_own else in_robot
         self.fault_windows = [(self.t[a], self.t[b], self.scenario(self.fault_ids[a])) for a, b in self._fault_runs()]
         self.runlevel = np.where(seen, robot["runlevel"], -1)
         modes = log.names("tick", "model.mode")
