@@ -175,6 +175,8 @@ void checkFault(const Section& root, const Fault& fault) {
   refuse(fault.period_ticks == 0 && fault.count > 1, root, "count", "can never be reached without period_ticks");
 }
 
+}  // namespace
+
 Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>& impairments) {
   Fault fault;
   fault.id = id;
@@ -190,8 +192,6 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
   root.finish();
   return fault;
 }
-
-}  // namespace
 
 Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vector<std::string>& impairments) {
   Section root = Section::fromFile(path);
