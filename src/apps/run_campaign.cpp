@@ -92,14 +92,14 @@ int run(const Options& options) {
   parseShard(options.shard, &identity.shard, &identity.shards);
   const campaign::OutputPaths paths{options.output};
   campaign::PartialOutcomes outcomes(paths, identity, campaign, options.resume);
-  std::vector<campaign::Run> runs = campaign::shardOf(campaign.runs, identity.shard, identity.shards);
-  runs.erase(std::remove_if(runs.begin(), runs.end(), [&](const campaign::Run& r) { return outcomes.has(r.number); }),
+  std::vector<campaign::CampaignRun> runs = campaign::shardOf(campaign.runs, identity.shard, identity.shards);
+  runs.erase(std::remove_if(runs.begin(), runs.end(), [&](const campaign::CampaignRun& r) { return outcomes.has(r.number); }),
              runs.end());
   physics::initialiseOde();
   const Clock::time_point start = Clock::now();
   apps::ProgressBar bar(campaign.name);
   std::size_t done = 0;
-  campaign::makeRuns(config, campaign, runs, options.jobs, [&](const campaign::Run& r, const campaign::RunResult& result) {
+  campaign::makeRuns(config, campaign, runs, options.jobs, [&](const campaign::CampaignRun& r, const campaign::RunResult& result) {
     outcomes.add(r.number, campaign::row(campaign, r, result));
     ++done;
     bar.update(static_cast<double>(done) / static_cast<double>(runs.size()), timeLeft(start, done, runs.size()));

@@ -129,7 +129,7 @@ std::string header() {
   return row.line();
 }
 
-std::string row(const Campaign& campaign, const Run& run, const RunResult& result) {
+std::string row(const Campaign& campaign, const CampaignRun& run, const RunResult& result) {
   const Experiment& experiment = campaign.experiments[run.experiment];
   Row row;
   row.text(experiment.name);
@@ -162,7 +162,7 @@ std::uint32_t runOf(const std::string& line) {
 std::uint32_t runOf(const std::string& line, const Campaign& campaign) {
   const std::uint32_t number = runOf(line);
   if (number == 0 || number > campaign.runs.size()) return 0;
-  const Run& run = campaign.runs[number - 1];
+  const CampaignRun& run = campaign.runs[number - 1];
   const std::vector<std::string> cells = cellsOf(line);
   const bool fits = cells[0] == campaign.experiments[run.experiment].name && cells[2] == std::to_string(run.seed);
   return fits ? number : 0;

@@ -39,6 +39,9 @@ std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream, std::uint64_t num
   return Random(seed, (number << 8U) + stream).next();
 }
 
+/** Engines take over a plan of another generation than their last: the daemon's own, of nothing, count up from 1. */
+constexpr std::uint64_t kGeneration = std::uint64_t{1} << 32U;
+
 /** [low, high) drawn for each run. */
 struct Draw {
   std::string key;
@@ -172,7 +175,7 @@ class Reader {
   }
 
   void addRun(const std::vector<Section>& point, std::uint32_t repetition, const Section& scenario) {
-    Run run;
+    CampaignRun run;
     run.number = static_cast<std::uint32_t>(campaign_.runs.size() + 1);
     run.experiment = campaign_.experiments.size() - 1;
     run.repetition = repetition;
@@ -186,10 +189,10 @@ class Reader {
     campaign_.runs.push_back(run);
   }
 
-  FaultPlan readPlan(const std::vector<Section>& point, const Run& run) {
+  FaultPlan readPlan(const std::vector<Section>& point, const CampaignRun& run) {
     Random random(run.seed, kDrawStream);
     FaultPlan plan;
-    plan.generation = 1;
+    plan.generation = kGeneration;
     for (Section row : point) {
       for (const Draw& draw : draws_) {
         const double drawn = random.uniform(draw.low, draw.high);
@@ -248,17 +251,19 @@ Campaign readCampaign(const std::string& text,
   return Reader(Section::fromText(text, name), seed, impairments).read();
 }
 
-std::vector<Run> inOrderOfForks(const std::vector<Run>& runs) {
-  std::vector<Run> ordered = runs;
-  const auto key = [](const Run& run) { return std::make_tuple(run.repetition, run.phase, run.offset_ticks, run.number); };
-  std::sort(ordered.begin(), ordered.end(), [&key](const Run& a, const Run& b) { return key(a) < key(b); });
+std::vector<CampaignRun> inOrderOfForks(const std::vector<CampaignRun>& runs) {
+  std::vector<CampaignRun> ordered = runs;
+  const auto key = [](const CampaignRun& run) {
+    return std::make_tuple(run.repetition, run.phase, run.offset_ticks, run.number);
+  };
+  std::sort(ordered.begin(), ordered.end(), [&key](const auto& a, const auto& b) { return key(a) < key(b); });
   return ordered;
 }
 
-std::vector<Run> shardOf(const std::vector<Run>& runs, std::size_t shard, std::size_t shards) {
+std::vector<CampaignRun> shardOf(const std::vector<CampaignRun>& runs, std::size_t shard, std::size_t shards) {
   if (shard < 1 || shard > shards)
     throw ConfigException("shard " + std::to_string(shard) + "/" + std::to_string(shards) + " does not exist");
-  const std::vector<Run> ordered = inOrderOfForks(runs);
+  const std::vector<CampaignRun> ordered = inOrderOfForks(runs);
   const auto cut = [&](std::size_t part) {
     return ordered.begin() + static_cast<std::ptrdiff_t>(part * ordered.size() / shards);
   };

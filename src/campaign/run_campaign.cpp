@@ -23,7 +23,7 @@ double norm(const Vec3& v) noexcept {
 }
 
 /** [ticks] A run's fork, once the golden run's pedal-down is known. */
-std::int64_t forkOf(const Run& run, std::int64_t pedal_down) noexcept {
+std::int64_t forkOf(const CampaignRun& run, std::int64_t pedal_down) noexcept {
   return run.phase == Phase::kHoming ? 0 : std::max<std::int64_t>(0, pedal_down + run.offset_ticks);
 }
 
@@ -35,7 +35,7 @@ void tick(runtime::LockstepStack* stack) {
 /** All runs of one golden run. */
 class Group {
  public:
-  Group(const TrainerConfig& config, const Campaign& campaign, std::vector<Run> runs, ProcessPool* pool)
+  Group(const TrainerConfig& config, const Campaign& campaign, std::vector<CampaignRun> runs, ProcessPool* pool)
       : config_(config),
         campaign_(campaign),
         runs_(std::move(runs)),
@@ -47,7 +47,7 @@ class Group {
     pool_->start(kGolden, [this](std::uint8_t*) { record(); });
     pool_->waitFor(kGolden);
     checkGolden();
-    for (const Run& run : runs_) {
+    for (const CampaignRun& run : runs_) {
       const std::int64_t fork = forkOf(run, golden_.pedalDown());
       for (; now_ < fork; ++now_)
         tick(&stack_);
@@ -59,7 +59,7 @@ class Group {
   /** [ticks] the longest that a run can need. */
   std::size_t capacity() const {
     std::int64_t longest = 0;
-    for (const Run& run : runs_)
+    for (const CampaignRun& run : runs_)
       longest = std::max(longest, run.offset_ticks + run.horizon_ticks);
     return static_cast<std::size_t>(start() + longest + 1);
   }
@@ -83,7 +83,7 @@ class Group {
   std::int64_t wanted() const {
     const std::int64_t pedal_down = golden_.pedalDown();
     std::int64_t last = 0;
-    for (const Run& run : runs_) {
+    for (const CampaignRun& run : runs_) {
       if (run.phase == Phase::kPedalDown && pedal_down == kNever) return start();
       last = std::max(last, forkOf(run, pedal_down) + run.horizon_ticks);
     }
@@ -102,7 +102,7 @@ class Group {
   }
 
   /** In a child of its own. */
-  void inject(const Run& run, std::uint8_t* result) {
+  void inject(const CampaignRun& run, std::uint8_t* result) {
     Comparison comparison(campaign_.limits);
     comparison.add(golden_.at(now_), sampleOf(config_.arms, stack_));
     stack_.arm(run.plan);
@@ -116,7 +116,7 @@ class Group {
 
   const TrainerConfig& config_;
   const Campaign& campaign_;
-  std::vector<Run> runs_;
+  std::vector<CampaignRun> runs_;
   ProcessPool* pool_;
   runtime::LockstepStack stack_;
   Trajectory golden_;
@@ -160,15 +160,16 @@ TrainerConfig configurationFor(const Campaign& campaign, TrainerConfig config) {
 
 void makeRuns(const TrainerConfig& config,
               const Campaign& campaign,
-              const std::vector<Run>& runs,
+              const std::vector<CampaignRun>& runs,
               std::size_t jobs,
-              const std::function<void(const Run&, const RunResult&)>& report) {
-  const std::vector<Run> ordered = inOrderOfForks(runs);
+              const std::function<void(const CampaignRun&, const RunResult&)>& report) {
+  const std::vector<CampaignRun> ordered = inOrderOfForks(runs);
   ProcessPool pool(jobs, campaign.cpu_limit, sizeof(Figures), [&](const ChildEnd& end) {
     if (end.tag != kGolden) report(campaign.runs[end.tag - 1], resultOf(end));
   });
   for (auto first = ordered.begin(); first != ordered.end();) {
-    const auto last = std::find_if(first, ordered.end(), [&](const Run& r) { return r.repetition != first->repetition; });
+    const auto last = std::find_if(first, ordered.end(),
+                                   [&](const CampaignRun& run) { return run.repetition != first->repetition; });
     TrainerConfig seeded = config;
     seeded.seed = first->motion_seed;
     Group(seeded, campaign, {first, last}, &pool).make();

@@ -26,7 +26,7 @@ struct Experiment {
 };
 
 /** One injection. */
-struct Run {
+struct CampaignRun {
   std::uint32_t number{};       ///< from 1 in the campaign's order
   std::size_t experiment{};     ///< position in Campaign::experiments
   std::uint32_t repetition{};   ///< from 0: which motion of the surgeon's
@@ -49,7 +49,7 @@ struct Campaign {
   Limits limits{};
   std::int64_t cpu_limit{};  ///< [s] of processor time a run may take: more is a hang
   std::vector<Experiment> experiments;
-  std::vector<Run> runs;  ///< by number
+  std::vector<CampaignRun> runs;  ///< by number
 };
 
 /**
@@ -65,10 +65,10 @@ Campaign readCampaign(const std::string& text,
                       const std::vector<std::string>& impairments);
 
 /** Runs in the order in which one process makes them: by golden run, then by fork. */
-std::vector<Run> inOrderOfForks(const std::vector<Run>& runs);
+std::vector<CampaignRun> inOrderOfForks(const std::vector<CampaignRun>& runs);
 
 /** The `shard`-th of `shards` parts, from 1: neighbours in the order of forks, so that few golden runs are shared.
  *  @throw ConfigException for a shard that there is not. */
-std::vector<Run> shardOf(const std::vector<Run>& runs, std::size_t shard, std::size_t shards);
+std::vector<CampaignRun> shardOf(const std::vector<CampaignRun>& runs, std::size_t shard, std::size_t shards);
 
 }  // namespace raven2_trainer::campaign

@@ -23,7 +23,7 @@ struct RunResult {
 /** Header of outcomes.csv, without the end of line. */
 std::string header();
 /** One row, without the end of line. */
-std::string row(const Campaign& campaign, const Run& run, const RunResult& result);
+std::string row(const Campaign& campaign, const CampaignRun& run, const RunResult& result);
 
 /** Which campaign, and which part of it: what campaign.json says, and what must be equal to go on or to merge. */
 struct Identity {

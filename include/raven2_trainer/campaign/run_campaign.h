@@ -27,8 +27,8 @@ TrainerConfig configurationFor(const Campaign& campaign, TrainerConfig config);
  */
 void makeRuns(const TrainerConfig& config,
               const Campaign& campaign,
-              const std::vector<Run>& runs,
+              const std::vector<CampaignRun>& runs,
               std::size_t jobs,
-              const std::function<void(const Run&, const RunResult&)>& report);
+              const std::function<void(const CampaignRun&, const RunResult&)>& report);
 
 }  // namespace raven2_trainer::campaign
