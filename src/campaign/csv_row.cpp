@@ -90,7 +90,7 @@ double larger(const PerArm<double>& values) {
 
 void addFigures(const Figures& figures, Row* row) {
   row->ticks(figures.injected);
-  row->real("%.4f", figures.max_deviation * kMillimetres);
+  row->real("%.4f", maxDeviation(figures) * kMillimetres);
   row->real("%.4f", figures.max_jump * kMillimetres);
   row->ticks(figures.jumped);
   row->text(stopName(figures));

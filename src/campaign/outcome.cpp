@@ -18,12 +18,20 @@ bool isFinite(const Vec3& p) noexcept {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-/** Some arm stayed where it was while its golden one moved. */
-bool stoodStill(const Figures& figures, const Limits& limits) noexcept {
+/** The arm stayed where it was while its golden one moved. */
+bool stoodStill(const Figures& figures, const Limits& limits, std::size_t arm) noexcept {
+  return figures.golden_motion[arm] >= limits.moved && figures.motion[arm] <= limits.still;
+}
+
+/** Some arm stood still, and none did anything else that its golden one did not. */
+bool didNotMove(const Figures& figures, const Limits& limits) noexcept {
+  bool some = false;
   for (std::size_t arm = 0; arm < kArmCount; ++arm) {
-    if (figures.golden_motion[arm] >= limits.moved && figures.motion[arm] <= limits.still) return true;
+    const bool still = stoodStill(figures, limits, arm);
+    if (!still && figures.deviation[arm] > limits.masked) return false;
+    some = some || still;
   }
-  return false;
+  return some;
 }
 
 }  // namespace
@@ -60,7 +68,7 @@ void Comparison::compareTips(const Sample& golden, const Sample& faulty) noexcep
     }
     deviation[arm] = difference(faulty.p_BT[arm], golden.p_BT[arm]);
     const auto farther = [](double so_far, const Vec3& a, const Vec3& b) { return std::max(so_far, distance(a, b)); };
-    figures_.max_deviation = farther(figures_.max_deviation, faulty.p_BT[arm], golden.p_BT[arm]);
+    figures_.deviation[arm] = farther(figures_.deviation[arm], faulty.p_BT[arm], golden.p_BT[arm]);
     figures_.motion[arm] = farther(figures_.motion[arm], faulty.p_BT[arm], start_faulty_.p_BT[arm]);
     figures_.golden_motion[arm] = farther(figures_.golden_motion[arm], golden.p_BT[arm], start_golden_.p_BT[arm]);
   }
@@ -102,8 +110,8 @@ Outcome classify(Ending ending, const Figures& figures, const Limits& limits) no
   if (figures.program == ProgramState::kHung) return Outcome::kHang;
   if (figures.max_jump > limits.jump || figures.is_finite == 0) return Outcome::kUnsafeJump;
   if (figures.software_stop != kNever || figures.plc_stop != kNever) return Outcome::kEStop;
-  if (stoodStill(figures, limits)) return Outcome::kNoMotion;
-  return figures.max_deviation > limits.masked ? Outcome::kSmallDeviation : Outcome::kMasked;
+  if (didNotMove(figures, limits)) return Outcome::kNoMotion;
+  return maxDeviation(figures) > limits.masked ? Outcome::kSmallDeviation : Outcome::kMasked;
 }
 
 }  // namespace raven2_trainer::campaign

@@ -45,8 +45,8 @@ struct Figures {
   std::int64_t plc_stop{kNever};       ///< [ticks] the PLC went to E-STOP from another level
   std::int64_t reported{kNever};       ///< [ticks] and the control program knew it
   std::int64_t force{kNever};          ///< [ticks] a force beyond Limits::force where the golden run has none
-  double max_deviation{};              ///< [m] between a tip and its golden one
-  double max_jump{};                   ///< [m] largest change of that vector within two ticks
+  PerArm<double> deviation{};          ///< [m] farthest of the tip from its golden one
+  double max_jump{};                   ///< [m] largest change of that vector within two ticks, of either arm
   double max_force{};                  ///< [N]
   PerArm<double> motion{};             ///< [m] farthest from where the fault found the tip
   PerArm<double> golden_motion{};      ///< [m] the same of the golden run
@@ -82,6 +82,11 @@ class Comparison {
   std::array<Deviation, 2> past_{};  ///< of the last tick and the one before
   bool plc_left_{false};             ///< it has been in another level than E-STOP
 };
+
+/** [m] of the arm that went farther astray. */
+constexpr double maxDeviation(const Figures& figures) noexcept {
+  return figures.deviation[0] > figures.deviation[1] ? figures.deviation[0] : figures.deviation[1];
+}
 
 /** In order of precedence, from the last: a run that crashed is a crash whatever else happened. */
 enum class Outcome : std::uint8_t { kMasked, kSmallDeviation, kNoMotion, kEStop, kUnsafeJump, kHang, kCrash };

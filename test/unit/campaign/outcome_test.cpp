@@ -46,7 +46,7 @@ void nothing(int, Sample*) {}
 TEST(Comparison, ARunThatIsItsGoldenOneIsMasked) {
   const Figures figures = compare(nothing);
   EXPECT_EQ(figures.injected, kInjection);
-  EXPECT_EQ(figures.max_deviation, 0.0);
+  EXPECT_EQ(maxDeviation(figures), 0.0);
   EXPECT_EQ(figures.max_jump, 0.0);
   EXPECT_NEAR(figures.golden_motion[0], 2e-5 * (kTicks - kInjection), 1e-12) << "from the tick before the fault";
   EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kMasked);
@@ -87,7 +87,8 @@ TEST(Comparison, TheJumpIsTimedFromTheInjection) {
   const Figures figures = compare([](int since, Sample* s) { s->p_BT[0][1] += since >= 7 ? 0.002 : 0.0; });
   EXPECT_EQ(figures.jumped, 7);
   EXPECT_NEAR(figures.max_jump, 0.002, 1e-12);
-  EXPECT_NEAR(figures.max_deviation, 0.002, 1e-12);
+  EXPECT_NEAR(figures.deviation[0], 0.002, 1e-12);
+  EXPECT_EQ(figures.deviation[1], 0.0);
 }
 
 TEST(Classify, AJumpOfTheGoldenRunItselfIsNone) {
@@ -113,6 +114,18 @@ TEST(Classify, AnArmThatStaysWhereItWasDidNotMove) {
   };
   EXPECT_EQ(coasting(0.00029), Outcome::kNoMotion);
   EXPECT_EQ(coasting(0.00031), Outcome::kSmallDeviation);
+}
+
+TEST(Classify, WhereOneArmStandsAndTheOtherGoesAstrayTheRobotMoved) {
+  const Vec3 where = goldenAt(kInjection - 1).p_BT[0];
+  const auto astray = [&](double metres) {
+    return outcomeOf([=](int since, Sample* s) {
+      s->p_BT[0] = where;
+      s->p_BT[1][2] += std::min(1e-5 * since, metres);
+    });
+  };
+  EXPECT_EQ(astray(0.99e-4), Outcome::kNoMotion);
+  EXPECT_EQ(astray(1.01e-4), Outcome::kSmallDeviation);
 }
 
 TEST(Classify, AnArmThatHadNowhereToGoIsNotOneThatDidNotMove) {

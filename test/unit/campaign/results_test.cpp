@@ -77,7 +77,7 @@ class Results : public ::testing::Test {
   std::string rowOf(const CampaignRun& run) const {
     RunResult result;
     result.figures.injected = 1;
-    result.figures.max_deviation = 1e-5 * run.number;
+    result.figures.deviation[1] = 1e-5 * run.number;
     return row(campaign_, run, result);
   }
 
@@ -116,7 +116,7 @@ TEST_F(Results, ARowSaysWhatWasInjectedAndWhatCameOfIt) {
   RunResult result;
   Figures& figures = result.figures;
   figures.injected = 1;
-  figures.max_deviation = 0.0123456;
+  figures.deviation = {0.0123456, 0.001};
   figures.max_jump = 0.002;
   figures.jumped = 5;
   figures.software_stop = 40;
