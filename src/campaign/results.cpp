@@ -54,8 +54,9 @@ std::string hashOf(const std::string& text) {
   return hex;
 }
 
-Json describe(const Experiment& experiment) {
+Json describe(const Experiment& experiment, std::size_t runs) {
   return {{"scenario", experiment.name},
+          {"runs", runs},
           {"injection", experiment.injection},
           {"number", experiment.number},
           {"observed", experiment.observed},
@@ -127,8 +128,11 @@ Identity identify(const Campaign& campaign, const std::map<std::string, std::str
   identity.seed = campaign.seed;
   identity.total = campaign.runs.size();
   Json experiments = Json::array();
-  for (const Experiment& experiment : campaign.experiments)
-    experiments.push_back(describe(experiment));
+  for (std::size_t i = 0; i < campaign.experiments.size(); ++i) {
+    const auto runs = std::count_if(campaign.runs.begin(), campaign.runs.end(),
+                                    [i](const CampaignRun& run) { return run.experiment == i; });
+    experiments.push_back(describe(campaign.experiments[i], static_cast<std::size_t>(runs)));
+  }
   identity.experiments = experiments.dump();
   std::string all = toJson(identity).dump() + header();
   for (const auto& [name, hash] : ingredients)
