@@ -71,7 +71,8 @@ class Series:
         self.q_robot = np.where(seen[:, None, None], robot["arms"]["q"], np.nan)
         self.p_model = model["arms"]["p_BT"]
         self.p_robot = np.where(seen[:, None, None], robot["arms"]["p_BT"], np.nan)
-        self.fault_ids = np.where(seen, robot["active_fault"], 0)
+        in_robot = np.where(seen, robot["active_fault"], 0)
+        self.fault_ids = np.where(in_robot != 0, in_robot, ticks["model"]["faults"]["active"])
         self.fault_windows = [(self.t[a], self.t[b], self.scenario(self.fault_ids[a])) for a, b in self._fault_runs()]
         self.runlevel = np.where(seen, robot["runlevel"], -1)
         modes = log.names("tick", "model.mode")

@@ -30,9 +30,9 @@ constexpr std::uint64_t kDrawStream = 3;                      // of a run's
 constexpr std::int64_t kClockLead = 64;
 
 /** Keys of a row that may hold a list: the axes of its grid. */
-constexpr std::array<const char*, 12> kAxes{"kind",         "arm",   "channel", "value",          "low",
+constexpr std::array<const char*, 13> kAxes{"kind",         "arm",   "channel", "value",          "low",
                                             "high",         "start", "seed",    "duration_ticks", "half_period_ticks",
-                                            "period_ticks", "count"};
+                                            "period_ticks", "ramp_ticks", "count"};
 
 std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream, std::uint64_t number) {
   // Neighbouring numbers on one stream would give neighbouring states: each is a stream of its own.

@@ -135,6 +135,7 @@ RunResult resultOf(const ChildEnd& end) {
 Sample sampleOf(const ArmsConfig& arms, const runtime::LockstepStack& stack) noexcept {
   const RobotState& robot = stack.robot();
   const runtime::LockstepView& view = stack.view();
+  const DaemonFaults& faults = view.model.faults;
   Sample sample;
   for (const Arm arm : kArms) {
     at(sample.p_BT, arm) = toArray(kinematics::forward(arms.geometry, arm, stack.trueJoints(arm)).p);
@@ -144,7 +145,7 @@ Sample sampleOf(const ArmsConfig& arms, const runtime::LockstepStack& stack) noe
   sample.software = robot.runlevel;
   sample.program = robot.program;
   sample.soft_estopped = robot.soft_estopped;
-  sample.faulted = (robot.fault_mask | view.model.relay_faults | view.model.master_faults) != 0 ? 1 : 0;
+  sample.faulted = (robot.fault_mask | faults.relay | faults.master | faults.console) != 0 ? 1 : 0;
   return sample;
 }
 

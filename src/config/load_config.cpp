@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/load_scenario.h"
@@ -86,6 +87,34 @@ void readModel(Section& root, ModelConfig* c) {
   arm_contacts.finish();
 }
 
+void readPassivity(Section& root, PassivityConfig* c) {
+  c->enabled = root.boolean("enabled");
+  c->max_delay = root.number("max_delay", 0, 0.4);
+  c->budget = root.number("budget", 0.0001, 10);
+  c->hand_damping = root.number("hand_damping", 0, 100);
+  c->rest = root.number("rest", 0, 60);
+  root.finish();
+}
+
+void readGuidance(Section& root, double max_force, GuidanceConfig* c) {
+  c->enabled = root.boolean("enabled");
+  c->stiffness = root.number("stiffness", 0, 2000);
+  c->max_force = root.number("max_force", 0, max_force);
+  c->reach = root.number("reach", 0.001, 0.5);
+  c->fade_time = root.number("fade_time", 0.01, 60);
+  root.finish();
+}
+
+void readEdge(Section& root, double max_force, EdgeConfig* c) {
+  c->enabled = root.boolean("enabled");
+  c->size_I = root.vec3("size_I", 0.01, 10);
+  const double shortest = *std::min_element(c->size_I.begin(), c->size_I.end());
+  c->margin = root.number("margin", 0.001, 0.5 * shortest);
+  c->max_force = root.number("max_force", 0, max_force);
+  c->origin = static_cast<WorkspaceOrigin>(root.choice("origin", kWorkspaceOriginNames));
+  root.finish();
+}
+
 void readHaptics(Section& root, HapticGains* c) {
   c->kp = root.number("kp", 0, 2000);
   c->kd = root.number("kd", 0, 100);
@@ -94,6 +123,10 @@ void readHaptics(Section& root, HapticGains* c) {
   c->min_force = root.number("min_force", 0, c->max_force);
   // Never slower than from max_force to nothing in 50 ms: what a hand feels from a state gone stale ends by then.
   c->max_slew = root.number("max_slew", c->max_force / 0.05, 10000);
+  Section passivity = root.section("passivity"), guidance = root.section("guidance"), edge = root.section("edge");
+  readPassivity(passivity, &c->passivity);
+  readGuidance(guidance, c->max_force, &c->guidance);
+  readEdge(edge, c->max_force, &c->edge);
 }
 
 std::uint16_t port(Section& section, const std::string& key, int low) {
@@ -364,12 +397,24 @@ std::vector<std::string> scenarioFiles(const std::string& folder) {
   return files;
 }
 
+/** In the order of the list; a user's own, which have number 0, come last and so change no other's id. */
+bool isBefore(const Scenario& a, const Scenario& b) {
+  const auto rank = [](const Scenario& s) { return std::make_pair(s.number == 0, s.number); };
+  return rank(a) < rank(b);
+}
+
 std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* all) {
   std::vector<Scenario> scenarios;
   for (const std::string& file : scenarioFiles(folder)) {
     all->files.push_back(file);
-    const auto id = static_cast<std::uint32_t>(scenarios.size() + 1);
-    scenarios.push_back(loadScenario(file, id, all->impairment_names));
+    scenarios.push_back(loadScenario(file, 0, all->impairment_names));
+  }
+  std::stable_sort(scenarios.begin(), scenarios.end(), isBefore);  // of one number: by name, as the files come
+  std::uint32_t id = 0;
+  for (Scenario& scenario : scenarios) {
+    ++id;
+    for (Fault& fault : scenario.faults)
+      fault.id = id;
   }
   return scenarios;
 }

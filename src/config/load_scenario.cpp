@@ -1,6 +1,7 @@
 #include "raven2_trainer/config/load_scenario.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "raven2_trainer/config/section.h"
@@ -29,8 +30,9 @@ FaultVariable readVariable(Section& root, FaultSite site) {
   return variables[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())];
 }
 
-std::int8_t readArm(Section& root, const FaultVariableInfo& info) {
-  if (!info.per_arm && info.variable != FaultVariable::kPacket) return -1;
+std::int8_t readArm(Section& root, const Fault& fault) {
+  const bool is_whole_stream = fault.variable == FaultVariable::kPacket && fault.kind != FaultKind::kForge;
+  if (!infoOf(fault.variable).per_arm || is_whole_stream) return -1;
   const std::string arm = root.text("arm", {"gold", "green", "both"});
   return static_cast<std::int8_t>(arm == "both" ? -1 : arm == "green" ? 1 : 0);
 }
@@ -49,7 +51,10 @@ std::int8_t readChannel(Section& root, const Fault& fault) {
 }
 
 double readValue(Section& root, const char* key, FaultVariable variable) {
-  return root.number(key, infoOf(variable).low, infoOf(variable).high);
+  const double value = root.number(key, infoOf(variable).low, infoOf(variable).high);
+  if (isWhole(variable) && value != std::floor(value))
+    throw ConfigException(root.where(key) + " is not a whole number, as " + infoOf(variable).name + " is");
+  return value;
 }
 
 void readDelay(Section& root, Fault* fault) {
@@ -85,10 +90,12 @@ void readParameters(Section& root, const std::vector<std::string>& impairments, 
       fault->value = root.number("value", -kMaxFactor, kMaxFactor);
       break;
     case FaultKind::kRamp:
+    case FaultKind::kDrift:
       fault->value = readValue(root, "value", fault->variable);
       fault->ramp_ticks = root.integer("ramp_ticks", 1, kMaxTicks);
       break;
     case FaultKind::kRandom:
+    case FaultKind::kRandomOnce:
       readRandom(root, fault);
       break;
     case FaultKind::kDrop:
@@ -172,6 +179,8 @@ void checkFault(const Section& root, const Fault& fault) {
          "can never come: the first time does not end");
   refuse(fault.period_ticks != 0 && fault.period_ticks < fault.duration_ticks, root, "period_ticks",
          "is shorter than duration_ticks");
+  refuse(fault.duration_ticks != 0 && fault.half_period_ticks > fault.duration_ticks, root, "half_period_ticks",
+         "never comes: it is longer than duration_ticks");
   refuse(fault.period_ticks == 0 && fault.count > 1, root, "count", "can never be reached without period_ticks");
 }
 
@@ -182,9 +191,10 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
   fault.id = id;
   fault.host = static_cast<FaultHost>(root.choice("host", kFaultHostNames));
   fault.site = static_cast<FaultSite>(root.choice("site", kFaultSiteNames));
+  refuse(fault.site == FaultSite::kNone, root, "site", "is none");
   fault.variable = readVariable(root, fault.site);
   fault.kind = static_cast<FaultKind>(root.choice("kind", kFaultKindNames));
-  fault.arm = readArm(root, infoOf(fault.variable));
+  fault.arm = readArm(root, fault);
   fault.channel = readChannel(root, fault);
   readTimes(root, &fault);
   checkFault(root, fault);
@@ -193,12 +203,23 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
   return fault;
 }
 
+namespace {
+
+/** What a person reads: something must be there. */
+std::string words(Section& root, const char* key) {
+  const std::string text = root.text(key);
+  refuse(text.empty(), root, key, "is empty");
+  return text;
+}
+
+}  // namespace
+
 Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vector<std::string>& impairments) {
   Section root = Section::fromFile(path);
   Scenario scenario;
   scenario.name = root.text("name");
   if (scenario.name != fs::path(path).stem()) throw ConfigException(root.where("name") + " is not the file's name");
-  scenario.title = root.text("title");
+  scenario.title = words(root, "title");
   scenario.number = root.integer("number", 0, 10000);
   scenario.source = root.text("source");
   scenario.published = root.text("published");
@@ -211,8 +232,8 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
   scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
   refuse(scenario.maude.empty() != (scenario.maude_link == "none"), root, "maude_link", "does not fit maude");
   scenario.basis = root.text("basis", {"published", "design"});
-  scenario.expected = root.text("expected");
-  scenario.response = root.text("response");
+  scenario.expected = words(root, "expected");
+  scenario.response = words(root, "response");
   for (Section& row : root.list("faults"))
     scenario.faults.push_back(readFault(row, id, impairments));
   refuse(scenario.faults.empty() || scenario.faults.size() > kMaxFaults, root, "faults",

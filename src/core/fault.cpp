@@ -57,11 +57,6 @@ bool isStreamSound(const Fault& fault) noexcept {
   }
 }
 
-bool takesPicture(FaultKind kind) noexcept {
-  return kind == FaultKind::kStuckAt || kind == FaultKind::kHoldLast || kind == FaultKind::kDelay ||
-         kind == FaultKind::kSignFlip;
-}
-
 bool takesFrame(FaultKind kind) noexcept {
   return kind == FaultKind::kDrop || kind == FaultKind::kDelay || kind == FaultKind::kDuplicate ||
          kind == FaultKind::kHoldLast;
@@ -75,8 +70,6 @@ bool takes(FaultVariable variable, FaultKind kind) noexcept {
       return false;
     case FaultVariable::kProgram:
       return kind == FaultKind::kCrash || kind == FaultKind::kHang;
-    case FaultVariable::kPicture:
-      return takesPicture(kind);
     case FaultVariable::kFrame:
       return takesFrame(kind);
     case FaultVariable::kPacket:

@@ -151,6 +151,7 @@ double FaultEngine::corrupt(FaultVariable variable, Arm arm, std::size_t channel
     if (element.of != progress.activations) {
       element.of = progress.activations;
       element.onset = value;
+      if (fault.kind == FaultKind::kRandomOnce) element.drawn = progress.random.uniform(fault.low, fault.high);
       if (!element.seen) element.last = value;
     }
     if (isActing(fault, progress)) value = corrupted(fault, &progress, element, value);
@@ -172,8 +173,12 @@ double FaultEngine::corrupted(const Fault& fault, Progress* progress, const Elem
       return -value;
     case FaultKind::kRamp:
       return element.onset + (fault.value - element.onset) * share(fault, progress->clock - progress->begin);
+    case FaultKind::kDrift:
+      return value + fault.value * share(fault, progress->clock - progress->begin);
     case FaultKind::kRandom:
       return progress->random.uniform(fault.low, fault.high);
+    case FaultKind::kRandomOnce:
+      return element.drawn;
     case FaultKind::kHoldLast:
       return element.last;
     default:

@@ -488,6 +488,7 @@ ControlSoftware::ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfi
 ControlSoftware::~ControlSoftware() = default;
 
 void ControlSoftware::receive(const std::uint8_t* bytes, std::size_t size, std::uint64_t source) noexcept {
+  if (!isAlive()) return;
   impl_->network.receive(impl_->arrival(bytes, size, source), &impl_->faults);
   impl_->state.itp = impl_->network.counts();
 }
@@ -498,6 +499,7 @@ bool ControlSoftware::receive(const std::uint8_t* bytes,
                               const wire::Nonce& fresh,
                               wire::HandshakeBytes* reply) noexcept {
   const wire::Arrival arrival = impl_->arrival(bytes, size, source);
+  if (!isAlive()) return false;
   if (!impl_->network.isHello(arrival)) {
     receive(bytes, size, source);
     return false;

@@ -76,7 +76,8 @@ std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scen
       if (slot.has_tick) {
         newest.model = slot.tick.model;
         newest.robot = slot.tick.robot;
-        newest.fault = faultName(scenarios, newest.robot.active_fault);
+        const std::uint32_t in_robot = newest.robot.active_fault;
+        newest.fault = faultName(scenarios, in_robot != 0 ? in_robot : newest.model.faults.active);
       }
       if (slot.haptic.tick >= 0) newest.haptic = slot.haptic;
     }

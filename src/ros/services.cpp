@@ -58,11 +58,23 @@ bool Services::push(const Request& request) {
   return simulator_.shared().requests.tryPush(request);
 }
 
+/** @throw ConfigException if it may not be armed, with what it would take. */
+void Services::refuseInjection(std::uint32_t id) const {
+  const TrainerConfig& config = simulator_.config();
+  if (!config.injection.enable) throw ConfigException("injection is not enabled (config/injection.yaml)");
+  const RobotState robot = simulator_.shared().robot.load();
+  if (id == 0 || robot.frame == 0 || robot.is_virtual != 0) return;
+  if (!config.injection.real_robot) throw ConfigException("a real robot is connected: nothing is armed");
+  for (const Fault& fault : config.scenarios[id - 1].faults) {
+    if (fault.host == FaultHost::kRobot)
+      throw ConfigException("a real robot is connected: nothing is injected into its own software");
+  }
+}
+
 bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
-    const RobotState robot = simulator_.shared().robot.load();
-    if (robot.frame > 0 && robot.is_virtual == 0) throw ConfigException("a real robot is connected: nothing is armed");
+    refuseInjection(id);
     response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
     response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";
   } catch (const ConfigException& e) {

@@ -33,6 +33,7 @@ class Services {
 
  private:
   void offerCommands(ros::NodeHandle* node);
+  void refuseInjection(std::uint32_t id) const;
   bool startHazard(StartHazard::Request& request, StartHazard::Response& response);
   bool stopHazard(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool plan(PlanPath::Request& request, PlanPath::Response& response);

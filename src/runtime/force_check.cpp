@@ -1,5 +1,6 @@
 #include "force_check.h"
 
+#include "raven2_trainer/control/tip_path.h"
 #include "raven2_trainer/session/record_difference.h"
 
 namespace raven2_trainer::runtime {
@@ -10,14 +11,22 @@ namespace {
 constexpr Tick kAhead = 500;
 constexpr std::size_t kWindow = 2 * static_cast<std::size_t>(kAhead);
 
+constexpr std::size_t kPaths = 8;  // more plans than can be under way
+
 }  // namespace
 
 ForceCheck::ForceCheck(const TrainerConfig& config)
-    : shared_(std::make_unique<SharedState>()), loop_(config, shared_.get()) {}
+    : geometry_(config.arms.geometry), shared_(std::make_unique<SharedState>()), loop_(config, shared_.get()) {}
 
 void ForceCheck::add(const TickRecord& record) {
   window_.push_back(record);
   if (window_.size() > kWindow) window_.pop_front();
+}
+
+void ForceCheck::add(const PlanRecord& record) {
+  if (record.result.status != PlanStatus::kSuccess) return;
+  paths_.push_back(control::tipPath(geometry_, record.result));
+  if (paths_.size() > kPaths) paths_.pop_front();
 }
 
 std::optional<Difference> ForceCheck::compare(bool at_end, ResimulationResult* result) {
@@ -30,10 +39,21 @@ std::optional<Difference> ForceCheck::compare(bool at_end, ResimulationResult* r
   return std::nullopt;
 }
 
-/** A cycle number may have been seen in more than one state (the link went down): one of them must give the force. */
 std::optional<Difference> ForceCheck::compareOne(const HapticState& recorded, ResimulationResult* result) {
-  std::string difference;
+  if (recorded.count != count_ + 1) loop_.forget();
+  count_ = recorded.count;
+  loop_.observe(recorded.master_I);
   bool is_known = false;
+  std::string difference = loop_.knowsItself() ? differenceOf(recorded, &is_known) : std::string();
+  loop_.account(recorded);
+  ++(is_known ? result->forces : result->forces_unknown);
+  if (difference.empty()) return std::nullopt;
+  return Difference{recorded.tick, "haptic." + difference};
+}
+
+/** A cycle number may have been seen in more than one state (the link went down): one of them must give the force. */
+std::string ForceCheck::differenceOf(const HapticState& recorded, bool* is_known) const {
+  std::string difference;
   const Tick place = recorded.tick - (window_.empty() ? 0 : window_.front().model.tick);
   const auto count = static_cast<Tick>(window_.size());
   const bool has_model = place >= 0 && place < count;
@@ -43,29 +63,19 @@ std::optional<Difference> ForceCheck::compareOne(const HapticState& recorded, Re
     const RobotState& robot = window_[static_cast<std::size_t>(near)].robot;
     if (robot.cycle != recorded.robot_cycle) continue;
     const ModelState& model = window_[static_cast<std::size_t>(place)].model;
-    difference = session::difference(compute(model, robot, recorded.time_ns), recorded);
-    is_known = true;
+    difference = session::difference(loop_.compute(model, robot, path(recorded.guide_plan), recorded.time_ns), recorded);
+    *is_known = true;
     if (difference.empty()) break;
   }
-  last_ = recorded;
-  ++(is_known ? result->forces : result->forces_unknown);
-  if (difference.empty()) return std::nullopt;
-  return Difference{recorded.tick, "haptic." + difference};
+  return difference;
 }
 
-/** The tick after the one recorded last: how fast a force may change depends on it. */
-HapticState ForceCheck::compute(const ModelState& model, const RobotState& robot, std::int64_t time_ns) {
-  shared_->model.store(model);
-  shared_->robot.store(robot);
-  loop_.resume(last_);
-  loop_.tick(time_ns);
-  HapticRecord record;
-  while (shared_->haptic_records.tryPop(&record)) {
+const GuidePath& ForceCheck::path(std::uint32_t plan) const {
+  static const GuidePath kNone;
+  for (auto it = paths_.rbegin(); it != paths_.rend(); ++it) {
+    if (it->plan == plan) return *it;
   }
-  ForcePacket packet;
-  while (shared_->force_packets.tryPop(&packet)) {
-  }
-  return shared_->haptic.load();
+  return kNone;
 }
 
 }  // namespace raven2_trainer::runtime

@@ -3,64 +3,156 @@
 #include <cmath>
 
 #include "raven2_trainer/control/axis_map.h"
+#include "raven2_trainer/haptics/path_guidance.h"
 #include "raven2_trainer/haptics/spring_damper.h"
+#include "raven2_trainer/haptics/workspace_edge.h"
 
 namespace raven2_trainer::runtime {
 
 HapticLoop::HapticLoop(const TrainerConfig& config, SharedState* shared)
     : gains_(config.haptics),
+      scale_(config.console.scale),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * 1e9)),
       shared_(*shared),
-      limiters_{haptics::ForceLimiter(gains_), haptics::ForceLimiter(gains_)} {}
+      limiters_{haptics::ForceLimiter(gains_), haptics::ForceLimiter(gains_)},
+      guards_{haptics::PassivityGuard(gains_.passivity), haptics::PassivityGuard(gains_.passivity)} {}
 
 void HapticLoop::tick(std::int64_t now_ns) noexcept {
+  readCells();
+  observe(model_.master_I);
+  account(compute(model_, robot_, path_, now_ns));
+  send();
+}
+
+void HapticLoop::readCells() noexcept {
   if (!shared_.model.tryLoad(&model_)) ++stale_reads_;
   if (!shared_.robot.tryLoad(&robot_)) ++stale_reads_;
-  compute(now_ns);
-  shared_.haptic.store(haptic_);
-  shared_.haptic_records.tryPush({haptic_});
-  ForcePacket packet;
-  packet.sequence = ++sequence_;
-  packet.last_sequence = robot_.last_sequence;
-  packet.runlevel = static_cast<std::uint8_t>(robot_.frame > 0 ? robot_.runlevel : RunLevel::kEStop);
-  packet.force_I = haptic_.force_I;
-  shared_.force_packets.tryPush(packet);
-}
-
-void HapticLoop::resume(const HapticState& last) noexcept {
-  last_ns_ = last.time_ns;
-  for (const Arm arm : kArms)
-    at(limiters_, arm).resume(toEigen(at(last.force_B, arm)));
-}
-
-bool HapticLoop::isFresh(std::int64_t now_ns) const noexcept {
-  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
-  return has_robot && now_ns - robot_.received_ns <= stale_ns_ && now_ns - model_.time_ns <= stale_ns_;
-}
-
-void HapticLoop::compute(std::int64_t now_ns) noexcept {
-  haptic_ = HapticState{};
-  haptic_.tick = model_.tick;
-  haptic_.robot_cycle = robot_.cycle;
-  haptic_.time_ns = now_ns;
-  haptic_.active = isFresh(now_ns) && model_.linked != 0 ? 1 : 0;
-  const double seconds = static_cast<double>(now_ns - last_ns_) * 1e-9;
-  last_ns_ = now_ns;
-  for (const Arm arm : kArms) {
-    const double error = (toEigen(at(model_.arms, arm).p_BT) - toEigen(at(robot_.arms, arm).p_BT)).norm();
-    if (robot_.frame > 0 && std::isfinite(error)) at(haptic_.error, arm) = error;
-    const Vector3 force_B = at(limiters_, arm).step(wantedForce(arm), seconds);
-    at(haptic_.force_B, arm) = toArray(force_B);
-    at(haptic_.force_I, arm) = toArray(Vector3(control::itpToBase(arm).transpose() * force_B));
+  if (!gains_.guidance.enabled) return;
+  const std::uint64_t version = shared_.guide_path.version();  // 6 KiB: only when there is another
+  if (version == path_version_) return;
+  if (shared_.guide_path.tryLoad(&path_)) {
+    path_version_ = version;
+  } else {
+    ++stale_reads_;
   }
 }
 
-Vector3 HapticLoop::wantedForce(Arm arm) const noexcept {
-  if (haptic_.active == 0) return Vector3::Zero();
-  const ArmState& model = at(model_.arms, arm);
-  const RobotArmState& robot = at(robot_.arms, arm);
+void HapticLoop::send() noexcept {
+  shared_.haptic.store(last_);
+  shared_.haptic_records.tryPush({last_});
+  ForcePacket packet;
+  packet.sequence = static_cast<std::uint32_t>(last_.count);
+  packet.last_sequence = robot_.last_sequence;
+  packet.runlevel = static_cast<std::uint8_t>(robot_.frame > 0 ? robot_.runlevel : RunLevel::kEStop);
+  packet.force_I = last_.force_I;
+  shared_.force_packets.tryPush(packet);
+}
+
+void HapticLoop::observe(const PerArm<Vec3>& master_I) noexcept {
+  for (const Arm arm : kArms)
+    at(guards_, arm).observe(toEigen(at(master_I, arm)) / scale_);
+}
+
+void HapticLoop::account(const HapticState& state) noexcept {
+  last_ = state;
+  for (const Arm arm : kArms) {
+    at(limiters_, arm).resume(toEigen(at(state.force_B, arm)));
+    const bool is_asked =
+        at(state.cue_B, arm) != Vec3{} || at(state.guidance_B, arm) != Vec3{} || at(state.edge_B, arm) != Vec3{};
+    at(guards_, arm).given(toEigen(at(state.force_I, arm)), is_asked);
+  }
+  forgotten_ = forgotten_ && !(guards_[0].isResting() && guards_[1].isResting());
+}
+
+void HapticLoop::forget() noexcept {
+  for (haptics::PassivityGuard& guard : guards_)
+    guard.forget();
+  forgotten_ = true;
+}
+
+bool HapticLoop::knowsItself() const noexcept {
+  return !forgotten_;
+}
+
+bool HapticLoop::isFresh(const Inputs& in, std::int64_t now_ns) const noexcept {
+  const bool has_robot = in.robot.connected != 0 && in.robot.frame > 0;
+  return has_robot && now_ns - in.robot.received_ns <= stale_ns_ && now_ns - in.model.time_ns <= stale_ns_;
+}
+
+HapticState HapticLoop::compute(const ModelState& model,
+                                const RobotState& robot,
+                                const GuidePath& path,
+                                std::int64_t now_ns) const noexcept {
+  const Inputs in{model, robot, path, static_cast<double>(now_ns - last_.time_ns) * 1e-9};
+  HapticState out;
+  out.tick = model.tick;
+  out.count = last_.count + 1;
+  out.robot_cycle = robot.cycle;
+  out.time_ns = now_ns;
+  out.master_I = model.master_I;
+  out.pedal = model.pedal;
+  out.active = isFresh(in, now_ns) && model.linked != 0 ? 1 : 0;
+  const bool has_path = gains_.guidance.enabled && model.guide_plan != 0 && path.plan == model.guide_plan;
+  out.guide_plan = has_path ? path.plan : 0;
+  for (const Arm arm : kArms)
+    computeArm(arm, in, &out);
+  return out;
+}
+
+void HapticLoop::computeArm(Arm arm, const Inputs& in, HapticState* out) const noexcept {
+  const double error = (toEigen(at(in.model.arms, arm).p_BT) - toEigen(at(in.robot.arms, arm).p_BT)).norm();
+  if (in.robot.frame > 0 && std::isfinite(error)) at(out->error, arm) = error;
+  at(out->hand_I, arm) = toArray(handFromMiddle(arm, in.model));
+  // what is asked for
+  Vector3 cue_B = Vector3::Zero(), guidance_B = Vector3::Zero(), edge_B = Vector3::Zero();
+  if (out->active != 0) {
+    cue_B = cue(arm, in);
+    guidance_B = guidance(arm, in, out);
+    edge_B = edge(arm, *out);
+  }
+  at(out->cue_B, arm) = toArray(cue_B);
+  at(out->guidance_B, arm) = toArray(guidance_B);
+  at(out->edge_B, arm) = toArray(edge_B);
+  // what is given
+  const haptics::PassivityGuard& guard = at(guards_, arm);
+  const double gain = at(out->gain, arm) = guard.gain();
+  at(out->energy, arm) = guard.energy();
+  at(out->allowance, arm) = guard.allowance();
+  Vector3 wanted = haptics::shortened(cue_B, gain, gains_.min_force) + gain * (guidance_B + edge_B);
+  if (in.model.faults.console != 0 && out->active != 0)  // size and slew stay limited whatever a fault does
+    wanted = at(in.model.faults.force_gain, arm) * wanted + toEigen(at(in.model.faults.force_offset_B, arm));
+  haptics::ForceLimiter limiter = at(limiters_, arm);
+  const Vector3 force_B = limiter.step(wanted, in.seconds);
+  at(out->force_B, arm) = toArray(force_B);
+  at(out->force_I, arm) = toArray(Vector3(control::itpToBase(arm).transpose() * force_B));
+}
+
+/** [m] The masters send increments alone: where the middle is, is an assumption (WorkspaceOrigin). */
+Vector3 HapticLoop::handFromMiddle(Arm arm, const ModelState& model) const noexcept {
+  const bool pressed = model.pedal != 0 && last_.pedal == 0;
+  if (pressed && gains_.edge.origin == WorkspaceOrigin::kPedalDown) return Vector3::Zero();
+  const Vector3 moved = (toEigen(at(model.master_I, arm)) - toEigen(at(last_.master_I, arm))) / scale_;
+  return toEigen(at(last_.hand_I, arm)) + moved;
+}
+
+Vector3 HapticLoop::cue(Arm arm, const Inputs& in) const noexcept {
+  const ArmState& model = at(in.model.arms, arm);
+  const RobotArmState& robot = at(in.robot.arms, arm);
   return haptics::springDamper(gains_, toEigen(model.p_BT), toEigen(robot.p_BT), toEigen(model.v_BT),
                                toEigen(robot.v_BT));
+}
+
+Vector3 HapticLoop::guidance(Arm arm, const Inputs& in, HapticState* out) const noexcept {
+  const bool is_guided = out->guide_plan != 0 && in.path.arm == arm && in.model.pedal != 0;
+  const double fade = haptics::nextFade(gains_.guidance, at(last_.guidance_fade, arm), is_guided, in.seconds);
+  at(out->guidance_fade, arm) = fade;
+  if (fade <= 0.0) return Vector3::Zero();
+  return fade * haptics::pathGuidance(gains_.guidance, in.path, toEigen(at(in.model.arms, arm).p_BT));
+}
+
+Vector3 HapticLoop::edge(Arm arm, const HapticState& out) const noexcept {
+  if (!gains_.edge.enabled) return Vector3::Zero();
+  return control::itpToBase(arm) * haptics::workspaceEdge(gains_.edge, toEigen(at(out.hand_I, arm)));
 }
 
 }  // namespace raven2_trainer::runtime

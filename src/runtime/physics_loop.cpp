@@ -102,6 +102,7 @@ void PhysicsLoop::readFaults() noexcept {
   if (!shared_.faults.tryLoad(&plan)) return;
   relay_faults_.setPlan(plan);
   master_faults_.setPlan(plan);
+  console_faults_.setPlan(plan);
   if (plan.generation == fault_generation_) return;
   fault_generation_ = plan.generation;
   shared_.fault_records.tryPush({state_.tick + 1, plan});
@@ -110,11 +111,13 @@ void PhysicsLoop::readFaults() noexcept {
 void PhysicsLoop::drainCommands() noexcept {
   increments_ = Increments{};
   if (++silent_ticks_ >= silence_limit_) pedal_ = false;
-  master_faults_.beginCycle({pedal_, static_cast<int>(robot_.runlevel), state_.signals});
+  master_faults_.beginCycle({pedal_, static_cast<int>(robot_.runlevel), state_.faults.signals});
   MasterCommand command;
   for (const MasterCommand* next = nullptr; (next = shared_.master_commands.front()) != nullptr && fits(*next);) {
     shared_.master_commands.tryPop(&command);
     shared_.command_records.tryPush({state_.tick + 1, command});
+    for (const Arm arm : kArms)  // where the hands really are
+      at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
     const bool is_clean = !(master_faults_.isArmed() && mayInject()) && master_stream_.isEmpty();
     master_faults_.beginPacket(command.pedal != 0);
     if (is_clean) {
@@ -192,6 +195,7 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
       break;
     case RequestKind::kCancelPlan:
       follower_.stop();
+      state_.guide_plan = 0;
       raise(Event::kPlanFailed);
       break;
     case RequestKind::kSetCollisions:
@@ -243,6 +247,7 @@ void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
   } else if (result.status == PlanStatus::kSuccess) {
     raise(Event::kPlanReady);
     follower_.start(result);
+    state_.guide_plan = result.id;
   } else {
     raise(Event::kPlanFailed);
   }
@@ -307,6 +312,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
   const Mode before = state_.mode;
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
+  if (next == Mode::kPlanning || next == Mode::kStopped || next == Mode::kPaused) state_.guide_plan = 0;
   linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && robot_ready_ && state_.engaged != 0;
   if (next == Mode::kTeleoperating && linked_) joinRobot();
   for (const Arm arm : kArms) {
@@ -419,7 +425,7 @@ void PhysicsLoop::relay() noexcept {
     packet.command.dq_I = increments_.dq_I;
     packet.command.dgrasp = increments_.dgrasp;
   }
-  relay_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.signals});
+  relay_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.faults.signals});
   relay_faults_.beginPacket(linked_);
   const bool is_clean = !(relay_faults_.isArmed() && mayInject()) && relay_stream_.isEmpty();
   if (is_clean) return sendToRobot(packet);
@@ -437,15 +443,32 @@ void PhysicsLoop::sendToRobot(const RelayPacket& packet) noexcept {
   shared_.relay_packets.tryPush(sent);
 }
 
+/** What the surgeon feels and sees: from what is right to what faults make of it. */
+void PhysicsLoop::corruptConsole() noexcept {
+  console_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.faults.signals});
+  state_.faults.console = console_faults_.activeMask();
+  for (const Arm arm : kArms) {
+    at(state_.faults.force_gain, arm) = console_faults_.apply(FaultVariable::kForceGain, arm, 0, 1.0);
+    at(state_.faults.force_offset_B, arm) = Vec3{};
+    console_faults_.applyAll(FaultVariable::kForceOffset, arm, &at(state_.faults.force_offset_B, arm));
+  }
+  const std::int32_t picture = console_faults_.applyInt(FaultVariable::kPicture, Arm::kGold, 0, 0);
+  const std::int32_t delay = console_faults_.applyInt(FaultVariable::kPictureDelay, Arm::kGold, 0, 0);
+  state_.faults.picture = static_cast<std::uint8_t>(std::clamp(picture, 0, 3));
+  state_.faults.picture_delay_ms = static_cast<std::uint32_t>(std::clamp(delay, 0, 5000));
+}
+
 void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   ++state_.tick;
   state_.time_ns = now_ns;
   state_.linked = linked_ ? 1 : 0;
+  corruptConsole();
   const bool injects = mayInject();
-  state_.relay_faults = injects ? relay_faults_.activeMask() : std::uint8_t{0};
-  state_.master_faults = injects ? master_faults_.activeMask() : std::uint8_t{0};
+  state_.faults.relay = injects ? relay_faults_.activeMask() : std::uint8_t{0};
+  state_.faults.master = injects ? master_faults_.activeMask() : std::uint8_t{0};
   const std::uint32_t relayed = injects ? relay_faults_.activeId() : 0;
-  state_.active_fault = relayed != 0 || !injects ? relayed : master_faults_.activeId();
+  state_.faults.active = relayed != 0 || !injects ? relayed : master_faults_.activeId();
+  if (state_.faults.active == 0) state_.faults.active = console_faults_.activeId();
   for (const Arm arm : kArms)
     fillArm(arm, &at(state_.arms, arm));
   world_.bodyPoses(&state_.bodies);

@@ -32,7 +32,8 @@ void RenderLoop::frame() {
   snapshot.model = shared_.model.load();
   snapshot.robot = shared_.robot.load();
   snapshot.haptic = shared_.haptic.load();
-  const std::uint32_t fault = snapshot.robot.active_fault;
+  const std::uint32_t in_robot = snapshot.robot.active_fault;
+  const std::uint32_t fault = in_robot != 0 ? in_robot : snapshot.model.faults.active;
   if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;
   const std::vector<std::uint8_t>& rgb = renderer_.draw(builder_.build(snapshot), camera_);
   shared_.frames.add();

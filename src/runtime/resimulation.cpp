@@ -62,7 +62,10 @@ struct Resimulation::Impl {
     session::LogVisitor visitor;
     visitor.command = upToDifference<CommandRecord>([this](const auto& record) { commands.add(record); });
     visitor.request = upToDifference<RequestRecord>([this](const auto& record) { requests.add(record); });
-    visitor.plan = upToDifference<PlanRecord>([this](const auto& record) { plans.add(record); });
+    visitor.plan = upToDifference<PlanRecord>([this](const auto& record) {
+      plans.add(record);
+      forces.add(record);
+    });
     visitor.faults = upToDifference<FaultRecord>([this](const auto& record) { faults.add(record); });
     visitor.contact = upToDifference<ContactRecord>([this](const auto& record) { contacts.add(record); });
     visitor.haptic = upToDifference<HapticRecord>([this](const auto& record) { addForce(record); });
@@ -116,7 +119,7 @@ struct Resimulation::Impl {
       if (r.refused == 0) push(&shared->plan_results, r.result, now);
     });
     shared->robot.store(recorded.robot);
-    physics.setSignals(recorded.model.signals);
+    physics.setSignals(recorded.model.faults.signals);
     if (recorded.slipped != 0) physics.timeSlip();
   }
 

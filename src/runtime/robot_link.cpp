@@ -113,9 +113,9 @@ std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
     return wire::encodeFaultPlan(++sequence_, plan, out);
   }
   ModelState model;
-  if (!has_plan_ || !shared_.model.tryLoad(&model) || model.signals == sent_signals_) return 0;
-  sent_signals_ = model.signals;
-  return wire::encodeFaultSignals(++sequence_, model.signals, out);
+  if (!has_plan_ || !shared_.model.tryLoad(&model) || model.faults.signals == sent_signals_) return 0;
+  sent_signals_ = model.faults.signals;
+  return wire::encodeFaultSignals(++sequence_, model.faults.signals, out);
 }
 
 }  // namespace raven2_trainer::runtime

@@ -142,7 +142,8 @@ class TickTable {
     csv_.numbers(state.p_BT);
     has_robot ? csv_.numbers(robot.p_BT) : csv_.blanks(3);
     csv_.numbers(next_force_ > 0 ? at(forces_[next_force_ - 1].force_B, arm) : Vec3{});
-    writeFault(has_robot ? record.robot.active_fault : 0);
+    const std::uint32_t in_robot = has_robot ? record.robot.active_fault : 0;
+    writeFault(in_robot != 0 ? in_robot : record.model.faults.active);
     csv_.endRow();
     ++rows_;
   }

@@ -122,6 +122,22 @@ struct Layout<FaultSignals> {
 };
 
 template <>
+struct Layout<DaemonFaults> {
+  template <typename Visitor, typename Faults>
+  static void visit(Visitor& v, Faults& s) {
+    v.field("active", s.active, "", "the first that acts: position in scenarios + 1, 0 none");
+    v.field("relay", s.relay, "", "bit i: row i of the armed plan acts on the stream to the robot");
+    v.field("master", s.master, "", "the same on the masters' stream");
+    v.field("console", s.console, "", "the same on what the surgeon feels and sees");
+    v.field("picture", s.picture, "", "the surgeon's picture: 0 right, 1 black, 2 frozen, 3 eyes changed over");
+    v.field("picture_delay_ms", s.picture_delay_ms, "ms", "by which it is late");
+    v.field("force_gain", s.force_gain, "", "factor on the force; 1 is right");
+    v.field("force_offset_B", s.force_offset_B, "N", "added to it, in frame B");
+    v.field("signals", s.signals, "", "what triggers look at");
+  }
+};
+
+template <>
 struct Layout<ModelState> {
   template <typename Visitor, typename State>
   static void visit(Visitor& v, State& s) {
@@ -133,11 +149,10 @@ struct Layout<ModelState> {
     v.field("engaged", s.engaged, "", "1 while the robot is sent the surgeon's motion");
     v.field("robot_fresh", s.robot_fresh, "", "1 while the robot's state is connected and fresh");
     v.field("linked", s.linked, "", "1 while model and robot move from a common pose");
-    v.field("active_fault", s.active_fault, "", "fault acting on a stream of the daemon: position in scenarios + 1");
-    v.field("relay_faults", s.relay_faults, "", "bit i: row i of the armed plan acts on the stream to the robot");
-    v.field("master_faults", s.master_faults, "", "the same on the masters' stream");
-    v.field("signals", s.signals, "", "what faults' triggers look at");
     v.field("commands_used", s.commands_used, "packets", "master commands that moved the model in this tick");
+    v.field("guide_plan", s.guide_plan, "", "id of the plan along whose path the hand may be guided; 0 none");
+    v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent, in master (ITP) axes");
+    v.field("faults", s.faults, "", "what faults do in the daemon");
     v.field("arms", s.arms, "", "gold, green");
     v.field("bodies", s.bodies, "", "free bodies of the scene in the world frame W");
   }
@@ -188,12 +203,24 @@ struct Layout<HapticState> {
   template <typename Visitor, typename State>
   static void visit(Visitor& v, State& s) {
     v.field("tick", s.tick, "ms", "model tick it was computed from");
+    v.field("count", s.count, "", "haptic ticks so far");
     v.field("robot_cycle", s.robot_cycle, "ms", "robot cycle it was computed from");
     v.field("time_ns", s.time_ns, "ns", "monotonic clock of the tick; in lockstep tick x 1e6");
     v.field("force_B", s.force_B, "N", "force in each arm's base frame B");
     v.field("force_I", s.force_I, "N", "the same in master (ITP) axes");
     v.field("error", s.error, "m", "distance of model and robot tips");
-    v.field("active", s.active, "", "1 while the cue may act");
+    v.field("cue_B", s.cue_B, "N", "what eqs. (5) and (6) ask for");
+    v.field("guidance_B", s.guidance_B, "N", "what the guidance along a path asks for");
+    v.field("edge_B", s.edge_B, "N", "what the edge of the master's workspace asks for");
+    v.field("gain", s.gain, "", "share of them that the passivity controller lets through");
+    v.field("energy", s.energy, "J", "given to the hand, less what the force takes back where it began");
+    v.field("allowance", s.allowance, "J", "what that may be");
+    v.field("guidance_fade", s.guidance_fade, "", "0 no guidance to 1 the whole");
+    v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent");
+    v.field("hand_I", s.hand_I, "m", "of the hand from what is taken for the middle of its workspace");
+    v.field("guide_plan", s.guide_plan, "", "id of the plan whose path was at hand; 0 none");
+    v.field("pedal", s.pedal, "", "1 while the surgeon's pedal is down");
+    v.field("active", s.active, "", "1 while forces may act");
   }
 };
 

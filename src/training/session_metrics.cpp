@@ -66,8 +66,9 @@ void MetricsAccumulator::add(const FaultRecord& record) {
 
 void MetricsAccumulator::followRows(const TickRecord& record) {
   followMask(FaultHost::kRobot, record.robot.frame > 0 ? record.robot.fault_mask : std::uint8_t{0}, record);
-  followMask(FaultHost::kRelay, record.model.relay_faults, record);
-  followMask(FaultHost::kMaster, record.model.master_faults, record);
+  followMask(FaultHost::kRelay, record.model.faults.relay, record);
+  followMask(FaultHost::kMaster, record.model.faults.master, record);
+  followMask(FaultHost::kConsole, record.model.faults.console, record);
 }
 
 void MetricsAccumulator::followMask(FaultHost host, std::uint8_t mask, const TickRecord& record) {
@@ -115,7 +116,7 @@ std::string MetricsAccumulator::nameOf(std::uint32_t id) const {
 
 void MetricsAccumulator::followFault(const TickRecord& record) {
   const std::uint32_t in_robot = record.robot.frame > 0 ? record.robot.active_fault : 0;
-  const std::uint32_t acting = in_robot != 0 ? in_robot : record.model.active_fault;
+  const std::uint32_t acting = in_robot != 0 ? in_robot : record.model.faults.active;
   if (acting != 0 && acting != active_fault_) beginFault(acting, record.robot);
   active_fault_ = acting;
   if (acting != 0) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <memory>
 #include <mutex>
 
 #include "support/allocation_counter.h"
@@ -28,7 +29,7 @@ TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
   config.runtime.plan_at = -1.0;
-  Fault& fault = config.scenarios[0].faults[0];
+  Fault& fault = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");
   fault.site = FaultSite::kNetworkLayer;
   fault.kind = FaultKind::kAdd;
   fault.variable = FaultVariable::kIncrement;
@@ -74,12 +75,52 @@ TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
               static_cast<long long>(in_contact), static_cast<long long>(faulty), static_cast<long long>(both));
 }
 
+TEST(LoopsAlloc, AHapticTickWithAllItsPartsTouchesNoHeapAndNoLock) {
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.haptics.guidance.enabled = config.haptics.edge.enabled = true;
+  const auto shared = std::make_unique<SharedState>();
+  HapticLoop loop(config, shared.get());
+  ModelState model;
+  RobotState robot;
+  GuidePath path;
+  HapticRecord record;
+  ForcePacket packet;
+  std::int64_t guided = 0, at_edge = 0, felt = 0;
+  EXPECT_EQ(allocatorCalls([&] {
+              for (int k = 1; k <= 3000; ++k) {
+                const std::int64_t now_ns = k * kTickNanoseconds;
+                model.time_ns = robot.received_ns = now_ns;
+                model.linked = model.pedal = k % 1000 < 900 ? 1 : 0;
+                model.master_I[0] = {0.001 * (k % 10), 0.0, 0.0};
+                model.arms[0].p_BT = {0.01, 0.005, 0.0};
+                robot.connected = 1;
+                robot.frame = robot.cycle = static_cast<std::uint64_t>(k);
+                path.count = 200;
+                path.plan = model.guide_plan = static_cast<std::uint32_t>(1 + k / 500);
+                if (k % 500 == 0) shared->guide_path.store(path);
+                shared->model.store(model);
+                shared->robot.store(robot);
+                loop.tick(now_ns);
+                shared->haptic_records.tryPop(&record);
+                shared->force_packets.tryPop(&packet);
+                guided += record.haptic.guidance_B[0] != Vec3{} ? 1 : 0;
+                at_edge += record.haptic.edge_B[0] != Vec3{} ? 1 : 0;
+                felt += record.haptic.cue_B[0] != Vec3{} ? 1 : 0;
+              }
+            }),
+            0);
+  EXPECT_EQ(mutexLocks(), 0);
+  EXPECT_GT(guided, 1000);
+  EXPECT_GT(at_edge, 100);
+  EXPECT_GT(felt, 2000);
+}
+
 TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
   // GIVEN the whole chain from the master's datagram to the force, warm, teleoperating, a fault armed and acting
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
-  config.scenarios[0].faults[0].first_tick = 2000;
+  raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump").first_tick = 2000;
   raven2_trainer::testing::Rig rig(config);
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 1500; ++i)

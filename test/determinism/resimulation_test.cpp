@@ -52,9 +52,11 @@ class EventfulSession {
     TrainerConfig config = packagedConfig();
     config.hazard = "none";
     config.runtime.plan_at = -1.0;
-    config.scenarios[0].fault.first_tick = 0;  // at the first pedal-down once it is armed
-    config.scenarios[0].fault.duration_ticks = 100;
+    Fault& jump = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");
+    jump.first_tick = 0;  // at the first pedal-down once it is armed
+    jump.duration_ticks = 100;
     config.planner.samples = 50;
+    config.haptics.guidance.enabled = config.haptics.edge.enabled = true;
     return config;
   }
 
@@ -134,7 +136,7 @@ class EventfulSession {
   }
 
   void hazard() {
-    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, 1}));
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, config::faultId(config, "sudden_jump")}));
     stroke(400, 1.0);
     ASSERT_TRUE(rig.shared->fault_requests.tryPush({0, 0}));
     stroke(100, -1.0);
@@ -219,7 +221,16 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   visitor.plan = [&](const PlanRecord& r) { ++(r.refused != 0 ? refused : answered); };
   visitor.faults = [&](const FaultRecord& r) { armed += r.plan.count; };
   visitor.contact = [&](const ContactRecord&) { ++contacts; };
+  std::uint64_t guided = 0, at_edge = 0, watched = 0;
+  visitor.haptic = [&](const HapticRecord& r) {
+    guided += toEigen(r.haptic.guidance_B[0]).norm() > 0.01 ? 1 : 0;
+    at_edge += toEigen(r.haptic.edge_B[0]).norm() > 0.01 ? 1 : 0;
+    watched += r.haptic.energy[0] != 0.0 ? 1 : 0;
+  };
   session::readLog(paths.log(), visitor);
+  EXPECT_GT(guided, 0U);
+  EXPECT_GT(at_edge, 0U);
+  EXPECT_GT(watched, 0U);
   EXPECT_EQ(modes,
             (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking,
                             Mode::kPaused}));
@@ -286,7 +297,7 @@ TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {
   const ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, flipped);
-  EXPECT_EQ(result.difference->field.rfind("model.arms[0].", 0), 0U) << result.difference->field;
+  EXPECT_EQ(result.difference->field.rfind("model.master_I[0][0]", 0), 0U) << result.difference->field;
 }
 
 TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {
@@ -302,6 +313,21 @@ TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, changed);
   EXPECT_EQ(result.difference->field.rfind("haptic.force_B[0][0]", 0), 0U) << result.difference->field;
+}
+
+TEST_F(ResimulationTest, GoesOnBehindMissingForcesOnceNothingOfThemIsLeft) {
+  int left_out = 0;
+  const auto other = rewritten<HapticRecord>("gap", [&](HapticRecord& record) {
+    const bool acts = record.haptic.force_B[0] != Vec3{};
+    if (!acts || left_out >= 20) return true;
+    ++left_out;
+    return false;
+  });
+  ASSERT_EQ(left_out, 20);
+  const ResimulationResult whole = resimulate(paths), result = resimulate(other);
+  EXPECT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
+  EXPECT_GT(result.forces_unknown, whole.forces_unknown + 600) << "a rest of half a second and what was under way";
+  EXPECT_GT(result.forces, whole.forces / 2);
 }
 
 TEST_F(ResimulationTest, RefusesASessionWithAMissingTickOrMissingInputs) {

@@ -163,7 +163,7 @@ void logSeeds() {
   save("session_log", "records", small);
   appendRecord(PlanRecord{}, &plan);
   save("session_log", "plan", plan);
-  save("session_log", "no_log", Bytes{0, 'R', 'V', '2', 'L', 0, 0, 4, 0, 0xFF, 0xFF, 0xFF, 0xFF});
+  save("session_log", "no_log", Bytes{0, 'R', 'V', '2', 'L', 0, 0, 5, 0, 0xFF, 0xFF, 0xFF, 0xFF});
 }
 
 }  // namespace

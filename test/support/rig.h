@@ -26,6 +26,11 @@ inline TrainerConfig packagedConfig() {
   return config;
 }
 
+/** The only row of a scenario of the library, to be changed. */
+inline Fault& onlyFaultOf(TrainerConfig* config, const std::string& scenario) {
+  return config->scenarios[config::faultId(*config, scenario) - 1].faults.at(0);
+}
+
 /** Makes ODE ready on this thread, once. */
 inline void useOde() {
   physics::initialiseOde();

@@ -74,7 +74,9 @@ enum class FaultKind : std::uint8_t {
   kScale,       ///< multiply by `value`
   kSignFlip,    ///< multiply by -1
   kRamp,        ///< from the number at onset to `value` in `ramp_ticks`, then stuck there
+  kDrift,       ///< add what grows to `value` in `ramp_ticks`, then stays
   kRandom,      ///< uniform in [low, high), drawn each time
+  kRandomOnce,  ///< the same, drawn once for each time the fault comes, then stuck
   kHoldLast,    ///< the number before onset: frozen
   // streams (packets, frames, pictures)
   kDrop,       ///< each is lost with probability `value`
@@ -88,10 +90,11 @@ enum class FaultKind : std::uint8_t {
   kCrash,  ///< it ends at once
   kHang,   ///< it stops where it is, the process stays
 };
-constexpr std::size_t kFaultKindCount = 18;
+constexpr std::size_t kFaultKindCount = 20;
 constexpr std::array<const char*, kFaultKindCount> kFaultKindNames{
-    "none", "stuck_at", "add",       "add_and_hold", "scale",  "sign_flip", "ramp",   "random", "hold_last",
-    "drop", "delay",    "duplicate", "reorder",      "replay", "forge",     "impair", "crash",  "hang"};
+    "none",   "stuck_at",    "add",       "add_and_hold", "scale",   "sign_flip", "ramp",   "drift",
+    "random", "random_once", "hold_last", "drop",         "delay",   "duplicate", "reorder", "replay",
+    "forge",  "impair",      "crash",     "hang"};
 
 /** Kinds that work on numbers, as apply() does; the others are for streams and programs. */
 constexpr bool isNumberKind(FaultKind kind) noexcept {
@@ -156,13 +159,15 @@ enum class FaultVariable : std::uint8_t {
   kReturnedRunLevel,
   kFrame,
   // haptic
-  kForce,
+  kForceGain,
+  kForceOffset,
   // video
   kPicture,
+  kPictureDelay,
   // process
   kProgram,
 };
-constexpr std::size_t kFaultVariableCount = 41;
+constexpr std::size_t kFaultVariableCount = 43;
 
 /** From when a fault's clock runs. */
 enum class FaultTrigger : std::uint8_t {

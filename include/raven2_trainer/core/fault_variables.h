@@ -113,9 +113,14 @@ constexpr std::array<FaultVariableInfo, kFaultVariableCount> kFaultVariables{{
     {V::kReturnedRunLevel, S::kStateReturn, "run_level", "-", C::kOne, false, 0, 3, false,
      "run level as told to the daemon"},
     {V::kFrame, S::kStateReturn, "frame", "-", C::kOne, false, 0, 0, true, "the state frames themselves"},
-    {V::kForce, S::kHaptic, "force", "N", C::kAxes, true, -3.3, 3.3, false,
-     "force on its way to the master, arm base frame, before the limits of size and slew"},
-    {V::kPicture, S::kVideo, "picture", "-", C::kOne, false, 0, 1, true, "the surgeon's picture: stuck_at 0 is black"},
+    {V::kForceGain, S::kHaptic, "force_gain", "-", C::kOne, true, -10, 10, false,
+     "factor on the force before the limits of size and slew; 1 is right"},
+    {V::kForceOffset, S::kHaptic, "force_offset", "N", C::kAxes, true, -3.3, 3.3, false,
+     "added to the force before these limits, arm base frame; 0 is right"},
+    {V::kPicture, S::kVideo, "picture", "-", C::kOne, false, 0, 3, false,
+     "the surgeon's picture: 0 is right, 1 black, 2 frozen, 3 the eyes changed over"},
+    {V::kPictureDelay, S::kVideo, "picture_delay", "ms", C::kOne, false, 0, 5000, false,
+     "by which the surgeon's picture is late; 0 is right"},
     {V::kProgram, S::kProcess, "program", "-", C::kOne, false, 0, 0, false,
      "the emulated control program: it ends, or stops where it is"},
 }};
@@ -148,6 +153,29 @@ constexpr bool isFaultTableInOrder() noexcept {
   return true;
 }
 static_assert(isFaultTableInOrder(), "infoOf() finds a variable by its number");
+
+/** Whether it is a whole number in the robot's program or on the wire. */
+constexpr bool isWhole(FaultVariable variable) noexcept {
+  switch (variable) {
+    case FaultVariable::kQuaternion:
+    case FaultVariable::kTurn:
+    case FaultVariable::kMpos:
+    case FaultVariable::kMvel:
+    case FaultVariable::kJpos:
+    case FaultVariable::kJvel:
+    case FaultVariable::kOri:
+    case FaultVariable::kJposD:
+    case FaultVariable::kMposD:
+    case FaultVariable::kTauD:
+    case FaultVariable::kGain:
+    case FaultVariable::kReturnedJpos:
+    case FaultVariable::kForceGain:
+    case FaultVariable::kForceOffset:
+      return false;
+    default:
+      return true;
+  }
+}
 
 /** Which kinds a variable takes. */
 bool takes(FaultVariable variable, FaultKind kind) noexcept;

@@ -7,6 +7,7 @@
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/fault.h"
+#include "raven2_trainer/core/guide_path.h"
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/record_rings.h"
 #include "raven2_trainer/core/spsc_ring.h"
@@ -46,6 +47,8 @@ struct SharedState {
   StateCell<FaultPlan> faults;
   // written by physics: the newest answer to a plan request, refusals included
   StateCell<PlanResult> last_plan;
+  // written by planner: the tip's path of the newest plan that succeeded
+  StateCell<GuidePath> guide_path;
   // written by ingest
   StateCell<LinkCounts> master_link;
   // written by robot_link

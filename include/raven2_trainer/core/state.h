@@ -44,6 +44,19 @@ struct ArmState {
   std::uint32_t contacts{};   ///< contact points on this arm in this step
 };
 
+/** What faults do in the daemon in one tick. Masks: bit i, row i of the armed plan acts. */
+struct DaemonFaults {
+  std::uint32_t active{};                 ///< Fault::id of the first that acts, 0 none
+  std::uint8_t relay{};                   ///< mask of those on the stream to the robot
+  std::uint8_t master{};                  ///< mask of those on the masters' stream
+  std::uint8_t console{};                 ///< mask of those on what the surgeon feels and sees
+  std::uint8_t picture{};                 ///< FaultVariable::kPicture
+  std::uint32_t picture_delay_ms{};       ///< [ms] kPictureDelay
+  PerArm<double> force_gain{{1.0, 1.0}};  ///< kForceGain
+  PerArm<Vec3> force_offset_B{};          ///< [N] kForceOffset
+  FaultSignals signals{};                 ///< what triggers look at
+};
+
 constexpr std::size_t kMaxSceneBodies = 4;
 
 /** The nominal model at the end of tick `tick`. */
@@ -52,15 +65,15 @@ struct ModelState {
   Tick session_tick{-1};   ///< [1 ms] since the first pedal down; -1 before
   std::int64_t time_ns{};  ///< [ns] CLOCK_MONOTONIC at the start of the tick; in lockstep tick x 1e6
   Mode mode{Mode::kWaiting};
-  std::uint8_t pedal{};          ///< 1 while the surgeon's pedal is down
-  std::uint8_t engaged{1};       ///< 1 while the robot is sent the surgeon's motion
-  std::uint32_t active_fault{};  ///< Fault::id acting on one of the two streams, 0 none
-  std::uint8_t relay_faults{};   ///< bit i: row i of the armed plan acts on the stream to the robot
-  std::uint8_t master_faults{};  ///< the same on the masters' stream
-  std::uint8_t robot_fresh{};    ///< 1 while the robot's state is connected and at most 20 ms old
-  std::uint8_t linked{};   ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
-  FaultSignals signals{};  ///< what faults' triggers look at
+  std::uint8_t pedal{};        ///< 1 while the surgeon's pedal is down
+  std::uint8_t engaged{1};     ///< 1 while the robot is sent the surgeon's motion
+  std::uint8_t robot_fresh{};  ///< 1 while the robot's state is connected and at most 20 ms old
+  std::uint8_t linked{};  ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
+  std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
+  PerArm<Vec3>
+      master_I{};  ///< [m] [@frame I] sum of all increments that the masters sent, used or not, pedal up or down
+  DaemonFaults faults{};
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order
 };
@@ -107,15 +120,27 @@ struct RobotState {
 };
 static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads word by word");
 
-/** Force cue of one tick (paper, eqs. 5 and 6). */
+/** What the hands are given in one tick. Holds all that the next tick depends on but the states of model and robot. */
 struct HapticState {
-  Tick tick{-1};                ///< model tick it was computed from
-  std::uint64_t robot_cycle{};  ///< robot cycle it was computed from
-  std::int64_t time_ns{};       ///< [ns] CLOCK_MONOTONIC of the tick; in lockstep tick x 1e6
-  PerArm<Vec3> force_B{};       ///< [N] in each arm's frame B
-  PerArm<Vec3> force_I{};       ///< [N] the same in master (ITP) axes
-  PerArm<double> error{};       ///< [m] distance of model and robot tips; 0 if either is not finite
-  std::uint8_t active{};        ///< 1 while the cue may act: linked, model and robot fresh; else forces fall to 0
+  Tick tick{-1};                    ///< model tick it was computed from
+  std::uint64_t count{};            ///< haptic ticks so far
+  std::uint64_t robot_cycle{};      ///< robot cycle it was computed from
+  std::int64_t time_ns{};           ///< [ns] CLOCK_MONOTONIC of the tick; in lockstep tick x 1e6
+  PerArm<Vec3> force_B{};           ///< [N] in each arm's frame B
+  PerArm<Vec3> force_I{};           ///< [N] the same in master (ITP) axes
+  PerArm<double> error{};           ///< [m] distance of model and robot tips; 0 if either is not finite
+  PerArm<Vec3> cue_B{};             ///< [N] what eqs. (5) and (6) ask for
+  PerArm<Vec3> guidance_B{};        ///< [N] what the guidance along a path asks for
+  PerArm<Vec3> edge_B{};            ///< [N] what the edge of the master's workspace asks for
+  PerArm<double> gain{{1.0, 1.0}};  ///< [-] share of them that the passivity controller lets through
+  PerArm<double> energy{};          ///< [J] given to the hand, less what the force takes back where it began
+  PerArm<double> allowance{};       ///< [J] what that may be
+  PerArm<double> guidance_fade{};   ///< [-] 0 none to 1 whole
+  PerArm<Vec3> master_I{};          ///< [m] ModelState::master_I of `tick`
+  PerArm<Vec3> hand_I{};            ///< [m] of the hand from what is taken for the middle of its workspace
+  std::uint32_t guide_plan{};       ///< id of the plan whose path was at hand; 0 none
+  std::uint8_t pedal{};             ///< ModelState::pedal of `tick`
+  std::uint8_t active{};            ///< 1 while forces may act: linked, model and robot fresh; else they fall to 0
 };
 static_assert(std::is_trivially_copyable<HapticState>::value, "crosses threads word by word");
 

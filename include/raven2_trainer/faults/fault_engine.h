@@ -86,6 +86,7 @@ class FaultEngine {
   struct Element {
     double last{};        ///< before the activation
     double onset{};       ///< at its first tick
+    double drawn{};       ///< for the activation
     std::int64_t of{-1};  ///< activation that `onset` belongs to
     bool seen{};
   };

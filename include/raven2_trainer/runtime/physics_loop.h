@@ -44,7 +44,7 @@ class PhysicsLoop {
   void requestPause() noexcept { pause_requested_.store(true, std::memory_order_relaxed); }
 
   /** What faults' triggers look at, from the next tick on; from the thread of the ticks. */
-  void setSignals(const FaultSignals& signals) noexcept { state_.signals = signals; }
+  void setSignals(const FaultSignals& signals) noexcept { state_.faults.signals = signals; }
 
   /** Bodies by the numbers of contacts. */
   const std::vector<std::string>& bodyNames() const noexcept { return world_.bodyNames(); }
@@ -62,6 +62,7 @@ class PhysicsLoop {
   void drainCommands() noexcept;
   void takeCommand(const MasterCommand& command) noexcept;
   bool mayInject() const noexcept;
+  void corruptConsole() noexcept;
   bool fits(const MasterCommand& command) const noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;
@@ -94,7 +95,8 @@ class PhysicsLoop {
   PerArm<control::TeleopMapper> mappers_;
   ModelDriver driver_;
   control::PathFollower follower_;
-  faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster};
+  faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster},
+      console_faults_{FaultHost::kConsole};
   faults::CommandStream relay_stream_{FaultVariable::kPacket}, master_stream_{FaultVariable::kPacket};
   std::int64_t stale_ns_, lost_ns_;
   Tick silence_limit_;

@@ -25,7 +25,10 @@ class PlannerWorker {
   PlanResult planNow(const PlanRequest& request);
 
  private:
+  void publishPath(const PlanResult& result);
+
   planning::PathPlanner planner_;
+  const ArmsConfig arms_;
   SharedState& shared_;
   std::uint64_t seed_;
   std::atomic<bool> cancel_{false};

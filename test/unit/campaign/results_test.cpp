@@ -36,7 +36,7 @@ scenarios:
     phase: pedal_down
     repetitions: 2
     faults:
-      - {host: robot, site: put_usb_packet, variable: dac, kind: stuck_at, arm: gold, channel: shoulder, value: [-1000, 0, 0.5], start: {trigger: pedal_down, first_tick: 1000}, duration_ticks: 4}
+      - {host: robot, site: put_usb_packet, variable: dac, kind: stuck_at, arm: gold, channel: shoulder, value: [-1000, 0, 5], start: {trigger: pedal_down, first_tick: 1000}, duration_ticks: 4}
 )";
   return readCampaign(text, "six.yaml", 1, {});
 }

@@ -54,7 +54,28 @@ TEST_F(LoadConfig, ThePackagedFilesAreGood) {
   EXPECT_DOUBLE_EQ(config.arms.geometry.d4, -0.47);
   EXPECT_DOUBLE_EQ(config.haptics.tolerance, 0.003);
   EXPECT_EQ(config.network.robot_port, 36000);
-  EXPECT_EQ(config.scenarios.at(0).name, "sudden_jump");
+  EXPECT_EQ(config.scenarios.at(2).name, "sudden_jump");
+}
+
+TEST_F(LoadConfig, ScenariosComeInTheOrderOfTheirNumbersAndTheUsersOwnLast) {
+  fs::copy(folder_ / "faults/sudden_jump.yaml", folder_ / "faults/a_jump.yaml");
+  replace("faults/a_jump.yaml", "name: sudden_jump", "name: a_jump");
+  replace("faults/a_jump.yaml", "number: 3", "number: 0");
+  const TrainerConfig config = loadTrainerConfig(root());
+  // The paper's table first (Li et al. 2017, Table 1)
+  EXPECT_EQ(faultId(config, "unavailable_recoverable"), 1U);
+  EXPECT_EQ(faultId(config, "unavailable_permanent"), 2U);
+  EXPECT_EQ(faultId(config, "sudden_jump"), 3U);
+  EXPECT_EQ(config.scenarios.back().name, "a_jump");
+  for (std::size_t i = 0; i + 1 < config.scenarios.size(); ++i) {
+    const Scenario& scenario = config.scenarios[i];
+    for (const Fault& fault : scenario.faults)
+      EXPECT_EQ(fault.id, i + 1) << scenario.name;
+    if (i == 0) continue;
+    const Scenario& before = config.scenarios[i - 1];
+    EXPECT_LE(before.number, scenario.number) << scenario.name;
+    EXPECT_TRUE(before.number < scenario.number || before.name < scenario.name) << scenario.name;
+  }
 }
 
 TEST_F(LoadConfig, TheChosenToolIsThatOfTheArms) {
@@ -107,6 +128,35 @@ TEST_F(LoadConfig, AValueOutOfRangeIsRefusedWithTheRange) {
   replace("haptics.yaml", "tolerance: [0-9.]+", "tolerance: -0.003");
   EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:4: tolerance is -0.003, expected \\[0, 0.05\\]")))
       << message();
+}
+
+TEST_F(LoadConfig, ThePartsOfTheForceAreThoseThatATraineeExpects) {
+  const HapticGains haptics = loadTrainerConfig(root()).haptics;
+  EXPECT_TRUE(haptics.passivity.enabled);
+  EXPECT_FALSE(haptics.guidance.enabled);
+  EXPECT_FALSE(haptics.edge.enabled);
+  EXPECT_EQ(haptics.edge.size_I, (Vec3{0.07, 0.16, 0.12}));
+  EXPECT_EQ(haptics.edge.origin, WorkspaceOrigin::kPedalDown);
+  replace("haptics.yaml", "origin: pedal_down", "origin: start");
+  EXPECT_EQ(loadTrainerConfig(root()).haptics.edge.origin, WorkspaceOrigin::kStart);
+}
+
+TEST_F(LoadConfig, NoPartOfTheForceMayExceedTheWhole) {
+  replace("haptics.yaml", "max_force: 3.3", "max_force: 0.9");
+  EXPECT_NE(message().find("max_force is 1, expected [0, 0.9]"), std::string::npos) << message();
+  SetUp();
+  replace("haptics.yaml", "max_force: 3.3", "max_force: 1.2");
+  EXPECT_NE(message().find("max_force is 1.5, expected [0, 1.2]"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, TheMarginOfTheWorkspaceFitsIntoIt) {
+  replace("haptics.yaml", "margin: 0.01", "margin: 0.036");
+  EXPECT_NE(message().find("margin is 0.036, expected [0.001, 0.035]"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, ADelayThatTheGuardCannotHoldIsRefused) {
+  replace("haptics.yaml", "max_delay: 0.12", "max_delay: 0.5");
+  EXPECT_NE(message().find("max_delay is 0.5, expected [0, 0.4]"), std::string::npos) << message();
 }
 
 TEST_F(LoadConfig, WrongTypesAreRefused) {

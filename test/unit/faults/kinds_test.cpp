@@ -64,6 +64,35 @@ TEST(FaultKinds, ARampGoesFromWhereItBeganAndStays) {
   EXPECT_EQ(seriesOf(ramp), (Series{10, 11, 37, 62, 87, 112, 112, 112, 18, 19}));
 }
 
+TEST(FaultKinds, ADriftGrowsOnTopOfTheNumberAndStays) {
+  Fault drift = onMotor(FaultKind::kDrift, 100);
+  drift.ramp_ticks = 4;
+  EXPECT_EQ(seriesOf(drift), (Series{10, 11, 37, 63, 89, 115, 116, 117, 18, 19}));
+}
+
+TEST(FaultKinds, RandomOnceIsDrawnAnewEachTimeItComesAndForEachElement) {
+  Fault fault = onMotor(FaultKind::kRandomOnce, 0);
+  fault.low = 100;
+  fault.high = 200;
+  fault.channel = -1;
+  fault.duration_ticks = 2;
+  fault.period_ticks = 4;
+  FaultEngine engine = armed({fault});
+  std::vector<JointArray> out;
+  for (int i = 0; i < 8; ++i) {
+    engine.beginCycle({});
+    JointArray values{1, 2, 3, 4, 5, 6, 7};
+    engine.applyAll(FaultVariable::kMpos, Arm::kGreen, &values);
+    out.push_back(values);
+  }
+  EXPECT_EQ(out[1][0], 1.0);
+  EXPECT_GE(out[2][0], 100.0);
+  EXPECT_EQ(out[2], out[3]);
+  EXPECT_EQ(out[4][6], 7.0);
+  EXPECT_NE(out[6], out[2]);
+  EXPECT_NE(out[2][0], out[2][1]);
+}
+
 TEST(FaultKinds, IntermittentActsAndRestsInTurns) {
   Fault flip = onMotor(FaultKind::kStuckAt, 0);
   flip.half_period_ticks = 2;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/faults/fault_engine.h"
 
 namespace raven2_trainer::faults {
@@ -136,6 +137,27 @@ TEST(FaultTriggers, ProbabilityIsThatOfEachTimeItIsDueAndOfTheSeed) {
   EXPECT_NE(one, count(2));
   // 10,000 times due, 3 ticks each: mean 9,000, deviation 3 sqrt(10,000 0.3 0.7) = 137
   EXPECT_NEAR(static_cast<double>(one.size()), 9000.0, 4 * 137.0);
+}
+
+TEST(FaultTriggers, AHundredRandomOnesStartAndEndAtTheNamedTick) {
+  Random random(7);
+  for (int n = 0; n < 100; ++n) {
+    Fault fault = stuck(n % 2 == 0 ? FaultTrigger::kPedalDown : FaultTrigger::kPowerOn, random.next() % 2000);
+    fault.duration_ticks = 1 + random.next() % 400;
+    fault.period_ticks = fault.duration_ticks + random.next() % 1000;
+    fault.count = 1 + random.next() % 3;
+    const int pedal_at = static_cast<int>(random.next() % 500);
+    const std::vector<int> acting = actingCycles(armed(fault), 9000, [&](int i) {
+      return FaultCycle{i >= pedal_at, 3, {}};
+    });
+    const std::int64_t zero = fault.trigger == FaultTrigger::kPedalDown ? pedal_at : 0;
+    std::vector<int> expected;
+    for (std::int64_t i = 0; i < fault.count; ++i) {
+      for (std::int64_t k = 0; k < fault.duration_ticks; ++k)
+        expected.push_back(static_cast<int>(zero + fault.first_tick + i * fault.period_ticks + k));
+    }
+    ASSERT_EQ(acting, expected) << n;
+  }
 }
 
 TEST(FaultTriggers, UntilClearedMeansUntilCleared) {

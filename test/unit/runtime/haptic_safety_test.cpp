@@ -21,8 +21,12 @@ constexpr std::int64_t kSilentWithin = 50 * kTickNanoseconds;  // of a stale sta
 /** Haptic loop on states drawn at random, the wrong ones included. */
 class HapticSafety : public ::testing::Test {
  protected:
-  HapticSafety()
-      : config(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml")),
+  static TrainerConfig packaged() {
+    return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+  }
+
+  explicit HapticSafety(const TrainerConfig& configuration = packaged())
+      : config(configuration),
         shared(std::make_unique<SharedState>()),
         loop(config, shared.get()) {}
 
@@ -51,8 +55,26 @@ class HapticSafety : public ::testing::Test {
       if (chance(10)) at(model.arms, arm).v_BT = vector();
       if (chance(10)) at(robot.arms, arm).v_BT = vector();
     }
+    drawMasters();
     shared->model.store(model);
     shared->robot.store(robot);
+  }
+
+  /** Hands that go anywhere, pedals, and paths to be guided along, broken ones included. */
+  void drawMasters() {
+    if (chance(200)) model.pedal ^= 1U;
+    for (Vec3& place : model.master_I) {
+      for (double& x : place)
+        x += chance(500) ? random.uniform(-1.0, 1.0) : random.uniform(-1e-4, 1e-4);
+    }
+    if (!config.haptics.guidance.enabled || !chance(300)) return;
+    model.guide_plan = random.next() % 3;
+    path.plan = random.next() % 3;
+    path.arm = kArms[random.next() % 2];
+    path.count = chance(20) ? random.next() : random.next() % (kMaxPathPoints + 1);
+    for (Vec3& point : path.points_B)
+      point = vector();
+    shared->guide_path.store(path);
   }
 
   /** [s] until the next tick: 1 ms, late, or two at once as when catching up. */
@@ -61,21 +83,25 @@ class HapticSafety : public ::testing::Test {
     now_ns += static_cast<std::int64_t>(ms[chance(50) ? random.next() % 8 : random.next() % 3] * 1e6);
   }
 
+  void checkForces(std::int64_t states);
+
+  std::int64_t guided{0}, at_edge{0};  ///< ticks in which those parts asked for a force
   Random random{20};
   const TrainerConfig config;
   std::unique_ptr<SharedState> shared;
   HapticLoop loop;
   ModelState model{};
   RobotState robot{};
+  GuidePath path{};
   std::int64_t now_ns{1'000'000'000};
   std::int64_t silent_until_ns{0};
 };
 
-TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
+void HapticSafety::checkForces(std::int64_t states) {
   PerArm<Vec3> before{};
   double largest = 0.0, fastest = 0.0;
   std::int64_t last_ns = now_ns - kTickNanoseconds;
-  for (std::int64_t i = 0; i < effort(150'000, 1'000'000); ++i) {
+  for (std::int64_t i = 0; i < states; ++i) {
     drawStates();
     loop.tick(now_ns);
     ForcePacket packet;
@@ -91,6 +117,11 @@ TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
       ASSERT_LE(change, reach + kRounding) << "state " << i;
       ASSERT_NEAR(toEigen(at(record.haptic.force_B, arm)).norm(), force.norm(), kRounding);
       ASSERT_TRUE(std::isfinite(at(record.haptic.error, arm)));
+      ASSERT_TRUE(std::isfinite(at(record.haptic.energy, arm)));
+      ASSERT_GE(at(record.haptic.gain, arm), 0.0);
+      ASSERT_LE(at(record.haptic.gain, arm), 1.0);
+      if (toEigen(at(record.haptic.guidance_B, arm)).norm() > 0.1) ++guided;
+      if (toEigen(at(record.haptic.edge_B, arm)).norm() > 0.1) ++at_edge;
       largest = std::max(largest, force.norm());
       fastest = std::max(fastest, change);
     }
@@ -101,6 +132,29 @@ TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
   // The bounds were met, or the test showed little.
   EXPECT_GT(largest, 0.99 * config.haptics.max_force);
   EXPECT_GT(fastest, 0.99 * config.haptics.max_slew * kTickSeconds);
+}
+
+TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
+  checkForces(effort(150'000, 1'000'000));
+  EXPECT_EQ(guided + at_edge, 0) << "both are off";
+}
+
+/** Guidance and the workspace's edge as well. */
+class HapticSafetyOfAllParts : public HapticSafety {
+ protected:
+  HapticSafetyOfAllParts() : HapticSafety(withAllParts()) {}
+
+  static TrainerConfig withAllParts() {
+    TrainerConfig config = packaged();
+    config.haptics.guidance.enabled = config.haptics.edge.enabled = true;
+    return config;
+  }
+};
+
+TEST_F(HapticSafetyOfAllParts, ForcesAreFiniteBoundedAndSlow) {
+  checkForces(effort(150'000, 500'000));
+  EXPECT_GT(guided, 100);
+  EXPECT_GT(at_edge, 100);
 }
 
 class StaleState : public HapticSafety, public ::testing::WithParamInterface<int> {};

@@ -42,6 +42,9 @@ class TestReader {
     plan.generation = 1;
     plan.count = 1;
     plan.faults[0].id = fault_id;
+    plan.faults[0].site = FaultSite::kPutUsbPacket;
+    plan.faults[0].variable = FaultVariable::kDac;
+    plan.faults[0].kind = FaultKind::kStuckAt;
     const std::size_t size = wire::encodeFaultPlan(1, plan, bytes_.data());
     ASSERT_TRUE(client_.send(bytes_.data(), size));
   }

@@ -52,7 +52,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 4, 2);                      // version
+  append(&expected, 5, 2);                      // version
   append(&expected, 8 + 4 + 24 + 4, 4);         // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
@@ -75,7 +75,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 4, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 5, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
@@ -133,7 +133,7 @@ TEST(SessionLogSchema, NamesUnitsAndMeanings) {
                                                       {"unit", "ms"},
                                                       {"meaning", "physics step that produced this state"}}));
   EXPECT_EQ(model.at("fields").at(3).at("names").at(2), "teleoperating");
-  const auto& arms = model.at("fields").at(9);
+  const auto& arms = model.at("fields").at(12);
   EXPECT_EQ(arms.at("shape"), nlohmann::json::array({2}));
   EXPECT_EQ(arms.at("fields").at(0).at("shape"), nlohmann::json::array({7}));
 }
@@ -142,11 +142,14 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   // A member that is added to a struct and not to log_layout.h would be lost silently. Sums of the members' sizes
   // plus the padding between them, by hand; a change here asks for a change there and a new kRecordVersion.
   EXPECT_EQ(sizeof(ArmState), 28 * 8 + 3 * 8 + 3 * 8 + 4 * 8 + 4 + 4u);
-  EXPECT_EQ(sizeof(ModelState), 3 * 8 + 5 + /*padding*/ 3 + 4 + /*padding*/ 4 + 2 * sizeof(ArmState) + 4 * 7 * 8u);
+  EXPECT_EQ(sizeof(FaultSignals), 2 * 8 + 2 * 4u);
+  EXPECT_EQ(sizeof(DaemonFaults), 4 + 4 + 4 + /*padding*/ 4 + 2 * 8 + 6 * 8 + sizeof(FaultSignals));
+  EXPECT_EQ(sizeof(ModelState),
+            3 * 8 + 5 + /*padding*/ 3 + 2 * 4 + 6 * 8 + sizeof(DaemonFaults) + 2 * sizeof(ArmState) + 4 * 7 * 8u);
   EXPECT_EQ(sizeof(RobotArmState), 21 * 8 + 7 * 4 + 7 + /*padding*/ 5 + 6 * 8u);
   EXPECT_EQ(sizeof(LinkCounts), (2 + kRejectCount) * 8u);
-  EXPECT_EQ(sizeof(RobotState), 4 * 8 + 2 * 4 + 6 + /*padding*/ 2 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
-  EXPECT_EQ(sizeof(HapticState), 3 * 8 + 12 * 8 + 2 * 8 + 1 + /*padding*/ 7u);
+  EXPECT_EQ(sizeof(RobotState), 4 * 8 + 2 * 4 + 7 + /*program*/ 1 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
+  EXPECT_EQ(sizeof(HapticState), 4 * 8 + 7 * 6 * 8 + 5 * 2 * 8 + 4 + 2 + /*padding*/ 2u);
   EXPECT_EQ(sizeof(MasterCommand), 4 + 1 + /*padding*/ 3 + 2 * (3 + 4 + 1) * 8u);
   EXPECT_EQ(sizeof(Request), 4 + /*padding*/ 4 + 3 * 8 + 4 + /*padding*/ 4u);
   EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
@@ -155,11 +158,11 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
   EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 11 * 8 + 2 * sizeof(LoopTiming) +
                                        kRingCount * sizeof(RingCounts) + 2 + /*padding*/ 6u);
-  EXPECT_EQ(sizeof(Fault), 4 + 6 + /*padding*/ 6 + 5 * 8u);
+  EXPECT_EQ(sizeof(Fault), 4 + 7 + /*padding*/ 5 + 12 * 8u);
   EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + /*padding*/ 4 + 8 * sizeof(Fault));
-  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + sizeof(FaultPlan) - 4 - 8 * 6);
-  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 7 + sizeof(RobotState) - 2 - 2 * 5 + 1);
-  EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 7);
+  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + sizeof(FaultPlan) - 4 - 8 * 5);
+  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 + sizeof(RobotState) - 1 - 2 * 5 + 1);
+  EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 2);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
   EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 8);
   EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);

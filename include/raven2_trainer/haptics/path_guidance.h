@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/guide_path.h"
+
+namespace raven2_trainer::haptics {
+
+/**
+ * Guidance virtual fixture: a spring from the tip to the nearest point of the path. Along the path there is no force,
+ * neither on it nor past its ends (what of the deviation there runs on along the path is not felt). At most
+ * `max_force`. From `reach` on the force fades, at twice that it is gone: whoever goes elsewhere is let go.
+ * A tip that is not finite, or a path without points, gives none. Real-time safe: one pass over the path.
+ *
+ * @param[in] tip_B [m] in the frame B of the path's arm.
+ * @return [N] at the hand, in B.
+ */
+Eigen::Vector3d pathGuidance(const GuidanceConfig& config, const GuidePath& path, const Eigen::Vector3d& tip_B) noexcept;
+
+/** Next fade of a guidance: rises with time while there is something to follow, 0 at once when not.
+ *  @param[in] seconds [s] since the last tick. @return 0 to 1. */
+double nextFade(const GuidanceConfig& config, double fade, bool is_guided, double seconds) noexcept;
+
+}  // namespace raven2_trainer::haptics

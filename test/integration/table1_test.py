@@ -1,0 +1,177 @@
+#!/usr/bin/python3
+"""The three rows of Table 1 of Li et al. 2017 over real sockets, each with its outcome and the right answer to it:
+a sudden jump and the released pedal; a robot that no longer follows and its restart; a robot that is lost for good and
+the conversion without it.
+
+The test is the console.
+"""
+import math
+import os
+import signal
+import threading
+import time
+import unittest
+import xmlrpc.client
+
+import rospy
+import rostest
+from geometry_msgs.msg import WrenchStamped
+from raven2_trainer.srv import StartHazard
+from robot_frames import FrameReader, Master
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+MASTER_PORT, STATE_PORT = 37160, 37163
+E_STOP, PEDAL_UP, PEDAL_DN = 0, 2, 3
+WAIT = 8.0  # [s] of the scenarios, after the first pedal-down of the robot's process
+
+
+class Console(threading.Thread):
+    """One packet about every millisecond: to and fro by 4 mm while it moves."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.pedal, self.moving = 0, False
+        self._master = Master(MASTER_PORT)
+
+    def run(self):
+        step = 0
+        while True:
+            um = 0
+            if self.moving and self.pedal:
+                um = 10 if step % 800 < 400 else -10
+                step += 1
+            self._master.send(self.pedal, (0, um, 0))
+            time.sleep(0.001)
+
+
+class Newest:
+    """The newest message of a topic."""
+
+    def __init__(self, topic, kind):
+        self.message = None
+        rospy.Subscriber(topic, kind, self._take)
+
+    def _take(self, message):
+        self.message = message
+
+
+def until(condition, seconds, words):
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            return
+        time.sleep(0.005)
+    raise AssertionError(words)
+
+
+def connect():
+    """To the robot, as soon as it is there and says so: a dying process may still take a connection."""
+    deadline = time.monotonic() + 30
+    while time.monotonic() < deadline:
+        try:
+            reader = FrameReader(STATE_PORT)
+            if reader.wait(lambda s: True, 1.0):
+                return reader
+        except ConnectionRefusedError:
+            time.sleep(0.02)
+    raise AssertionError("no robot")
+
+
+def call(name, kind, *arguments):
+    rospy.wait_for_service(name, 20)
+    answer = rospy.ServiceProxy(name, kind)(*arguments)
+    assert answer.success, f"{name}: {answer.message}"
+
+
+class Table1(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("table1_test", disable_signals=True)
+        cls.force = Newest("haptic/gold/force", WrenchStamped)
+        cls.model = Newest("model/joint_states", JointState)
+        cls.console = Console()
+        cls.console.start()
+        cls.robot = connect()
+
+    def newton(self):
+        message = self.force.message
+        f = message.wrench.force if message else None
+        return math.sqrt(f.x * f.x + f.y * f.y + f.z * f.z) if f else 0.0
+
+    def engage(self):
+        """Homed, pedal down, following, and nothing felt."""
+        self.console.pedal, self.console.moving = 0, False
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_UP and s.homed, 60))
+        time.sleep(0.3)
+        self.console.pedal = 1
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_DN), "never engaged")
+        self.console.moving = True
+        start = self.robot.states[-1]
+        self.assertIsNotNone(self.robot.wait(lambda s: self.moved(s, start) > 0.01), "it does not follow")
+
+    @staticmethod
+    def moved(state, start):
+        return max(abs(a - b) for a, b in zip(state.q[0][:2], start.q[0][:2]))
+
+    def restart_robot(self):
+        uri = rospy.get_master().lookupNode("/virtual_raven")[2]
+        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/table1_test")[2], signal.SIGKILL)
+        self.assertTrue(self.robot.ended(20))
+        type(self).robot = connect()
+
+    def test_1_a_sudden_jump_is_felt_and_ends_with_the_pedal(self):
+        call("start_hazard", StartHazard, "sudden_jump")
+        self.engage()
+        self.console.moving = False  # the hand is still: the robot alone moves
+        until(lambda: self.newton() > 0.0, WAIT + 12, "the jump was never felt")
+        self.assertNotEqual(self.robot.states[-1].runlevel, E_STOP)
+        # the right answer: the pedal
+        self.console.pedal = 0
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_UP), "the pedal did not stop it")
+        until(lambda: self.newton() == 0.0, 1.0, "the force stayed")
+        call("stop_hazard", Trigger)
+        self.engage()
+        self.assertEqual(self.newton(), 0.0, "model and robot are together again")
+
+    def test_2_a_robot_that_no_longer_follows_comes_back_after_a_restart(self):
+        self.engage()
+        call("start_hazard", StartHazard, "unavailable_recoverable")
+        # 8 s after the first pedal-down, which is past: at once. The command is given and not followed.
+        until(lambda: self.robot.states[-1].active_fault != 0, WAIT + 5, "it never came")
+        time.sleep(1.0)
+        here = self.robot.states[-1]
+        joints = list(self.model.message.position)
+        time.sleep(1.0)
+        self.assertLess(self.moved(self.robot.states[-1], here), 2e-3, "it follows")
+        self.assertGreater(max(abs(a - b) for a, b in zip(joints, self.model.message.position)), 5e-3,
+                           "the model follows the hand all the while")
+        # the right answer: stop, and start it again
+        self.console.moving, self.console.pedal = False, 0
+        self.restart_robot()
+        self.engage()
+        call("stop_hazard", Trigger)
+
+    def test_3_a_robot_lost_for_good_stops_and_a_new_start_does_not_help(self):
+        self.engage()
+        call("start_hazard", StartHazard, "unavailable_permanent")
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == E_STOP, WAIT + 20), "it never stopped")
+        self.console.pedal, self.console.moving = 0, False
+        # once more, as the team would: it stops again
+        call("virtual_raven/press_start", Trigger)
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_UP), "the start button did nothing")
+        time.sleep(0.3)
+        self.console.pedal, self.console.moving = 1, True
+        again = self.robot.wait(lambda s: s.runlevel == E_STOP, 20)
+        self.assertIsNotNone(again, "it works again")
+        # the right answer: convert. The robot is let go and stays where it is
+        self.console.pedal, self.console.moving = 0, False
+        call("disengage", Trigger)
+        self.assertIsNotNone(self.robot.wait(lambda s: s.cycle > again.cycle + 500))
+        self.assertEqual({s.runlevel for s in self.robot.states if s.cycle > again.cycle}, {E_STOP})
+        self.assertTrue(all(d == 0 for s in self.robot.states[-100:] for arm in s.dac for d in arm), "motors off")
+        until(lambda: self.newton() == 0.0, 1.0, "a robot that is let go is not felt")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("raven2_trainer", "table1", Table1)

@@ -1,0 +1,297 @@
+#include "raven2_trainer/haptics/passivity_guard.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "raven2_trainer/core/random.h"
+#include "raven2_trainer/core/types.h"
+
+namespace raven2_trainer::haptics {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr PassivityConfig kConfig{/*enabled=*/true, /*max_delay=*/0.12, /*budget=*/0.02, /*hand_damping=*/1.0,
+                                  /*rest=*/0.5};
+constexpr double kRounding = 1e-12;  // [J]
+
+PassivityConfig withDelay(double seconds) {
+  PassivityConfig config = kConfig;
+  config.max_delay = seconds;
+  return config;
+}
+
+Vector3d anyVector(Random* random, double size) {
+  return {random->uniform(-size, size), random->uniform(-size, size), random->uniform(-size, size)};
+}
+
+/** A smooth wander of a hand: three sinusoids an axis. */
+class Wander {
+ public:
+  explicit Wander(Random* random) {
+    for (int i = 0; i < 9; ++i) {
+      amplitude[i] = random->uniform(0.0, 0.02);
+      omega[i] = random->uniform(1.0, 60.0);
+      phase[i] = random->uniform(0.0, 2.0 * kPi);
+    }
+  }
+  Vector3d at(double t) const {
+    Vector3d x = Vector3d::Zero();
+    for (int i = 0; i < 9; ++i)
+      x[i % 3] += amplitude[i] * std::sin(omega[i] * t + phase[i]);
+    return x;
+  }
+
+ private:
+  double amplitude[9], omega[9], phase[9];
+};
+
+TEST(PassivityGuard, AHandThatMovesWithoutForceHasNoAccount) {
+  Random random(1);
+  const Wander wander(&random);
+  PassivityGuard guard(kConfig);
+  for (int k = 0; k < 3000; ++k) {
+    guard.observe(wander.at(1e-3 * k));
+    guard.given(Vector3d::Zero(), false);
+    ASSERT_EQ(guard.gain(), 1.0);
+    ASSERT_EQ(guard.energy(), 0.0);
+    ASSERT_EQ(guard.allowance(), kConfig.budget);
+  }
+}
+
+TEST(PassivityGuard, AConstantForceGivesNothingForGood) {
+  // GIVEN 3.3 N for a minute, and a hand that wanders by centimetres meanwhile
+  Random random(2);
+  const Wander wander(&random);
+  PassivityGuard guard(kConfig);
+  const Vector3d start = wander.at(0.0);
+  for (int k = 0; k < 60000; ++k) {
+    const double begun = std::min(1.0, k / 300.0);  // from where the hand rests when it begins
+    guard.observe(start + begun * (wander.at(1e-3 * k) - start));
+    guard.given({3.3, 0.0, 0.0}, true);
+    // THEN whatever went into the motion would come back on the way to where it began; only the forces still under way
+    // when it began cost something: at most 3.3 N over what the hand goes meanwhile
+    ASSERT_EQ(guard.gain(), 1.0) << k;
+  }
+}
+
+TEST(PassivityGuard, CountsTheWorkOfAForceInStepWithTheMotion) {
+  // GIVEN x = A sin(wt) and a force F cos(wt): pi F A a period (integral of F cos(wt) A w cos(wt))
+  constexpr double kAmplitude = 0.003, kForce = 0.5, kOmega = 47.0;
+  constexpr int kPeriods = 5;
+  PassivityConfig config = withDelay(0.0);
+  config.hand_damping = 0.0;
+  PassivityGuard guard(config);
+  const int end = static_cast<int>(std::lround(kPeriods * 2.0 * kPi / kOmega / 1e-3));
+  for (int k = 0; k <= end; ++k) {
+    guard.observe({0.0, kAmplitude * std::sin(kOmega * 1e-3 * k), 0.0});
+    guard.given({0.0, kForce * std::cos(kOmega * 1e-3 * (k + 0.5)), 0.0}, true);  // as in the middle of the tick
+  }
+  guard.given(Vector3d::Zero(), false);
+  guard.observe({0.0, kAmplitude * std::sin(kOmega * 1e-3 * end), 0.0});
+  EXPECT_NEAR(guard.energy(), kPeriods * kPi * kForce * kAmplitude, 0.01 * kPeriods * kPi * kForce * kAmplitude);
+  EXPECT_EQ(guard.gain(), 0.0) << "23.6 mJ of 20";
+}
+
+TEST(PassivityGuard, NeverTakesTheWorkAtTheHandForLessWhateverTheDelayUpToItsBound) {
+  // GIVEN any round trip up to 120 ms, however divided, and any forces and motions; the work summed up at the hand
+  Random random(3);
+  for (int run = 0; run < 60; ++run) {
+    const int there = static_cast<int>(random.next() % 61), back = static_cast<int>(random.next() % 61);
+    const Wander wander(&random);
+    const double hold = random.uniform(1.0, 100.0);  // [ticks] of a force
+    PassivityGuard guard(kConfig);
+    std::vector<Vector3d> forces, hand;
+    std::vector<double> work;  // [J] at the hand up to that tick
+    Vector3d force = Vector3d::Zero(), anchor = Vector3d::Zero();
+    for (int k = 0; k < 1000; ++k) {
+      hand.push_back(wander.at(1e-3 * k));
+      const bool has_arrived = k > there;
+      const Vector3d acting = has_arrived ? forces[static_cast<std::size_t>(k - 1 - there)] : Vector3d::Zero();
+      work.push_back(k > 0 ? work.back() + acting.dot(hand[k] - hand[k - 1]) : 0.0);
+      const int seen = std::max(0, k - back);
+      guard.observe(hand[static_cast<std::size_t>(seen)]);
+      if (k == 0) anchor = hand[0];
+      if (random.uniform(0.0, hold) < 1.0 || k == 0) force = anyVector(&random, 2.0);
+      forces.push_back(force);
+      guard.given(force, true);
+      if (k <= there + back) continue;
+      const Vector3d then = forces[static_cast<std::size_t>(seen - 1 - there)];
+      const double gained = work[static_cast<std::size_t>(seen)] - std::max(0.0, then.dot(hand[seen] - anchor));
+      ASSERT_GE(guard.energy(), gained - kRounding) << "run " << run << ", tick " << k;
+    }
+  }
+}
+
+TEST(PassivityGuard, OfOneDelayAloneItIsTheWorkAtTheHand) {
+  // GIVEN no delay at all to reckon with, the sum is that of the definition
+  Random random(4);
+  const Wander wander(&random);
+  PassivityGuard guard(withDelay(0.0));
+  double work = 0.0;
+  Vector3d before = wander.at(0.0), force = Vector3d::Zero(), anchor = before;
+  for (int k = 0; k < 2000; ++k) {
+    const Vector3d now = wander.at(1e-3 * k);
+    guard.observe(now);
+    work += force.dot(now - before);
+    if (k > 0) {
+      ASSERT_NEAR(guard.energy(), work - std::max(0.0, force.dot(now - anchor)), kRounding);
+    }
+    before = now;
+    force = anyVector(&random, 1.0);
+    guard.given(force, true);
+  }
+}
+
+TEST(PassivityGuard, AllowsNoMoreThanTheHandsDampingTookHoweverTheMotionArrives) {
+  // GIVEN a slow motion told in whole 10 um and in bunches of up to 12 ticks
+  Random random(5);
+  for (int run = 0; run < 20; ++run) {
+    const Wander wander(&random);
+    PassivityGuard guard(kConfig);
+    double taken = 0.0;  // [J] by 1 Ns/m
+    Vector3d told = Vector3d::Zero();
+    int next = 0;
+    for (int k = 0; k < 5000; ++k) {
+      const double t = 0.2e-3 * k;  // five times slower than it wanders
+      taken += kConfig.hand_damping * (wander.at(t + 0.2e-3) - wander.at(t)).squaredNorm() / 1e-3;
+      if (k >= next) {
+        told = (wander.at(t) / 1e-5).array().round().matrix() * 1e-5;
+        next = k + 1 + static_cast<int>(random.next() % 12);
+      }
+      guard.observe(told);
+      guard.given({0.01, 0.0, 0.0}, true);
+    }
+    // bunches shift motion from one block to the next: a fifth of doubt
+    ASSERT_LE(guard.allowance() - kConfig.budget, 1.2 * taken + 1e-4) << run;
+    ASSERT_GT(guard.allowance() - kConfig.budget, 0.5 * taken) << run;
+  }
+}
+
+TEST(PassivityGuard, FadesTheForceOverTheSecondHalfOfItsBudget) {
+  PassivityConfig config = withDelay(0.0);
+  config.hand_damping = 0.0;
+  PassivityGuard guard(config);
+  // 1 N over 1 mm, taken away and brought back with the hand where it began: 1 mJ a time
+  double work = 0.0;
+  for (int cycle = 0; cycle < 30; ++cycle) {
+    guard.observe({0.0, 0.0, 0.0});
+    guard.given({1.0, 0.0, 0.0}, true);
+    guard.observe({0.001, 0.0, 0.0});
+    guard.given({0.0, 1e-9, 0.0}, true);  // as good as none
+    guard.observe({0.001, 0.0, 0.0});
+    work += 0.001;
+    const double expected = std::clamp((config.budget - work) / (0.5 * config.budget), 0.0, 1.0);
+    ASSERT_NEAR(guard.energy(), work, 1e-9);
+    ASSERT_NEAR(guard.gain(), expected, 1e-6) << cycle;
+  }
+}
+
+TEST(PassivityGuard, StartsAnewAfterARestAndNotBefore) {
+  PassivityGuard guard(kConfig);
+  for (int k = 0; k < 200; ++k) {
+    guard.observe({1e-3 * (k % 2), 0.0, 0.0});
+    guard.given({k % 2 == 0 ? 1.0 : -1.0, 0.0, 0.0}, true);  // 1 N over every millimetre
+  }
+  ASSERT_EQ(guard.gain(), 0.0);
+  constexpr int kRest = 121 + 500;  // every force that may still be under way, and 0.5 s
+  for (int k = 1; k < kRest; ++k) {
+    guard.observe({0.0, 0.0, 0.0});
+    guard.given(Vector3d::Zero(), false);
+    ASSERT_EQ(guard.gain(), 0.0) << k;
+  }
+  ASSERT_FALSE(guard.isResting());
+  guard.given(Vector3d::Zero(), false);
+  EXPECT_TRUE(guard.isResting());
+  EXPECT_EQ(guard.gain(), 1.0);
+  EXPECT_EQ(guard.energy(), 0.0);
+  EXPECT_EQ(guard.allowance(), kConfig.budget);
+}
+
+TEST(PassivityGuard, DoesNotStartAnewWhileTheLawStillAsks) {
+  PassivityGuard guard(kConfig);
+  for (int k = 0; k < 200; ++k) {
+    guard.observe({1e-3 * (k % 2), 0.0, 0.0});
+    guard.given({k % 2 == 0 ? 1.0 : -1.0, 0.0, 0.0}, true);
+  }
+  for (int k = 0; k < 5000; ++k) {
+    guard.observe({0.0, 0.0, 0.0});
+    guard.given(Vector3d::Zero(), true);  // nothing is given, but it would be
+    ASSERT_EQ(guard.gain(), 0.0) << k;
+  }
+}
+
+TEST(PassivityGuard, SwitchedOffItSeesTheSameAndDoesNothing) {
+  PassivityConfig off = kConfig;
+  off.enabled = false;
+  PassivityGuard guard(kConfig), observer(off);
+  Random random(6);
+  for (int k = 0; k < 2000; ++k) {
+    const Vector3d x = 1e-4 * Vector3d(k % 20, 0.0, 0.0) + anyVector(&random, 1e-5);
+    const Vector3d force = (k + 1) % 20 == 0 ? Vector3d(Vector3d::Zero()) : Vector3d(1.0, 0.0, 0.0);
+    for (PassivityGuard* each : {&guard, &observer}) {
+      each->observe(x);
+      each->given(force, true);
+    }
+    ASSERT_EQ(guard.energy(), observer.energy());
+    ASSERT_EQ(observer.gain(), 1.0);
+  }
+  EXPECT_EQ(guard.gain(), 0.0) << "there was something to see";
+}
+
+TEST(PassivityGuard, WhatIsNotFiniteIsNoMotion) {
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  PassivityGuard guard(kConfig);
+  guard.observe({0.0, 0.0, 0.0});
+  guard.given({1.0, 0.0, 0.0}, true);
+  for (const double bad : {nan, inf, -inf, 1e300}) {
+    guard.observe({bad, 0.0, 0.0});
+    guard.given({1.0, 0.0, 0.0}, true);
+    ASSERT_TRUE(std::isfinite(guard.energy()));
+    ASSERT_EQ(guard.gain(), 1.0);
+  }
+}
+
+TEST(PassivityGuard, ForgottenItIsKnownAgainAfterARest) {
+  // GIVEN two guards of which one missed a force
+  PassivityGuard whole(kConfig), other(kConfig);
+  whole.observe({0.0, 0.0, 0.0});
+  whole.given({2.0, 0.0, 0.0}, true);
+  other.forget();
+  Random random(7);
+  int rested = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const Vector3d x = anyVector(&random, 0.01);
+    const Vector3d force = k > 100 && k < 900 ? Vector3d(Vector3d::Zero()) : anyVector(&random, 1.0);
+    whole.observe(x);
+    other.observe(x);
+    if (other.isResting()) ++rested;
+    if (rested > 0) {
+      ASSERT_EQ(whole.energy(), other.energy()) << k;
+      ASSERT_EQ(whole.gain(), other.gain()) << k;
+    }
+    const bool is_asked = force != Vector3d::Zero();
+    whole.given(force, is_asked);
+    other.given(force, is_asked);
+  }
+  EXPECT_GT(rested, 0);
+}
+
+TEST(Shortened, KeepsDirectionAndFloor) {
+  const Vector3d force(0.3, -0.4, 1.2);  // 1.3 N
+  EXPECT_EQ(shortened(force, 1.0, 0.05), force);
+  EXPECT_NEAR((shortened(force, 0.5, 0.05) - 0.5 * force).norm(), 0.0, 1e-15);
+  EXPECT_NEAR(shortened(force, 0.0, 0.05).norm(), 0.05, 1e-15);
+  EXPECT_NEAR(shortened(force, 0.0, 0.05).cross(force).norm(), 0.0, 1e-15);
+  EXPECT_EQ(shortened(force, 0.0, 0.0), Vector3d::Zero());
+  EXPECT_EQ(shortened(0.01 * force, 0.0, 0.05), 0.01 * force) << "never longer than it was";
+  EXPECT_EQ(shortened(Vector3d::Zero(), 0.3, 0.05), Vector3d::Zero()) << "nothing is made of nothing";
+}
+
+}  // namespace
+}  // namespace raven2_trainer::haptics

@@ -1,0 +1,281 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "raven2_trainer/core/fault_variables.h"
+#include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/runtime/lockstep_stack.h"
+#include "raven2_trainer/runtime/motion.h"
+#include "support/effort.h"
+#include "support/rig.h"
+
+// Faults in the whole: console, daemon and robot in lockstep.
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using raven2_trainer::testing::effort;
+
+TrainerConfig faultConfig() {
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.hazard = "none";
+  config.runtime.plan_at = -1.0;
+  return config;
+}
+
+struct Whole {
+  Whole() : config(faultConfig()) {
+    raven2_trainer::testing::useOde();
+    stack = std::make_unique<LockstepStack>(config, makeMotion(config, "scripted"));
+  }
+
+  void ticks(int n) {
+    for (int i = 0; i < n; ++i) {
+      stack->tick();
+      stack->discardRecords();
+    }
+  }
+  /** @return false if the surgeon never pressed the pedal. */
+  bool engage() {
+    for (int i = 0; i < 10000 && stack->view().model.session_tick < 0; ++i)
+      ticks(1);
+    return stack->view().model.session_tick >= 0;
+  }
+  void arm(const Fault& fault) {
+    FaultPlan plan;
+    plan.generation = ++generation;
+    plan.count = 1;
+    plan.faults[0] = fault;
+    stack->arm(plan);
+  }
+  void clear() {
+    FaultPlan plan;
+    plan.generation = ++generation;
+    stack->arm(plan);
+  }
+  Vector3 tip(Arm which) const { return kinematics::forward(config.arms.geometry, which, stack->trueJoints(which)).p; }
+
+  TrainerConfig config;
+  std::unique_ptr<LockstepStack> stack;
+  std::uint64_t generation{1000};
+};
+
+Fault byHand(FaultHost host, FaultVariable variable, FaultKind kind, double value) {
+  Fault fault;
+  fault.id = 1;
+  fault.host = host;
+  fault.site = infoOf(variable).site;
+  fault.variable = variable;
+  fault.kind = kind;
+  fault.trigger = FaultTrigger::kHand;
+  fault.value = value;
+  fault.low = value;
+  fault.high = value;
+  return fault;
+}
+
+/** [m] Largest distance of the tips of model and robot over some ticks. */
+double parted(Whole* run, int ticks) {
+  double largest = 0.0;
+  for (int i = 0; i < ticks; ++i) {
+    run->ticks(1);
+    for (const Arm arm : kArms)
+      largest = std::max(largest, at(run->stack->view().haptic.error, arm));
+  }
+  return largest;
+}
+
+TEST(FaultRuns, TheRelayDeceivesTheRobotAloneAndTheMastersStreamBoth) {
+  for (const FaultHost host : {FaultHost::kRelay, FaultHost::kMaster}) {
+    Whole run;
+    ASSERT_TRUE(run.engage());
+    run.ticks(200);
+    Fault fault = byHand(host, FaultVariable::kIncrement, FaultKind::kAdd, 100);
+    fault.channel = 2;
+    fault.duration_ticks = 60;
+    run.arm(fault);
+    const double distance = parted(&run, 100);
+    const ModelState model = run.stack->view().model;
+    if (host == FaultHost::kRelay) {
+      EXPECT_GT(distance, 4e-3) << "6 mm that only the robot was told";
+    } else {
+      EXPECT_LT(distance, 2e-3) << "both went";
+    }
+    EXPECT_EQ(model.faults.active, 0U) << "it is over";
+  }
+}
+
+TEST(FaultRuns, ADelayedStreamArrivesLateAndWhole) {
+  Whole run;
+  ASSERT_TRUE(run.engage());
+  run.ticks(300);
+  Fault late = byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDelay, 100);
+  run.arm(late);
+  parted(&run, 1500);
+  run.clear();
+  run.ticks(400);
+  const LinkCounts itp = run.stack->robot().itp;
+  EXPECT_TRUE(itp.addsUp());
+  EXPECT_EQ(itp.applied, itp.received) << "none was lost or came out of order";
+}
+
+TEST(FaultRuns, ABadNetworkBetweenDaemonAndRobotIsFeltAndEnds) {
+  Whole run;
+  ASSERT_TRUE(run.engage());
+  run.ticks(300);
+  const auto names = run.config.impairment_names;
+  const auto preset = std::find(names.begin(), names.end(), "net_delay_2") - names.begin();
+  run.arm(byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kImpair, static_cast<double>(preset)));
+  const std::uint64_t before = run.stack->robot().itp.received;
+  run.ticks(200);
+  EXPECT_LT(run.stack->robot().itp.received - before, 10U) << "210 ms at least";
+  run.ticks(2000);
+  EXPECT_GT(run.stack->robot().itp.received - before, 1000U);
+  run.clear();
+  run.ticks(10);
+  const std::uint64_t cleared = run.stack->robot().itp.received;
+  run.ticks(100);
+  EXPECT_GE(run.stack->robot().itp.received - cleared, 100U);
+}
+
+TEST(FaultRuns, ALostProgramLeavesTheDaemonAliveAndTheHandUnloaded) {
+  for (const FaultKind kind : {FaultKind::kCrash, FaultKind::kHang}) {
+    Whole run;
+    ASSERT_TRUE(run.engage());
+    run.ticks(500);
+    run.arm(byHand(FaultHost::kRobot, FaultVariable::kProgram, kind, 0));
+    run.ticks(1000);
+    EXPECT_NE(run.stack->robot().program, ProgramState::kRunning);
+    EXPECT_EQ(run.stack->view().model.robot_fresh, 0);
+    for (const Vec3& force : run.stack->view().haptic.force_B)
+      EXPECT_EQ(force, Vec3{});
+    EXPECT_EQ(run.stack->plcLevel(), RunLevel::kEStop) << "the watchdog stopped";
+  }
+}
+
+TEST(FaultRuns, TriggersOnSignalsFireInRobotAndDaemon) {
+  for (const FaultHost host : {FaultHost::kRobot, FaultHost::kRelay}) {
+    Whole run;
+    ASSERT_TRUE(run.engage());
+    Fault fault = byHand(host, FaultVariable::kIncrement, FaultKind::kAdd, 1);
+    fault.trigger = FaultTrigger::kTissueDistance;
+    fault.threshold = 0.005;
+    fault.channel = 0;
+    run.arm(fault);
+    FaultSignals signals;
+    signals.tissue_distance = 0.006;
+    run.stack->setSignals(signals);
+    run.ticks(100);
+    const auto acts = [&] {
+      return host == FaultHost::kRobot ? run.stack->robot().fault_mask : run.stack->view().model.faults.relay;
+    };
+    EXPECT_EQ(acts(), 0);
+    signals.tissue_distance = 0.004;
+    run.stack->setSignals(signals);
+    run.ticks(host == FaultHost::kRobot ? 3 : 1);  // the link's way
+    EXPECT_EQ(acts(), 1) << kFaultHostNames[static_cast<std::size_t>(host)];
+  }
+}
+
+TEST(FaultRuns, ARealRobotsStreamStaysCleanWithoutTheSecondKey) {
+  for (const bool key : {false, true}) {
+    TrainerConfig config = faultConfig();
+    config.injection.real_robot = key;
+    raven2_trainer::testing::Rig rig(config);
+    ASSERT_TRUE(rig.home());
+    rig.link.disconnected();
+    rig.link.connected();
+    std::array<std::uint8_t, wire::kMaxFrame> hello{};
+    rig.link.receive(hello.data(), wire::encodeHello(1, /*is_virtual=*/false, hello.data()), 0);
+    for (int i = 0; i < 100; ++i)
+      rig.tick(false);
+    for (int i = 0; i < 100; ++i)
+      rig.tick(true);
+    FaultPlan plan;
+    plan.generation = 99;
+    plan.count = 1;
+    plan.faults[0] = byHand(FaultHost::kRelay, FaultVariable::kIncrement, FaultKind::kStuckAt, 25);
+    rig.shared->faults.store(plan);
+    for (int i = 0; i < 5; ++i)
+      rig.tick(true);
+    EXPECT_EQ(rig.last_relay.command.dp_I[0][0] != 0.0, key);
+    EXPECT_EQ(rig.model().faults.relay != 0, key);
+  }
+}
+
+TEST(FaultRuns, WhateverIsDoneToTheRobotTheDaemonGoesOn) {
+  Random random(11);
+  const int runs = static_cast<int>(effort(12, 200));
+  int dead = 0;
+  for (int n = 0; n < runs; ++n) {
+    Whole run;
+    ASSERT_TRUE(run.engage());
+    Fault fault;
+    do {
+      const FaultVariableInfo& info = kFaultVariables[1 + random.next() % (kFaultVariableCount - 1)];
+      fault = byHand(FaultHost::kRobot, info.variable, static_cast<FaultKind>(random.next() % kFaultKindCount),
+                     random.uniform(-3.0, 3.0) * std::pow(10.0, random.uniform(0.0, 8.0)));
+      fault.low = -std::abs(fault.value);
+      fault.high = std::abs(fault.value);
+      fault.half_period_ticks = random.next() % 2 == 0 ? 0 : 1 + random.next() % 50;
+      fault.seed = random.next();
+    } while (!isSound(fault));
+    run.arm(fault);
+    run.ticks(300);
+    const ModelState model = run.stack->view().model;
+    for (const Arm arm : kArms) {
+      for (const double q : at(model.arms, arm).q)
+        ASSERT_TRUE(std::isfinite(q)) << infoOf(fault.variable).name;
+      for (const double f : at(run.stack->view().haptic.force_I, arm))
+        ASSERT_LE(std::abs(f), run.config.haptics.max_force);
+    }
+    ASSERT_TRUE(run.stack->robot().itp.addsUp());
+    dead += run.stack->robot().program != ProgramState::kRunning ? 1 : 0;
+  }
+  std::printf("%d runs, %d of them ended the robot's program\n", runs, dead);
+}
+
+TEST(FaultRuns, TenSecondsAfterASuddenJumpAllIsAsWithoutIt) {
+  Whole golden, faulty;
+  ASSERT_TRUE(golden.engage());
+  ASSERT_TRUE(faulty.engage());
+  golden.ticks(1000);
+  faulty.ticks(1000);
+  Fault jump = byHand(FaultHost::kRobot, FaultVariable::kDac, FaultKind::kStuckAt, 800);
+  jump.arm = 0;
+  jump.channel = kShoulder;
+  jump.duration_ticks = 300;
+  faulty.arm(jump);
+  double largest = 0.0;
+  for (int i = 0; i < 10300; ++i) {
+    golden.ticks(1);
+    faulty.ticks(1);
+    largest = std::max(largest, (golden.tip(Arm::kGold) - faulty.tip(Arm::kGold)).norm());
+  }
+  EXPECT_GT(largest, 2e-3) << "no jump, nothing shown";
+  // The force pushed the hand, so the two surgeons need not be at the same place: model and robot must be together.
+  EXPECT_LT(at(faulty.stack->view().haptic.error, Arm::kGold), 1.5e-3);
+  EXPECT_EQ(faulty.stack->robot().runlevel, golden.stack->robot().runlevel);
+}
+
+TEST(FaultRuns, TheSameFaultAndSeedGiveTheSameRun) {
+  const auto digest = [](std::uint64_t seed) {
+    Whole run;
+    EXPECT_TRUE(run.engage());
+    Fault noise = byHand(FaultHost::kRobot, FaultVariable::kDac, FaultKind::kRandom, 0);
+    noise.low = -1500;
+    noise.high = 1500;
+    noise.seed = seed;
+    noise.duration_ticks = 200;
+    run.arm(noise);
+    run.ticks(600);
+    return std::make_pair(run.stack->trueJoints(Arm::kGold), run.stack->view().model.arms[0].q);
+  };
+  EXPECT_EQ(digest(1), digest(1));
+  EXPECT_NE(digest(1), digest(2));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
