@@ -25,14 +25,14 @@ constexpr double kMaxLength = 1.0;  // [m]
 constexpr std::uint64_t kFaultStream = 1, kMotionStream = 2;  // of the campaign's seed
 constexpr std::uint64_t kDrawStream = 3;                      // of a run's
 
-/** [ticks] The daemon's clocks and those that count packets start a little before the robot's first PEDAL_DN cycle;
- *  the way from a pedal to that level takes 10. Forking sooner than need be changes no outcome. */
+/** [ticks] The daemon's clocks and those that count packets start some ticks before the robot's first PEDAL_DN cycle: the
+ *  pedal goes by way of both programs and the PLC. Forking sooner than need be changes no outcome. */
 constexpr std::int64_t kClockLead = 64;
 
 /** Keys of a row that may hold a list: the axes of its grid. */
-constexpr std::array<const char*, 13> kAxes{"kind",         "arm",   "channel", "value",          "low",
-                                            "high",         "start", "seed",    "duration_ticks", "half_period_ticks",
-                                            "period_ticks", "ramp_ticks", "count"};
+constexpr std::array<const char*, 12> kAxes{
+    "kind",  "arm",            "channel",           "value",        "low",        "high",
+    "start", "duration_ticks", "half_period_ticks", "period_ticks", "ramp_ticks", "count"};
 
 std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream, std::uint64_t number) {
   // Neighbouring numbers on one stream would give neighbouring states: each is a stream of its own.
