@@ -107,9 +107,9 @@ int run(const Options& options) {
   outcomes.finish();
   const double wall = std::chrono::duration<double>(Clock::now() - start).count();
   writeTiming(paths, runs.size(), options.jobs, wall);
-  char text[96];
-  std::snprintf(text, sizeof(text), "%zu runs in %.1f s, %s", runs.size(), wall, paths.outcomes().c_str());
-  bar.done(text);
+  char text[64];
+  std::snprintf(text, sizeof(text), "%zu runs in %.1f s, ", runs.size(), wall);
+  bar.done(text + paths.outcomes());
   return 0;
 }
 
