@@ -93,17 +93,19 @@ int run(const Options& options) {
   const campaign::OutputPaths paths{options.output};
   campaign::PartialOutcomes outcomes(paths, identity, campaign, options.resume);
   std::vector<campaign::CampaignRun> runs = campaign::shardOf(campaign.runs, identity.shard, identity.shards);
-  runs.erase(std::remove_if(runs.begin(), runs.end(), [&](const campaign::CampaignRun& r) { return outcomes.has(r.number); }),
-             runs.end());
+  runs.erase(
+      std::remove_if(runs.begin(), runs.end(), [&](const campaign::CampaignRun& r) { return outcomes.has(r.number); }),
+      runs.end());
   physics::initialiseOde();
   const Clock::time_point start = Clock::now();
   apps::ProgressBar bar(campaign.name);
   std::size_t done = 0;
-  campaign::makeRuns(config, campaign, runs, options.jobs, [&](const campaign::CampaignRun& r, const campaign::RunResult& result) {
-    outcomes.add(r.number, campaign::row(campaign, r, result));
-    ++done;
-    bar.update(static_cast<double>(done) / static_cast<double>(runs.size()), timeLeft(start, done, runs.size()));
-  });
+  campaign::makeRuns(
+      config, campaign, runs, options.jobs, [&](const campaign::CampaignRun& r, const campaign::RunResult& result) {
+        outcomes.add(r.number, campaign::row(campaign, r, result));
+        ++done;
+        bar.update(static_cast<double>(done) / static_cast<double>(runs.size()), timeLeft(start, done, runs.size()));
+      });
   outcomes.finish();
   const double wall = std::chrono::duration<double>(Clock::now() - start).count();
   writeTiming(paths, runs.size(), options.jobs, wall);

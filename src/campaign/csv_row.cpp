@@ -12,13 +12,40 @@
 namespace raven2_trainer::campaign {
 namespace {
 
-constexpr std::array<const char*, 34> kColumns{
-    "scenario",    "run",        "seed",          "outcome",     "injection",       "phase",
-    "host",        "site",       "variable",      "kind",        "arm",             "channel",
-    "value",       "low",        "high",          "first_tick",  "duration_ticks",  "half_period_ticks",
-    "repetition",  "motion_seed", "injected_ms",  "deviation_mm", "jump_mm",        "jump_ms",
-    "estop",       "estop_ms",   "seen",          "reported",    "force_ms",        "force_n",
-    "motion_mm",   "golden_motion_mm", "program", "finite"};
+constexpr std::array<const char*, 34> kColumns{"scenario",
+                                               "run",
+                                               "seed",
+                                               "outcome",
+                                               "injection",
+                                               "phase",
+                                               "host",
+                                               "site",
+                                               "variable",
+                                               "kind",
+                                               "arm",
+                                               "channel",
+                                               "value",
+                                               "low",
+                                               "high",
+                                               "first_tick",
+                                               "duration_ticks",
+                                               "half_period_ticks",
+                                               "repetition",
+                                               "motion_seed",
+                                               "injected_ms",
+                                               "deviation_mm",
+                                               "jump_mm",
+                                               "jump_ms",
+                                               "estop",
+                                               "estop_ms",
+                                               "seen",
+                                               "reported",
+                                               "force_ms",
+                                               "force_n",
+                                               "motion_mm",
+                                               "golden_motion_mm",
+                                               "program",
+                                               "finite"};
 
 constexpr double kMillimetres = 1e3;
 

@@ -48,7 +48,8 @@ void Comparison::add(const Sample& golden, const Sample& faulty) noexcept {
   ++ticks_;
 }
 
-/** The tips to measure motion from are those of the tick before. A program that ended told no fault of its last cycle. */
+/** The tips to measure motion from are those of the tick before. A program that ended told no fault of its last cycle.
+ */
 void Comparison::begin(const Sample& golden, const Sample& faulty) noexcept {
   if (faulty.faulted != 0 || faulty.program != ProgramState::kRunning) {
     figures_.injected = ticks_;

@@ -18,21 +18,20 @@ using config::Section;
 
 constexpr std::int64_t kMaxRepetitions = 10000;
 constexpr std::int64_t kMaxHorizon = 600000;  // [ticks] ten minutes
-constexpr std::size_t kMaxRuns = 1000000;
+constexpr std::size_t kMaxRuns = 100000;
 constexpr double kMaxLength = 1.0;  // [m]
-
 
 constexpr std::uint64_t kFaultStream = 1, kMotionStream = 2;  // of the campaign's seed
 constexpr std::uint64_t kDrawStream = 3;                      // of a run's
 
-/** [ticks] The daemon's clocks and those that count packets start some ticks before the robot's first PEDAL_DN cycle: the
- *  pedal goes by way of both programs and the PLC. Forking sooner than need be changes no outcome. */
+/** [ticks] The daemon's clocks and those that count packets start some ticks before the robot's first PEDAL_DN cycle:
+ * the pedal goes by way of both programs and the PLC. Forking sooner than need be changes no outcome. */
 constexpr std::int64_t kClockLead = 64;
 
 /** Keys of a row that may hold a list: the axes of its grid. */
 constexpr std::array<const char*, 12> kAxes{
-    "kind",  "arm",            "channel",           "value",        "low",        "high",
-    "start", "duration_ticks", "half_period_ticks", "period_ticks", "ramp_ticks", "count"};
+    "kind",         "arm",        "channel", "value", "low", "high", "start", "duration_ticks", "half_period_ticks",
+    "period_ticks", "ramp_ticks", "count"};
 
 std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream, std::uint64_t number) {
   // Neighbouring numbers on one stream would give neighbouring states: each is a stream of its own.
@@ -49,6 +48,11 @@ struct Draw {
   bool whole{};
 };
 
+/** Before the memory is taken. */
+void demandSize(std::size_t points, const Section& row) {
+  if (points > kMaxRuns) throw ConfigException(row.where("site") + ": its grid has more than 100,000 points");
+}
+
 /** Every combination of a row's alternatives. */
 std::vector<Section> gridOf(const Section& row) {
   std::vector<Section> grid{row};
@@ -56,6 +60,7 @@ std::vector<Section> gridOf(const Section& row) {
     std::vector<Section> finer;
     for (const Section& point : grid) {
       const std::vector<Section> alternatives = point.alternatives(axis);
+      demandSize(grid.size() * alternatives.size(), row);
       finer.insert(finer.end(), alternatives.begin(), alternatives.end());
     }
     grid = finer;
@@ -67,9 +72,11 @@ std::vector<Section> gridOf(const Section& row) {
 std::vector<std::vector<Section>> combine(const std::vector<Section>& rows) {
   std::vector<std::vector<Section>> all{{}};
   for (const Section& row : rows) {
+    const std::vector<Section> grid = gridOf(row);
+    demandSize(all.size() * grid.size(), row);
     std::vector<std::vector<Section>> longer;
     for (const std::vector<Section>& before : all) {
-      for (const Section& point : gridOf(row)) {
+      for (const Section& point : grid) {
         longer.push_back(before);
         longer.back().push_back(point);
       }
@@ -143,8 +150,8 @@ class Reader {
     const std::int64_t repetitions = scenario.integer("repetitions", 1, kMaxRepetitions);
     const std::vector<Section> rows = scenario.list("faults");
     if (rows.empty() || rows.size() > kMaxFaults)
-      throw ConfigException(scenario.where("faults") + " holds " + std::to_string(rows.size()) + " rows, expected 1 to " +
-                            std::to_string(kMaxFaults));
+      throw ConfigException(scenario.where("faults") + " holds " + std::to_string(rows.size()) +
+                            " rows, expected 1 to " + std::to_string(kMaxFaults));
     for (const std::vector<Section>& point : combine(rows)) {
       for (std::int64_t repetition = 0; repetition < repetitions; ++repetition)
         addRun(point, static_cast<std::uint32_t>(repetition), scenario);
@@ -185,7 +192,7 @@ class Reader {
     run.horizon_ticks = horizon_;
     run.plan = readPlan(point, run);
     run.offset_ticks = offsetOf(run.plan, scenario);
-    if (run.number > kMaxRuns) throw ConfigException(scenario.where("faults") + " makes more than a million runs");
+    if (run.number > kMaxRuns) throw ConfigException(scenario.where("faults") + " makes more than 100,000 runs");
     campaign_.runs.push_back(run);
   }
 

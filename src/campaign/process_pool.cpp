@@ -55,7 +55,8 @@ std::size_t readAll(int pipe, std::uint8_t* bytes, std::size_t size) {
 
 int waitStatus(pid_t pid) {
   int status = 0;
-  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
+  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
   return status;
 }
 
@@ -125,7 +126,8 @@ void ProcessPool::reap() {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (polled[i].revents == 0) continue;
     const ChildEnd end = endOf(all[i]);
-    children_.erase(std::find_if(children_.begin(), children_.end(), [&](const Child& c) { return c.pid == all[i].pid; }));
+    children_.erase(
+        std::find_if(children_.begin(), children_.end(), [&](const Child& c) { return c.pid == all[i].pid; }));
     report_(end);
   }
 }

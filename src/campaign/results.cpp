@@ -55,18 +55,15 @@ std::string hashOf(const std::string& text) {
 }
 
 Json describe(const Experiment& experiment, std::size_t runs) {
-  return {{"scenario", experiment.name},
-          {"runs", runs},
-          {"injection", experiment.injection},
-          {"number", experiment.number},
-          {"observed", experiment.observed},
-          {"published", experiment.published}};
+  return {{"scenario", experiment.name},       {"runs", runs},
+          {"injection", experiment.injection}, {"number", experiment.number},
+          {"observed", experiment.observed},   {"published", experiment.published}};
 }
 
 Json toJson(const Identity& identity) {
-  return {{"name", identity.name},     {"title", identity.title},     {"source", identity.source},
-          {"seed", identity.seed},     {"digest", identity.digest},   {"runs", identity.total},
-          {"shard", identity.shard},   {"shards", identity.shards},   {"scenarios", Json::parse(identity.experiments)}};
+  return {{"name", identity.name},   {"title", identity.title},   {"source", identity.source},
+          {"seed", identity.seed},   {"digest", identity.digest}, {"runs", identity.total},
+          {"shard", identity.shard}, {"shards", identity.shards}, {"scenarios", Json::parse(identity.experiments)}};
 }
 
 std::string textOf(const Identity& identity) {
@@ -96,8 +93,8 @@ void demandSame(const std::string& path, const Identity& found, const Identity& 
   if (found.digest != wanted.digest)
     fail(path, "is of another campaign, configuration, build or seed (digest " + found.digest + ", here " +
                    wanted.digest + ")");
-  if (found.shards != wanted.shards) fail(path, "is one of " + std::to_string(found.shards) + " shards, not of " +
-                                                    std::to_string(wanted.shards));
+  if (found.shards != wanted.shards)
+    fail(path, "is one of " + std::to_string(found.shards) + " shards, not of " + std::to_string(wanted.shards));
 }
 
 std::string table(const std::map<std::uint32_t, std::string>& rows) {

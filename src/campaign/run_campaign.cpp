@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -123,6 +124,15 @@ class Group {
   std::int64_t now_{0};
 };
 
+/** What nobody in a run sends itself: whoever did ended the campaign, and no outcome is made of it. */
+void refuseOutsideKill(const ChildEnd& end) {
+  for (const int signal : {SIGKILL, SIGTERM, SIGINT, SIGHUP}) {
+    if (end.signal == signal)
+      throw Exception("run " + std::to_string(end.tag) + " was killed from outside (signal " + std::to_string(signal) +
+                      "); --resume goes on");
+  }
+}
+
 RunResult resultOf(const ChildEnd& end) {
   RunResult result;
   result.ending = end.ending;
@@ -166,11 +176,12 @@ void makeRuns(const TrainerConfig& config,
               const std::function<void(const CampaignRun&, const RunResult&)>& report) {
   const std::vector<CampaignRun> ordered = inOrderOfForks(runs);
   ProcessPool pool(jobs, campaign.cpu_limit, sizeof(Figures), [&](const ChildEnd& end) {
+    refuseOutsideKill(end);
     if (end.tag != kGolden) report(campaign.runs[end.tag - 1], resultOf(end));
   });
   for (auto first = ordered.begin(); first != ordered.end();) {
-    const auto last = std::find_if(first, ordered.end(),
-                                   [&](const CampaignRun& run) { return run.repetition != first->repetition; });
+    const auto last =
+        std::find_if(first, ordered.end(), [&](const CampaignRun& run) { return run.repetition != first->repetition; });
     TrainerConfig seeded = config;
     seeded.seed = first->motion_seed;
     Group(seeded, campaign, {first, last}, &pool).make();

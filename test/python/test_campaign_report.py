@@ -63,12 +63,13 @@ def test_a_row_that_differs_needs_an_explanation(tmp_path):
     assert "1 of 2 rows agree in every run, 1 differ and are explained, 0 are not" in page
 
 
-def test_an_explanation_does_not_hide_that_a_row_agrees(tmp_path):
+def test_a_note_on_a_row_that_agrees_leaves_it_agreeing(tmp_path):
     two_scenarios(tmp_path)
     explained = tmp_path / "why.yaml"
-    explained.write_text("1: superfluous\n2: weaker\n")
+    explained.write_text("1: shown by its level\n2: weaker\n")
     _, _, page = report(tmp_path, "--explained", str(explained))
-    assert verdicts(page) == ["agrees", "explained"] and "superfluous" not in page
+    assert verdicts(page) == ["agrees", "explained"] and "shown by its level" in page
+    assert "estop 3<br>3 stops of the PLC unreported" in page
 
 
 def test_what_was_published_is_that_of_the_run_s_own_scenario(tmp_path):

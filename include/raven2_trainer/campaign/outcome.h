@@ -16,10 +16,10 @@ namespace raven2_trainer::campaign {
 
 /** What is compared, at the end of one tick. */
 struct Sample {
-  PerArm<Vec3> p_BT{};       ///< [m] [@frame B] true tips, from the plant's joints
-  PerArm<double> force{};    ///< [N] magnitude of what the master's hands are told
-  RunLevel plc{};            ///< true
-  RunLevel software{};       ///< as the control program knows it
+  PerArm<Vec3> p_BT{};     ///< [m] [@frame B] true tips, from the plant's joints
+  PerArm<double> force{};  ///< [N] magnitude of what the master's hands are told
+  RunLevel plc{};          ///< true
+  RunLevel software{};     ///< as the control program knows it
   ProgramState program{ProgramState::kRunning};
   std::uint8_t soft_estopped{};  ///< the robot's own check stopped it
   std::uint8_t faulted{};        ///< a fault acts
@@ -51,7 +51,7 @@ struct Figures {
   PerArm<double> motion{};             ///< [m] farthest from where the fault found the tip
   PerArm<double> golden_motion{};      ///< [m] the same of the golden run
   ProgramState program{ProgramState::kRunning};
-  std::uint8_t is_finite{1};           ///< 0: a tip of the simulated plant was not a number
+  std::uint8_t is_finite{1};  ///< 0: a tip of the simulated plant was not a number
 };
 static_assert(std::is_trivially_copyable<Figures>::value, "goes through a pipe");
 
@@ -91,8 +91,8 @@ constexpr double maxDeviation(const Figures& figures) noexcept {
 /** In order of precedence, from the last: a run that crashed is a crash whatever else happened. */
 enum class Outcome : std::uint8_t { kMasked, kSmallDeviation, kNoMotion, kEStop, kUnsafeJump, kHang, kCrash };
 constexpr std::size_t kOutcomeCount = 7;
-constexpr std::array<const char*, kOutcomeCount> kOutcomeNames{"masked",      "small_deviation", "no_motion", "estop",
-                                                               "unsafe_jump", "hang",            "crash"};
+constexpr std::array<const char*, kOutcomeCount> kOutcomeNames{
+    "masked", "small_deviation", "no_motion", "estop", "unsafe_jump", "hang", "crash"};
 constexpr const char* name(Outcome outcome) noexcept {
   return kOutcomeNames[static_cast<std::size_t>(outcome)];
 }

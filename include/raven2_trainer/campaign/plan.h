@@ -43,9 +43,9 @@ struct Campaign {
   std::string name, title, source;
   std::string file;  ///< its path
   std::uint64_t seed{};
-  std::string plant;         ///< preset of config/plants; empty: the configuration's
-  bool full_homing{};        ///< search of the hard stops
-  bool arm_contacts{};       ///< the model's arms touch the scene
+  std::string plant;    ///< preset of config/plants; empty: the configuration's
+  bool full_homing{};   ///< search of the hard stops
+  bool arm_contacts{};  ///< the model's arms touch the scene
   Limits limits{};
   std::int64_t cpu_limit{};  ///< [s] of processor time a run may take: more is a hang
   std::vector<Experiment> experiments;

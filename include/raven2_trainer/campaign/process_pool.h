@@ -12,7 +12,8 @@
 
 namespace raven2_trainer::campaign {
 
-constexpr std::size_t kMaxResult = 1024;  ///< [bytes] of one child; below PIPE_BUF, so that it goes through a pipe whole
+constexpr std::size_t kMaxResult =
+    1024;  ///< [bytes] of one child; below PIPE_BUF, so that it goes through a pipe whole
 
 /** What a child ended with. */
 struct ChildEnd {

@@ -29,8 +29,8 @@ std::string row(const Campaign& campaign, const CampaignRun& run, const RunResul
 struct Identity {
   std::string name, title, source;
   std::uint64_t seed{};
-  std::string digest;  ///< of campaign, configuration and build
-  std::size_t total{};           ///< runs of the whole campaign
+  std::string digest;   ///< of campaign, configuration and build
+  std::size_t total{};  ///< runs of the whole campaign
   std::size_t shard{1}, shards{1};
   std::string experiments;  ///< JSON: what the report needs to know of them
 };
@@ -53,8 +53,8 @@ struct OutputPaths {
 class PartialOutcomes {
  public:
   /**
-   * Opens the directory for the runs of one shard. With `resume`, rows that an earlier process left are taken over: those
-   * that are whole, up to the first that is not.
+   * Opens the directory for the runs of one shard. With `resume`, rows that an earlier process left are taken over:
+   * those that are whole, up to the first that is not.
    * @throw SessionException if there is something already and not to be resumed, if it is of another campaign, seed,
    * build or shard, if another process writes it, or if it cannot be written.
    */
@@ -84,8 +84,8 @@ class PartialOutcomes {
 
 /**
  * Puts the shards of a campaign together: the same bytes as one process would have written.
- * @throw SessionException for shards of different campaigns, a shard that is missing or given twice, a run that is missing
- * or twice.
+ * @throw SessionException for shards of different campaigns, a shard that is missing or given twice, a run that is
+ * missing or twice.
  */
 void mergeShards(const std::vector<std::string>& directories, const std::string& output);
 

@@ -75,8 +75,9 @@ TEST(Plan, AGridIsEveryCombinationTimesTheRepetitions) {
 }
 
 TEST(Plan, RowsOfOneScenarioAreCombined) {
-  const std::string row = "      - {host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: "
-                          "elbow, value: [1, 2], start: {trigger: pedal_down, first_tick: 700}, duration_ticks: 0}\n";
+  const std::string row =
+      "      - {host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: "
+      "elbow, value: [1, 2], start: {trigger: pedal_down, first_tick: 700}, duration_ticks: 0}\n";
   const Campaign campaign = read(kScenario + row);
   EXPECT_EQ(campaign.runs.size(), 2u * 48u);
   EXPECT_EQ(campaign.runs[0].plan.count, 2u);
@@ -94,9 +95,9 @@ TEST(Plan, TheForkIsTheLastTickBeforeTheFault) {
 }
 
 TEST(Plan, StartsMayBeAnAxis) {
-  const Campaign campaign = read(replaced(
-      kScenario, "start: \\{trigger: pedal_down, first_tick: 1000\\}",
-      "start: [{trigger: pedal_down, first_tick: 5}, {trigger: packet, first_tick: 2000}]"));
+  const Campaign campaign =
+      read(replaced(kScenario, "start: \\{trigger: pedal_down, first_tick: 1000\\}",
+                    "start: [{trigger: pedal_down, first_tick: 5}, {trigger: packet, first_tick: 2000}]"));
   std::set<std::int64_t> offsets;
   for (const CampaignRun& run : campaign.runs)
     offsets.insert(run.offset_ticks);
@@ -120,8 +121,9 @@ TEST(Plan, TheSameSeedGivesTheSameRunsAndAnotherSeedOthers) {
 
 TEST(Plan, DrawsAreOfEachRunAndInTheirRange) {
   const std::string drawn = replaced(kScenario, "value: \\[-1000, 0, 1000, 2000\\], ", "");
-  const std::string scenario = replaced(replaced(drawn, "repetitions: 3", "repetitions: 500\n    random: {value: {low: "
-                                                                          "-300, high: 300, whole: true}}"),
+  const std::string scenario = replaced(replaced(drawn, "repetitions: 3",
+                                                 "repetitions: 500\n    random: {value: {low: "
+                                                 "-300, high: 300, whole: true}}"),
                                         "duration_ticks: \\[4, 64\\]", "duration_ticks: 4");
   const Campaign campaign = read(scenario);
   ASSERT_EQ(campaign.runs.size(), 1000u);
@@ -178,7 +180,8 @@ TEST(Plan, WhatIsWrongIsRefusedWithItsPlace) {
       {"campaign.yaml:19: scenarios[0]/faults[0]/value", {"-1000, 0", "-1e9, 0"}},
       {"campaign.yaml:19: scenarios[0]/faults[0]/value", {"value: \\[-1000, 0, 1000, 2000\\]", "value: []"}},
       {"campaign.yaml:19: scenarios[0]/faults[0]/value", {"value: \\[-1000, 0, 1000, 2000\\], ", ""}},
-      {"campaign.yaml:19: unknown key scenarios[0]/faults[0]/speed", {"channel: shoulder", "channel: shoulder, speed: 3"}},
+      {"campaign.yaml:19: unknown key scenarios[0]/faults[0]/speed",
+       {"channel: shoulder", "channel: shoulder, speed: 3"}},
       {"campaign.yaml:16: scenarios[0]/phase", {"phase: pedal_down", "phase: homing"}},
       {"campaign.yaml:15: scenarios[0]/published", {"\\[unsafe_jump\\]", "[explosion]"}},
       {"campaign.yaml:11: scenarios[0]/scenario", {"scenario: dac", "scenario: \"dac, stuck\""}},
@@ -190,6 +193,17 @@ TEST(Plan, WhatIsWrongIsRefusedWithItsPlace) {
     const std::string said = refusal(replaced(kHead + kScenario, change.first, change.second));
     EXPECT_NE(said.find(place), std::string::npos) << change.second << "\n  expected " << place << "\n  said " << said;
   }
+}
+
+TEST(Plan, AGridThatWouldFillTheMemoryIsRefused) {
+  std::string many;
+  for (int i = 1; i <= 400; ++i)
+    many += (i == 1 ? "" : ", ") + std::to_string(i);
+  const std::string square =
+      replaced(replaced(kScenario, "\\[-1000, 0, 1000, 2000\\]", "[" + many + "]"), "\\[4, 64\\]", "[" + many + "]");
+  EXPECT_NE(refusal(kHead + square).find("more than 100,000 points"), std::string::npos);
+  const std::string repeated = replaced(kScenario, "repetitions: 3", "repetitions: 10000");
+  EXPECT_NE(refusal(kHead + repeated).find("more than 100,000 runs"), std::string::npos);
 }
 
 TEST(Plan, TheShippedCampaignsAreOfTheSizeThatTheirSourcesHad) {

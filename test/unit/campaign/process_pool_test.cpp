@@ -60,7 +60,8 @@ TEST_F(Pool, ABodyThatDiesIsAnEndingWhateverItDiesOf) {
 
 TEST_F(Pool, ABodyThatNeverEndsIsOutOfItsBudget) {
   pool_.start(1, [](std::uint8_t*) {
-    for (volatile std::uint64_t i = 0;; i = i + 1) {}
+    for (volatile std::uint64_t i = 0;; i = i + 1) {
+    }
   });
   pool_.start(2, tell(2));
   pool_.drain();
@@ -73,13 +74,14 @@ TEST_F(Pool, NoMoreRunAtATimeThanThereAreJobs) {
   struct Shared {
     std::atomic<int> running, most;
   };
-  auto* shared = static_cast<Shared*>(
-      ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  auto* shared =
+      static_cast<Shared*>(::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   ASSERT_NE(static_cast<void*>(shared), MAP_FAILED);
   for (std::uint64_t i = 1; i <= 12; ++i) {
     pool_.start(i, [shared](std::uint8_t*) {
       const int now = ++shared->running;
-      for (int most = shared->most; most < now && !shared->most.compare_exchange_weak(most, now);) {}
+      for (int most = shared->most; most < now && !shared->most.compare_exchange_weak(most, now);) {
+      }
       ::usleep(20000);
       --shared->running;
     });

@@ -82,7 +82,10 @@ class Results : public ::testing::Test {
   }
 
   /** Writes some runs, in the order given. */
-  void write(const std::string& name, const Identity& id, const std::vector<CampaignRun>& runs, bool resume = false) const {
+  void write(const std::string& name,
+             const Identity& id,
+             const std::vector<CampaignRun>& runs,
+             bool resume = false) const {
     PartialOutcomes outcomes({at(name)}, id, campaign_, resume);
     for (const CampaignRun& run : runs)
       outcomes.add(run.number, rowOf(run));

@@ -2,18 +2,23 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
 #include <map>
 
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/runtime/motion.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::campaign {
 namespace {
 
-
 std::string scenario(const std::string& name, const std::string& phase, const std::string& fault) {
-  return "  - scenario: " + name + "\n    injection: 0\n    number: 0\n    observed: x\n    published: []\n    phase: " +
-         phase + "\n    repetitions: 1\n    faults:\n      - {" + fault + "}\n";
+  return "  - scenario: " + name +
+         "\n    injection: 0\n    number: 0\n    observed: x\n    published: []\n    phase: " + phase +
+         "\n    repetitions: 1\n    faults:\n      - {" + fault + "}\n";
 }
 
 Campaign campaignOf(const std::string& scenarios) {
@@ -39,19 +44,22 @@ Campaign everyClock() {
   return campaignOf(
       scenario("dac", "pedal_down",
                "host: robot, site: put_usb_packet, variable: dac, kind: stuck_at, arm: gold, channel: shoulder, value: "
-               "3000" + start) +
+               "3000" +
+                   start) +
       scenario("random", "pedal_down",
                "host: robot, site: put_usb_packet, variable: dac, kind: random, arm: gold, channel: elbow, low: -3000, "
-               "high: 3000" + start) +
+               "high: 3000" +
+                   start) +
       scenario("robot_packets", "pedal_down", "host: robot" + moved + packets) +
       scenario("relay", "pedal_down", "host: relay" + moved + start) +
       scenario("relay_packets", "pedal_down", "host: relay" + moved + packets) +
       scenario("master", "pedal_down", "host: master" + moved + start) +
       scenario("master_packets", "pedal_down", "host: master" + moved + packets) +
       scenario("crash", "pedal_down", "host: robot, site: process, variable: program, kind: crash" + start) +
-      scenario("power_on", "homing",
-               "host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: shoulder, value: 900, "
-               "start: {trigger: power_on, first_tick: 100}, duration_ticks: 100"));
+      scenario(
+          "power_on", "homing",
+          "host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: shoulder, value: 900, "
+          "start: {trigger: power_on, first_tick: 100}, duration_ticks: 100"));
 }
 
 std::map<std::uint32_t, RunResult> resultsOf(const Campaign& campaign, std::size_t jobs) {
@@ -136,6 +144,22 @@ TEST(MakeRuns, TheFirstFaultyTickIsTheOneNamed) {
   const Campaign campaign = everyClock();
   const Figures figures = resultsOf(campaign, 1).at(1).figures;
   EXPECT_EQ(figures.injected, 1) << "forked at the last tick before it";
+}
+
+TEST(MakeRuns, ARunThatIsKilledFromOutsideIsNoOutcome) {
+  raven2_trainer::testing::useOde();
+  const Campaign campaign = everyClock();
+  int told = 0;
+  const auto killOthers = [&](const CampaignRun&, const RunResult&) {
+    ++told;
+    std::ifstream children("/proc/self/task/" + std::to_string(getpid()) + "/children");
+    for (pid_t child = 0; children >> child;)
+      ::kill(child, SIGKILL);
+  };
+  EXPECT_THROW(makeRuns(configurationFor(campaign, raven2_trainer::testing::packagedConfig()), campaign, campaign.runs,
+                        2, killOthers),
+               Exception);
+  EXPECT_EQ(told, 1);
 }
 
 TEST(MakeRuns, JobsAndPartsChangeNothing) {
