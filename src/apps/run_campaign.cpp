@@ -83,6 +83,37 @@ std::string timeLeft(Clock::time_point start, std::size_t done, std::size_t all)
   return text;
 }
 
+/** Those of the shard that are not there yet. */
+std::vector<campaign::CampaignRun> runsToMake(const campaign::Campaign& campaign,
+                                              const campaign::Identity& identity,
+                                              const campaign::PartialOutcomes& outcomes) {
+  std::vector<campaign::CampaignRun> runs;
+  for (const campaign::CampaignRun& run : campaign::shardOf(campaign.runs, identity.shard, identity.shards)) {
+    if (!outcomes.has(run.number)) runs.push_back(run);
+  }
+  return runs;
+}
+
+void makeRuns(const TrainerConfig& config,
+              const campaign::Campaign& campaign,
+              const std::vector<campaign::CampaignRun>& runs,
+              std::size_t jobs,
+              campaign::PartialOutcomes* outcomes) {
+  const Clock::time_point start = Clock::now();
+  apps::ProgressBar bar(campaign.name);
+  std::size_t done = 0;
+  const auto report = [&](const campaign::CampaignRun& run, const campaign::RunResult& result) {
+    outcomes->add(run.number, campaign::row(campaign, run, result));
+    ++done;
+    bar.update(static_cast<double>(done) / static_cast<double>(runs.size()), timeLeft(start, done, runs.size()));
+  };
+  campaign::makeRuns(config, campaign, runs, jobs, report);
+  char text[64];
+  std::snprintf(text, sizeof(text), "%zu runs in %.1f s", runs.size(),
+                std::chrono::duration<double>(Clock::now() - start).count());
+  bar.done(text);
+}
+
 int run(const Options& options) {
   const TrainerConfig loaded = apps::CommonOptions{options.config, {}, {}, {}, {}}.load();
   const campaign::Campaign campaign =
@@ -92,26 +123,13 @@ int run(const Options& options) {
   parseShard(options.shard, &identity.shard, &identity.shards);
   const campaign::OutputPaths paths{options.output};
   campaign::PartialOutcomes outcomes(paths, identity, campaign, options.resume);
-  std::vector<campaign::CampaignRun> runs = campaign::shardOf(campaign.runs, identity.shard, identity.shards);
-  runs.erase(
-      std::remove_if(runs.begin(), runs.end(), [&](const campaign::CampaignRun& r) { return outcomes.has(r.number); }),
-      runs.end());
+  const std::vector<campaign::CampaignRun> runs = runsToMake(campaign, identity, outcomes);
   physics::initialiseOde();
   const Clock::time_point start = Clock::now();
-  apps::ProgressBar bar(campaign.name);
-  std::size_t done = 0;
-  campaign::makeRuns(
-      config, campaign, runs, options.jobs, [&](const campaign::CampaignRun& r, const campaign::RunResult& result) {
-        outcomes.add(r.number, campaign::row(campaign, r, result));
-        ++done;
-        bar.update(static_cast<double>(done) / static_cast<double>(runs.size()), timeLeft(start, done, runs.size()));
-      });
+  makeRuns(config, campaign, runs, options.jobs, &outcomes);
   outcomes.finish();
-  const double wall = std::chrono::duration<double>(Clock::now() - start).count();
-  writeTiming(paths, runs.size(), options.jobs, wall);
-  char text[64];
-  std::snprintf(text, sizeof(text), "%zu runs in %.1f s, ", runs.size(), wall);
-  bar.done(text + paths.outcomes());
+  writeTiming(paths, runs.size(), options.jobs, std::chrono::duration<double>(Clock::now() - start).count());
+  std::fprintf(stderr, "%s\n", paths.outcomes().c_str());
   return 0;
 }
 
