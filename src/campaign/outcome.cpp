@@ -18,20 +18,15 @@ bool isFinite(const Vec3& p) noexcept {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-/** The arm stayed where it was while its golden one moved. */
-bool stoodStill(const Figures& figures, const Limits& limits, std::size_t arm) noexcept {
-  return figures.golden_motion[arm] >= limits.moved && figures.motion[arm] <= limits.still;
-}
-
-/** Some arm stood still, and none did anything else that its golden one did not. */
+/** Some arm stayed where it was while its golden one moved, and no arm moved that did not move as its golden one. */
 bool didNotMove(const Figures& figures, const Limits& limits) noexcept {
-  bool some = false;
+  bool missed = false;
   for (std::size_t arm = 0; arm < kArmCount; ++arm) {
-    const bool still = stoodStill(figures, limits, arm);
-    if (!still && figures.deviation[arm] > limits.masked) return false;
-    some = some || still;
+    const bool stayed = figures.motion[arm] <= limits.still;
+    if (!stayed && figures.deviation[arm] > limits.masked) return false;
+    missed = missed || (stayed && figures.golden_motion[arm] >= limits.moved);
   }
-  return some;
+  return missed;
 }
 
 }  // namespace

@@ -128,6 +128,18 @@ TEST(Classify, WhereOneArmStandsAndTheOtherGoesAstrayTheRobotMoved) {
   EXPECT_EQ(astray(1.01e-4), Outcome::kSmallDeviation);
 }
 
+TEST(Classify, AnArmThatHadLittleToDoMayStandToo) {
+  Comparison comparison(kLimits);
+  for (int tick = 0; tick < kTicks; ++tick) {
+    Sample golden = goldenAt(tick), faulty = goldenAt(0);
+    golden.p_BT[1] = goldenAt(tick / 10).p_BT[1];  // 0.8 mm: moved would be 3
+    faulty.faulted = 1;
+    comparison.add(golden, faulty);
+  }
+  EXPECT_GT(comparison.figures().deviation[1], kLimits.masked);
+  EXPECT_EQ(classify(Ending::kComplete, comparison.figures(), kLimits), Outcome::kNoMotion);
+}
+
 TEST(Classify, AnArmThatHadNowhereToGoIsNotOneThatDidNotMove) {
   Comparison comparison(kLimits);
   Sample resting = goldenAt(0);
