@@ -100,6 +100,13 @@ def test_counts_are_those_of_the_table(tmp_path):
     assert "Toy &amp; co" in page and "seen &lt;so&gt;" in page
 
 
+def test_a_deviation_that_is_small_by_name_alone_is_counted(tmp_path):
+    rows = [{"scenario": "a", "injection": 1, "outcome": "small_deviation", "deviation_mm": deviation}
+            for deviation in (0.5, 2.9, 3.1, 200.0)]
+    write(tmp_path, [scenario("a", 1, 4, ["small_deviation"])], rows)
+    assert "small deviation 4<br>2 deviations beyond 3 mm, though never fast" in report(tmp_path)[2]
+
+
 def test_what_is_no_campaign_is_refused(tmp_path):
     code, said, _ = report(tmp_path)
     assert code == 1 and "no finished campaign" in said
