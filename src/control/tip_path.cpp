@@ -16,7 +16,8 @@ JointArray between(const JointArray& a, const JointArray& b, double share) noexc
 
 GuidePath tipPath(const ArmGeometry& geometry, const PlanResult& plan) noexcept {
   GuidePath path;
-  if (plan.status != PlanStatus::kSuccess || plan.waypoint_count == 0 || plan.waypoint_count > kMaxWaypoints) return path;
+  const bool can_be_counted = plan.waypoint_count > 0 && plan.waypoint_count <= kMaxWaypoints;
+  if (plan.status != PlanStatus::kSuccess || !can_be_counted) return path;
   path.plan = plan.id;
   path.arm = plan.arm;
   const auto add = [&](const JointArray& q) {

@@ -63,7 +63,8 @@ std::string ForceCheck::differenceOf(const HapticState& recorded, bool* is_known
     const RobotState& robot = window_[static_cast<std::size_t>(near)].robot;
     if (robot.cycle != recorded.robot_cycle) continue;
     const ModelState& model = window_[static_cast<std::size_t>(place)].model;
-    difference = session::difference(loop_.compute(model, robot, path(recorded.guide_plan), recorded.time_ns), recorded);
+    const HapticState again = loop_.compute(model, robot, path(recorded.guide_plan), recorded.time_ns);
+    difference = session::difference(again, recorded);
     *is_known = true;
     if (difference.empty()) break;
   }

@@ -71,9 +71,8 @@ struct ModelState {
   std::uint8_t linked{};  ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
   std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
-  PerArm<Vec3>
-      master_I{};  ///< [m] [@frame I] sum of all increments that the masters sent, used or not, pedal up or down
-  DaemonFaults faults{};
+  PerArm<Vec3> master_I{};        ///< [m] [@frame I] sum of all increments sent by the masters, used or not
+  DaemonFaults faults{};          ///< what they do here
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order
 };

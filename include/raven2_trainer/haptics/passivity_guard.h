@@ -26,7 +26,8 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * shortened, never added to: a damper at this end of an unknown delay would push as often as it brakes, and at rest
  * nothing is ever felt.
  *
- * The account starts anew after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size (about 20 KiB), at most max_delay steps.
+ * The account starts anew after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size
+ * (about 23 KiB), at most max_delay steps.
  */
 class PassivityGuard {
  public:

@@ -16,7 +16,9 @@ namespace raven2_trainer::haptics {
  * @param[in] tip_B [m] in the frame B of the path's arm.
  * @return [N] at the hand, in B.
  */
-Eigen::Vector3d pathGuidance(const GuidanceConfig& config, const GuidePath& path, const Eigen::Vector3d& tip_B) noexcept;
+Eigen::Vector3d pathGuidance(const GuidanceConfig& config,
+                             const GuidePath& path,
+                             const Eigen::Vector3d& tip_B) noexcept;
 
 /** Next fade of a guidance: rises with time while there is something to follow, 0 at once when not.
  *  @param[in] seconds [s] since the last tick. @return 0 to 1. */

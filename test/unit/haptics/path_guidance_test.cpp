@@ -69,6 +69,13 @@ TEST(PathGuidance, HoldsNobodyPastTheEnds) {
   EXPECT_NEAR((pathGuidance(kConfig, kStraight, {0.102, 0.002, 0.0}) - Vector3d(0.0, -0.2, 0.0)).norm(), 0.0, 1e-12);
 }
 
+TEST(PathGuidance, LetsGoFarPastAnEndToo) {
+  // 30 mm past it and 4 mm beside: 30.27 mm from the path, 0.5133 of the way from reach to its double
+  const double x = (std::hypot(0.03, 0.004) - 0.02) / 0.02;
+  EXPECT_NEAR(pathGuidance(kConfig, kStraight, {0.13, 0.004, 0.0}).y(), -0.4 * (1.0 - x * x * (3.0 - 2.0 * x)), 1e-12);
+  EXPECT_EQ(pathGuidance(kConfig, kStraight, {0.141, 0.004, 0.0}), Vector3d::Zero());
+}
+
 TEST(PathGuidance, IsCappedAndLetsGoOfWhoeverGoesElsewhere) {
   EXPECT_NEAR(pathGuidance(kConfig, kStraight, {0.03, 0.0099, 0.0}).norm(), 0.99, 1e-12);
   EXPECT_DOUBLE_EQ(pathGuidance(kConfig, kStraight, {0.03, 0.015, 0.0}).norm(), 1.0);

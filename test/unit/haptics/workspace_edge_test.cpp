@@ -32,6 +32,7 @@ TEST(WorkspaceEdge, PushesBackWithItsWholeForceAtEachFace) {
   EXPECT_NEAR((workspaceEdge(kConfig, {0.0, 0.0, -0.06}) - Vector3d(0.0, 0.0, 1.5)).norm(), 0.0, 1e-12);
   EXPECT_NEAR((workspaceEdge(kConfig, {0.0, 0.5, 0.0}) - Vector3d(0.0, -1.5, 0.0)).norm(), 0.0, 1e-12);
   EXPECT_NEAR(workspaceEdge(kConfig, {0.03, 0.0, 0.0}).x(), -0.75, 1e-12) << "halfway: 3/4 - 2/8 of it";
+  EXPECT_NEAR(workspaceEdge(kConfig, {0.0275, 0.0, 0.0}).x(), -0.234375, 1e-12) << "a quarter: 3/16 - 2/64 of it";
   EXPECT_NEAR(workspaceEdge(kConfig, {0.2, -0.4, 0.3}).norm(), 1.5, 1e-12) << "in a corner no more";
 }
 

@@ -133,13 +133,18 @@ TEST(FaultSites, TorqueGainAndCommandReachTheBoards) {
   EXPECT_EQ(Struck(now(FaultVariable::kCurrentCmd, FaultKind::kStuckAt, 1234, kShoulder)).out[0].dac[0], 1234);
   EXPECT_NE(Struck(now(FaultVariable::kTauD, FaultKind::kStuckAt, 0.5, kShoulder)).out[0].dac[0], 0);
   Struck loud(now(FaultVariable::kGain, FaultKind::kStuckAt, 0.0, -1));
-  loud.q[0][kShoulder] += 0.01;
-  loud.cycles(3);
+  const auto push = [](Bench* bench) {
+    for (int k = 0; k < 10; ++k) {
+      bench->q[0][kShoulder] += 0.0005;
+      bench->cycle();
+    }
+    bench->cycles(3);
+  };
+  push(&loud);
   const std::int16_t off = loud.out[0].dac[0];
   Bench clean;
   clean.bringTo(RunLevel::kPedalDown);
-  clean.q[0][kShoulder] += 0.01;
-  clean.cycles(3);
+  push(&clean);
   EXPECT_GT(std::abs(clean.out[0].dac[0]), std::abs(off) + 100) << "without gains only gravity is left";
 }
 

@@ -96,7 +96,7 @@ TEST(FaultRuns, TheRelayDeceivesTheRobotAloneAndTheMastersStreamBoth) {
     fault.channel = 2;
     fault.duration_ticks = 60;
     run.arm(fault);
-    const double distance = parted(&run, 100);
+    const double distance = parted(&run, 300);
     const ModelState model = run.stack->view().model;
     if (host == FaultHost::kRelay) {
       EXPECT_GT(distance, 4e-3) << "6 mm that only the robot was told";

@@ -320,8 +320,8 @@ TEST(HapticPassivity, TheHandIsNeverGivenMoreThanWasPromised) {
     broken += breaks ? 1 : 0;
     stilled += breaks && guarded.amplitude < 0.1 * plain.amplitude ? 1 : 0;
   }
-  std::printf("of %d loops %d break the promise without the controller; with it %d of those swing less than a tenth\n", runs,
-              broken, stilled);
+  std::printf("of %d loops %d break the promise without the controller; with it %d of those swing less than a tenth\n",
+              runs, broken, stilled);
   EXPECT_GT(broken, 15) << "the plain law keeps to it all the same: the test shows little";
   EXPECT_EQ(stilled, broken);
 }
