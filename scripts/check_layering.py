@@ -37,6 +37,8 @@ RULES = {
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
                 PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|fcntl\.h|unistd\.h|time\.h|sodium\.h|nlohmann/"),
+    "campaign": (["core", "kinematics", "config", "session", "runtime"],
+                 PURE + r"|nlohmann/|sys/|fcntl\.h|unistd\.h|poll\.h"),
     "ros": (["core", "kinematics", "wire", "config", "model", "net", "raven", "runtime"], PURE + r"|ros/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(PlanPath|StartHazard)\.h"),
     "apps": (None, None),  # anything
 }

@@ -184,6 +184,8 @@ void checkFault(const Section& root, const Fault& fault) {
   refuse(fault.period_ticks == 0 && fault.count > 1, root, "count", "can never be reached without period_ticks");
 }
 
+}  // namespace
+
 Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>& impairments) {
   Fault fault;
   fault.id = id;
@@ -200,6 +202,8 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
   root.finish();
   return fault;
 }
+
+namespace {
 
 /** What a person reads: something must be there. */
 std::string words(Section& root, const char* key) {

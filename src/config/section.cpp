@@ -66,7 +66,10 @@ double toNumber(const YAML::Node& node, const std::string& where, double low, do
 }  // namespace
 
 Section::Section(const YAML::Node& node, std::string file, std::string path)
-    : node_(std::make_shared<YAML::Node>(node)), file_(std::move(file)), path_(std::move(path)) {
+    : node_(std::make_shared<YAML::Node>(node)),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      place_(place(file_, node.Mark())) {
   std::set<std::string> keys;
   for (const auto& entry : node) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
@@ -93,7 +96,7 @@ Section Section::fromText(const std::string& text, const std::string& name) {
 
 std::string Section::where(const std::string& key) const {
   const YAML::Node value = (*node_)[key];
-  return place(file_, value.IsDefined() ? value.Mark() : node_->Mark()) + path_ + shown(key);
+  return (value.IsDefined() && !value.Mark().is_null() ? place(file_, value.Mark()) : place_) + path_ + shown(key);
 }
 
 YAML::Node Section::find(const std::string& key) {
@@ -193,6 +196,31 @@ JointArray Section::joints(const std::string& key, double low, double high) {
 std::size_t Section::choiceOf(const std::string& key, const std::vector<std::string>& names) {
   const std::string word = text(key, names);
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), word) - names.begin());
+}
+
+Section Section::with(const std::string& key, const YAML::Node& value) const {
+  YAML::Node copy(YAML::NodeType::Map);  // never assign to an element: both mappings share it
+  for (const auto& entry : *node_) {
+    if (!entry.first.IsScalar() || entry.first.Scalar() != key) copy.force_insert(entry.first, entry.second);
+  }
+  copy.force_insert(key, value);
+  Section section(copy, file_, path_);
+  section.place_ = place_;
+  return section;
+}
+
+Section Section::with(const std::string& key, const std::string& text) const {
+  return with(key, YAML::Node(text));
+}
+
+std::vector<Section> Section::alternatives(const std::string& key) const {
+  const YAML::Node value = (*node_)[key];
+  if (!value.IsDefined() || !value.IsSequence()) return {*this};
+  if (value.size() == 0) throw ConfigException(where(key) + " is an empty list");
+  std::vector<Section> sections;
+  for (const YAML::Node& element : value)
+    sections.push_back(with(key, element));
+  return sections;
 }
 
 void Section::finish() const {

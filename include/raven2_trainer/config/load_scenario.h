@@ -7,6 +7,8 @@
 
 namespace raven2_trainer::config {
 
+class Section;
+
 /**
  * One scenario file; its form is described in doc/hazards.md.
  * @param[in] id becomes Fault::id. @param[in] impairments names that kind `impair` may use.
@@ -14,5 +16,8 @@ namespace raven2_trainer::config {
  * not take, a value out of the variable's range (core/fault_variables.h) and a trigger that can never fire.
  */
 Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vector<std::string>& impairments);
+
+/** One row of a scenario, which is all that `row` may hold. @throw ConfigException as above. */
+Fault readFault(Section& row, std::uint32_t id, const std::vector<std::string>& impairments);
 
 }  // namespace raven2_trainer::config

@@ -45,6 +45,12 @@ class Section {
     return choiceOf(key, std::vector<std::string>(names.begin(), names.end()));
   }
 
+  /** Copies of this mapping, one for each element of the list under `key`, which stands in the list's place; one alike
+   *  where there is no list. */
+  std::vector<Section> alternatives(const std::string& key) const;
+  /** A copy with `text` under `key`. */
+  Section with(const std::string& key, const std::string& text) const;
+
   /** Throws for every key that was not read. */
   void finish() const;
 
@@ -54,6 +60,7 @@ class Section {
 
  private:
   Section(const YAML::Node& node, std::string file, std::string path);
+  Section with(const std::string& key, const YAML::Node& value) const;
   YAML::Node find(const std::string& key);
   std::size_t choiceOf(const std::string& key, const std::vector<std::string>& names);
   template <typename Array>
@@ -61,6 +68,7 @@ class Section {
 
   std::shared_ptr<YAML::Node> node_;
   std::string file_, path_;
+  std::string place_;  ///< "FILE:LINE: " of the mapping: a copy's node has none
   std::set<std::string> read_;
 };
 

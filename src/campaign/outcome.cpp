@@ -1,0 +1,113 @@
+#include "raven2_trainer/campaign/outcome.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raven2_trainer::campaign {
+namespace {
+
+double distance(const Vec3& a, const Vec3& b) noexcept {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+Vec3 difference(const Vec3& a, const Vec3& b) noexcept {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+bool isFinite(const Vec3& p) noexcept {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Some arm stayed where it was while its golden one moved, and no arm moved that did not move as its golden one. */
+bool didNotMove(const Figures& figures, const Limits& limits) noexcept {
+  bool missed = false;
+  for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+    const bool stayed = figures.motion[arm] <= limits.still;
+    if (!stayed && figures.deviation[arm] > limits.masked) return false;
+    missed = missed || (stayed && figures.golden_motion[arm] >= limits.moved);
+  }
+  return missed;
+}
+
+}  // namespace
+
+void Comparison::add(const Sample& golden, const Sample& faulty) noexcept {
+  figures_.program = faulty.program;
+  if (figures_.injected == kNever) begin(golden, faulty);
+  if (figures_.injected != kNever) {
+    compareTips(golden, faulty);
+    watchForce(golden, faulty);
+    watchStops(faulty);
+  }
+  plc_left_ = plc_left_ || faulty.plc != RunLevel::kEStop;
+  ++ticks_;
+}
+
+/** The tips to measure motion from are those of the tick before. A program that ended told no fault of its last cycle.
+ */
+void Comparison::begin(const Sample& golden, const Sample& faulty) noexcept {
+  if (faulty.faulted != 0 || faulty.program != ProgramState::kRunning) {
+    figures_.injected = ticks_;
+  }
+  if (figures_.injected == kNever || ticks_ == 0) {
+    start_golden_ = golden;
+    start_faulty_ = faulty;
+  }
+}
+
+void Comparison::compareTips(const Sample& golden, const Sample& faulty) noexcept {
+  Deviation deviation{};
+  for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+    if (!isFinite(faulty.p_BT[arm])) {
+      figures_.is_finite = 0;
+      return;
+    }
+    deviation[arm] = difference(faulty.p_BT[arm], golden.p_BT[arm]);
+    const auto farther = [](double so_far, const Vec3& a, const Vec3& b) { return std::max(so_far, distance(a, b)); };
+    figures_.deviation[arm] = farther(figures_.deviation[arm], faulty.p_BT[arm], golden.p_BT[arm]);
+    figures_.motion[arm] = farther(figures_.motion[arm], faulty.p_BT[arm], start_faulty_.p_BT[arm]);
+    figures_.golden_motion[arm] = farther(figures_.golden_motion[arm], golden.p_BT[arm], start_golden_.p_BT[arm]);
+  }
+  measureJump(deviation);
+}
+
+void Comparison::measureJump(const Deviation& deviation) noexcept {
+  for (const Deviation& past : past_) {
+    for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+      const double change = distance(deviation[arm], past[arm]);
+      figures_.max_jump = std::max(figures_.max_jump, change);
+      if (change > limits_.jump && figures_.jumped == kNever) figures_.jumped = now();
+    }
+  }
+  past_[1] = past_[0];
+  past_[0] = deviation;
+}
+
+void Comparison::watchStops(const Sample& faulty) noexcept {
+  if (faulty.soft_estopped != 0 && figures_.software_stop == kNever) figures_.software_stop = now();
+  // A PLC that was never started is no stop.
+  if (plc_left_ && faulty.plc == RunLevel::kEStop && figures_.plc_stop == kNever) figures_.plc_stop = now();
+  const bool knows = faulty.software == RunLevel::kEStop && faulty.program == ProgramState::kRunning;
+  if (figures_.plc_stop != kNever && knows && figures_.reported == kNever) figures_.reported = now();
+}
+
+void Comparison::watchForce(const Sample& golden, const Sample& faulty) noexcept {
+  for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+    figures_.max_force = std::max(figures_.max_force, faulty.force[arm]);
+    const bool felt = faulty.force[arm] >= limits_.force && golden.force[arm] < limits_.force;
+    if (felt && figures_.force == kNever) figures_.force = now();
+  }
+}
+
+Outcome classify(Ending ending, const Figures& figures, const Limits& limits) noexcept {
+  if (ending == Ending::kDied) return Outcome::kCrash;
+  if (ending == Ending::kBudget) return Outcome::kHang;
+  if (figures.program == ProgramState::kCrashed) return Outcome::kCrash;
+  if (figures.program == ProgramState::kHung) return Outcome::kHang;
+  if (figures.max_jump > limits.jump || figures.is_finite == 0) return Outcome::kUnsafeJump;
+  if (figures.software_stop != kNever || figures.plc_stop != kNever) return Outcome::kEStop;
+  if (didNotMove(figures, limits)) return Outcome::kNoMotion;
+  return maxDeviation(figures) > limits.masked ? Outcome::kSmallDeviation : Outcome::kMasked;
+}
+
+}  // namespace raven2_trainer::campaign
