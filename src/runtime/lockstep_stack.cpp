@@ -20,6 +20,7 @@ namespace raven2_trainer::runtime {
 namespace {
 
 constexpr std::uint64_t kConsole = 1;  // the one master there is
+constexpr std::uint64_t kArmedHere = std::uint64_t{1} << 32U;  // generations that the director never gives
 
 }  // namespace
 
@@ -188,6 +189,7 @@ struct LockstepStack::Impl {
   std::optional<PlanResult> plan;
   std::int64_t plan_due{0};
   LockstepView view{};
+  std::uint64_t plans_armed{0};
 };
 
 LockstepStack::LockstepStack(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
@@ -205,8 +207,10 @@ void LockstepStack::setSignals(const FaultSignals& signals) noexcept {
 }
 
 void LockstepStack::arm(const FaultPlan& plan) {
-  impl_->software.setFaults(plan);
-  impl_->shared->faults.store(plan);
+  FaultPlan armed = plan;
+  armed.generation = kArmedHere + ++impl_->plans_armed;
+  impl_->software.setFaults(armed);
+  impl_->shared->faults.store(armed);
 }
 
 void LockstepStack::tick() {

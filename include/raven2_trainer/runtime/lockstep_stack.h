@@ -40,7 +40,7 @@ class LockstepStack {
   void impair(const Impairment& impairment);
   /** What faults' triggers look at, from the next tick on. */
   void setSignals(const FaultSignals& signals) noexcept;
-  /** Arms exactly this plan, in daemon and robot, from the next tick on. */
+  /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is of no account. */
   void arm(const FaultPlan& plan);
 
   /** What the daemon knows. */
