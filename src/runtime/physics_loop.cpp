@@ -147,10 +147,10 @@ void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
   }
 }
 
-/** Into what a real robot is sent, only with the second key. */
+/** Into what a real robot is sent, only with the second key; also while its state does not reach us, for our packets
+ *  may still reach it. */
 bool PhysicsLoop::mayInject() const noexcept {
-  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
-  return !has_robot || robot_.is_virtual != 0 || config_.injection.real_robot;
+  return config_.injection.real_robot || robot_.is_virtual != 0 || !relay_started_;
 }
 
 /** Whether this tick may take one more. After a stall many wait: together they would be a jump, to the model as to the
