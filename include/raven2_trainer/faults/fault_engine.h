@@ -48,8 +48,7 @@ class FaultEngine {
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
     return isArmed() ? corrupt(variable, arm, channel, value) : value;
   }
-  /** The same for what is a whole number in the robot's program: truncated and saturated as C on x86 does not, so that
-   *  what a scenario says is what it does; NaN gives 0. */
+  /** The same for what is a whole number in the robot's program: rounded, at the ends of int32 saturated; NaN gives 0. */
   std::int32_t applyInt(FaultVariable variable, Arm arm, std::size_t channel, std::int32_t value) noexcept;
   /** Every element of an array. */
   template <typename Array>

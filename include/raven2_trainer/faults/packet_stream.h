@@ -34,6 +34,7 @@ class PacketStream {
     released_ = end_;
     held_back_ = false;
     remembered_ = 0;
+    newest_due_ = 0;
   }
 
   /** A packet goes in. */

@@ -239,7 +239,9 @@ TEST(FaultRuns, NoLostLinkHeldPacketOrConsoleFaultGoesAroundTheSecondKey) {
   std::uint32_t before = 0;
   for (int i = 0; i < 60; ++i) {
     rig.tick(false);
-    if (i > 2) EXPECT_EQ(rig.last_relay.command.sequence, before + 1) << "late packets";
+    if (i > 2) {
+      EXPECT_EQ(rig.last_relay.command.sequence, before + 1) << "late packets";
+    }
     before = rig.last_relay.command.sequence;
   }
   EXPECT_EQ(rig.model().faults.relay, 0);
