@@ -105,6 +105,7 @@ struct ControlSoftware::Impl {
 
   // The steps of one cycle, in the order of raven2.md 4.2.
   void beginCycle() noexcept;
+  const PerArm<UsbOutBytes>& die(const PerArm<UsbOutBytes>& last) noexcept;
   void runCycle(const PerArm<UsbRead>& boards) noexcept;
   void getUsbPackets(const PerArm<UsbRead>& boards) noexcept;
   void getUsbPacket(const PerArm<UsbRead>& boards, Mechanism* mech) noexcept;
@@ -145,6 +146,7 @@ struct ControlSoftware::Impl {
   VirtualRavenConfig config;
   faults::FaultEngine faults{FaultHost::kRobot};
   FaultSignals signals{};
+  bool has_last_words{false};
   faults::PacketStream<RobotState, FrameTraits> returned{FaultVariable::kFrame};
   NetworkLayer network;
   StateMachine machine;
@@ -561,13 +563,20 @@ PerArm<UsbOutBytes> ControlSoftware::cycle(const PerArm<UsbRead>& boards) noexce
   const PerArm<UsbOutBytes> last{s.mechanisms[0].sent, s.mechanisms[1].sent};
   if (!isAlive()) return last;
   s.beginCycle();
-  if (!isAlive()) return last;
+  if (!isAlive()) return s.die(last);
   s.runCycle(boards);
   const PerArm<UsbOutBytes> out = s.putUsbPackets();
-  if (!isAlive()) return last;
+  if (!isAlive()) return s.die(last);
   s.publishState();
   s.publishReport();
   return out;
+}
+
+/** The program says nothing more; the injector does, once, so that the record knows what ended it. */
+const PerArm<UsbOutBytes>& ControlSoftware::Impl::die(const PerArm<UsbOutBytes>& last) noexcept {
+  publishState();
+  has_last_words = true;
+  return last;
 }
 
 bool ControlSoftware::isAlive() const noexcept {
@@ -580,7 +589,8 @@ void ControlSoftware::setSignals(const FaultSignals& signals) noexcept {
 
 void ControlSoftware::returnState(std::int64_t time_ns) noexcept {
   Impl& s = *impl_;
-  if (!isAlive()) return;
+  if (!isAlive() && !s.has_last_words) return;
+  s.has_last_words = false;
   RobotState state = s.state;
   state.time_ns = time_ns;
   for (const Arm arm : kArms)
@@ -591,7 +601,7 @@ void ControlSoftware::returnState(std::int64_t time_ns) noexcept {
 }
 
 bool ControlSoftware::nextReturned(RobotState* state) noexcept {
-  return isAlive() && impl_->returned.take(state, impl_->faults);
+  return impl_->returned.take(state, impl_->faults);
 }
 
 const RobotState& ControlSoftware::state() const noexcept {

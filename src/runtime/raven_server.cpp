@@ -71,10 +71,10 @@ void RavenServer::publish(std::int64_t now_ns) noexcept {
   RobotState state = withLost(software_.state());
   state.time_ns = now_ns;
   state_.store(state);
-  if (!software_.isAlive()) return;  // nobody is left to say anything
   software_.returnState(now_ns);
   while (software_.nextReturned(&state))
     state_server_.push(withLost(state));
+  if (!software_.isAlive()) return;  // nobody is left to say anything more
   reports_.tryPush(software_.report());
   report_ready_.signal();
 }

@@ -47,7 +47,7 @@ class ControlSoftware {
   void setSignals(const FaultSignals& signals) noexcept;
 
   /** false from the cycle in which a fault ended or stopped the program: it does nothing any more, the boards keep
-   *  their last commands. state().program says which. */
+   *  their last commands. state().program says which; one last state goes out, with the fault that did it. */
   bool isAlive() const noexcept;
 
   /** Homed and in PEDAL_UP, both arms exactly at home where the boards' counts are 0. Before the first cycle. */

@@ -195,7 +195,10 @@ TEST(FaultSites, WritingMoreBoardsThanThereAreEndsTheProgram) {
   EXPECT_EQ(bench.out[0].dac, last.dac);
   RobotState state;
   bench.software.returnState(1);
-  EXPECT_FALSE(bench.software.nextReturned(&state)) << "the dead say nothing";
+  ASSERT_TRUE(bench.software.nextReturned(&state));
+  EXPECT_EQ(state.fault_mask, 1) << "what ended it";
+  bench.software.returnState(2);
+  EXPECT_FALSE(bench.software.nextReturned(&state)) << "the dead say nothing more";
 }
 
 TEST(FaultSites, AProgramCanCrashOrHang) {
