@@ -17,6 +17,19 @@ double ratio(double value, double threshold) noexcept {
   return threshold > 0.0 ? std::abs(value) / threshold : std::numeric_limits<double>::infinity();
 }
 
+/** [Nm] What is left of a torque after load and viscous friction. */
+double netTorque(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) noexcept {
+  double net = torque - axis.offset - axis.viscous * velocity;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    net -= axis.gravity[i] * q[i];
+  return net;
+}
+
+/** A torque less the dry friction that opposes it. */
+double opposed(double torque, double coulomb) noexcept {
+  return std::copysign(std::max(std::abs(torque) - coulomb, 0.0), torque);
+}
+
 Vec3 jointOf(const std::array<Vec3, kAxes>& rows, const Vec3& motor) noexcept {
   Vec3 joint;
   for (std::size_t i = 0; i < kAxes; ++i)
@@ -27,13 +40,9 @@ Vec3 jointOf(const std::array<Vec3, kAxes>& rows, const Vec3& motor) noexcept {
 }  // namespace
 
 double acceleration(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) noexcept {
-  double net = torque - axis.offset;
-  for (std::size_t i = 0; i < kAxes; ++i)
-    net -= axis.gravity[i] * q[i];
-  if (std::abs(velocity) > kAtRest) {
-    return (net - axis.viscous * velocity - std::copysign(axis.coulomb, velocity)) / axis.inertia;
-  }
-  return std::copysign(std::max(std::abs(net) - axis.coulomb, 0.0), net) / axis.inertia;
+  const double net = netTorque(axis, torque, velocity, q);
+  if (std::abs(velocity) > kAtRest) return (net - std::copysign(axis.coulomb, velocity)) / axis.inertia;
+  return opposed(net, axis.coulomb) / axis.inertia;
 }
 
 AnomalyDetector::AnomalyDetector(const DetectorConfig& config, const Drives& drives) noexcept
@@ -86,7 +95,7 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
     axes[i].acceleration = acceleration(at(config_.axes, arm)[i], torque, velocity, at(now.q, arm));
     const bool published = config_.rule == DetectorRule::kPublished;
     motors[i] = published ? velocity + axes[i].acceleration * kTickSeconds
-                          : departure(arm, i, dac) / config_.braking_time;
+                          : departure(arm, i, now) / config_.braking_time;
     axes[i].motor_velocity = motors[i];
   }
   const Vec3 joints = jointOf(drives_.joint_per_motor, motors);
@@ -97,14 +106,17 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
 }
 
 /** [rad] of the motor: as far as the velocity gained carries it, and where the command leads. A command that the control
- *  law can have asked for stands for a position error, which it will close; one beyond the clip cannot be its, and is
- *  only taken to last for `persistence`. */
-double AnomalyDetector::departure(Arm arm, std::size_t axis, std::int32_t dac) const noexcept {
-  const double acceleration = at(predictions_, arm)[axis].acceleration;
-  const double gained = at(velocity_, arm)[axis] - at(mean_velocity_, arm)[axis];
-  const double error = at(config_.axes, arm)[axis].inertia * acceleration / drives_.position_gain[axis];
-  const bool beyond = std::abs(static_cast<double>(dac)) > drives_.clip[axis];
-  return config_.braking_time * gained + (beyond ? config_.braking_time * acceleration * config_.persistence : error);
+ *  law can have asked for stands for a position error, which it will close but for what dry friction holds; one beyond
+ *  the clip cannot be its, and is only taken to last for `persistence`. */
+double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
+  const DetectorAxis& axis = at(config_.axes, arm)[i];
+  const double velocity = at(velocity_, arm)[i];
+  const double carried = config_.braking_time * (velocity - at(mean_velocity_, arm)[i]);
+  const std::int32_t dac = at(now.dac, arm)[i];
+  if (std::abs(static_cast<double>(dac)) > drives_.clip[i])
+    return carried + config_.braking_time * config_.persistence * at(predictions_, arm)[i].acceleration;
+  const double torque = at(drives_.torque_per_count, arm)[i] * dac;
+  return carried + opposed(netTorque(axis, torque, velocity, at(now.q, arm)), axis.coulomb) / drives_.position_gain[i];
 }
 
 void AnomalyDetector::judge(Arm arm) noexcept {

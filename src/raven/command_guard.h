@@ -33,9 +33,13 @@ class CommandGuard {
  private:
   static void replace(const ArmCommand& command, const DacArray& dac) noexcept;
 
+  bool isSafe(const DacArray& dac, const detector::Verdict& verdict) const noexcept;
+
   Mitigation mitigate_;
+  double safe_size_;  // [-]
+  Vec3 clip_;         // [counts]
   detector::AnomalyDetector detector_;
-  PerArm<DacArray> safe_{};  // [counts] last commands without an alarm
+  PerArm<DacArray> safe_{};  // [counts] last commands that are worth holding
   DetectorReport report_{};
 };
 

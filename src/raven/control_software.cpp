@@ -414,7 +414,7 @@ void ControlSoftware::Impl::guardCommands() noexcept {
   const auto commandOf = [](Mechanism* mech) {
     return CommandGuard::ArmCommand{&mech->mpos, &mech->jpos, &mech->dac, &mech->sent};
   };
-  const bool engaged = machine.runLevel() == RunLevel::kPedalDown;
+  const bool engaged = machine.runLevel() == RunLevel::kPedalDown && !machine.softEstopped();
   if (guard->check({commandOf(&mechanisms[0]), commandOf(&mechanisms[1])}, engaged)) machine.softEstop();
 }
 

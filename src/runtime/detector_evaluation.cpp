@@ -166,7 +166,7 @@ double stuckValue(int start, int starts) {
 
 FaultPlan planOf(const StudyFault& fault) {
   FaultPlan plan;
-  plan.generation = 1;
+  plan.generation = std::uint64_t{1} << 32U;  // none that a fault director has given
   plan.count = 1;
   Fault& row = plan.faults[0];
   row.id = 1;

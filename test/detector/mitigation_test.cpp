@@ -80,6 +80,14 @@ TEST(Mitigation, HoldWritesTheLastSafeCommandWhileTheAlarmLasts) {
   EXPECT_LT(written(hold), 16);
 }
 
+TEST(Mitigation, HoldKeepsTheArmWhereAnInputFaultWouldThrowIt) {
+  const FaultPlan plan = planOf({StudyFault::Scenario::kInputs, FaultKind::kAdd, 1500, 4});  // 6 mm in 4 ms
+  const Seen golden = runWith(Mitigation::kOff, FaultPlan{}, 100);
+  const double off = departure(runWith(Mitigation::kOff, plan, 100), golden);
+  ASSERT_GT(off, 0.003);
+  EXPECT_LT(departure(runWith(Mitigation::kHold, plan, 100), golden), 0.5 * off);
+}
+
 TEST(Mitigation, StopIsTheSoftwareEStop) {
   const Seen stop = runWith(Mitigation::kStop, torque(12000, 16), 300);
   EXPECT_TRUE(stop.soft_stopped);

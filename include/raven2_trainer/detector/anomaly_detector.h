@@ -78,7 +78,7 @@ class AnomalyDetector {
  private:
   void predict(Arm arm, const Observation& now) noexcept;
   void observe(Arm arm, const Observation& now) noexcept;
-  double departure(Arm arm, std::size_t axis, std::int32_t dac) const noexcept;
+  double departure(Arm arm, std::size_t axis, const Observation& now) const noexcept;
   void judge(Arm arm) noexcept;
   void forget(const Observation& now) noexcept;
 
