@@ -25,10 +25,14 @@ struct Options {
 
 constexpr const char* kScenarioNames[] = {"inputs", "torque"};
 
-const std::vector<std::string> kColumns{"scenario",        "seed",            "kind",           "value",
-                                        "length",          "unsafe",          "decided_ms",     "harmed_ms",
-                                        "stopped_ms",      "departure_m",     "jump_2ms_m",     "published_alarm_ms",
-                                        "published_size",  "departure_alarm_ms", "departure_size"};
+const std::vector<std::string> kColumns{"scenario",       "seed",
+                                        "kind",           "value",
+                                        "length",         "unsafe",
+                                        "decided_ms",     "harmed_ms",
+                                        "stopped_ms",     "departure_m",
+                                        "jump_2ms_m",     "published_alarm_ms",
+                                        "published_size", "departure_alarm_ms",
+                                        "departure_size"};
 
 void writeRow(const runtime::StudyOutcome& o, apps::CsvWriter* out) {
   out->cell(kScenarioNames[static_cast<int>(o.fault.scenario)]);

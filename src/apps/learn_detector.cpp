@@ -35,7 +35,8 @@ int learn(Options options) {
   physics::initialiseOde();
   physics::attachOdeToThread();
   apps::StudyBar bar("learn_detector");
-  const runtime::Learned learned = runtime::learnDetector(config, options.learn, [&](double share) { bar.update(share); });
+  const runtime::Learned learned =
+      runtime::learnDetector(config, options.learn, [&](double share) { bar.update(share); });
   session::TextWriter file(options.output);
   file.write(runtime::detectorYaml(learned, sourceOf(config, options.learn)));
   file.close();
@@ -60,6 +61,7 @@ int main(int argc, char** argv) {
   app.add_option("--percentile", options.learn.percentile, "Of the thresholds")
       ->capture_default_str()
       ->check(CLI::Range(50.0, 99.9999));
-  app.add_option("--output", options.output, "File to write, in the form of config/detector.yaml")->capture_default_str();
+  app.add_option("--output", options.output, "File to write, in the form of config/detector.yaml")
+      ->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return learn(options); });
 }

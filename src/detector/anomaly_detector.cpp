@@ -46,9 +46,7 @@ double acceleration(const DetectorAxis& axis, double torque, double velocity, co
 }
 
 AnomalyDetector::AnomalyDetector(const DetectorConfig& config, const Drives& drives) noexcept
-    : config_(config),
-      drives_(drives),
-      forgetting_(1.0 - std::exp(-kTickSeconds / config.memory)) {}
+    : config_(config), drives_(drives), forgetting_(1.0 - std::exp(-kTickSeconds / config.memory)) {}
 
 void AnomalyDetector::forget(const Observation& now) noexcept {
   for (const Arm arm : kArms) {
@@ -94,8 +92,8 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
     const double torque = at(drives_.torque_per_count, arm)[i] * dac;
     axes[i].acceleration = acceleration(at(config_.axes, arm)[i], torque, velocity, at(now.q, arm));
     const bool published = config_.rule == DetectorRule::kPublished;
-    motors[i] = published ? velocity + axes[i].acceleration * kTickSeconds
-                          : departure(arm, i, now) / config_.braking_time;
+    motors[i] =
+        published ? velocity + axes[i].acceleration * kTickSeconds : departure(arm, i, now) / config_.braking_time;
     axes[i].motor_velocity = motors[i];
   }
   const Vec3 joints = jointOf(drives_.joint_per_motor, motors);
@@ -105,9 +103,9 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
   at(excursion_, arm) = config_.braking_time * (J.topLeftCorner<3, 3>() * toEigen(joints)).norm();
 }
 
-/** [rad] of the motor: as far as the velocity gained carries it, and where the command leads. A command that the control
- *  law can have asked for stands for a position error, which it will close but for what dry friction holds; one beyond
- *  the clip cannot be its, and is only taken to last for `persistence`. */
+/** [rad] of the motor: as far as the velocity gained carries it, and where the command leads. A command that the
+ * control law can have asked for stands for a position error, which it will close but for what dry friction holds; one
+ * beyond the clip cannot be its, and is only taken to last for `persistence`. */
 double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
   const DetectorAxis& axis = at(config_.axes, arm)[i];
   const double velocity = at(velocity_, arm)[i];
@@ -132,9 +130,8 @@ void AnomalyDetector::judge(Arm arm) noexcept {
     const double size = std::min({a, v, w, departs});
     if (!(size > verdict_.size)) continue;
     const auto beyond = [this](double r, std::uint8_t bit) { return r > config_.factor ? bit : std::uint8_t{0}; };
-    verdict_.agreeing = static_cast<std::uint8_t>(beyond(a, agreeing::kAcceleration) |
-                                                  beyond(v, agreeing::kMotorVelocity) |
-                                                  beyond(w, agreeing::kJointVelocity));
+    verdict_.agreeing = static_cast<std::uint8_t>(
+        beyond(a, agreeing::kAcceleration) | beyond(v, agreeing::kMotorVelocity) | beyond(w, agreeing::kJointVelocity));
     verdict_.size = size;
     verdict_.arm = arm;
     verdict_.joint = static_cast<std::uint8_t>(i);

@@ -444,6 +444,7 @@ void ControlSoftware::Impl::publishState() noexcept {
   state.homed = homed ? 1 : 0;
   state.soft_estopped = machine.softEstopped() ? 1 : 0;
   state.itp = network.counts();
+  if (guard) state.detector_cycles = guard->report().cycles_acted;
   for (Mechanism& mech : mechanisms) {
     RobotArmState& arm = at(state.arms, mech.arm);
     arm.q = mech.jpos;

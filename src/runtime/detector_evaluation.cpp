@@ -14,10 +14,10 @@ using Scenario = StudyFault::Scenario;
 using Run = std::vector<TrialTick>;
 
 // The grids of the authors' generate_mfi2.py (hazards.md 4, rows 34 to 36).
-constexpr std::array<double, 6> kDistances{350, 700, 1500, 3000, 6000, 9000};                    // [um]
-constexpr std::array<double, 8> kAdded{100, 1000, 2000, 5000, 10000, 100000, 400000, 800000};    // [counts]
-constexpr std::array<Tick, 8> kLengths{1, 2, 4, 8, 16, 32, 64, 128};                             // [packets, ms]
-constexpr double kStuckLow = -15000, kStuckStep = 500;                                           // [counts]
+constexpr std::array<double, 6> kDistances{350, 700, 1500, 3000, 6000, 9000};                  // [um]
+constexpr std::array<double, 8> kAdded{100, 1000, 2000, 5000, 10000, 100000, 400000, 800000};  // [counts]
+constexpr std::array<Tick, 8> kLengths{1, 2, 4, 8, 16, 32, 64, 128};                           // [packets, ms]
+constexpr double kStuckLow = -15000, kStuckStep = 500;                                         // [counts]
 constexpr int kStuckValues = 61;
 constexpr Tick kStuckLongest = 19;  // [ms]
 
@@ -63,7 +63,9 @@ class Start {
         detectors_{warmed(config, DetectorRule::kPublished), warmed(config, DetectorRule::kDeparture)} {}
 
   /** One value at ascending lengths. */
-  void runFamily(StudyFault fault, const std::vector<Tick>& lengths, const std::function<void(const StudyOutcome&)>& take) {
+  void runFamily(StudyFault fault,
+                 const std::vector<Tick>& lengths,
+                 const std::function<void(const StudyOutcome&)>& take) {
     std::vector<std::pair<StudyFault, Run>> runs;
     unsafe_.clear();
     for (const Tick length : lengths) {
@@ -130,7 +132,10 @@ class Start {
     return result;
   }
 
-  static StudyOutcome::ByRule judge(detector::AnomalyDetector detector, const Run& rows, std::size_t onset, Tick deadline) {
+  static StudyOutcome::ByRule judge(detector::AnomalyDetector detector,
+                                    const Run& rows,
+                                    std::size_t onset,
+                                    Tick deadline) {
     StudyOutcome::ByRule found;
     for (std::size_t t = 0; t < rows.size(); ++t) {
       const detector::Verdict& verdict = detector.step(observationOf(rows[t]));
@@ -158,7 +163,8 @@ std::vector<Tick> stuckLengths() {
 
 /** Values spread over the whole range however few starts there are. */
 double stuckValue(int start, int starts) {
-  const int value = starts >= kStuckValues ? start % kStuckValues : start * (kStuckValues - 1) / std::max(starts - 1, 1);
+  const int value =
+      starts >= kStuckValues ? start % kStuckValues : start * (kStuckValues - 1) / std::max(starts - 1, 1);
   return kStuckLow + kStuckStep * value;
 }
 
@@ -206,7 +212,8 @@ void evaluateDetector(const TrainerConfig& config,
   }
   for (int i = 0; i < options.torque_starts; ++i, end()) {
     Start start(config, seed++, options);
-    start.runFamily({Scenario::kTorque, FaultKind::kStuckAt, stuckValue(i, options.torque_starts), 0}, stuckLengths(), take);
+    start.runFamily({Scenario::kTorque, FaultKind::kStuckAt, stuckValue(i, options.torque_starts), 0}, stuckLengths(),
+                    take);
   }
   for (int i = 0; i < options.add_starts; ++i, end()) {
     Start start(config, seed++, options);

@@ -24,7 +24,10 @@ struct AxisTails {
 /** All values of one rule's predictions in fault-free runs. */
 class ThresholdLearner {
  public:
-  ThresholdLearner(DetectorConfig config, DetectorRule rule, const detector::Drives& drives, double percentile,
+  ThresholdLearner(DetectorConfig config,
+                   DetectorRule rule,
+                   const detector::Drives& drives,
+                   double percentile,
                    std::size_t most)
       : config_(withRule(std::move(config), rule)),
         drives_(drives),
@@ -39,7 +42,9 @@ class ThresholdLearner {
     }
   }
 
-  DetectorThresholds value(Arm arm, std::size_t axis) const { return tails_[index(arm) * kDetectorAxes + axis].value(); }
+  DetectorThresholds value(Arm arm, std::size_t axis) const {
+    return tails_[index(arm) * kDetectorAxes + axis].value();
+  }
 
  private:
   static DetectorConfig withRule(DetectorConfig config, DetectorRule rule) {
@@ -65,11 +70,15 @@ class ThresholdLearner {
 };
 
 /** The uninterrupted stretches of a run with the brakes off. */
-std::vector<Stretch> stretchesOf(const std::vector<TrialTick>& run, Arm arm, std::size_t axis, double torque_per_count) {
+std::vector<Stretch> stretchesOf(const std::vector<TrialTick>& run,
+                                 Arm arm,
+                                 std::size_t axis,
+                                 double torque_per_count) {
   std::vector<Stretch> stretches(1);
   for (const TrialTick& tick : run) {
     if (tick.level == RunLevel::kPedalDown) {
-      stretches.back().push_back({at(tick.motor, arm)[axis], torque_per_count * at(tick.dac, arm)[axis], at(tick.q, arm)});
+      stretches.back().push_back(
+          {at(tick.motor, arm)[axis], torque_per_count * at(tick.dac, arm)[axis], at(tick.q, arm)});
     } else if (!stretches.back().empty()) {
       stretches.emplace_back();
     }
@@ -161,21 +170,36 @@ Learned learnDetector(const TrainerConfig& config, const LearnOptions& options, 
 std::string detectorYaml(const Learned& learned, const std::string& source) {
   const DetectorConfig& c = learned.detector;
   std::string text =
-      "# Detector of unsafe motor commands (doc/detector.md). Written by learn_detector, from commands and encoders of\n"
-      "# fault-free runs alone:\n# " + source + "\n";
-  text += format("mitigate: %-13s # off | hold: the last safe command is written instead, while the alarm lasts | stop: software E-stop\n",
-                 kMitigationNames[static_cast<std::size_t>(c.mitigate)]);
-  text += format("rule: %-17s # published: DSN 2016, one step ahead | departure: what the command leads to, and the tip's departure\n",
-                 kDetectorRuleNames[static_cast<std::size_t>(c.rule)]);
+      "# Detector of unsafe motor commands (doc/detector.md). Written by learn_detector, from commands and encoders "
+      "of\n"
+      "# fault-free runs alone:\n# " +
+      source + "\n";
+  text += format(
+      "mitigate: %-13s # off | hold: the last safe command is written instead, while the alarm lasts | stop: software "
+      "E-stop\n",
+      kMitigationNames[static_cast<std::size_t>(c.mitigate)]);
+  text += format(
+      "rule: %-17s # published: DSN 2016, one step ahead | departure: what the command leads to, and the tip's "
+      "departure\n",
+      kDetectorRuleNames[static_cast<std::size_t>(c.rule)]);
   text += format("factor: %-15g # [-] [0.01, 100] on all thresholds\n", c.factor);
-  text += format("memory: %-15g # [s] [0.002, 10] of the mean velocity that is taken to be the surgeon's; tuned, doc/detector.md\n", c.memory);
+  text += format(
+      "memory: %-15g # [s] [0.002, 10] of the mean velocity that is taken to be the surgeon's; tuned, "
+      "doc/detector.md\n",
+      c.memory);
   text += format("braking_time: %-9g # [s] [0.001, 1] for which velocity gained carries on; tuned\n", c.braking_time);
-  text += format("persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last: one step\n", c.persistence);
-  text += format("excursion: %-12g # [m] [0, 0.1] predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any\n", c.excursion);
+  text += format("persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last: one step\n",
+                 c.persistence);
   text +=
-      "# inertia [kg m2] [1e-7, 1], viscous [Nms/rad] [0, 10], coulomb [Nm] [0, 10], offset [Nm] [-10, 10]: torque at the\n"
-      "# capstan by angle of the motor shaft, links included. gravity [Nm/rad, Nm/rad, Nm/m] [-100, 100]: change of the\n"
-      "# offset with the three joints. Thresholds of both rules: acceleration [rad/s2] and motor_velocity [rad/s] of the\n"
+      format("excursion: %-12g # [m] [0, 0.1] predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any\n",
+             c.excursion);
+  text +=
+      "# inertia [kg m2] [1e-7, 1], viscous [Nms/rad] [0, 10], coulomb [Nm] [0, 10], offset [Nm] [-10, 10]: torque at "
+      "the\n"
+      "# capstan by angle of the motor shaft, links included. gravity [Nm/rad, Nm/rad, Nm/m] [-100, 100]: change of "
+      "the\n"
+      "# offset with the three joints. Thresholds of both rules: acceleration [rad/s2] and motor_velocity [rad/s] of "
+      "the\n"
       "# motor, joint_velocity [rad/s; m/s], all [0, 1e6].\n";
   for (const Arm arm : kArms) {
     text += std::string(name(arm)) + ":\n";

@@ -1,5 +1,5 @@
-// Time that the detector adds to a cycle of the emulated control software: the same cycles with and without it in turns,
-// so that the ratio is of one run on one machine.
+// Time that the detector adds to a cycle of the emulated control software: the same cycles with and without it in
+// turns, so that the ratio is of one run on one machine.
 
 #include <algorithm>
 #include <chrono>
@@ -71,13 +71,14 @@ int main() {
   config.virtual_raven.full_homing = false;
   Bench off(config, Mitigation::kOff), on(config, Mitigation::kHold);
   for (int k = 0; k < kWarmUp + kCycles; ++k) {
-    off.cycle(k);
-    on.cycle(k);
+    (k % 2 == 0 ? off : on).cycle(k);  // who comes second finds the caches warm
+    (k % 2 == 0 ? on : off).cycle(k);
   }
-  std::printf("control software, both arms, a cycle [us]: median, 99 %%\n");
-  std::printf("without detector %6.2f %6.2f\n", off.quantile(0.5), off.quantile(0.99));
-  std::printf("with detector    %6.2f %6.2f\n", on.quantile(0.5), on.quantile(0.99));
-  std::printf("ratio of medians %6.2f, detector %.2f us\n", on.quantile(0.5) / off.quantile(0.5),
-              on.quantile(0.5) - off.quantile(0.5));
+  std::printf("control software, both arms, a cycle [us]: fastest tenth, median, 99 %%\n");
+  for (Bench* bench : {&off, &on})
+    std::printf("%-16s %6.2f %6.2f %6.2f\n", bench == &off ? "without detector" : "with detector", bench->quantile(0.1),
+                bench->quantile(0.5), bench->quantile(0.99));
+  std::printf("detector: ratio %.2f, %.2f us of the fastest tenths\n", on.quantile(0.1) / off.quantile(0.1),
+              on.quantile(0.1) - off.quantile(0.1));
   return 0;
 }

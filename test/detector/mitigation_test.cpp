@@ -17,8 +17,8 @@ namespace {
 constexpr int kSettled = 4000;  // ms: homed, pedal down, the hands at work
 
 struct Seen {
-  std::vector<Vector3> tips;              ///< [m] true, gold
-  std::vector<std::int32_t> dac;          ///< [counts] gold shoulder, as written
+  std::vector<Vector3> tips;      ///< [m] true, gold
+  std::vector<std::int32_t> dac;  ///< [counts] gold shoulder, as written
   raven::DetectorReport report;
   bool soft_stopped{};
 };

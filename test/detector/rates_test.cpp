@@ -7,7 +7,8 @@
 #include "raven2_trainer/runtime/detector_study.h"
 #include "support/rig.h"
 
-// A seeded part of what evaluate_detector runs in full (doc/detector.md), and that its parts are what they are said to be.
+// A seeded part of what evaluate_detector runs in full (doc/detector.md), and that its parts are what they are said to
+// be.
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -17,8 +18,8 @@ using Scenario = StudyFault::Scenario;
 std::vector<StudyOutcome> evaluate(const EvaluateOptions& options) {
   testing::useOde();
   std::vector<StudyOutcome> outcomes;
-  evaluateDetector(testing::packagedConfig(), options, [&](const StudyOutcome& o) { outcomes.push_back(o); },
-                   [](double) {});
+  evaluateDetector(
+      testing::packagedConfig(), options, [&](const StudyOutcome& o) { outcomes.push_back(o); }, [](double) {});
   return outcomes;
 }
 
@@ -43,8 +44,8 @@ TEST(DetectorRates, AreThoseOfThePaperOnAPartOfTheGrids) {
   ASSERT_EQ(outcomes.size(), 2U * 48 + 5U * 19 + 64);
   for (const Bound& bound : {Bound{Scenario::kInputs, 0.898, 0.124}, Bound{Scenario::kTorque, 0.998, 0.118}}) {
     const StudyRates r = ratesOf(outcomes, bound.scenario, DetectorRule::kDeparture, 1.0);
-    std::printf("scenario %d: %d of %d unsafe, %d of %d safe, %d stopped\n", static_cast<int>(bound.scenario), r.detected,
-                r.unsafe, r.false_alarms, r.safe, r.stopped);
+    std::printf("scenario %d: %d of %d unsafe, %d of %d safe, %d stopped\n", static_cast<int>(bound.scenario),
+                r.detected, r.unsafe, r.false_alarms, r.safe, r.stopped);
     ASSERT_GT(r.unsafe, 10);
     ASSERT_GT(r.safe, 4);
     EXPECT_GE(r.truePositive(), bound.true_positive - granted(bound.true_positive, r.unsafe));

@@ -13,18 +13,18 @@ constexpr std::size_t kAxes = kDetectorAxes;  ///< shoulder, elbow, insertion: t
 /** What the robot's own control software knows of its drives; nothing of the plant. */
 struct Drives {
   ArmGeometry geometry{};
-  PerArm<Vec3> torque_per_count{};         ///< [Nm/count] at the capstan, by arm and axis, signed
+  PerArm<Vec3> torque_per_count{};            ///< [Nm/count] at the capstan, by arm and axis, signed
   std::array<Vec3, kAxes> joint_per_motor{};  ///< [rad/rad; m/rad] rows: joints
-  Vec3 position_gain{};                    ///< [Nm/rad] kp of the control law, motor space
-  Vec3 clip{};                             ///< [counts] largest command that passes the robot's own check
+  Vec3 position_gain{};                       ///< [Nm/rad] kp of the control law, motor space
+  Vec3 clip{};                                ///< [counts] largest command that passes the robot's own check
 };
 
 /** What is known in the cycle in which a command is about to be written. */
 struct Observation {
-  PerArm<JointArray> motor{};                          ///< [rad] measured
-  PerArm<JointArray> q{};                              ///< [rad; m] the robot's joints from them
-  PerArm<std::array<std::int32_t, kAxes>> dac{};       ///< [counts] positioning joints, about to be written
-  bool engaged{};                                      ///< PEDAL_DN: brakes off, motors may move
+  PerArm<JointArray> motor{};                     ///< [rad] measured
+  PerArm<JointArray> q{};                         ///< [rad; m] the robot's joints from them
+  PerArm<std::array<std::int32_t, kAxes>> dac{};  ///< [counts] positioning joints, about to be written
+  bool engaged{};                                 ///< PEDAL_DN: brakes off, motors may move
 };
 
 /** What the command will do to one axis. Rule `published`: one control step ahead. Rule `departure`: the change against
@@ -86,10 +86,10 @@ class AnomalyDetector {
   Drives drives_;
   double forgetting_;  ///< [-] share of the mean velocity that a step replaces
   bool warm_{false};
-  PerArm<Vec3> last_motor_{};                    // [rad]
-  PerArm<Vec3> velocity_{}, mean_velocity_{};    // [rad/s]
+  PerArm<Vec3> last_motor_{};                  // [rad]
+  PerArm<Vec3> velocity_{}, mean_velocity_{};  // [rad/s]
   PerArm<std::array<Prediction, kAxes>> predictions_{};
-  PerArm<double> excursion_{};                   // [m]
+  PerArm<double> excursion_{};  // [m]
   Verdict verdict_{};
 };
 

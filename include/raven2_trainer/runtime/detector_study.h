@@ -28,7 +28,7 @@ struct LearnOptions {
 
 /** What fault-free runs teach. */
 struct Learned {
-  DetectorConfig detector{};  ///< the configuration's, with model and thresholds replaced
+  DetectorConfig detector{};                              ///< the configuration's, with model and thresholds replaced
   PerArm<std::array<double, kDetectorAxes>> explained{};  ///< [-] share of the acceleration's variance
   std::int64_t runs{}, samples{};
 };
@@ -53,8 +53,8 @@ FaultPlan planOf(const StudyFault& fault);
 struct EvaluateOptions {
   std::uint64_t seed{100001};  ///< of the first start; none that was learnt from
   int input_starts{41};        ///< each with the 6 x 8 grid of row 34
-  int torque_starts{61};       ///< each with one value of row 35's 61 x 19 grid, in turn
-  int add_starts{4};           ///< each with row 36's 8 x 8 grid
+  int torque_starts{122};      ///< each with one value of row 35's 61 x 19 grid, in turn: twice all
+  int add_starts{2};           ///< each with row 36's 8 x 8 grid
   Tick watched{200};           ///< [ms] after a fault's end
   double unsafe{0.001};        ///< [m] departure of the tip that is an unsafe motion
   Tick slack{2};               ///< [ms] within which an alarm is in time
@@ -65,14 +65,14 @@ struct StudyOutcome {
   std::uint64_t seed{};
   StudyFault fault{};
   bool is_unsafe{};
-  Tick decided{-1};      ///< tick in which it became unsafe: had the fault ended with it, the tip would depart all the same
-  Tick harmed{-1};       ///< tick in which the tip had departed
-  Tick stopped{-1};      ///< tick in which the robot's own check stopped it
-  double departure{};    ///< [m] largest
-  double jump{};         ///< [m] largest departure gained within 2 ms
+  Tick decided{-1};  ///< tick in which it became unsafe: had the fault ended with it, the tip would depart all the same
+  Tick harmed{-1};   ///< tick in which the tip had departed
+  Tick stopped{-1};  ///< tick in which the robot's own check stopped it
+  double departure{};  ///< [m] largest
+  double jump{};       ///< [m] largest departure gained within 2 ms
   struct ByRule {
-    Tick alarm{-1};        ///< first tick with an alarm
-    double in_time{};      ///< largest size up to the deadline (unsafe runs), or at all (others)
+    Tick alarm{-1};    ///< first tick with an alarm
+    double in_time{};  ///< largest size up to the deadline (unsafe runs), or at all (others)
   };
   std::array<ByRule, 2> rules{};  ///< by DetectorRule
 };

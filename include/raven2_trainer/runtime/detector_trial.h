@@ -13,12 +13,12 @@ namespace raven2_trainer::runtime {
 
 /** One tick of a trial: what an observer at the USB boards sees, and the truth beside it. */
 struct TrialTick {
-  PerArm<Vec3> motor{};                        ///< [rad] positioning motors, measured, at the cycle's start
-  PerArm<std::array<std::int32_t, 3>> dac{};   ///< [counts] their commands, as written at its end
-  PerArm<JointArray> q{};                      ///< [rad; m] joints that the control program makes of the motors
-  Vec3 tip{};                                  ///< [m] [@frame B] true tip of the gold arm, at its end
-  RunLevel level{};                            ///< of the control program
-  std::uint8_t soft_estopped{};                ///< 1 once the robot's own check has stopped it
+  PerArm<Vec3> motor{};                       ///< [rad] positioning motors, measured, at the cycle's start
+  PerArm<std::array<std::int32_t, 3>> dac{};  ///< [counts] their commands, as written at its end
+  PerArm<JointArray> q{};                     ///< [rad; m] joints that the control program makes of the motors
+  Vec3 tip{};                                 ///< [m] [@frame B] true tip of the gold arm, at its end
+  RunLevel level{};                           ///< of the control program
+  std::uint8_t soft_estopped{};               ///< 1 once the robot's own check has stopped it
 };
 
 /** What a detector in the robot would have seen in that cycle. */

@@ -43,7 +43,8 @@ Drives plainDrives() {
   drives.geometry.lw = 0.013;
   for (const Arm arm : kArms)
     at(drives.torque_per_count, arm) = {1.0 / 3695.807, 1.0 / 3695.807, 1.0 / 3695.807};
-  drives.joint_per_motor = {{{1.0 / 136.19625551, 0.0, 0.0}, {0.0, 1.0 / 121.52207496, 0.0}, {0.0, 0.0, 1.0 / 2158.59030837}}};
+  drives.joint_per_motor = {
+      {{1.0 / 136.19625551, 0.0, 0.0}, {0.0, 1.0 / 121.52207496, 0.0}, {0.0, 0.0, 1.0 / 2158.59030837}}};
   drives.position_gain = {0.3, 0.3, 0.15};
   drives.clip = {2500, 2500, 2000};
   return drives;

@@ -24,9 +24,16 @@ std::vector<AxisSample> swing(const DetectorAxis& truth, std::uint64_t seed, int
   double position = 0.0, velocity = 0.0, phase = random.uniform(0, 6);
   for (int k = 0; k < cycles; ++k) {
     AxisSample sample;
-    sample.q = {0.5 + 0.3 * std::sin(0.001 * k + phase), 1.5 + 0.2 * std::cos(0.0013 * k), 0.4 + 0.02 * std::sin(0.0007 * k), 0, 0, 0, 0};
+    sample.q = {0.5 + 0.3 * std::sin(0.001 * k + phase),
+                1.5 + 0.2 * std::cos(0.0013 * k),
+                0.4 + 0.02 * std::sin(0.0007 * k),
+                0,
+                0,
+                0,
+                0};
     sample.motor = std::floor(position / kCount) * kCount;
-    const double load = truth.offset + truth.gravity[0] * sample.q[0] + truth.gravity[1] * sample.q[1] + truth.gravity[2] * sample.q[2];
+    const double load =
+        truth.offset + truth.gravity[0] * sample.q[0] + truth.gravity[1] * sample.q[1] + truth.gravity[2] * sample.q[2];
     const double torque = load + 0.25 * std::sin(0.012 * k + phase) + 0.1 * std::sin(0.045 * k);
     sample.torque = torque;
     for (int part = 0; part < kParts; ++part) {
