@@ -376,6 +376,7 @@ void readDetector(Section& root, DetectorConfig* c) {
   c->factor = root.number("factor", 0.01, 100);
   c->memory = root.number("memory", 0.002, 10);
   c->braking_time = root.number("braking_time", 0.001, 1);
+  c->asked = root.number("asked", 0, 1);
   c->persistence = root.number("persistence", 0, 1);
   c->excursion = root.number("excursion", 0, 0.1);
   for (const Arm arm : kArms) {

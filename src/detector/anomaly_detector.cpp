@@ -103,9 +103,9 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
   at(excursion_, arm) = config_.braking_time * (J.topLeftCorner<3, 3>() * toEigen(joints)).norm();
 }
 
-/** [rad] of the motor: as far as the velocity gained carries it, and where the command leads. A command that the
- * control law can have asked for stands for a position error, which it will close but for what dry friction holds; one
- * beyond the clip cannot be its, and is only taken to last for `persistence`. */
+/** [rad] of the motor. Beyond the clip: as far as the velocity gained carries it, with what the command adds to it
+ * while it is taken to last. Within the clip the same without that, or, if it is more, where the command leads: it
+ * stands for a position error that the control law will close, but for what dry friction holds. */
 double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
   const DetectorAxis& axis = at(config_.axes, arm)[i];
   const double velocity = at(velocity_, arm)[i];
@@ -114,7 +114,10 @@ double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now
   if (std::abs(static_cast<double>(dac)) > drives_.clip[i])
     return carried + config_.braking_time * config_.persistence * at(predictions_, arm)[i].acceleration;
   const double torque = at(drives_.torque_per_count, arm)[i] * dac;
-  return carried + opposed(netTorque(axis, torque, velocity, at(now.q, arm)), axis.coulomb) / drives_.position_gain[i];
+  const double error =
+      opposed(netTorque(axis, torque, velocity, at(now.q, arm)), axis.coulomb) / drives_.position_gain[i];
+  const double asked = config_.asked * error;
+  return std::abs(asked) > std::abs(carried) ? asked : carried;
 }
 
 void AnomalyDetector::judge(Arm arm) noexcept {

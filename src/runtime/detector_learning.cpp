@@ -188,6 +188,8 @@ std::string detectorYaml(const Learned& learned, const std::string& source) {
       "doc/detector.md\n",
       c.memory);
   text += format("braking_time: %-9g # [s] [0.001, 1] for which velocity gained carries on; tuned\n", c.braking_time);
+  text += format(
+      "asked: %-16g # [-] [0, 1] weight of a position error that a command within the clip asks for; tuned\n", c.asked);
   text += format("persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last: one step\n",
                  c.persistence);
   text +=

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
+#include "raven2_trainer/raven/drives.h"
 #include "raven2_trainer/runtime/detector_study.h"
 #include "support/rig.h"
 
@@ -51,6 +53,21 @@ TEST(DetectorRates, AreThoseOfThePaperOnAPartOfTheGrids) {
     EXPECT_GE(r.truePositive(), bound.true_positive - granted(bound.true_positive, r.unsafe));
     EXPECT_LE(r.falsePositive(), bound.false_positive + granted(bound.false_positive, r.safe));
   }
+}
+
+TEST(DetectorRates, NoAlarmWithoutAFault) {
+  testing::useOde();
+  const TrainerConfig config = testing::packagedConfig();
+  double largest = 0.0;
+  for (std::uint64_t seed = 300001; seed <= 300004; ++seed) {
+    const DetectorTrial trial(studyConfig(config, seed), 5000);
+    detector::AnomalyDetector detector(config.detector, raven::drivesOf(config.arms, config.virtual_raven));
+    for (const TrialTick& tick : trial.past())
+      largest = std::max(largest, detector.step(observationOf(tick)).size);
+  }
+  // 20 s of both arms; an alarm is above 1, and what is held under an alarm must be below half of one
+  EXPECT_GT(largest, 0.0);
+  EXPECT_LT(largest, 0.5);
 }
 
 TEST(DetectorRates, SameSeedSameOutcomes) {

@@ -310,6 +310,7 @@ struct DetectorConfig {
   double factor{};        ///< [-] on all thresholds
   double memory{};        ///< [s] over which a motor's mean velocity is taken
   double braking_time{};  ///< [s] for which velocity gained carries on
+  double asked{};         ///< [-] weight of a position error that a command within the clip stands for
   double persistence{};   ///< [s] that a command beyond the clip is taken to last
   double excursion{};     ///< [m] predicted departure of the tip
   PerArm<std::array<DetectorAxis, kDetectorAxes>> axes{};

@@ -29,6 +29,7 @@ DetectorConfig plainConfig(DetectorRule rule) {
   config.factor = 1.0;
   config.memory = 0.2;
   config.braking_time = 0.03;
+  config.asked = 0.7;
   config.persistence = 0.001;
   config.excursion = 0.001;
   for (auto& arm : config.axes)
@@ -137,7 +138,7 @@ TEST(AnomalyDetector, PublishedRuleKnowsOfNoOtherJoint) {
   }
 }
 
-TEST(AnomalyDetector, DepartureOfACommandWithinTheClipIsThePositionErrorItStandsFor) {
+TEST(AnomalyDetector, DepartureOfACommandWithinTheClipIsTheWeightedPositionErrorItStandsFor) {
   // A command of kp e closes the error e: the shoulder moves the tip by its distance from the shoulder's axis, which is
   // base z (raven2.md 2.1), times e. At home the tip is at x -77.947, y -25.266 mm (2.4).
   AnomalyDetector detector(plainConfig(DetectorRule::kDeparture), plainDrives());
@@ -145,7 +146,7 @@ TEST(AnomalyDetector, DepartureOfACommandWithinTheClipIsThePositionErrorItStands
   const std::int32_t dac = 2400;
   const double net = dac / 3695.807 - 0.05;  // friction takes its part
   stepAt(&detector, kShoulder, 0, dac);
-  EXPECT_NEAR(detector.excursion(Arm::kGold), net / 0.3 / 136.19625551 * radius, 2e-7);
+  EXPECT_NEAR(detector.excursion(Arm::kGold), 0.7 * net / 0.3 / 136.19625551 * radius, 2e-7);
   EXPECT_EQ(detector.excursion(Arm::kGreen), 0.0);
 }
 
