@@ -52,7 +52,8 @@ void AnomalyDetector::forget(const Observation& now) noexcept {
   for (const Arm arm : kArms) {
     for (std::size_t i = 0; i < kAxes; ++i)
       at(last_motor_, arm)[i] = at(now.motor, arm)[i];
-    at(velocity_, arm) = at(mean_velocity_, arm) = Vec3{};
+    at(velocity_, arm) = at(mean_velocity_, arm) = at(travelled_, arm) = Vec3{};
+    at(was_beyond_, arm).fill(false);
   }
   warm_ = now.engaged;
 }
@@ -72,14 +73,18 @@ const Verdict& AnomalyDetector::step(const Observation& now) noexcept {
   return verdict_;
 }
 
-/** The velocity is the difference of encoder positions, as the robot takes it (raven2.md 3.7). */
+/** The velocity is the difference of encoder positions, as the robot takes it (raven2.md 3.7). What moves under a command
+ *  beyond the clip is not the surgeon's motion: the mean waits. */
 void AnomalyDetector::observe(Arm arm, const Observation& now) noexcept {
   for (std::size_t i = 0; i < kAxes; ++i) {
     const double motor = at(now.motor, arm)[i];
     double& mean = at(mean_velocity_, arm)[i];
-    mean += forgetting_ * (at(velocity_, arm)[i] - mean);
+    if (!at(was_beyond_, arm)[i]) mean += forgetting_ * (at(velocity_, arm)[i] - mean);
     at(velocity_, arm)[i] = (motor - at(last_motor_, arm)[i]) / kTickSeconds;
     at(last_motor_, arm)[i] = motor;
+    double& travelled = at(travelled_, arm)[i];
+    travelled = at(was_beyond_, arm)[i] ? travelled + (at(velocity_, arm)[i] - mean) * kTickSeconds : 0.0;
+    at(was_beyond_, arm)[i] = isBeyondClip(i, at(now.dac, arm)[i]);
   }
 }
 
@@ -103,21 +108,26 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
   at(excursion_, arm) = config_.braking_time * (J.topLeftCorner<3, 3>() * toEigen(joints)).norm();
 }
 
-/** [rad] of the motor. Beyond the clip: as far as the velocity gained carries it, with what the command adds to it
- * while it is taken to last. Within the clip the same without that, or, if it is more, where the command leads: it
- * stands for a position error that the control law will close, but for what dry friction holds. */
+/** [rad] of the motor: what it has travelled since its command left the clip, and as far as the velocity gained carries
+ * it. Beyond the clip that velocity has what the command adds to it while it is taken to last. Within the clip, if it
+ * is more, where the command leads: it stands for a position error that the control law will close, but for what dry
+ *  friction holds. */
 double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
   const DetectorAxis& axis = at(config_.axes, arm)[i];
   const double velocity = at(velocity_, arm)[i];
-  const double carried = config_.braking_time * (velocity - at(mean_velocity_, arm)[i]);
+  const double gained = velocity - at(mean_velocity_, arm)[i];
+  const double carried = at(travelled_, arm)[i] + config_.braking_time * gained;
   const std::int32_t dac = at(now.dac, arm)[i];
-  if (std::abs(static_cast<double>(dac)) > drives_.clip[i])
+  if (isBeyondClip(i, dac))
     return carried + config_.braking_time * config_.persistence * at(predictions_, arm)[i].acceleration;
   const double torque = at(drives_.torque_per_count, arm)[i] * dac;
-  const double error =
-      opposed(netTorque(axis, torque, velocity, at(now.q, arm)), axis.coulomb) / drives_.position_gain[i];
-  const double asked = config_.asked * error;
+  const double net = netTorque(axis, torque, velocity, at(now.q, arm));
+  const double asked = config_.asked * opposed(net, axis.coulomb) / drives_.position_gain[i];
   return std::abs(asked) > std::abs(carried) ? asked : carried;
+}
+
+bool AnomalyDetector::isBeyondClip(std::size_t axis, std::int32_t dac) const noexcept {
+  return std::abs(static_cast<double>(dac)) > drives_.clip[axis];
 }
 
 void AnomalyDetector::judge(Arm arm) noexcept {

@@ -190,7 +190,7 @@ std::string detectorYaml(const Learned& learned, const std::string& source) {
   text += format("braking_time: %-9g # [s] [0.001, 1] for which velocity gained carries on; tuned\n", c.braking_time);
   text += format(
       "asked: %-16g # [-] [0, 1] weight of a position error that a command within the clip asks for; tuned\n", c.asked);
-  text += format("persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last: one step\n",
+  text += format("persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last; tuned\n",
                  c.persistence);
   text +=
       format("excursion: %-12g # [m] [0, 0.1] predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any\n",

@@ -79,6 +79,7 @@ class AnomalyDetector {
   void predict(Arm arm, const Observation& now) noexcept;
   void observe(Arm arm, const Observation& now) noexcept;
   double departure(Arm arm, std::size_t axis, const Observation& now) const noexcept;
+  bool isBeyondClip(std::size_t axis, std::int32_t dac) const noexcept;
   void judge(Arm arm) noexcept;
   void forget(const Observation& now) noexcept;
 
@@ -88,6 +89,8 @@ class AnomalyDetector {
   bool warm_{false};
   PerArm<Vec3> last_motor_{};                  // [rad]
   PerArm<Vec3> velocity_{}, mean_velocity_{};  // [rad/s]
+  PerArm<Vec3> travelled_{};                   // [rad] since the command left the clip
+  PerArm<std::array<bool, kAxes>> was_beyond_{};
   PerArm<std::array<Prediction, kAxes>> predictions_{};
   PerArm<double> excursion_{};  // [m]
   Verdict verdict_{};
