@@ -20,7 +20,9 @@ RavenServer::RavenServer(const TrainerConfig& config)
       plant_(model_, config.virtual_raven),
       receiver_(config.network.bind_address, config.network.robot_port),
       state_server_(config.network.bind_address, config.network.state_port, /*is_virtual=*/true),
-      runtime_(config.runtime) {}
+      runtime_(config.runtime) {
+  software_.setDetector(config.detector);
+}
 
 RavenServer::~RavenServer() {
   stop();

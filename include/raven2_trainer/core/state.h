@@ -113,6 +113,7 @@ struct RobotState {
   std::uint8_t soft_estopped{};
   std::uint8_t fault_mask{};                     ///< bit i: row i of the armed plan acts in that cycle
   ProgramState program{ProgramState::kRunning};  ///< does not travel: who does not run sends nothing
+  std::uint64_t detector_cycles{};  ///< cycles in which the robot's own detector replaced a command; does not travel
   std::uint8_t is_virtual{};                     ///< 1 only if the hello said "virtual"; anything else is a real robot
   PerArm<RobotArmState> arms{};
   LinkCounts itp{};  ///< the robot's own count of our packets
