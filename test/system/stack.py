@@ -65,7 +65,8 @@ class Stack:
     """Robot, daemon and console of one session, in a folder of its own. Use as a context manager."""
 
     def __init__(self, folder=None, configure=None, environment=None):
-        """configure: {"network": {"auth": "required"}, ...}: changes to the files of config/."""
+        """configure: {"network": {"auth": "required"}, ...}: changes to the files of config/; or a function that makes them
+        in what the file holds."""
         self.folder = folder or tempfile.mkdtemp(prefix="raven2_")
         self.output = os.path.join(self.folder, "session")
         self.master_port, self.robot_port, self.force_port, self.state_port = free_ports(4)
@@ -81,7 +82,7 @@ class Stack:
             path = os.path.join(target, "config", name + ".yaml")
             with open(path, encoding="utf-8") as file:
                 content = yaml.safe_load(file)
-            content.update(values)
+            values(content) if callable(values) else content.update(values)
             with open(path, "w", encoding="utf-8") as file:
                 yaml.safe_dump(content, file)
         return os.path.join(target, "config", "trainer.yaml")
