@@ -15,7 +15,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxTicks = 1000000000;
 constexpr auto kMaxDelay = static_cast<std::int64_t>(kMaxStreamDelay);
-constexpr double kMaxFactor = 1e6;
 constexpr double kMaxReach = 10.0;  // [m] of a distance
 
 FaultVariable readVariable(Section& root, FaultSite site) {
@@ -87,7 +86,7 @@ void readParameters(Section& root, const std::vector<std::string>& impairments, 
       fault->value = readValue(root, "value", fault->variable);
       break;
     case FaultKind::kScale:
-      fault->value = root.number("value", -kMaxFactor, kMaxFactor);
+      fault->value = root.number("value", -kMaxFaultFactor, kMaxFaultFactor);
       break;
     case FaultKind::kRamp:
     case FaultKind::kDrift:
@@ -170,8 +169,8 @@ void checkFault(const Section& root, const Fault& fault) {
   refuse(!serves(fault.host, fault.site), root, "host", "does not serve that site");
   refuse(!takes(fault.variable, fault.kind), root, "kind", kind + " is not for that variable");
   refuse(
-      fault.kind == FaultKind::kImpair && (fault.host == FaultHost::kRobot || fault.trigger == FaultTrigger::kPacket),
-      root, "kind", "impair is for the daemon's streams, by ticks");
+      fault.kind == FaultKind::kImpair && (fault.host != FaultHost::kRelay || fault.trigger == FaultTrigger::kPacket),
+      root, "kind", "impair is for host relay, by ticks");
   refuse(fault.trigger == FaultTrigger::kPacket && fault.host == FaultHost::kConsole, root, "start",
          "can never fire: the console's forces and pictures are no packets");
   refuse(!(fault.probability > 0.0), root, "probability", "can never fire");

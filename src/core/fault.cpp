@@ -29,9 +29,18 @@ bool areTimesSound(const Fault& fault) noexcept {
          isTime(fault.period_ticks) && fault.count >= 0 && isTime(fault.half_period_ticks) && isTime(fault.ramp_ticks);
 }
 
+/** What a scenario file may say, and no more: twice 1e308 would be infinite, and stay so in a filter. */
 bool areNumbersSound(const Fault& fault) noexcept {
-  return std::isfinite(fault.threshold) && isWithin(fault.probability, 0.0, 1.0) && std::isfinite(fault.value) &&
-         std::isfinite(fault.low) && std::isfinite(fault.high);
+  if (!isWithin(fault.threshold, 0.0, 1e6) || !isWithin(fault.probability, 0.0, 1.0) || !std::isfinite(fault.value) ||
+      !std::isfinite(fault.low) || !std::isfinite(fault.high))
+    return false;
+  if (!isNumberKind(fault.kind)) return true;
+  if (fault.kind == FaultKind::kScale) return isWithin(fault.value, -kMaxFaultFactor, kMaxFaultFactor);
+  const FaultVariableInfo& info = infoOf(fault.variable);
+  if (fault.kind == FaultKind::kRandom || fault.kind == FaultKind::kRandomOnce)
+    return isWithin(fault.low, info.low, fault.high) && isWithin(fault.high, fault.low, info.high);
+  const bool has_value = fault.kind != FaultKind::kSignFlip && fault.kind != FaultKind::kHoldLast;
+  return !has_value || isWithin(fault.value, info.low, info.high);
 }
 
 /** What a stream is to do must fit into it. */
@@ -51,7 +60,7 @@ bool isStreamSound(const Fault& fault) noexcept {
       return isWithin(std::abs(fault.low), 0.0, kMaxForgedAhead) &&
              isWithin(fault.value, -2147483648.0, 2147483647.0) && fault.channel >= 0;
     case FaultKind::kImpair:
-      return isWithin(fault.value, 0.0, 1000.0);
+      return isWithin(fault.value, 0.0, 1000.0) && fault.host == FaultHost::kRelay;
     default:
       return true;
   }

@@ -23,7 +23,7 @@ bool hasCome(const Fault& fault, const FaultCycle& cycle, std::uint32_t tool_cha
     case FaultTrigger::kHand:
       return true;
     case FaultTrigger::kRunLevel:
-      return cycle.run_level == static_cast<int>(fault.threshold);
+      return cycle.run_level == fault.threshold;
     case FaultTrigger::kTissueDistance:
       return cycle.signals.tissue_distance <= fault.threshold;
     case FaultTrigger::kTargetDistance:
@@ -110,8 +110,13 @@ std::int64_t FaultEngine::clockOf(const Fault& fault,
 void FaultEngine::advance(const Fault& fault, Progress* progress, bool may_start) noexcept {
   const std::int64_t clock = progress->clock;
   if (clock < 0) return;
-  if (progress->active && fault.duration_ticks > 0 && clock >= progress->begin + fault.duration_ticks)
+  if (progress->active && fault.duration_ticks > 0 && clock >= progress->begin + fault.duration_ticks) {
     progress->active = false;
+    // One that began late and ran over its next time does not come again at once.
+    const std::int64_t missed = clock - progress->next;
+    if (fault.period_ticks > 0 && missed > 0)
+      progress->next += (missed + fault.period_ticks - 1) / fault.period_ticks * fault.period_ticks;
+  }
   if (progress->active || !isDue(fault, progress->next, progress->times, clock) || !may_start) return;
   ++progress->times;
   // Armed late, the periods that have passed are not made up for.

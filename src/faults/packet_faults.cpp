@@ -45,6 +45,7 @@ Quat faultedRotation(FaultEngine* engine, Arm arm, const Quat& q) noexcept {
 
 std::uint32_t faultedSequence(FaultEngine* engine, std::uint32_t sequence) noexcept {
   const double faulted = engine->apply(FaultVariable::kSequence, Arm::kGold, 0, sequence);
+  if (std::isnan(faulted)) return 0;
   return static_cast<std::uint32_t>(std::clamp(std::round(faulted), 0.0, 4294967295.0));
 }
 

@@ -69,11 +69,12 @@ constexpr std::int32_t kBoards = 2;  // activeAtStart
 struct FrameTraits {
   static std::uint64_t& sequence(RobotState& state) noexcept { return state.cycle; }
   static void takeMotion(RobotState* to, const RobotState& from) noexcept {
-    const auto cycle = to->cycle;
-    const auto time_ns = to->time_ns;
+    const RobotState own = *to;
     *to = from;
-    to->cycle = cycle;
-    to->time_ns = time_ns;
+    to->cycle = own.cycle;
+    to->time_ns = own.time_ns;
+    to->active_fault = own.active_fault;  // the ground truth is not the robot's to freeze
+    to->fault_mask = own.fault_mask;
   }
   static void forge(RobotState*, Arm, std::size_t, double) noexcept {}
 };
@@ -112,6 +113,7 @@ struct ControlSoftware::Impl {
   void runCycle(const PerArm<UsbRead>& boards) noexcept;
   void getUsbPackets(const PerArm<UsbRead>& boards) noexcept;
   void getUsbPacket(const PerArm<UsbRead>& boards, Mechanism* mech) noexcept;
+  RunLevel faultedLevel(FaultVariable variable, RunLevel level) noexcept;
   void readLevel() noexcept;
   void estimateState() noexcept;
   void corruptTip(Mechanism* mech) noexcept;
@@ -210,13 +212,17 @@ void ControlSoftware::Impl::getUsbPacket(const PerArm<UsbRead>& boards, Mechanis
   decodeIn(bytes, &mech->read);
 }
 
+/** Whatever a fault adds or turns round, there are four levels. */
+RunLevel ControlSoftware::Impl::faultedLevel(FaultVariable variable, RunLevel level) noexcept {
+  const std::int32_t faulted = faults.applyInt(variable, Arm::kGold, 0, static_cast<std::int32_t>(level));
+  return static_cast<RunLevel>(std::clamp(faulted, 0, 3));
+}
+
 void ControlSoftware::Impl::readLevel() noexcept {
   const RunLevel wanted = StateMachine::levelOf(mechanisms[0].in.pins, mechanisms[1].in.pins);
   // PLCState is shown and no more (raven2.md 4.2, step 5).
   faults.applyInt(FaultVariable::kPlcState, Arm::kGold, 0, static_cast<std::int32_t>(wanted));
-  const std::int32_t level =
-      faults.applyInt(FaultVariable::kRunLevelDesired, Arm::kGold, 0, static_cast<std::int32_t>(wanted));
-  machine.follow(static_cast<RunLevel>(level));
+  machine.follow(faultedLevel(FaultVariable::kRunLevelDesired, wanted));
 }
 
 void ControlSoftware::Impl::estimateState() noexcept {
@@ -271,11 +277,9 @@ void ControlSoftware::Impl::couple(Mechanism* mech) noexcept {
 }
 
 JointArray ControlSoftware::Impl::track(Mechanism* mech) noexcept {
-  if (faults.isArmed()) {
-    JointArray gains{1, 1, 1, 1, 1, 1, 1};
-    faults.applyAll(FaultVariable::kGain, mech->arm, &gains);
-    mech->controller.scaleGains(gains);
-  }
+  JointArray gains{1, 1, 1, 1, 1, 1, 1};
+  faults.applyAll(FaultVariable::kGain, mech->arm, &gains);
+  mech->controller.scaleGains(gains);
   JointArray tau = mech->controller.torque(mech->mpos_d, mech->mpos, mech->mvel);
   faults.applyAll(FaultVariable::kTauD, mech->arm, &tau);
   return tau;
@@ -395,7 +399,7 @@ std::uint8_t ControlSoftware::Impl::atmelOutputs() noexcept {
   };
   StateMachine::Outputs outputs;
   outputs.pedal = told(FaultVariable::kSurgeonMode, network.pedal() ? 1 : 0) != 0;
-  outputs.level = static_cast<RunLevel>(told(FaultVariable::kRunLevel, static_cast<std::int32_t>(machine.runLevel())));
+  outputs.level = faultedLevel(FaultVariable::kRunLevel, machine.runLevel());
   outputs.initialized = told(FaultVariable::kInitialized, machine.initialized() ? 1 : 0) != 0;
   return machine.outputPins(outputs);
 }
@@ -620,8 +624,7 @@ void ControlSoftware::returnState(std::int64_t time_ns) noexcept {
   state.time_ns = time_ns;
   for (const Arm arm : kArms)
     s.faults.applyAll(FaultVariable::kReturnedJpos, arm, &at(state.arms, arm).q);
-  state.runlevel = static_cast<RunLevel>(
-      s.faults.applyInt(FaultVariable::kReturnedRunLevel, Arm::kGold, 0, static_cast<std::int32_t>(state.runlevel)));
+  state.runlevel = s.faultedLevel(FaultVariable::kReturnedRunLevel, state.runlevel);
   s.returned.offer(state, &s.faults);
 }
 

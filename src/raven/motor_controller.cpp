@@ -49,11 +49,11 @@ bool OverdriveCheck::check(bool clips, DacArray* dac) noexcept {
   bool stop = false;
   for (std::size_t j = 0; j < kGrasp2; ++j) {
     std::int32_t& command = (*dac)[j];
-    if (std::abs(command) > max_inst_dac_) {
+    if (std::abs(std::int64_t{command}) > max_inst_dac_) {
       command = 0;
       count_ = 0;
       stop = true;
-    } else if (clips && std::abs(command) > clip_[j]) {
+    } else if (clips && std::abs(std::int64_t{command}) > clip_[j]) {
       stop = regulate(j, &command) || stop;
     }
   }

@@ -71,7 +71,10 @@ void NetworkLayer::receive(const wire::Arrival& arrival, faults::FaultEngine* fa
     return;
   }
   faults->beginPacket(packet.surgeon_mode != 0);
-  if (!faults->isArmed() && held_.isEmpty()) return take(packet, faults);
+  if (!faults->isArmed() && held_.isEmpty()) {
+    held_.pass(packet);
+    return take(packet, faults);
+  }
   held_.offer(packet, faults);
   release(faults);
 }

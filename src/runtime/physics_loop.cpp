@@ -118,14 +118,26 @@ void PhysicsLoop::drainCommands() noexcept {
     shared_.command_records.tryPush({state_.tick + 1, command});
     for (const Arm arm : kArms)  // where the hands really are
       at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
-    const bool is_clean = !(master_faults_.isArmed() && mayInject()) && master_stream_.isEmpty();
     master_faults_.beginPacket(command.pedal != 0);
-    if (is_clean) {
-      takeCommand(command);
-    } else {
-      master_stream_.offer(command, &master_faults_);
-    }
+    corruptMaster(command);
   }
+  if (mayInject()) takeHeldCommands();
+}
+
+void PhysicsLoop::corruptMaster(const MasterCommand& command) noexcept {
+  const bool injects = mayInject();
+  if (!injects) master_stream_.clear();  // what a fault held back of a virtual robot's is not for a real one
+  if (!injects || (!master_faults_.isArmed() && master_stream_.isEmpty())) {
+    master_stream_.pass(command);
+    takeCommand(command);
+    return;
+  }
+  master_stream_.offer(command, &master_faults_);
+  takeHeldCommands();
+}
+
+void PhysicsLoop::takeHeldCommands() noexcept {
+  MasterCommand command;
   while (master_stream_.take(&command, master_faults_)) {
     faults::applyToCommand(&master_faults_, &command);
     for (Quat& dq : command.dq_I)
@@ -147,10 +159,10 @@ void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
   }
 }
 
-/** Into what a real robot is sent, only with the second key. */
+/** Into what a real robot is sent, only with the second key; also while its state does not reach us, for our packets
+ *  may still reach it. */
 bool PhysicsLoop::mayInject() const noexcept {
-  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
-  return !has_robot || robot_.is_virtual != 0 || config_.injection.real_robot;
+  return config_.injection.real_robot || robot_.is_virtual != 0 || !relay_started_;
 }
 
 /** Whether this tick may take one more. After a stall many wait: together they would be a jump, to the model as to the
@@ -427,8 +439,12 @@ void PhysicsLoop::relay() noexcept {
   }
   relay_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.faults.signals});
   relay_faults_.beginPacket(linked_);
-  const bool is_clean = !(relay_faults_.isArmed() && mayInject()) && relay_stream_.isEmpty();
-  if (is_clean) return sendToRobot(packet);
+  const bool injects = mayInject();
+  if (!injects) relay_stream_.clear();
+  if (!injects || (!relay_faults_.isArmed() && relay_stream_.isEmpty())) {
+    relay_stream_.pass(packet.command);
+    return sendToRobot(packet);
+  }
   relay_stream_.offer(packet.command, &relay_faults_);
   while (relay_stream_.take(&packet.command, relay_faults_)) {
     faults::applyToCommand(&relay_faults_, &packet.command);
@@ -443,10 +459,17 @@ void PhysicsLoop::sendToRobot(const RelayPacket& packet) noexcept {
   shared_.relay_packets.tryPush(sent);
 }
 
+void PhysicsLoop::uncorruptConsole() noexcept {
+  const FaultSignals signals = state_.faults.signals;
+  state_.faults = DaemonFaults{};
+  state_.faults.signals = signals;
+}
+
 /** What the surgeon feels and sees: from what is right to what faults make of it. */
 void PhysicsLoop::corruptConsole() noexcept {
   console_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.faults.signals});
-  state_.faults.console = console_faults_.activeMask();
+  state_.faults.console = mayInject() ? console_faults_.activeMask() : std::uint8_t{0};
+  if (!mayInject()) return uncorruptConsole();
   for (const Arm arm : kArms) {
     at(state_.faults.force_gain, arm) = console_faults_.apply(FaultVariable::kForceGain, arm, 0, 1.0);
     at(state_.faults.force_offset_B, arm) = Vec3{};
@@ -468,7 +491,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   state_.faults.master = injects ? master_faults_.activeMask() : std::uint8_t{0};
   const std::uint32_t relayed = injects ? relay_faults_.activeId() : 0;
   state_.faults.active = relayed != 0 || !injects ? relayed : master_faults_.activeId();
-  if (state_.faults.active == 0) state_.faults.active = console_faults_.activeId();
+  if (state_.faults.active == 0 && injects) state_.faults.active = console_faults_.activeId();
   for (const Arm arm : kArms)
     fillArm(arm, &at(state_.arms, arm));
   world_.bodyPoses(&state_.bodies);

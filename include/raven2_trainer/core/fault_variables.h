@@ -186,6 +186,7 @@ bool takes(FaultVariable variable, FaultKind kind) noexcept;
 bool isSound(const Fault& fault) noexcept;
 
 constexpr double kMaxStreamDelay = 500;  ///< [ticks] what a stream can hold back, and the longest replay [packets]
+constexpr double kMaxFaultFactor = 1e6;  ///< of kScale
 constexpr double kMaxDuplicates = 8;
 constexpr double kMaxReordered = 64;
 constexpr double kMaxForgedAhead = 1e6;

@@ -26,6 +26,16 @@ class PacketStream {
  public:
   explicit PacketStream(FaultVariable variable) : variable_(variable), memory_(std::make_unique<Memory>()) {}
 
+  /** A packet that goes by while nothing is armed: it may be replayed later. */
+  void pass(const T& packet) noexcept { past(remembered_++) = packet; }
+
+  /** Lets go of everything that it holds, and of what could be replayed. */
+  void clear() noexcept {
+    released_ = end_;
+    held_back_ = false;
+    remembered_ = 0;
+  }
+
   /** A packet goes in. */
   void offer(const T& packet, FaultEngine* engine) noexcept {
     T changed = packet;

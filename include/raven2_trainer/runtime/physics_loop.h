@@ -62,7 +62,10 @@ class PhysicsLoop {
   void drainCommands() noexcept;
   void takeCommand(const MasterCommand& command) noexcept;
   bool mayInject() const noexcept;
+  void corruptMaster(const MasterCommand& command) noexcept;
+  void takeHeldCommands() noexcept;
   void corruptConsole() noexcept;
+  void uncorruptConsole() noexcept;
   bool fits(const MasterCommand& command) const noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;

@@ -148,6 +148,37 @@ TEST(FaultSites, TorqueGainAndCommandReachTheBoards) {
   EXPECT_GT(std::abs(clean.out[0].dac[0]), std::abs(off) + 100) << "without gains only gravity is left";
 }
 
+TEST(FaultSites, GainsAreRightAgainOnceTheFaultIsCleared) {
+  Struck bench(now(FaultVariable::kGain, FaultKind::kStuckAt, 0.0, -1));
+  FaultPlan nothing;
+  nothing.generation = 1U << 30U;
+  bench.software.setFaults(nothing);
+  Bench clean;
+  clean.bringTo(RunLevel::kPedalDown);
+  clean.cycles(20);
+  for (Bench* one : {static_cast<Bench*>(&bench), &clean}) {
+    for (int k = 0; k < 10; ++k) {
+      one->q[0][kShoulder] += 0.0005;
+      one->cycle();
+    }
+    one->cycles(3);
+  }
+  EXPECT_EQ(bench.out[0].dac[0], clean.out[0].dac[0]);
+}
+
+TEST(FaultSites, ALevelBeyondTheLastIsTheLast) {
+  EXPECT_EQ(Struck(now(FaultVariable::kRunLevelDesired, FaultKind::kAdd, 3)).level(), RunLevel::kPedalDown);
+  EXPECT_EQ(Struck(now(FaultVariable::kRunLevelDesired, FaultKind::kSignFlip, 0)).level(), RunLevel::kEStop);
+}
+
+TEST(FaultSites, TheLargestNegativeCommandIsStoppedAsTheLargestPositiveOne) {
+  for (const double value : {-1e6, 1e6}) {
+    Fault fault = now(FaultVariable::kCurrentCmd, FaultKind::kAdd, value, kShoulder);
+    Struck bench(fault);
+    EXPECT_EQ(bench.software.state().soft_estopped, 1) << value;
+  }
+}
+
 TEST(FaultSites, ACommandBeforeTheCheckIsSeenByItAndOneBehindIsNot) {
   Struck before(now(FaultVariable::kCurrentCmd, FaultKind::kStuckAt, 30000, kShoulder));
   EXPECT_EQ(before.software.state().soft_estopped, 1);
