@@ -488,7 +488,7 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.hazard = root.text("hazard");
   c.seed = static_cast<std::uint64_t>(root.integer("seed", 0, std::int64_t{1} << 53));
   root.finish();
-  faultId(c, c.hazard);  // refuses an unknown one
+  checkHazard(c);
   return c;
 }
 
@@ -526,6 +526,11 @@ std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {
     known += ", " + scenario.name;
   }
   throw ConfigException("no hazard is called \"" + name + "\"; known: " + known);
+}
+
+void checkHazard(const TrainerConfig& config) {
+  if (faultId(config, config.hazard) != 0 && !config.injection.enable)
+    throw ConfigException("hazard " + config.hazard + " is to be armed, but injection.yaml does not enable it");
 }
 
 FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation) {

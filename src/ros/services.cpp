@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/runtime/fault_director.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "ros/messages.h"
 
@@ -75,6 +76,9 @@ bool Services::startHazard(StartHazard::Request& request, StartHazard::Response&
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
     refuseInjection(id);
+    const FaultPlan wanted = config::planFor(simulator_.config(), id, 0);
+    if (!runtime::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
+      throw ConfigException("too many faults are armed: stop_hazard first");
     response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
     response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";
   } catch (const ConfigException& e) {

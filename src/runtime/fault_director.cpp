@@ -10,25 +10,57 @@ FaultDirector::FaultDirector(const TrainerConfig& config, SharedState* shared)
 }
 
 void FaultDirector::tick() {
+  if (waiting_.start != 0) add(waiting_.fault_id);
+  waiting_ = FaultRequest{};
   FaultRequest request;
-  while (shared_.fault_requests.tryPop(&request))
+  while (waiting_.start == 0 && shared_.fault_requests.tryPop(&request))
     apply(request);
 }
 
+/** What is armed anew begins anew: engines know a row that stays by its looks, so it is first seen to be gone. */
 void FaultDirector::apply(const FaultRequest& request) {
+  const bool was_armed = remove(request.fault_id);
+  if (request.start == 0) return;
+  if (was_armed) {
+    waiting_ = request;
+  } else {
+    add(request.fault_id);
+  }
+}
+
+bool FaultDirector::remove(std::uint32_t id) {
   FaultPlan next = plan_;
   next.count = 0;
   for (std::size_t i = 0; i < plan_.count; ++i) {
-    const bool cleared = request.fault_id == 0 || plan_.faults[i].id == request.fault_id;
-    if (!cleared) next.faults[next.count++] = plan_.faults[i];
+    const bool goes = id == 0 || plan_.faults[i].id == id;
+    if (!goes) next.faults[next.count++] = plan_.faults[i];
   }
-  const FaultPlan added = config::planFor(config_, request.fault_id, 0);
-  const bool fits = next.count + added.count <= kMaxFaults;  // a scenario is armed whole or not at all
-  for (std::size_t i = 0; request.start != 0 && fits && i < added.count; ++i)
+  if (next.count == plan_.count) return false;
+  publish(next);
+  return true;
+}
+
+/** A scenario is armed whole or not at all. */
+void FaultDirector::add(std::uint32_t id) {
+  const FaultPlan added = config::planFor(config_, id, 0);
+  if (added.count == 0 || !fits(plan_, added)) return;
+  FaultPlan next = plan_;
+  for (std::size_t i = 0; i < added.count; ++i)
     next.faults[next.count++] = added.faults[i];
-  ++next.generation;
+  publish(next);
+}
+
+void FaultDirector::publish(FaultPlan next) {
+  next.generation = plan_.generation + 1;
   plan_ = next;
   shared_.faults.store(plan_);
+}
+
+bool FaultDirector::fits(const FaultPlan& armed, const FaultPlan& added) {
+  std::size_t count = added.count;
+  for (std::size_t i = 0; i < armed.count; ++i)
+    count += armed.faults[i].id == added.faults[0].id ? 0 : 1;  // its own former rows go first
+  return count <= kMaxFaults;
 }
 
 }  // namespace raven2_trainer::runtime

@@ -12,12 +12,19 @@ class FaultDirector {
   FaultDirector(const TrainerConfig& config, SharedState* shared);
   void tick();
 
+  /** Whether there is room for a scenario's plan beside what is armed. */
+  static bool fits(const FaultPlan& armed, const FaultPlan& added);
+
  private:
   void apply(const FaultRequest& request);
+  bool remove(std::uint32_t id);
+  void add(std::uint32_t id);
+  void publish(FaultPlan next);
 
   const TrainerConfig& config_;
   SharedState& shared_;
   FaultPlan plan_{};
+  FaultRequest waiting_{};  ///< to be armed anew in the next tick
 };
 
 }  // namespace raven2_trainer::runtime

@@ -62,8 +62,8 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
 TrainerConfig CommonOptions::load() const {
   TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config);
   if (!hazard.empty()) {
-    config::faultId(loaded, hazard);
     loaded.hazard = hazard;
+    config::checkHazard(loaded);
   }
   if (!plant.empty()) config::selectPlant(&loaded, plant);
   if (seed >= 0) loaded.seed = static_cast<std::uint64_t>(seed);

@@ -205,6 +205,88 @@ TEST(FaultRuns, ARealRobotsStreamStaysCleanWithoutTheSecondKey) {
   }
 }
 
+TEST(FaultRuns, NoLostLinkHeldPacketOrConsoleFaultGoesAroundTheSecondKey) {
+  TrainerConfig config = faultConfig();
+  raven2_trainer::testing::Rig rig(config);
+  ASSERT_TRUE(rig.home());
+  const auto arm = [&](const Fault& fault, std::uint64_t generation) {
+    FaultPlan plan;
+    plan.generation = generation;
+    plan.count = 1;
+    plan.faults[0] = fault;
+    rig.shared->faults.store(plan);
+  };
+  Fault late = byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDelay, 0);
+  late.low = late.high = 50;
+  arm(late, 98);  // of the virtual robot: packets are held back
+  for (int i = 0; i < 100; ++i)
+    rig.tick(true);
+  ASSERT_NE(rig.model().faults.relay, 0);
+  // WHEN a real one takes its place
+  rig.link.disconnected();
+  rig.link.connected();
+  std::array<std::uint8_t, wire::kMaxFrame> hello{};
+  rig.link.receive(hello.data(), wire::encodeHello(1, /*is_virtual=*/false, hello.data()), 0);
+  std::uint32_t before = 0;
+  for (int i = 0; i < 60; ++i) {
+    rig.tick(false);
+    if (i > 2) EXPECT_EQ(rig.last_relay.command.sequence, before + 1) << "late packets";
+    before = rig.last_relay.command.sequence;
+  }
+  EXPECT_EQ(rig.model().faults.relay, 0);
+  // and its link is lost, with a pedal stuck down
+  arm(byHand(FaultHost::kRelay, FaultVariable::kPedal, FaultKind::kStuckAt, 1), 99);
+  rig.link.disconnected();
+  rig.robot_connected = false;
+  for (int i = 0; i < 20; ++i)
+    rig.tick(false);
+  EXPECT_EQ(rig.last_relay.command.pedal, 0) << "our packets may still reach it";
+  arm(byHand(FaultHost::kConsole, FaultVariable::kPicture, FaultKind::kStuckAt, 1), 100);
+  for (int i = 0; i < 5; ++i)
+    rig.tick(false);
+  EXPECT_EQ(rig.model().faults.picture, 0);
+  EXPECT_EQ(rig.model().faults.console, 0);
+}
+
+TEST(FaultRuns, WhatIsArmedAnewComesAnew) {
+  TrainerConfig config = faultConfig();
+  Fault& jump = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");
+  jump.trigger = FaultTrigger::kHand;
+  jump.first_tick = 0;
+  jump.duration_ticks = 5;
+  jump.period_ticks = 0;
+  raven2_trainer::testing::Rig rig(config);
+  ASSERT_TRUE(rig.home());
+  const std::uint32_t id = config::faultId(config, "sudden_jump");
+  for (int times = 0; times < 3; ++times) {
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, id}));
+    int acted = 0;
+    for (int i = 0; i < 30; ++i) {
+      rig.tick(false);
+      acted += rig.robot().active_fault == id ? 1 : 0;
+    }
+    EXPECT_EQ(acted, 5) << times;
+  }
+}
+
+TEST(FaultRuns, AScenarioThatFindsNoRoomChangesNothing) {
+  raven2_trainer::testing::Rig rig(faultConfig());
+  const TrainerConfig& config = rig.config;
+  std::size_t rows = 0;
+  for (const char* name : {"intent_reorder_delay", "master_sluggish", "net_delay_1", "net_delay_2", "net_delay_3"}) {
+    const FaultPlan before = rig.shared->faults.load();
+    const FaultPlan wanted = config::planFor(config, config::faultId(config, name), 0);
+    const bool fits = FaultDirector::fits(before, wanted);
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, config::faultId(config, name)}));
+    rig.tick(false);
+    rig.tick(false);
+    EXPECT_EQ(rig.shared->faults.load().count, before.count + (fits ? wanted.count : 0)) << name;
+    rows += fits ? wanted.count : 0;
+    if (!fits) return;
+  }
+  FAIL() << rows << " rows fitted: no scenario was refused";
+}
+
 TEST(FaultRuns, WhateverIsDoneToTheRobotTheDaemonGoesOn) {
   Random random(11);
   const int runs = static_cast<int>(effort(12, 200));
