@@ -202,6 +202,15 @@ TEST(FaultRuns, ARealRobotsStreamStaysCleanWithoutTheSecondKey) {
       rig.tick(true);
     EXPECT_EQ(rig.last_relay.command.dp_I[0][0] != 0.0, key);
     EXPECT_EQ(rig.model().faults.relay != 0, key);
+    // Its link is lost: our packets may still reach it.
+    plan.generation = 100;
+    plan.faults[0] = byHand(FaultHost::kRelay, FaultVariable::kPedal, FaultKind::kStuckAt, 1);
+    rig.shared->faults.store(plan);
+    rig.link.disconnected();
+    rig.robot_connected = false;
+    for (int i = 0; i < 5; ++i)
+      rig.tick(false);
+    EXPECT_EQ(rig.last_relay.command.pedal != 0, key);
   }
 }
 
