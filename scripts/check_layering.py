@@ -20,13 +20,14 @@ RULES = {
     "control": (["core", "kinematics"], PURE),
     "haptics": (["core"], PURE),
     "faults": (["core"], None),
+    "detector": (["core", "kinematics"], PURE),
     "wire": (["core"], r"zlib\.h|sodium\.h"),
     "impair": (["core"], None),
     "config": (["core"], r"yaml-cpp/"),
     "model": (["core", "kinematics"], PURE + r"|urdf_|urdf_model/|urdf_parser/|assimp/|tinyxml|console_bridge/"),
     "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h"),
     "session": (["core"], r"zlib\.h|nlohmann/|sys/|fcntl\.h|unistd\.h"),
-    "raven": (["core", "kinematics", "control", "faults", "wire"], PURE),
+    "raven": (["core", "kinematics", "control", "faults", "detector", "wire"], PURE),
     "console": (["core", "kinematics", "control", "wire"], PURE),
     "physics": (["core", "kinematics", "model"], PURE + r"|ode/"),
     "plant": (["core", "kinematics", "model", "raven", "physics"], PURE),
@@ -34,7 +35,7 @@ RULES = {
     "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/"),
     "render": (["core", "kinematics", "model", "session", "training"],
                PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
-    "runtime": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "config", "model", "net",
+    "runtime": (["core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
                 PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|fcntl\.h|unistd\.h|time\.h|sodium\.h|nlohmann/"),
     "campaign": (["core", "kinematics", "config", "session", "runtime"],
@@ -43,7 +44,7 @@ RULES = {
     "apps": (None, None),  # anything
 }
 # Standard headers that a pure module must not use: clocks, threads, files.
-PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "wire", "impair", "raven"}
+PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "raven"}
 IMPURE = {"chrono", "thread", "mutex", "condition_variable", "future", "fstream", "filesystem", "iostream", "ctime"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')

@@ -69,6 +69,7 @@ int run(const Options& options, int argc, char** argv) {
                refusal.empty() ? "SCHED_FIFO" : ("DEGRADED_RT: " + refusal).c_str(), memory.words.c_str());
   ros.start();
   RunLevel shown = RunLevel::kEStop;
+  std::uint64_t acted = 0;
   for (double time = 0.0; (options.duration <= 0.0 || time < options.duration) && !apps::waitForSignal(kLookEvery);
        time += kLookEvery) {
     const RobotState state = server.state();
@@ -76,6 +77,12 @@ int run(const Options& options, int argc, char** argv) {
     const RunLevel level = state.runlevel;
     if (level != shown) std::fprintf(stderr, "run level %s\n", kRunLevelNames[static_cast<std::size_t>(level)]);
     shown = level;
+    const std::uint64_t acts = server.detectorCycles();
+    if (acts != acted) {
+      std::fprintf(stderr, "detector: acted in %llu cycles by cycle %llu\n", static_cast<unsigned long long>(acts),
+                   static_cast<unsigned long long>(state.cycle));
+    }
+    acted = acts;
   }
   ros.end();
   server.stop();

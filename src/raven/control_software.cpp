@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "raven/command_guard.h"
 #include "raven/gravity_compensation.h"
 #include "raven/motor_controller.h"
 #include "raven/network_layer.h"
@@ -91,8 +93,9 @@ void reportPose(const MasterTarget& pose, std::size_t arm, std::array<std::int32
 }  // namespace
 
 struct ControlSoftware::Impl {
-  Impl(const ArmsConfig& arms, const VirtualRavenConfig& virtual_raven, const wire::ItpKey* key)
-      : geometry(arms.geometry),
+  Impl(const ArmsConfig& arms_config, const VirtualRavenConfig& virtual_raven, const wire::ItpKey* key)
+      : arms(arms_config),
+        geometry(arms.geometry),
         config(virtual_raven),
         network(virtual_raven, key),
         overdrive(virtual_raven),
@@ -126,6 +129,7 @@ struct ControlSoftware::Impl {
   PerArm<UsbOutBytes> putUsbPackets() noexcept;
   UsbOutBytes packetFor(Mechanism* mech, std::uint8_t pins) noexcept;
   void putUsbPacket(Mechanism* mech, std::uint8_t pins) noexcept;
+  void guardCommands() noexcept;
   void publishState() noexcept;
   void fillHoming(Arm arm, std::array<std::uint8_t, kJointCount>* jstate) const noexcept;
   void publishReport() noexcept;
@@ -144,6 +148,7 @@ struct ControlSoftware::Impl {
   JointArray track(Mechanism* mech) noexcept;
   void rebaseMaster() noexcept { network.rebase({&mechanisms[0].pos_d, &mechanisms[1].pos_d}); }
 
+  ArmsConfig arms;
   ArmGeometry geometry;
   VirtualRavenConfig config;
   faults::FaultEngine faults{FaultHost::kRobot};
@@ -153,6 +158,7 @@ struct ControlSoftware::Impl {
   NetworkLayer network;
   StateMachine machine;
   OverdriveCheck overdrive;
+  std::optional<CommandGuard> guard;  // none: mitigate off
   QuickHoming quick_homing;
   StopSearch stop_search;
   bool homed{false};  // control mode cartesian, for good
@@ -406,7 +412,16 @@ PerArm<UsbOutBytes> ControlSoftware::Impl::putUsbPackets() noexcept {
   for (Mechanism& mech : mechanisms) {
     if (count-- > 0) putUsbPacket(&mech, pins);
   }
+  if (guard) guardCommands();
   return {mechanisms[0].sent, mechanisms[1].sent};
+}
+
+void ControlSoftware::Impl::guardCommands() noexcept {
+  const auto commandOf = [](Mechanism* mech) {
+    return CommandGuard::ArmCommand{&mech->mpos, &mech->jpos, &mech->dac, &mech->sent};
+  };
+  const bool engaged = machine.runLevel() == RunLevel::kPedalDown && !machine.softEstopped();
+  if (guard->check({commandOf(&mechanisms[0]), commandOf(&mechanisms[1])}, engaged)) machine.softEstop();
 }
 
 void ControlSoftware::Impl::putUsbPacket(Mechanism* mech, std::uint8_t pins) noexcept {
@@ -585,6 +600,15 @@ const PerArm<UsbOutBytes>& ControlSoftware::Impl::die(const PerArm<UsbOutBytes>&
 
 bool ControlSoftware::isAlive() const noexcept {
   return impl_->state.program == ProgramState::kRunning;
+}
+
+void ControlSoftware::setDetector(const DetectorConfig& detector) {
+  if (detector.mitigate == Mitigation::kOff) return;
+  impl_->guard.emplace(impl_->arms, impl_->config, detector);
+}
+
+DetectorReport ControlSoftware::detectorReport() const noexcept {
+  return impl_->guard ? impl_->guard->report() : DetectorReport{};
 }
 
 void ControlSoftware::setSignals(const FaultSignals& signals) noexcept {

@@ -39,6 +39,7 @@ struct LockstepStack::Impl {
         planner(config, raven, scene, shared.get()),
         software(config.arms, config.virtual_raven),
         plant(raven, config.virtual_raven) {
+    software.setDetector(config.detector);
     connect();
   }
 
@@ -227,6 +228,10 @@ const RobotState& LockstepStack::robot() const noexcept {
 
 const RavenReport& LockstepStack::report() const noexcept {
   return impl_->software.report();
+}
+
+raven::DetectorReport LockstepStack::detectorReport() const noexcept {
+  return impl_->software.detectorReport();
 }
 
 JointArray LockstepStack::trueJoints(Arm arm) const noexcept {

@@ -20,7 +20,9 @@ RavenServer::RavenServer(const TrainerConfig& config)
       plant_(model_, config.virtual_raven),
       receiver_(config.network.bind_address, config.network.robot_port),
       state_server_(config.network.bind_address, config.network.state_port, /*is_virtual=*/true),
-      runtime_(config.runtime) {}
+      runtime_(config.runtime) {
+  software_.setDetector(config.detector);
+}
 
 RavenServer::~RavenServer() {
   stop();
@@ -71,6 +73,7 @@ void RavenServer::publish(std::int64_t now_ns) noexcept {
   RobotState state = withLost(software_.state());
   state.time_ns = now_ns;
   state_.store(state);
+  detector_cycles_.store(software_.detectorReport().cycles_acted, std::memory_order_relaxed);
   software_.returnState(now_ns);
   while (software_.nextReturned(&state))
     state_server_.push(withLost(state));

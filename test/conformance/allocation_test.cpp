@@ -28,6 +28,25 @@ TEST(Allocation, NoneInHomingTeleoperationRefusalOrNaN) {
   EXPECT_EQ(calls, 0);
   EXPECT_EQ(engaged.level(), RunLevel::kPedalDown);
 }
+
+TEST(Allocation, NoneWithTheDetectorOnGuard) {
+  DetectorConfig detector = packaged().detector;
+  detector.mitigate = Mitigation::kHold;
+  Robot robot;
+  robot.software.setDetector(detector);
+  robot.engage();
+  calls = 0;
+  counting = true;
+  for (int k = 0; k < 2000; ++k) {
+    wire::ItpPacket p = robot.packet();
+    p.delx_um[0] = k > 1000 && k < 1005 ? 2000 : 5;
+    robot.send(p);
+    robot.cycle();
+  }
+  counting = false;
+  EXPECT_EQ(calls, 0);
+  EXPECT_GE(robot.software.detectorReport().alarms, 1U) << "an alarm must be among what was counted";
+}
 #endif
 
 }  // namespace

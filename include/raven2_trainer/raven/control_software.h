@@ -7,10 +7,18 @@
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/detector/anomaly_detector.h"
 #include "raven2_trainer/raven/usb_packets.h"
 #include "raven2_trainer/wire/itp_session.h"
 
 namespace raven2_trainer::raven {
+
+/** What the detector has found and done since the start. */
+struct DetectorReport {
+  std::uint64_t alarms{};        ///< times it was raised
+  std::uint64_t cycles_acted{};  ///< in which a command was replaced or the robot stopped
+  detector::Verdict verdict{};   ///< of the last cycle
+};
 
 /**
  * The Raven's control program (`r2_control`), emulated and stepped: network layer with the robot's own sequence rules,
@@ -42,6 +50,13 @@ class ControlSoftware {
 
   /** Faults to apply from the next cycle on. */
   void setFaults(const FaultPlan& plan) noexcept;
+
+  /** Sets the detector on guard behind put_USB_packet, unless `mitigate` is off: then nothing is changed. Before the
+   *  first cycle. @throw ConfigException as CableCoupling. */
+  void setDetector(const DetectorConfig& detector);
+
+  /** Nothing but zeros without a detector. */
+  DetectorReport detectorReport() const noexcept;
 
   /** What their triggers look at, from the next cycle on. */
   void setSignals(const FaultSignals& signals) noexcept;

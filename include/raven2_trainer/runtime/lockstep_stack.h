@@ -10,6 +10,7 @@
 #include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/raven/control_software.h"
 
 namespace raven2_trainer::runtime {
 
@@ -48,6 +49,7 @@ class LockstepStack {
   /** What is true: the robot's program, its plant, its PLC. */
   const RobotState& robot() const noexcept;
   const RavenReport& report() const noexcept;
+  raven::DetectorReport detectorReport() const noexcept;
   JointArray trueJoints(Arm arm) const noexcept;
   RunLevel plcLevel() const noexcept;
 

@@ -33,6 +33,8 @@ class RavenServer {
   /** State after the last control cycle. */
   RobotState state() const noexcept { return state_.load(); }
   LoopTiming timing() const noexcept { return timing_.load(); }
+  /** Cycles in which the detector replaced a command or stopped the robot; 0 without one. */
+  std::uint64_t detectorCycles() const noexcept { return detector_cycles_.load(std::memory_order_relaxed); }
   /** The start button of the emulated PLC: out of E-STOP, after its cause is gone. */
   void pressStart() noexcept { start_pressed_.store(true, std::memory_order_relaxed); }
   const StateServer& stateServer() const noexcept { return state_server_; }
@@ -90,6 +92,7 @@ class RavenServer {
   SpscRing<RavenAutomove, 64> automoves_;  // ros -> control
   StateCell<RobotState> state_;            // written by control
   StateCell<LoopTiming> timing_;           // written by control
+  std::atomic<std::uint64_t> detector_cycles_{0};  // written by control
   std::atomic<bool> start_pressed_{false};
   std::atomic<bool> stop_{false};
 

@@ -159,6 +159,18 @@ TEST_F(LoadConfig, ADelayThatTheGuardCannotHoldIsRefused) {
   EXPECT_NE(message().find("max_delay is 0.5, expected [0, 0.4]"), std::string::npos) << message();
 }
 
+TEST_F(LoadConfig, TheDetectorIsChecked) {
+  EXPECT_EQ(loadTrainerConfig(root()).detector.mitigate, Mitigation::kOff) << "as it is shipped";
+  replace("detector.yaml", "mitigate: off", "mitigate: shout");
+  EXPECT_NE(message().find("mitigate is \"shout\", expected one of: off, hold, stop"), std::string::npos) << message();
+  SetUp();
+  replace("detector.yaml", "inertia: [0-9.]+", "inertia: 0");
+  EXPECT_NE(message().find("gold/shoulder/inertia is 0, expected [1e-07, 1]"), std::string::npos) << message();
+  SetUp();
+  replace("detector.yaml", "coulomb: [0-9.]+, ", "");
+  EXPECT_NE(message().find("coulomb is missing"), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, WrongTypesAreRefused) {
   for (const char* value : {"fast", "[1, 2]", ".nan", "{a: 1}"}) {
     SetUp();

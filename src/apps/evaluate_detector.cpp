@@ -1,0 +1,118 @@
+// Evaluates the detector on the two grids of faults of DSN 2016 in lockstep: a row of CSV a run, and the rates.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "apps/common/command_line.h"
+#include "apps/common/csv_table.h"
+#include "apps/common/study_bar.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/runtime/detector_study.h"
+
+namespace raven2_trainer {
+namespace {
+
+using Scenario = runtime::StudyFault::Scenario;
+
+struct Options {
+  apps::CommonOptions common;
+  runtime::EvaluateOptions evaluate;
+  std::string output{"detector.csv"};
+};
+
+constexpr const char* kScenarioNames[] = {"inputs", "torque"};
+
+const std::vector<std::string> kColumns{"scenario",       "seed",
+                                        "kind",           "value",
+                                        "length",         "unsafe",
+                                        "decided_ms",     "harmed_ms",
+                                        "stopped_ms",     "departure_m",
+                                        "jump_2ms_m",     "published_alarm_ms",
+                                        "published_size", "departure_alarm_ms",
+                                        "departure_size"};
+
+void writeRow(const runtime::StudyOutcome& o, apps::CsvWriter* out) {
+  out->cell(kScenarioNames[static_cast<int>(o.fault.scenario)]);
+  out->cell(static_cast<double>(o.seed));
+  out->cell(kFaultKindNames[static_cast<std::size_t>(o.fault.kind)]);
+  out->cell(o.fault.value);
+  for (const Tick tick : {o.fault.length, Tick{o.is_unsafe}, o.decided, o.harmed, o.stopped})
+    out->cell(static_cast<double>(tick));
+  out->cell(o.departure);
+  out->cell(o.jump);
+  for (const auto& rule : o.rules) {
+    out->cell(static_cast<double>(rule.alarm));
+    out->cell(rule.in_time);
+  }
+  out->endRow();
+}
+
+void printRates(const std::vector<runtime::StudyOutcome>& outcomes, double factor) {
+  for (const Scenario scenario : {Scenario::kInputs, Scenario::kTorque}) {
+    for (std::size_t rule = 0; rule < kDetectorRuleNames.size(); ++rule) {
+      const runtime::StudyRates r = ratesOf(outcomes, scenario, static_cast<DetectorRule>(rule), factor);
+      std::printf("%s, rule %s: true positives %d of %d (%.1f %%), false %d of %d (%.1f %%), stopped harmless %d\n",
+                  kScenarioNames[static_cast<int>(scenario)], kDetectorRuleNames[rule], r.detected, r.unsafe,
+                  100.0 * r.truePositive(), r.false_alarms, r.safe, 100.0 * r.falsePositive(), r.stopped);
+    }
+  }
+}
+
+int evaluate(Options options) {
+  const TrainerConfig config = options.common.load();
+  physics::initialiseOde();
+  physics::attachOdeToThread();
+  std::FILE* file = std::fopen(options.output.c_str(), "w");
+  if (file == nullptr) throw SessionException(options.output + ": cannot be written");
+  std::vector<runtime::StudyOutcome> outcomes;
+  {
+    apps::CsvWriter csv(file);
+    csv.header(kColumns);
+    apps::StudyBar bar("evaluate_detector");
+    const auto take = [&](const runtime::StudyOutcome& outcome) {
+      writeRow(outcome, &csv);
+      outcomes.push_back(outcome);
+    };
+    runtime::evaluateDetector(config, options.evaluate, take, [&](double share) { bar.update(share); });
+    csv.flush();
+    bar.done(std::to_string(outcomes.size()) + " runs, " + options.output);
+  }
+  std::fclose(file);
+  printRates(outcomes, config.detector.factor);
+  return 0;
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  Options options;
+  CLI::App app{"Evaluates the detector on the faults of DSN 2016, forked from fault-free lockstep runs."};
+  options.common.add(&app, /*with_ports=*/false);
+  runtime::EvaluateOptions& e = options.evaluate;
+  app.add_option("--first-seed", e.seed, "Seed of the first start; the next take the next")->capture_default_str();
+  app.add_option("--input-starts", e.input_starts, "Starts of the 48 faults of the inputs")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 10000));
+  app.add_option("--torque-starts", e.torque_starts, "Starts of one stuck DAC value each, 1 to 19 ms")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 10000));
+  app.add_option("--add-starts", e.add_starts, "Starts of the 64 faults that add to the DAC")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 10000));
+  app.add_option("--watched", e.watched, "Time after a fault's end in which the tip may depart [ms]")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 5000));
+  app.add_option("--unsafe", e.unsafe, "Departure of the tip that is unsafe [m]")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-5, 1.0));
+  app.add_option("--slack", e.slack, "Time within which an alarm is in time [ms]")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000));
+  app.add_option("--output", options.output, "CSV, a row a run")->capture_default_str();
+  return apps::runProgram(&app, argc, argv, [&] { return evaluate(options); });
+}

@@ -1,0 +1,67 @@
+// Learns the detector's model and thresholds from fault-free runs in lockstep, and writes config/detector.yaml.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+#include "apps/common/command_line.h"
+#include "apps/common/study_bar.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/runtime/detector_study.h"
+#include "raven2_trainer/session/text_file.h"
+
+namespace raven2_trainer {
+namespace {
+
+struct Options {
+  apps::CommonOptions common;
+  runtime::LearnOptions learn;
+  std::string output{"detector.yaml"};
+};
+
+std::string sourceOf(const TrainerConfig& config, const runtime::LearnOptions& options) {
+  char text[200];
+  std::snprintf(text, sizeof(text),
+                "learn_detector --runs %lld --seed %llu --ticks %lld --percentile %g --plant %s, motion scale %g",
+                static_cast<long long>(options.runs), static_cast<unsigned long long>(options.seed),
+                static_cast<long long>(options.ticks), options.percentile, config.virtual_raven.plant_name.c_str(),
+                config.console.scale);
+  return text;
+}
+
+int learn(Options options) {
+  const TrainerConfig config = options.common.load();
+  options.learn.seed = config.seed;
+  physics::initialiseOde();
+  physics::attachOdeToThread();
+  apps::StudyBar bar("learn_detector");
+  const runtime::Learned learned =
+      runtime::learnDetector(config, options.learn, [&](double share) { bar.update(share); });
+  session::TextWriter file(options.output);
+  file.write(runtime::detectorYaml(learned, sourceOf(config, options.learn)));
+  file.close();
+  bar.done(std::to_string(learned.runs) + " runs, " + std::to_string(learned.samples) + " ms, " + options.output);
+  return 0;
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  Options options;
+  CLI::App app{"Learns the detector's model and thresholds from fault-free lockstep runs."};
+  options.common.add(&app, /*with_ports=*/false);
+  app.add_option("--runs", options.learn.runs, "Fault-free runs, each of its own seed")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--ticks", options.learn.ticks, "Length of each from the first pedal down [ms]")
+      ->capture_default_str()
+      ->check(CLI::Range(500, 100000));
+  app.add_option("--percentile", options.learn.percentile, "Of the thresholds")
+      ->capture_default_str()
+      ->check(CLI::Range(50.0, 99.9999));
+  app.add_option("--output", options.output, "File to write, in the form of config/detector.yaml")
+      ->capture_default_str();
+  return apps::runProgram(&app, argc, argv, [&] { return learn(options); });
+}

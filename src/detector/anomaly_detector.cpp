@@ -1,0 +1,155 @@
+#include "raven2_trainer/detector/anomaly_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::detector {
+namespace {
+
+/** Half an encoder count a cycle: 2 pi / 4000 rad (raven2.md 3.1) in 1 ms, halved. */
+constexpr double kAtRest = 0.5 * 2.0 * kPi / 4000.0 / kTickSeconds;  // [rad/s]
+
+/** A threshold of zero asks for nothing. */
+double ratio(double value, double threshold) noexcept {
+  return threshold > 0.0 ? std::abs(value) / threshold : std::numeric_limits<double>::infinity();
+}
+
+/** [Nm] What is left of a torque after load and viscous friction. */
+double netTorque(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) noexcept {
+  double net = torque - axis.offset - axis.viscous * velocity;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    net -= axis.gravity[i] * q[i];
+  return net;
+}
+
+/** A torque less the dry friction that opposes it. */
+double opposed(double torque, double coulomb) noexcept {
+  return std::copysign(std::max(std::abs(torque) - coulomb, 0.0), torque);
+}
+
+Vec3 jointOf(const std::array<Vec3, kAxes>& rows, const Vec3& motor) noexcept {
+  Vec3 joint;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    joint[i] = rows[i][0] * motor[0] + rows[i][1] * motor[1] + rows[i][2] * motor[2];
+  return joint;
+}
+
+}  // namespace
+
+double acceleration(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) noexcept {
+  const double net = netTorque(axis, torque, velocity, q);
+  if (std::abs(velocity) > kAtRest) return (net - std::copysign(axis.coulomb, velocity)) / axis.inertia;
+  return opposed(net, axis.coulomb) / axis.inertia;
+}
+
+AnomalyDetector::AnomalyDetector(const DetectorConfig& config, const Drives& drives) noexcept
+    : config_(config), drives_(drives), forgetting_(1.0 - std::exp(-kTickSeconds / config.memory)) {}
+
+void AnomalyDetector::forget(const Observation& now) noexcept {
+  for (const Arm arm : kArms) {
+    for (std::size_t i = 0; i < kAxes; ++i)
+      at(last_motor_, arm)[i] = at(now.motor, arm)[i];
+    at(velocity_, arm) = at(mean_velocity_, arm) = at(travelled_, arm) = Vec3{};
+    at(was_beyond_, arm).fill(false);
+  }
+  warm_ = now.engaged;
+}
+
+const Verdict& AnomalyDetector::step(const Observation& now) noexcept {
+  verdict_ = Verdict{};
+  if (!now.engaged || !warm_) {
+    forget(now);
+    return verdict_;
+  }
+  for (const Arm arm : kArms) {
+    observe(arm, now);
+    predict(arm, now);
+    judge(arm);
+  }
+  verdict_.alarm = verdict_.size > config_.factor;
+  return verdict_;
+}
+
+/** The velocity is the difference of encoder positions, as the robot takes it (raven2.md 3.7). What moves under a command
+ *  beyond the clip is not the surgeon's motion: the mean waits. */
+void AnomalyDetector::observe(Arm arm, const Observation& now) noexcept {
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const double motor = at(now.motor, arm)[i];
+    double& mean = at(mean_velocity_, arm)[i];
+    if (!at(was_beyond_, arm)[i]) mean += forgetting_ * (at(velocity_, arm)[i] - mean);
+    at(velocity_, arm)[i] = (motor - at(last_motor_, arm)[i]) / kTickSeconds;
+    at(last_motor_, arm)[i] = motor;
+    double& travelled = at(travelled_, arm)[i];
+    travelled = at(was_beyond_, arm)[i] ? travelled + (at(velocity_, arm)[i] - mean) * kTickSeconds : 0.0;
+    at(was_beyond_, arm)[i] = isBeyondClip(i, at(now.dac, arm)[i]);
+  }
+}
+
+void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
+  auto& axes = at(predictions_, arm);
+  Vec3 motors{};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const std::int32_t dac = at(now.dac, arm)[i];
+    const double velocity = at(velocity_, arm)[i];
+    const double torque = at(drives_.torque_per_count, arm)[i] * dac;
+    axes[i].acceleration = acceleration(at(config_.axes, arm)[i], torque, velocity, at(now.q, arm));
+    const bool published = config_.rule == DetectorRule::kPublished;
+    motors[i] =
+        published ? velocity + axes[i].acceleration * kTickSeconds : departure(arm, i, now) / config_.braking_time;
+    axes[i].motor_velocity = motors[i];
+  }
+  const Vec3 joints = jointOf(drives_.joint_per_motor, motors);
+  for (std::size_t i = 0; i < kAxes; ++i)
+    axes[i].joint_velocity = joints[i];
+  const kinematics::Jacobian J = kinematics::jacobian(drives_.geometry, arm, at(now.q, arm));
+  at(excursion_, arm) = config_.braking_time * (J.topLeftCorner<3, 3>() * toEigen(joints)).norm();
+}
+
+/** [rad] of the motor: what it has travelled since its command left the clip, and as far as the velocity gained carries
+ * it. Beyond the clip that velocity has what the command adds to it while it is taken to last. Within the clip, if it
+ * is more, where the command leads: it stands for a position error that the control law will close, but for what dry
+ *  friction holds. */
+double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
+  const DetectorAxis& axis = at(config_.axes, arm)[i];
+  const double velocity = at(velocity_, arm)[i];
+  const double gained = velocity - at(mean_velocity_, arm)[i];
+  const double carried = at(travelled_, arm)[i] + config_.braking_time * gained;
+  const std::int32_t dac = at(now.dac, arm)[i];
+  if (isBeyondClip(i, dac))
+    return carried + config_.braking_time * config_.persistence * at(predictions_, arm)[i].acceleration;
+  const double torque = at(drives_.torque_per_count, arm)[i] * dac;
+  const double net = netTorque(axis, torque, velocity, at(now.q, arm));
+  const double asked = config_.asked * opposed(net, axis.coulomb) / drives_.position_gain[i];
+  return std::abs(asked) > std::abs(carried) ? asked : carried;
+}
+
+bool AnomalyDetector::isBeyondClip(std::size_t axis, std::int32_t dac) const noexcept {
+  return std::abs(static_cast<double>(dac)) > drives_.clip[axis];
+}
+
+void AnomalyDetector::judge(Arm arm) noexcept {
+  const bool published = config_.rule == DetectorRule::kPublished;
+  const double departs = ratio(at(excursion_, arm), published ? 0.0 : config_.excursion);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Prediction& p = at(predictions_, arm)[i];
+    const DetectorAxis& axis = at(config_.axes, arm)[i];
+    const DetectorThresholds& limits = published ? axis.published : axis.departure;
+    const double a = ratio(p.acceleration, limits.acceleration);
+    const double v = ratio(p.motor_velocity, limits.motor_velocity);
+    const double w = ratio(p.joint_velocity, limits.joint_velocity);
+    const double size = std::min({a, v, w, departs});
+    if (!(size > verdict_.size)) continue;
+    const auto beyond = [this](double r, std::uint8_t bit) { return r > config_.factor ? bit : std::uint8_t{0}; };
+    verdict_.agreeing = static_cast<std::uint8_t>(
+        beyond(a, agreeing::kAcceleration) | beyond(v, agreeing::kMotorVelocity) | beyond(w, agreeing::kJointVelocity));
+    verdict_.size = size;
+    verdict_.arm = arm;
+    verdict_.joint = static_cast<std::uint8_t>(i);
+    verdict_.excursion = at(excursion_, arm);
+  }
+}
+
+}  // namespace raven2_trainer::detector

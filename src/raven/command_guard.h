@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "raven/motor_controller.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/detector/anomaly_detector.h"
+#include "raven2_trainer/raven/control_software.h"
+#include "raven2_trainer/raven/usb_packets.h"
+
+namespace raven2_trainer::raven {
+
+/** Stands between put_USB_packet, its faults included, and the boards: the detector, and what an alarm does
+ *  (config/detector.yaml, `mitigate`). Real-time safe. */
+class CommandGuard {
+ public:
+  /** @throw ConfigException as drivesOf(). */
+  CommandGuard(const ArmsConfig& arms, const VirtualRavenConfig& config, const DetectorConfig& detector);
+
+  struct ArmCommand {
+    const JointArray* motor;  ///< [rad] measured
+    const JointArray* q;      ///< [rad; m] measured
+    DacArray* dac;            ///< [counts] about to be written; replaced by what is
+    UsbOutBytes* packet;      ///< that carries it; the same
+  };
+
+  /** One cycle. @return true: the robot must stop (mode stop); the commands are then zero. */
+  bool check(const PerArm<ArmCommand>& commands, bool engaged) noexcept;
+
+  const DetectorReport& report() const noexcept { return report_; }
+
+ private:
+  static void replace(const ArmCommand& command, const DacArray& dac) noexcept;
+
+  bool isSafe(const DacArray& dac, const detector::Verdict& verdict) const noexcept;
+
+  Mitigation mitigate_;
+  double safe_size_;  // [-]
+  Vec3 clip_;         // [counts]
+  detector::AnomalyDetector detector_;
+  PerArm<DacArray> safe_{};  // [counts] last commands that are worth holding
+  DetectorReport report_{};
+};
+
+}  // namespace raven2_trainer::raven

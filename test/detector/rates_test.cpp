@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "raven2_trainer/raven/drives.h"
+#include "raven2_trainer/runtime/detector_study.h"
+#include "support/rig.h"
+
+// A seeded part of what evaluate_detector runs in full (doc/detector.md), and that its parts are what they are said to
+// be.
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using Scenario = StudyFault::Scenario;
+
+std::vector<StudyOutcome> evaluate(const EvaluateOptions& options) {
+  testing::useOde();
+  std::vector<StudyOutcome> outcomes;
+  evaluateDetector(
+      testing::packagedConfig(), options, [&](const StudyOutcome& o) { outcomes.push_back(o); }, [](double) {});
+  return outcomes;
+}
+
+/** Rates of the acceptance: DSN 2016, table IV. The full evaluation is held against the rates themselves; on so few
+ * runs (here 100 to 150 a scenario, 6 to 100 of them of the rarer kind) they are a binomial test: as many wrong runs
+ * are granted as a detector with exactly these rates exceeds in 2.5 of 100 choices of seeds. */
+struct Bound {
+  Scenario scenario;
+  double true_positive, false_positive;
+};
+
+/** Least number that a binomial of `runs` and `rate` exceeds with a probability of at most 0.025. */
+int granted(double rate, int runs) {
+  double probability = std::pow(1.0 - rate, runs), sum = probability;
+  int count = 0;
+  while (sum < 0.975 && count < runs) {
+    probability *= rate / (1.0 - rate) * (runs - count) / (count + 1);
+    sum += probability;
+    ++count;
+  }
+  return count;
+}
+
+TEST(DetectorRates, GrantedIsTheBinomialTail) {
+  // P(X > 1) = 1 - 0.9^10 - 10 0.1 0.9^9 = 0.264, P(X > 3) = 0.0128, P(X > 2) = 0.070 for n = 10, p = 0.1
+  EXPECT_EQ(granted(0.1, 10), 3);
+  // n = 59, p = 0.002: P(X > 0) = 0.111, P(X > 1) = 0.0062
+  EXPECT_EQ(granted(0.002, 59), 1);
+}
+
+TEST(DetectorRates, AreThoseOfThePaperOnAPartOfTheGrids) {
+  EvaluateOptions options;
+  options.input_starts = 2;
+  options.torque_starts = 5;
+  options.add_starts = 1;
+  const std::vector<StudyOutcome> outcomes = evaluate(options);
+  ASSERT_EQ(outcomes.size(), 2U * 48 + 5U * 19 + 64);
+  for (const Bound& bound : {Bound{Scenario::kInputs, 0.898, 0.124}, Bound{Scenario::kTorque, 0.998, 0.118}}) {
+    const StudyRates r = ratesOf(outcomes, bound.scenario, DetectorRule::kDeparture, 1.0);
+    std::printf("scenario %d: %d of %d unsafe, %d of %d safe, %d stopped\n", static_cast<int>(bound.scenario),
+                r.detected, r.unsafe, r.false_alarms, r.safe, r.stopped);
+    ASSERT_GT(r.unsafe, 10);
+    ASSERT_GT(r.safe, 4);
+    EXPECT_LE(r.unsafe - r.detected, granted(1.0 - bound.true_positive, r.unsafe));
+    EXPECT_LE(r.false_alarms, granted(bound.false_positive, r.safe));
+  }
+}
+
+TEST(DetectorRates, NoAlarmWithoutAFault) {
+  testing::useOde();
+  const TrainerConfig config = testing::packagedConfig();
+  double largest = 0.0;
+  for (std::uint64_t seed = 300001; seed <= 300004; ++seed) {
+    const DetectorTrial trial(studyConfig(config, seed), 5000);
+    detector::AnomalyDetector detector(config.detector, raven::drivesOf(config.arms, config.virtual_raven));
+    for (const TrialTick& tick : trial.past())
+      largest = std::max(largest, detector.step(observationOf(tick)).size);
+  }
+  // 20 s of both arms; an alarm is above 1, and what is held under an alarm must be below half of one
+  EXPECT_GT(largest, 0.0);
+  EXPECT_LT(largest, 0.5);
+}
+
+TEST(DetectorRates, SameSeedSameOutcomes) {
+  EvaluateOptions options;
+  options.input_starts = options.add_starts = 0;
+  options.torque_starts = 1;
+  const std::vector<StudyOutcome> once = evaluate(options), again = evaluate(options);
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].departure, again[i].departure);
+    EXPECT_EQ(once[i].rules[1].in_time, again[i].rules[1].in_time);
+    EXPECT_EQ(once[i].rules[0].in_time, again[i].rules[0].in_time);
+  }
+}
+
+TEST(DetectorRates, TruthIsAboutTheTipAlone) {
+  // GIVEN one stuck value at 1 to 19 ms THEN the departure grows with the length, a run is unsafe exactly beyond 1 mm,
+  // and was decided by the shortest length that is
+  EvaluateOptions options;
+  options.input_starts = options.add_starts = 0;
+  options.torque_starts = 1;  // -15000 counts
+  const std::vector<StudyOutcome> outcomes = evaluate(options);
+  ASSERT_EQ(outcomes.size(), 19U);
+  Tick shortest = 0;
+  for (const StudyOutcome& o : outcomes) {
+    EXPECT_EQ(o.is_unsafe, o.departure > options.unsafe);
+    if (o.is_unsafe && shortest == 0) shortest = o.fault.length;
+    EXPECT_EQ(o.decided, o.is_unsafe ? shortest - 1 : -1);
+    EXPECT_TRUE(!o.is_unsafe || o.harmed >= o.decided) << "harm comes after it was decided";
+  }
+  EXPECT_FALSE(outcomes.front().is_unsafe);
+  EXPECT_TRUE(outcomes.back().is_unsafe);
+  for (std::size_t i = 1; i < outcomes.size(); ++i)
+    EXPECT_GT(outcomes[i].departure, outcomes[i - 1].departure);
+}
+
+TEST(DetectorRates, StoppedRunsAreInNoRate) {
+  std::vector<StudyOutcome> outcomes(4);
+  for (StudyOutcome& o : outcomes)
+    o.rules[1].in_time = 2.0;
+  outcomes[0].is_unsafe = true;
+  outcomes[1].stopped = 5;
+  outcomes[3].rules[1].in_time = 0.5;
+  const StudyRates r = ratesOf(outcomes, Scenario::kInputs, DetectorRule::kDeparture, 1.0);
+  EXPECT_EQ(r.unsafe, 1);
+  EXPECT_EQ(r.detected, 1);
+  EXPECT_EQ(r.stopped, 1);
+  EXPECT_EQ(r.alarms_before_stop, 1);
+  EXPECT_EQ(r.safe, 2);
+  EXPECT_EQ(r.false_alarms, 1);
+  EXPECT_EQ(ratesOf(outcomes, Scenario::kInputs, DetectorRule::kDeparture, 3.0).detected, 0);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
