@@ -235,6 +235,8 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
   scenario.response = words(root, "response");
   for (Section& row : root.list("faults"))
     scenario.faults.push_back(readFault(row, id, impairments));
+  for (std::size_t i = 0; i < scenario.faults.size(); ++i)
+    scenario.faults[i].row = static_cast<std::uint8_t>(i);
   refuse(scenario.faults.empty() || scenario.faults.size() > kMaxFaults, root, "faults",
          "holds " + std::to_string(scenario.faults.size()) + " rows, expected 1 to " + std::to_string(kMaxFaults));
   root.finish();

@@ -91,7 +91,7 @@ bool takes(FaultVariable variable, FaultKind kind) noexcept {
 bool isSound(const Fault& fault) noexcept {
   const bool is_known = static_cast<std::size_t>(fault.host) < kFaultHostCount &&
                         static_cast<std::size_t>(fault.kind) < kFaultKindCount &&
-                        static_cast<std::size_t>(fault.trigger) < kFaultTriggerCount;
+                        static_cast<std::size_t>(fault.trigger) < kFaultTriggerCount && fault.row < kMaxFaults;
   return is_known && isAddressed(fault) && serves(fault.host, fault.site) && takes(fault.variable, fault.kind) &&
          areTimesSound(fault) && areNumbersSound(fault) && isStreamSound(fault);
 }

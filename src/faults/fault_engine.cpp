@@ -9,7 +9,7 @@ namespace {
 bool isSame(const Fault& a, const Fault& b) noexcept {
   return a.id == b.id && a.host == b.host && a.variable == b.variable && a.kind == b.kind && a.trigger == b.trigger &&
          a.arm == b.arm && a.channel == b.channel && a.first_tick == b.first_tick && a.value == b.value &&
-         a.low == b.low && a.high == b.high && a.seed == b.seed;
+         a.low == b.low && a.high == b.high && a.seed == b.seed && a.row == b.row;
 }
 
 bool isDue(const Fault& fault, std::int64_t next, std::int64_t times, std::int64_t clock) noexcept {
@@ -47,7 +47,6 @@ double share(const Fault& fault, std::int64_t elapsed) noexcept {
 void FaultEngine::start(const Fault& fault, Progress* progress) const noexcept {
   *progress = Progress{};
   progress->next = fault.first_tick;
-  progress->tool_changes = signals_.tool_changes;
   // Rows of one scenario share its seed: what they act on tells them apart.
   progress->random = Random(fault.seed, (static_cast<std::uint64_t>(fault.variable) << 16U) +
                                             (static_cast<std::uint64_t>(fault.arm + 1) << 8U) +
@@ -56,43 +55,96 @@ void FaultEngine::start(const Fault& fault, Progress* progress) const noexcept {
 
 void FaultEngine::setPlan(const FaultPlan& plan) noexcept {
   if (!kHasHooks || plan.generation == plan_.generation) return;
+  plan_.generation = plan.generation;
+  plan_.is_suspended = plan.is_suspended;
+  if (plan.is_suspended == 0) takeOver(plan);
+  rearm();
+}
+
+void FaultEngine::hold(bool is_held) noexcept {
+  if (is_held == held_) return;
+  held_ = is_held;
+  rearm();
+}
+
+void FaultEngine::takeOver(const FaultPlan& plan) noexcept {
+  const bool is_same_session = plan.session == plan_.session;
+  if (!is_same_session) tick_ = packet_ = -1;
   const FaultPlan old = plan_;
+  const auto former = progress_;
+  std::array<bool, kMaxFaults> goes_on{};
   plan_ = plan;
   plan_.count = std::min<std::uint32_t>(plan.count, kMaxFaults);
-  const auto former = progress_;
-  armed_ = false;
+  const auto* end = old.faults.begin() + (is_same_session ? old.count : 0);
   for (std::size_t i = 0; i < plan_.count; ++i) {
     const Fault& fault = plan_.faults[i];
-    armed_ = armed_ || fault.host == host_;
-    const auto* end = old.faults.begin() + old.count;
     const auto* same = std::find_if(old.faults.begin(), end, [&](const Fault& f) { return isSame(f, fault); });
-    if (same != end) {
-      progress_[i] = former[static_cast<std::size_t>(same - old.faults.begin())];
-    } else {
+    if (same == end) {
       start(fault, &progress_[i]);
+      continue;
     }
+    const auto was = static_cast<std::size_t>(same - old.faults.begin());
+    progress_[i] = former[was];
+    goes_on[was] = true;
   }
+  for (std::size_t i = 0; armed_ && i < old.count; ++i) {
+    if (former[i].active && !goes_on[i]) tell(old.faults[i], false);
+  }
+}
+
+/** Whether anything may act; what was acting when that changes is told. */
+void FaultEngine::rearm() noexcept {
+  const Fault* const rows = plan_.faults.data();
+  const bool has_any = std::any_of(rows, rows + plan_.count, [this](const Fault& f) { return f.host == host_; });
+  const bool arms = has_any && !held_ && plan_.is_suspended == 0;
+  if (arms == armed_) return;
+  armed_ = arms;
+  for (std::size_t i = 0; i < plan_.count; ++i) {
+    if (progress_[i].active) tell(plan_.faults[i], arms);
+  }
+}
+
+void FaultEngine::tell(const Fault& fault, bool acts) noexcept {
+  if (fault.host != host_) return;
+  ++number_;
+  if (changes_begun_ - changes_told_ == kMaxChanges) return;
+  FaultChange change;
+  change.number = number_;
+  change.id = fault.id;
+  change.host = host_;
+  change.row = fault.row;
+  change.acts = acts ? 1 : 0;
+  changes_[changes_begun_ % kMaxChanges] = change;
+  ++changes_begun_;
+}
+
+bool FaultEngine::nextChange(FaultChange* change) noexcept {
+  if (changes_told_ == changes_begun_) return false;
+  *change = changes_[changes_told_ % kMaxChanges];
+  ++changes_told_;
+  return true;
 }
 
 void FaultEngine::beginCycle(const FaultCycle& cycle) noexcept {
   ++cycle_;
   if (tick_ >= 0 || cycle.pedal_down) ++tick_;
-  signals_ = cycle.signals;
-  if (!isArmed()) return;
-  for (std::size_t i = 0; i < plan_.count; ++i) {
+  for (std::size_t i = 0; kHasHooks && i < plan_.count; ++i) {
     const Fault& fault = plan_.faults[i];
-    if (fault.host != host_ || fault.trigger == FaultTrigger::kPacket) continue;
-    progress_[i].clock = clockOf(fault, progress_[i], cycle);
-    advance(fault, &progress_[i], fault.trigger != FaultTrigger::kPedalDown || cycle.pedal_down);
+    Progress& progress = progress_[i];
+    if (fault.host != host_) continue;
+    if (!progress.looked_at) progress.tool_changes = cycle.signals.tool_changes;
+    progress.looked_at = true;
+    if (lastsForPackets(fault)) continue;
+    progress.clock = clockOf(fault, progress, cycle);
+    advance(fault, &progress, fault.trigger != FaultTrigger::kPedalDown || cycle.pedal_down);
   }
 }
 
 void FaultEngine::beginPacket(bool pedal_down) noexcept {
   if (packet_ >= 0 || pedal_down) ++packet_;
-  if (!isArmed()) return;
-  for (std::size_t i = 0; i < plan_.count; ++i) {
+  for (std::size_t i = 0; kHasHooks && i < plan_.count; ++i) {
     const Fault& fault = plan_.faults[i];
-    if (fault.host != host_ || fault.trigger != FaultTrigger::kPacket) continue;
+    if (fault.host != host_ || !lastsForPackets(fault)) continue;
     progress_[i].clock = packet_;
     advance(fault, &progress_[i], true);
   }
@@ -103,6 +155,7 @@ std::int64_t FaultEngine::clockOf(const Fault& fault,
                                   const FaultCycle& cycle) const noexcept {
   if (fault.trigger == FaultTrigger::kPedalDown) return tick_;
   if (fault.trigger == FaultTrigger::kPowerOn) return cycle_;
+  if (fault.trigger == FaultTrigger::kPacket) return packet_;
   if (progress.clock >= 0) return progress.clock + 1;
   return hasCome(fault, cycle, progress.tool_changes) ? 0 : -1;
 }
@@ -110,13 +163,7 @@ std::int64_t FaultEngine::clockOf(const Fault& fault,
 void FaultEngine::advance(const Fault& fault, Progress* progress, bool may_start) noexcept {
   const std::int64_t clock = progress->clock;
   if (clock < 0) return;
-  if (progress->active && fault.duration_ticks > 0 && clock >= progress->begin + fault.duration_ticks) {
-    progress->active = false;
-    // One that began late and ran over its next time does not come again at once.
-    const std::int64_t missed = clock - progress->next;
-    if (fault.period_ticks > 0 && missed > 0)
-      progress->next += (missed + fault.period_ticks - 1) / fault.period_ticks * fault.period_ticks;
-  }
+  if (progress->active && ++progress->age >= fault.duration_ticks && fault.duration_ticks > 0) end(fault, progress);
   if (progress->active || !isDue(fault, progress->next, progress->times, clock) || !may_start) return;
   ++progress->times;
   // Armed late, the periods that have passed are not made up for.
@@ -126,8 +173,18 @@ void FaultEngine::advance(const Fault& fault, Progress* progress, bool may_start
   }
   if (fault.probability < 1.0 && progress->random.uniform(0.0, 1.0) >= fault.probability) return;
   progress->active = true;
-  progress->begin = clock;
+  progress->age = 0;
   ++progress->activations;
+  if (armed_) tell(fault, true);
+}
+
+/** One that began late and ran over its next time does not come again at once. */
+void FaultEngine::end(const Fault& fault, Progress* progress) noexcept {
+  progress->active = false;
+  const std::int64_t missed = progress->clock - progress->next;
+  if (fault.period_ticks > 0 && missed > 0)
+    progress->next += (missed + fault.period_ticks - 1) / fault.period_ticks * fault.period_ticks;
+  if (armed_) tell(fault, false);
 }
 
 bool FaultEngine::concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept {
@@ -139,7 +196,7 @@ bool FaultEngine::concerns(const Fault& fault, FaultVariable variable, Arm arm, 
 bool FaultEngine::isActing(const Fault& fault, const Progress& progress) const noexcept {
   if (!progress.active) return false;
   if (fault.half_period_ticks == 0) return true;
-  return (progress.clock - progress.begin) / fault.half_period_ticks % 2 == 0;
+  return progress.age / fault.half_period_ticks % 2 == 0;
 }
 
 double FaultEngine::corrupt(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
@@ -177,9 +234,9 @@ double FaultEngine::corrupted(const Fault& fault, Progress* progress, const Elem
     case FaultKind::kSignFlip:
       return -value;
     case FaultKind::kRamp:
-      return element.onset + (fault.value - element.onset) * share(fault, progress->clock - progress->begin);
+      return element.onset + (fault.value - element.onset) * share(fault, progress->age);
     case FaultKind::kDrift:
-      return value + fault.value * share(fault, progress->clock - progress->begin);
+      return value + fault.value * share(fault, progress->age);
     case FaultKind::kRandom:
       return progress->random.uniform(fault.low, fault.high);
     case FaultKind::kRandomOnce:

@@ -615,6 +615,12 @@ void ControlSoftware::setSignals(const FaultSignals& signals) noexcept {
   impl_->signals = signals;
 }
 
+bool ControlSoftware::nextFaultChange(FaultChange* change) noexcept {
+  if (!impl_->faults.nextChange(change)) return false;
+  change->cycle = impl_->state.cycle;
+  return true;
+}
+
 void ControlSoftware::returnState(std::int64_t time_ns) noexcept {
   Impl& s = *impl_;
   if (!isAlive() && !s.has_last_words) return;

@@ -79,10 +79,17 @@ DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
   return s;
 }
 
-DiagnosticStatus robotStatus(const RobotState& robot, std::int64_t now_ns, std::uint16_t refused_version) {
+DiagnosticStatus robotStatus(const RobotState& robot,
+                             std::int64_t now_ns,
+                             std::uint16_t refused_version,
+                             bool plan_refused) {
   const bool up = robot.connected != 0 && robot.frame > 0;
   DiagnosticStatus s = status("robot", up, up ? kRunLevelNames[static_cast<std::size_t>(robot.runlevel)] : "no robot");
   if (!up && refused_version != 0) s.message = wire::refusalText("robot", refused_version);
+  if (up && plan_refused) {
+    s.level = DiagnosticStatus::WARN;
+    s.message += "; it refuses our fault plan: another reader's is armed";
+  }
   s.values = {value("cycle", robot.cycle), value("virtual", static_cast<int>(robot.is_virtual)),
               value("homed", static_cast<int>(robot.homed)), value("active_fault", robot.active_fault)};
   if (up) s.values.push_back(value("age_ms", std::max<std::int64_t>(0, now_ns - robot.received_ns) / 1000000));
@@ -199,6 +206,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
                                              std::uint16_t refused_version,
+                                             bool plan_refused,
                                              const RecorderStatus& recorder,
                                              const std::string& realtime,
                                              const ros::Time& stamp) {
@@ -209,7 +217,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(linkStatus("master to daemon", counts.master));
   array.status.push_back(linkStatus("daemon to robot", counts.relay));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
-  array.status.push_back(robotStatus(robot, now_ns, refused_version));
+  array.status.push_back(robotStatus(robot, now_ns, refused_version, plan_refused));
   array.status.push_back(status("real time", true, realtime));
   if (realtime.rfind("DEGRADED_RT", 0) == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
   array.status.push_back(recorderStatus(recorder, counts.records_dropped));

@@ -35,12 +35,14 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time&
 
 trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4);
 
-/** `now_ns`: monotonic, for the age of the robot's state. `refused_version`: SharedState::robot_version_refused. One
+/** `now_ns`: monotonic, for the age of the robot's state. `refused_version`: SharedState::robot_version_refused;
+ * `plan_refused`: SharedState::plan_refused. One
  * status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
                                              std::uint16_t refused_version,
+                                             bool plan_refused,
                                              const RecorderStatus& recorder,
                                              const std::string& realtime,
                                              const ros::Time& stamp);

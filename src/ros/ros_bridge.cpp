@@ -70,6 +70,7 @@ struct RosBridge::Impl {
     if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
       diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, net::monotonicNow(),
                                             simulator.shared().robot_version_refused.load(),
+                                            simulator.shared().plan_refused.load() != 0,
                                             simulator.shared().recorder.load(), simulator.realtimeStatus(), stamp));
     }
     ++cycle;

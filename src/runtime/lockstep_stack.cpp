@@ -20,7 +20,7 @@ namespace raven2_trainer::runtime {
 namespace {
 
 constexpr std::uint64_t kConsole = 1;  // the one master there is
-constexpr std::uint64_t kArmedHere = std::uint64_t{1} << 32U;  // generations that the director never gives
+constexpr std::uint64_t kArmedHere = std::uint64_t{1} << 31U;  // generations that the director never gives
 
 }  // namespace
 
@@ -96,20 +96,26 @@ struct LockstepStack::Impl {
 
   void stepRobot() {
     RelayPacket packet;
-    const auto send = [this](const MasterCommand& command) {
-      const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
+    const auto send = [this](const wire::ItpPacket& sent) {
+      const wire::ItpBytes bytes = wire::encodeItp(sent);
       software.receive(bytes.data(), bytes.size());
       shared->relay_sent.add();
     };
     while (shared->relay_packets.tryPop(&packet))
       relay_channel.pass(packet, now_ns, send);
     relay_channel.flush(now_ns, send);
+    shared->relay_network.store(relay_channel.counts());
     plant.step(software.cycle(plant.read()));
     receiveFaultPlan();
     returnState();
   }
 
   void returnState() {
+    FaultChange change;
+    while (software.nextFaultChange(&change)) {
+      const std::size_t size = wire::encodeFaultChange(++frame_sequence, change, buffer.data());
+      link.receive(buffer.data(), size, now_ns);
+    }
     software.returnState(now_ns);
     RobotState state;
     while (software.nextReturned(&state)) {
@@ -119,8 +125,11 @@ struct LockstepStack::Impl {
   }
 
   void receiveFaultPlan() {
-    const std::size_t size = link.pendingFrame(buffer.data());
-    if (size == 0) return;
+    while (const std::size_t size = link.pendingFrame(buffer.data()))
+      takeFaultFrame(size);
+  }
+
+  void takeFaultFrame(std::size_t size) {
     to_robot.feed(buffer.data(), size);
     wire::Frame frame;
     if (to_robot.next(&frame) != wire::FrameParser::Result::kFrame) return;

@@ -91,7 +91,9 @@ void PhysicsLoop::readInputs(std::int64_t now_ns) noexcept {
   readFaults();
   shared_.robot.tryLoad(&robot_);
   const std::int64_t age = now_ns - robot_.received_ns;
-  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
+  const bool has_robot = hasRobot();
+  relay_started_ = relay_started_ || has_robot;
+  holdFaults();
   state_.robot_fresh = has_robot && age <= stale_ns_ ? 1 : 0;
   if (!has_robot || age > lost_ns_) linked_ = false;
   drainCommands();
@@ -121,13 +123,11 @@ void PhysicsLoop::drainCommands() noexcept {
     master_faults_.beginPacket(command.pedal != 0);
     corruptMaster(command);
   }
-  if (mayInject()) takeHeldCommands();
+  takeHeldCommands();
 }
 
 void PhysicsLoop::corruptMaster(const MasterCommand& command) noexcept {
-  const bool injects = mayInject();
-  if (!injects) master_stream_.clear();  // what a fault held back of a virtual robot's is not for a real one
-  if (!injects || (!master_faults_.isArmed() && master_stream_.isEmpty())) {
+  if (!master_faults_.isArmed() && master_stream_.isEmpty()) {
     master_stream_.pass(command);
     takeCommand(command);
     return;
@@ -163,6 +163,35 @@ void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
  *  may still reach it. */
 bool PhysicsLoop::mayInject() const noexcept {
   return config_.injection.real_robot || robot_.is_virtual != 0 || !relay_started_;
+}
+
+void PhysicsLoop::holdFaults() noexcept {
+  const bool is_held = !mayInject();
+  for (faults::FaultEngine* engine : {&relay_faults_, &master_faults_, &console_faults_})
+    engine->hold(is_held);
+  if (!is_held) return;
+  master_stream_.clear();  // what a fault held back of a virtual robot's is not for a real one
+  relay_stream_.clear();
+}
+
+/** Beginnings and ends since the last tick: the robot's as they came, and our own. */
+void PhysicsLoop::tellFaultChanges() noexcept {
+  FaultChange change;
+  while (shared_.fault_changes.tryPop(&change))
+    shared_.change_records.tryPush({state_.tick, change});
+  for (faults::FaultEngine* engine : {&relay_faults_, &master_faults_, &console_faults_}) {
+    while (engine->nextChange(&change)) {
+      change.cycle = static_cast<std::uint64_t>(state_.tick);
+      shared_.change_records.tryPush({state_.tick, change});
+    }
+  }
+}
+
+/** What faults made of packets. */
+void PhysicsLoop::countFaultedPackets() noexcept {
+  if (shared_.faults.version() < 2) return;  // nothing was ever armed
+  shared_.master_faults.store(master_stream_.counts());
+  shared_.relay_faults.store(relay_stream_.counts());
 }
 
 /** Whether this tick may take one more. After a stall many wait: together they would be a jump, to the model as to the
@@ -423,9 +452,8 @@ void PhysicsLoop::driveModel(const PerArm<JointArray>& target) noexcept {
 }
 
 void PhysicsLoop::relay() noexcept {
-  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;
+  const bool has_robot = hasRobot();
   if (has_robot && !relay_in_step_) relay_sequence_ = robot_.last_sequence;
-  relay_started_ = relay_started_ || has_robot;
   relay_in_step_ = has_robot;
   if (!relay_started_) return;
   RelayPacket packet;  // a robot whose state no longer reaches us is told pedal-up: its last word must not be "down"
@@ -439,9 +467,7 @@ void PhysicsLoop::relay() noexcept {
   }
   relay_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.faults.signals});
   relay_faults_.beginPacket(linked_);
-  const bool injects = mayInject();
-  if (!injects) relay_stream_.clear();
-  if (!injects || (!relay_faults_.isArmed() && relay_stream_.isEmpty())) {
+  if (!relay_faults_.isArmed() && relay_stream_.isEmpty()) {
     relay_stream_.pass(packet.command);
     return sendToRobot(packet);
   }
@@ -455,21 +481,14 @@ void PhysicsLoop::relay() noexcept {
 void PhysicsLoop::sendToRobot(const RelayPacket& packet) noexcept {
   const auto network = relay_faults_.acting(FaultVariable::kPacket, FaultKind::kImpair);
   RelayPacket sent = packet;
-  sent.impairment = network && mayInject() ? 1 + static_cast<std::uint32_t>(network.fault->value) : 0;
+  sent.impairment = network ? 1 + static_cast<std::uint32_t>(network.fault->value) : 0;
   shared_.relay_packets.tryPush(sent);
-}
-
-void PhysicsLoop::uncorruptConsole() noexcept {
-  const FaultSignals signals = state_.faults.signals;
-  state_.faults = DaemonFaults{};
-  state_.faults.signals = signals;
 }
 
 /** What the surgeon feels and sees: from what is right to what faults make of it. */
 void PhysicsLoop::corruptConsole() noexcept {
   console_faults_.beginCycle({linked_, static_cast<int>(robot_.runlevel), state_.faults.signals});
-  state_.faults.console = mayInject() ? console_faults_.activeMask() : std::uint8_t{0};
-  if (!mayInject()) return uncorruptConsole();
+  state_.faults.console = console_faults_.activeMask();
   for (const Arm arm : kArms) {
     at(state_.faults.force_gain, arm) = console_faults_.apply(FaultVariable::kForceGain, arm, 0, 1.0);
     at(state_.faults.force_offset_B, arm) = Vec3{};
@@ -486,12 +505,13 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   state_.time_ns = now_ns;
   state_.linked = linked_ ? 1 : 0;
   corruptConsole();
-  const bool injects = mayInject();
-  state_.faults.relay = injects ? relay_faults_.activeMask() : std::uint8_t{0};
-  state_.faults.master = injects ? master_faults_.activeMask() : std::uint8_t{0};
-  const std::uint32_t relayed = injects ? relay_faults_.activeId() : 0;
-  state_.faults.active = relayed != 0 || !injects ? relayed : master_faults_.activeId();
-  if (state_.faults.active == 0 && injects) state_.faults.active = console_faults_.activeId();
+  state_.faults.relay = relay_faults_.activeMask();
+  state_.faults.master = master_faults_.activeMask();
+  state_.faults.active = relay_faults_.activeId();
+  if (state_.faults.active == 0) state_.faults.active = master_faults_.activeId();
+  if (state_.faults.active == 0) state_.faults.active = console_faults_.activeId();
+  tellFaultChanges();
+  countFaultedPackets();
   for (const Arm arm : kArms)
     fillArm(arm, &at(state_.arms, arm));
   world_.bodyPoses(&state_.bodies);

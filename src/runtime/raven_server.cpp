@@ -74,6 +74,9 @@ void RavenServer::publish(std::int64_t now_ns) noexcept {
   state.time_ns = now_ns;
   state_.store(state);
   detector_cycles_.store(software_.detectorReport().cycles_acted, std::memory_order_relaxed);
+  FaultChange change;
+  while (software_.nextFaultChange(&change))
+    state_server_.push(change);
   software_.returnState(now_ns);
   while (software_.nextReturned(&state))
     state_server_.push(withLost(state));

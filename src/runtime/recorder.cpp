@@ -127,7 +127,8 @@ void Recorder::release(const RecordTally& tails) {
     for (std::uint64_t i = ring.head(); i < tail; ++i) {
       if constexpr (std::is_same_v<Record, TickRecord>) session_tick_ = ring.at(i).model.session_tick;
       if constexpr (std::is_same_v<Record, TickRecord> || std::is_same_v<Record, HapticRecord> ||
-                    std::is_same_v<Record, PlanRecord> || std::is_same_v<Record, FaultRecord>) {
+                    std::is_same_v<Record, PlanRecord> || std::is_same_v<Record, FaultRecord> ||
+                    std::is_same_v<Record, FaultChangeRecord>) {
         metrics_.add(ring.at(i));
       }
     }

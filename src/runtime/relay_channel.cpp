@@ -1,7 +1,6 @@
 #include "raven2_trainer/runtime/relay_channel.h"
 
-#include <array>
-#include <cstring>
+#include <utility>
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -14,28 +13,47 @@ void RelayChannel::pass(const RelayPacket& packet, std::int64_t now_ns, const Se
   const bool is_known = packet.impairment <= config_.impairments.size();
   if (packet.impairment != impairment_ && packet.impairment != 0 && is_known) {
     flush(now_ns, send);
-    channel_.emplace(config_.impairments[packet.impairment - 1], config_.seed, kStream, now_ns);
+    begin(packet.impairment, now_ns);
   }
   impairment_ = packet.impairment;
   if (impairment_ == 0 || !channel_) {
     flush(now_ns, send);
-    send(packet.command);
+    send(wire::fromCommand(packet.command));
     return;
   }
-  std::array<std::uint8_t, sizeof(MasterCommand)> bytes;
-  std::memcpy(bytes.data(), &packet.command, bytes.size());
+  const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(packet.command));
   channel_->offer(bytes.data(), bytes.size(), now_ns);
   flush(now_ns, send);
+}
+
+/** What the channel before it still holds is lost. */
+void RelayChannel::begin(std::uint32_t impairment, std::int64_t now_ns) {
+  before_ = counts();
+  before_.lost += std::exchange(before_.held, 0);
+  cut_ = 0;
+  channel_.emplace(config_.impairments[impairment - 1], config_.seed, kStream, now_ns);
+}
+
+FaultedPackets RelayChannel::counts() const {
+  FaultedPackets all = before_;
+  if (!channel_) return all;
+  const impair::ChannelCounts& now = channel_->counts();
+  all.lost += now.droppedTotal() + cut_;
+  all.added += now.duplicates;
+  all.held = now.held;
+  return all;
 }
 
 void RelayChannel::flush(std::int64_t now_ns, const Send& send) {
   while (channel_) {
     const auto delivery = channel_->take(now_ns);
     if (!delivery) return;
-    MasterCommand command;
-    if (delivery->bytes.size() != sizeof(command)) continue;  // cut short on its way: no packet
-    std::memcpy(static_cast<void*>(&command), delivery->bytes.data(), sizeof(command));
-    send(command);
+    wire::ItpPacket packet;
+    if (wire::decodeItp(delivery->bytes.data(), delivery->bytes.size(), &packet) == Reject::kNone) {
+      send(packet);
+    } else {
+      ++cut_;
+    }
   }
 }
 

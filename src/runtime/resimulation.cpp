@@ -67,6 +67,9 @@ struct Resimulation::Impl {
       forces.add(record);
     });
     visitor.faults = upToDifference<FaultRecord>([this](const auto& record) { faults.add(record); });
+    visitor.fault_change = upToDifference<FaultChangeRecord>([this](const auto& record) {
+      if (record.change.host == FaultHost::kRobot) changes.add(record);  // the others come again by themselves
+    });
     visitor.contact = upToDifference<ContactRecord>([this](const auto& record) { contacts.add(record); });
     visitor.haptic = upToDifference<HapticRecord>([this](const auto& record) { addForce(record); });
     visitor.tick = upToDifference<TickRecord>([this](const auto& record) { tick(record); });
@@ -113,6 +116,7 @@ struct Resimulation::Impl {
   void feed(const TickRecord& recorded) {
     const Tick now = recorded.model.tick;
     faults.take(now, [&](const FaultRecord& r) { shared->faults.store(r.plan); });
+    changes.take(now, [&](const FaultChangeRecord& r) { push(&shared->fault_changes, r.change, now); });
     commands.take(now, [&](const CommandRecord& r) { push(&shared->master_commands, r.command, now); });
     requests.take(now, [&](const RequestRecord& r) { push(&shared->requests, r.request, now); });
     plans.take(now, [&](const PlanRecord& r) {
@@ -159,6 +163,7 @@ struct Resimulation::Impl {
     discard(&shared->request_records);
     discard(&shared->plan_records);
     discard(&shared->fault_records);
+    discard(&shared->change_records);
     discard(&shared->contact_records);
   }
 
@@ -182,6 +187,7 @@ struct Resimulation::Impl {
   InputQueue<RequestRecord> requests{"a request"};
   InputQueue<PlanRecord> plans{"a plan"};
   InputQueue<FaultRecord> faults{"a fault plan"};
+  InputQueue<FaultChangeRecord> changes{"a robot's fault"};
   InputQueue<ContactRecord> contacts{"a contact"};
   SessionCounts counts{};
   ResimulationResult result;

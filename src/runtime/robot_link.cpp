@@ -4,8 +4,8 @@
 
 namespace raven2_trainer::runtime {
 
-RobotLink::RobotLink(const TrainerConfig& config, SharedState* shared)
-    : geometry_(config.arms.geometry), shared_(*shared) {}
+RobotLink::RobotLink(const TrainerConfig& config, SharedState* shared, std::uint32_t session)
+    : geometry_(config.arms.geometry), session_(session), shared_(*shared) {}
 
 void RobotLink::connected() noexcept {
   parser_.reset();
@@ -13,10 +13,14 @@ void RobotLink::connected() noexcept {
   heard_ns_ = 0;
   state_ = RobotState{};
   sent_generation_ = ~std::uint64_t{0};
+  sent_signals_ = FaultSignals{};
+  change_number_ = 0;
+  shared_.plan_refused.store(0);
 }
 
 void RobotLink::disconnected() noexcept {
   state_.connected = 0;
+  shared_.plan_refused.store(0);
   shared_.robot.store(state_);
 }
 
@@ -51,6 +55,10 @@ Reject RobotLink::apply(const wire::Frame& frame, std::int64_t now_ns) noexcept 
       return applyHello(frame);
     case wire::FrameType::kState:
       return applyState(frame, now_ns);
+    case wire::FrameType::kFaultChange:
+      return applyChange(frame);
+    case wire::FrameType::kPlanAnswer:
+      return applyAnswer(frame);
     default:
       return Reject::kBadFrame;
   }
@@ -61,6 +69,23 @@ Reject RobotLink::applyHello(const wire::Frame& frame) noexcept {
   if (!is_first_) return Reject::kOutOfOrder;
   is_first_ = false;
   state_.is_virtual = wire::saysVirtual(frame) ? 1 : 0;
+  return Reject::kNone;
+}
+
+/** Changes count for what they say; what is missing between two is counted too. */
+Reject RobotLink::applyChange(const wire::Frame& frame) noexcept {
+  FaultChange change;
+  if (!wire::decodeFaultChange(frame, &change)) return Reject::kBadFrame;
+  if (change.number <= change_number_) return Reject::kOutOfOrder;
+  if (change_number_ != 0) shared_.fault_changes_lost.add(change.number - change_number_ - 1);
+  change_number_ = change.number;
+  return shared_.fault_changes.tryPush(change) ? Reject::kNone : Reject::kQueueFull;
+}
+
+Reject RobotLink::applyAnswer(const wire::Frame& frame) noexcept {
+  bool is_armed = false;
+  if (!wire::decodePlanAnswer(frame, &is_armed)) return Reject::kBadFrame;
+  shared_.plan_refused.store(is_armed ? 0 : 1);
   return Reject::kNone;
 }
 
@@ -106,14 +131,17 @@ void RobotLink::publish(std::int64_t received_ns) noexcept {
 std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
   if (state_.is_virtual == 0) return 0;  // no fault ever goes to a real robot
   FaultPlan plan;
-  if (shared_.faults.tryLoad(&plan) && plan.generation != sent_generation_) {
-    sent_generation_ = plan.generation;
-    has_plan_ = plan.count > 0;
-    sent_signals_ = FaultSignals{};
-    return wire::encodeFaultPlan(++sequence_, plan, out);
-  }
+  if (!shared_.faults.tryLoad(&plan)) return 0;
+  const std::size_t size = plan.count > 0 ? pendingSignals(out) : 0;
+  if (size > 0 || plan.generation == sent_generation_) return size;
+  sent_generation_ = plan.generation;
+  plan.session = session_;
+  return wire::encodeFaultPlan(++sequence_, plan, out);
+}
+
+std::size_t RobotLink::pendingSignals(std::uint8_t* out) noexcept {
   ModelState model;
-  if (!has_plan_ || !shared_.model.tryLoad(&model) || model.faults.signals == sent_signals_) return 0;
+  if (!shared_.model.tryLoad(&model) || model.faults.signals == sent_signals_) return 0;
   sent_signals_ = model.faults.signals;
   return wire::encodeFaultSignals(++sequence_, model.faults.signals, out);
 }

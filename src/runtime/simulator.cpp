@@ -64,6 +64,14 @@ void sleepFor(double seconds) {
   clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
 }
 
+/** Another one in every run: a robot that hears it again knows that it is the same run. */
+std::uint32_t sessionNumber() noexcept {
+  const wire::Nonce nonce = freshNonce();
+  std::uint32_t number = 0;
+  std::memcpy(&number, nonce.data(), sizeof(number));
+  return number;
+}
+
 }  // namespace
 
 struct Simulator::Impl {
@@ -88,7 +96,7 @@ struct Simulator::Impl {
                      config.network.reconnect_min,
                      config.network.reconnect_max),
         ingest(config.network.itp, key.get(), shared.get()),
-        link(config, shared.get()),
+        link(config, shared.get(), sessionNumber()),
         faults(config, shared.get()),
         physics(config, raven, scene, shared.get()),
         haptic(config, shared.get()),
@@ -216,8 +224,9 @@ struct Simulator::Impl {
         link.resendPlan();
         resend_ns = now_ns + kResendPlanNs;
       }
-      const std::size_t size = link.pendingFrame(buffer.data());
-      if (size > 0) robot_client.send(buffer.data(), size);
+      while (const std::size_t size = link.pendingFrame(buffer.data()))
+        robot_client.send(buffer.data(), size);
+      reportRefusal(shared->plan_refused.load() != 0);
     }
     link.disconnected();
   }
@@ -233,6 +242,13 @@ struct Simulator::Impl {
       robot_client.disconnect();
       return;
     }
+  }
+
+  /** Each time that it begins. */
+  void reportRefusal(bool is_refused) {
+    if (is_refused && !reported_refusal)
+      std::fprintf(stderr, "robot: it refuses our fault plan: another reader's is armed\n");
+    reported_refusal = is_refused;
   }
 
   /** Once for each version met, however often the robot is tried again. */
@@ -267,21 +283,22 @@ struct Simulator::Impl {
     MasterCommand release;
     release.sequence = last_relay.command.sequence + 1;
     shared->relay_released.add();
-    sendRelay(release);
+    sendRelay(wire::fromCommand(release));
   }
 
   void sendWaiting() {
     const std::int64_t now = net::monotonicNow();
-    const auto send = [this](const MasterCommand& command) { sendRelay(command); };
+    const auto send = [this](const wire::ItpPacket& sent) { sendRelay(sent); };
     while (shared->relay_packets.tryPop(&last_relay))
       relay_channel.pass(last_relay, now, send);
     relay_channel.flush(now, send);
+    shared->relay_network.store(relay_channel.counts());
     while (shared->force_packets.tryPop(&last_force))
       sendForce(last_force);
   }
 
-  void sendRelay(const MasterCommand& command) {
-    const bool taken = to_robot.send(wire::fromCommand(command), net::monotonicNow());
+  void sendRelay(const wire::ItpPacket& packet) {
+    const bool taken = to_robot.send(packet, net::monotonicNow());
     (taken ? shared->relay_sent : shared->relay_failed).add();
   }
 
@@ -433,6 +450,7 @@ struct Simulator::Impl {
   MasterIngest ingest;
   RobotLink link;
   std::uint16_t reported_version{0};  // robot_link's own
+  bool reported_refusal{false};       // the same
   FaultDirector faults;
   PhysicsLoop physics;
   HapticLoop haptic;

@@ -48,10 +48,19 @@ void StateServer::push(const RobotState& state) noexcept {
   state_ready_.signal();
 }
 
+void StateServer::push(const FaultChange& change) noexcept {
+  changes_.tryPush(change);
+}
+
 void StateServer::serve(std::int64_t now_ns) {
   now_ns_ = now_ns;
+  const std::uint64_t pushed =
+      states_.counts().pushed;  // taken first: the changes of all these cycles are in their ring
+  FaultChange change;
+  while (changes_.tryPop(&change))
+    server_.broadcast(buffer_.data(), wire::encodeFaultChange(++sequence_, change, buffer_.data()));
   RobotState state;
-  while (states_.tryPop(&state)) {
+  while (states_.counts().taken < pushed && states_.tryPop(&state)) {
     const std::size_t size = wire::encodeState(++sequence_, state, buffer_.data());
     server_.broadcast(buffer_.data(), size);
   }
@@ -89,16 +98,18 @@ void StateServer::receive(ClientId client, const std::uint8_t* bytes, std::size_
 }
 
 void StateServer::handle(ClientId client, Reader* reader, const wire::Frame& frame) {
-  FaultSignals signals;
-  if (wire::decodeFaultSignals(frame, &signals) && plan_owner_ == client) signals_.store(signals);
+  if (wire::decodeFaultSignals(frame, &reader->signals) && plan_owner_ == client) signals_.store(reader->signals);
   FaultPlan plan;
   if (!wire::decodeFaultPlan(frame, &plan)) return;
   const bool may_arm = is_virtual_ && (plan_owner_ == 0 || plan_owner_ == client);
+  server_.send(client, buffer_.data(), wire::encodePlanAnswer(++sequence_, may_arm, buffer_.data()));
   if (!may_arm) return refuse(client, reader);
   const wire::FrameBytes sent(frame.payload, frame.payload + frame.size);
   if (plan_owner_ == client && owners_plan_ == sent) return;  // again
   plan_owner_ = client;
   owners_plan_ = sent;
+  signals_.store(reader->signals);  // first: who sees the plan sees what its triggers look at
+  session_ = plan.session;
   arm(plan);
 }
 
@@ -132,8 +143,10 @@ void StateServer::forget(ClientId client) {
   connected_.erase(client);
   if (plan_owner_ != client) return;
   plan_owner_ = 0;
-  signals_.store(FaultSignals{});
-  arm(FaultPlan{});  // nobody is left who could clear it: no fault stays armed
+  FaultPlan nothing;  // nobody is left who could clear it: no fault stays armed
+  nothing.session = session_;
+  nothing.is_suspended = 1;  // but the same session may come back, and is not to be hit twice by what came once
+  arm(nothing);
 }
 
 void StateServer::closeDribblers(std::int64_t now_ns) {

@@ -285,6 +285,7 @@ struct Layout<Fault> {
     v.field("trigger", s.trigger, "", "from when its ticks count");
     v.field("arm", s.arm, "", "0 gold, 1 green, -1 both");
     v.field("channel", s.channel, "", "element of the variable; -1 all");
+    v.field("row", s.row, "", "of its scenario");
     v.field("first_tick", s.first_tick, "ms, packets", "earliest start");
     v.field("duration_ticks", s.duration_ticks, "ms, packets", "length; 0 until cleared");
     v.field("period_ticks", s.period_ticks, "ms, packets", "repeated every; 0 once");
@@ -307,6 +308,29 @@ struct Layout<FaultPlan> {
     v.field("generation", s.generation, "", "changes whenever the list does");
     v.count("count", s.count, kMaxFaults, "faults", "in use");
     v.field("faults", s.faults, "", "all that are armed");
+  }
+};
+
+template <>
+struct Layout<FaultedPackets> {
+  template <typename Visitor, typename Counts>
+  static void visit(Visitor& v, Counts& s) {
+    v.field("lost", s.lost, "packets", "that went in and will not come out");
+    v.field("added", s.added, "packets", "second copies and forgeries");
+    v.field("held", s.held, "packets", "not out yet");
+  }
+};
+
+template <>
+struct Layout<FaultChange> {
+  template <typename Visitor, typename Change>
+  static void visit(Visitor& v, Change& s) {
+    v.field("number", s.number, "", "of the changes of its host");
+    v.field("cycle", s.cycle, "ms", "on its host's clock: first that it acts in, or no longer acts in");
+    v.field("id", s.id, "", "position in scenarios + 1");
+    v.field("host", s.host, "", "whose process applies it");
+    v.field("row", s.row, "", "of its scenario");
+    v.field("acts", s.acts, "", "1 began, 0 ended");
   }
 };
 
@@ -406,6 +430,16 @@ struct Layout<FaultRecord> {
 };
 
 template <>
+struct Layout<FaultChangeRecord> {
+  static constexpr const char* kMeaning = "a fault that began or ended";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick that learned of it");
+    v.field("change", s.change, "", "as its host told it");
+  }
+};
+
+template <>
 struct Layout<ContactRecord> {
   static constexpr const char* kMeaning = "the contact points of one pair of bodies in one physics tick";
   template <typename Visitor, typename Record>
@@ -461,6 +495,10 @@ struct Layout<SessionCounts> {
     v.field("rings", s.rings, "", "queues between the threads (ring_names)");
     v.field("records_dropped", s.records_dropped, "records", "lost because a queue was full");
     v.field("contacts_dropped", s.contacts_dropped, "points", "contacts beyond the longest list of a tick");
+    v.field("master_faults", s.master_faults, "", "by faults, between ingest and model");
+    v.field("relay_faults", s.relay_faults, "", "by faults, between physics loop and sender");
+    v.field("relay_network", s.relay_network, "", "by the bad network of a fault, behind the sender");
+    v.field("fault_changes_lost", s.fault_changes_lost, "", "beginnings and ends of the robot's faults not received");
     v.field("frames", s.frames, "frames", "live camera frames rendered");
     v.field("ik_clamped", s.ik_clamped, "ms", "ticks in which a joint limit clamped the desired pose");
     v.field("realtime", s.realtime, "", "1 if real-time scheduling was granted");

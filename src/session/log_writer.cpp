@@ -153,6 +153,10 @@ void LogWriter::write(const FaultRecord& record) {
   impl_->write(record);
 }
 
+void LogWriter::write(const FaultChangeRecord& record) {
+  impl_->write(record);
+}
+
 void LogWriter::write(const ContactRecord& record) {
   impl_->write(record);
 }

@@ -12,7 +12,7 @@
 namespace raven2_trainer::session {
 
 constexpr std::uint32_t kMagic = 0x4C325652;    ///< the bytes "RV2L"
-constexpr std::uint16_t kRecordVersion = 5;     ///< of every record; raised when a layout changes
+constexpr std::uint16_t kRecordVersion = 6;     ///< of every record; raised when a layout changes
 constexpr int kFormatVersion = 1;               ///< of the frame
 constexpr std::size_t kFrameHeaderSize = 20;    ///< [bytes]
 constexpr std::size_t kCrcSize = 4;             ///< [bytes]
@@ -30,7 +30,8 @@ enum class RecordType : std::uint16_t {
   kContact,
   kFaults,
   kGap,
-  kRecovery
+  kRecovery,
+  kFaultChange
 };
 
 /** Type number of each record struct. */
@@ -63,6 +64,10 @@ struct RecordTypeOf<ContactRecord> {
 template <>
 struct RecordTypeOf<FaultRecord> {
   static constexpr RecordType kType = RecordType::kFaults;
+};
+template <>
+struct RecordTypeOf<FaultChangeRecord> {
+  static constexpr RecordType kType = RecordType::kFaultChange;
 };
 template <>
 struct RecordTypeOf<GapRecord> {

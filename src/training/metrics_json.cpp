@@ -36,17 +36,24 @@ Json describeRejected(const LinkCounts& link) {
   return rejected;
 }
 
+Json describeFaulted(const FaultedPackets& packets) {
+  return {{"lost", packets.lost}, {"added", packets.added}, {"held", packets.held}};
+}
+
 Json describePackets(const SessionCounts& counts) {
   return {{"master_to_daemon",
            {{"received", counts.master.received},
             {"applied", counts.master.applied},
             {"used", counts.master_used},
+            {"faults", describeFaulted(counts.master_faults)},
             {"rejected", describeRejected(counts.master)}}},
           {"daemon_to_robot",
            {{"sent", counts.relay_sent},
             {"failed", counts.relay_failed},
             {"released", counts.relay_released},
             {"dropped", ring(counts, RingId::kRelayPackets).dropped},
+            {"faults", describeFaulted(counts.relay_faults)},
+            {"network", describeFaulted(counts.relay_network)},
             {"received", counts.relay.received},
             {"applied", counts.relay.applied},
             {"rejected", describeRejected(counts.relay)}}},
@@ -179,6 +186,7 @@ Json describeInjection(const Injection& injection) {
   const Json robot_clear = injection.clear_cycle == 0 ? Json(nullptr) : Json(injection.clear_cycle);
   return {{"name", injection.name},
           {"host", kFaultHostNames[static_cast<std::size_t>(fault.host)]},
+          {"row", fault.row},
           {"site", kFaultSiteNames[static_cast<std::size_t>(fault.site)]},
           {"variable", infoOf(fault.variable).name},
           {"arm", fault.arm < 0 ? "both" : kArmNames[static_cast<std::size_t>(fault.arm)]},
@@ -204,7 +212,8 @@ void writeFaults(const std::string& path, const SessionMetrics& metrics) {
                     {{"model", "ms since the first pedal down, as the daemon's ticks"},
                      {"robot", "ms, the robot's own control cycles"}}},
                    {"faults", events},
-                   {"injections", injections}});
+                   {"injections", injections},
+                   {"changes_lost", metrics.counts.fault_changes_lost}});
 }
 
 void setFrames(const std::string& path, std::uint64_t frames) {

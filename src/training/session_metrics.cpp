@@ -50,7 +50,7 @@ MetricsAccumulator::MetricsAccumulator(const session::LogHeader& header) : heade
 void MetricsAccumulator::add(const TickRecord& record) {
   model_now_ = record.model.tick;
   now_ = record.model.session_tick;
-  followRows(record);
+  followChanges(record);
   if (now_ >= 0) {
     if (first_ < 0) first_ = now_;
     ++metrics_.ticks;
@@ -64,42 +64,69 @@ void MetricsAccumulator::add(const FaultRecord& record) {
   plans_.push_back(record);
 }
 
-void MetricsAccumulator::followRows(const TickRecord& record) {
-  followMask(FaultHost::kRobot, record.robot.frame > 0 ? record.robot.fault_mask : std::uint8_t{0}, record);
-  followMask(FaultHost::kRelay, record.model.faults.relay, record);
-  followMask(FaultHost::kMaster, record.model.faults.master, record);
-  followMask(FaultHost::kConsole, record.model.faults.console, record);
+void MetricsAccumulator::add(const FaultChangeRecord& record) {
+  changes_.push_back(record);
 }
 
-void MetricsAccumulator::followMask(FaultHost host, std::uint8_t mask, const TickRecord& record) {
-  std::uint8_t& before = masks_[static_cast<std::size_t>(host)];
-  for (std::size_t row = 0; row < kMaxFaults; ++row) {
-    const bool acts = (mask >> row & 1) != 0, acted = (before >> row & 1) != 0;
-    if (acts && !acted) {
-      Span span{host, row, record.model.tick, {}};
-      span.injection.inject_tick = record.model.session_tick;
-      span.injection.inject_cycle = record.robot.cycle;
-      spans_.push_back(span);
+void MetricsAccumulator::followChanges(const TickRecord& record) {
+  for (; !changes_.empty() && changes_.front().tick <= record.model.tick; changes_.pop_front()) {
+    const FaultChange& change = changes_.front().change;
+    for (Span& span : spans_) {
+      const bool is_same = span.begin.host == change.host && span.begin.id == change.id && span.begin.row == change.row;
+      if (is_same && span.is_open) close(&span, change.cycle, record);
     }
-    if (acts || !acted) continue;
-    const auto open = std::find_if(spans_.rbegin(), spans_.rend(),
-                                   [&](const Span& span) { return span.host == host && span.row == row; });
-    open->injection.clear_tick = record.model.session_tick;
-    open->injection.clear_cycle = record.robot.cycle;
+    if (change.acts != 0) open(change, record);
   }
-  before = mask;
+  if (record.robot.connected != 0) return;
+  for (Span& span : spans_) {  // with its reader a robot loses the reader's faults
+    if (span.is_open && span.begin.host == FaultHost::kRobot) close(&span, record.robot.cycle, record);
+  }
 }
 
-/** With the names: a plan may have been read from the log behind the first ticks that it was in force. */
+void MetricsAccumulator::open(const FaultChange& change, const TickRecord& record) {
+  Span span;
+  span.begin = change;
+  span.model_tick = record.model.tick;
+  span.injection.inject_tick = record.model.session_tick;
+  span.injection.inject_cycle = change.host == FaultHost::kRobot ? change.cycle : record.robot.cycle;
+  spans_.push_back(span);
+}
+
+void MetricsAccumulator::close(Span* span, std::uint64_t cycle, const TickRecord& record) {
+  span->is_open = false;
+  span->injection.clear_tick = record.model.session_tick;
+  span->injection.clear_cycle = span->begin.host == FaultHost::kRobot ? cycle : record.robot.cycle;
+}
+
+/** Of all that act, or began and ended within this tick: the robot's first, then by host and age. */
+std::uint32_t MetricsAccumulator::actingFault(Tick model_tick) const {
+  const Span* first = nullptr;
+  for (const Span& span : spans_) {
+    const bool acts = span.is_open || span.model_tick == model_tick;
+    if (acts && (first == nullptr || span.begin.host < first->begin.host)) first = &span;
+  }
+  return first == nullptr ? 0 : first->begin.id;
+}
+
+/** A plan may have been read from the log behind the first ticks that it was in force. */
+Fault MetricsAccumulator::faultOf(const Span& span) const {
+  Fault fault;
+  for (const FaultRecord& record : plans_) {
+    if (record.tick > span.model_tick) continue;
+    for (std::size_t i = 0; i < record.plan.count; ++i) {
+      const Fault& row = record.plan.faults[i];
+      if (row.host == span.begin.host && row.id == span.begin.id && row.row == span.begin.row) fault = row;
+    }
+  }
+  return fault;
+}
+
 std::vector<Injection> MetricsAccumulator::injections() const {
   std::vector<Injection> all;
   for (const Span& span : spans_) {
     Injection injection = span.injection;
-    for (const FaultRecord& record : plans_) {
-      const bool holds = record.tick <= span.model_tick && span.row < record.plan.count;
-      if (holds) injection.fault = record.plan.faults[span.row];
-    }
-    injection.name = nameOf(injection.fault.id);
+    injection.fault = faultOf(span);
+    injection.name = nameOf(span.begin.id);
     for (const FaultEvent& event : metrics_.faults) {
       const bool within =
           injection.inject_tick >= event.first_tick && (event.end_tick < 0 || injection.inject_tick <= event.end_tick);
@@ -115,8 +142,7 @@ std::string MetricsAccumulator::nameOf(std::uint32_t id) const {
 }
 
 void MetricsAccumulator::followFault(const TickRecord& record) {
-  const std::uint32_t in_robot = record.robot.frame > 0 ? record.robot.active_fault : 0;
-  const std::uint32_t acting = in_robot != 0 ? in_robot : record.model.faults.active;
+  const std::uint32_t acting = actingFault(record.model.tick);
   if (acting != 0 && acting != active_fault_) beginFault(acting, record.robot);
   active_fault_ = acting;
   if (acting != 0) {
@@ -217,6 +243,7 @@ SessionMetrics computeMetrics(const std::string& log_path) {
   visitor.haptic = [&](const HapticRecord& record) { accumulator.add(record); };
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
   visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
+  visitor.fault_change = [&](const FaultChangeRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
   return accumulator.result();

@@ -23,7 +23,9 @@ constexpr std::size_t kStateSize = 8 + 8 + 4 + 4 + 5 + kArmCount * kStateArmSize
 static_assert(kStateSize == 619, "the layout of doc/wire.md; another size needs another version");
 constexpr std::size_t kSignalsSize = 2 * sizeof(double) + 2 * sizeof(std::uint32_t);
 
-constexpr std::size_t kFaultPlanHead = 8 + 4;
+constexpr std::size_t kFaultPlanHead = 4 + 4 + 4;
+constexpr std::size_t kChangeSize = 8 + 8 + 4 + 3;
+constexpr std::size_t kAnswerSize = 1;
 constexpr std::size_t kFaultSize = 4 + 8 + 8 + 6 * sizeof(std::int64_t) + 5 * sizeof(double);
 static_assert(kFaultSize == 108, "the layout of doc/wire.md; another size needs another version");
 static_assert(kFaultPlanHead + kMaxFaults * kFaultSize <= kMaxPayload && kStateSize <= kMaxPayload, "fits a frame");
@@ -82,7 +84,7 @@ bool isOtherVersion(const Header& header) noexcept {
 bool isUsable(const Header& header) noexcept {
   const bool is_newer = (header.version & 0xFFU) > kFrameMinor;
   const bool is_known = header.type >= static_cast<std::uint16_t>(FrameType::kHello) &&
-                        header.type <= static_cast<std::uint16_t>(FrameType::kFaultSignals);
+                        header.type <= static_cast<std::uint16_t>(FrameType::kPlanAnswer);
   return header.magic == kFrameMagic && (is_known || is_newer) && header.length <= kMaxPayload;
 }
 
@@ -202,7 +204,7 @@ void putFault(ByteWriter& out, const Fault& fault) noexcept {
   out.put(static_cast<std::uint8_t>(fault.trigger));
   out.put(fault.arm);
   out.put(fault.channel);
-  out.put(std::uint8_t{0});
+  out.put(fault.row);
   out.put(fault.seed);
   forEachTime(fault, [&](std::int64_t ticks) { out.put(ticks); });
   forEachNumber(fault, [&](double number) { out.put(number); });
@@ -225,7 +227,7 @@ bool getFault(ByteReader& in, Fault* fault) noexcept {
   if (!is_known) return false;
   fault->arm = in.get<std::int8_t>();
   fault->channel = in.get<std::int8_t>();
-  in.get<std::uint8_t>();
+  fault->row = in.get<std::uint8_t>();
   fault->seed = in.get<std::uint64_t>();
   forEachTime(*fault, [&](std::int64_t& ticks) { ticks = in.get<std::int64_t>(); });
   forEachNumber(*fault, [&](double& number) { number = in.get<double>(); });
@@ -259,7 +261,8 @@ std::size_t encodeState(std::uint32_t sequence, const RobotState& state, std::ui
 std::size_t encodeFaultPlan(std::uint32_t sequence, const FaultPlan& plan, std::uint8_t* out) noexcept {
   const std::uint32_t count = plan.count < kMaxFaults ? plan.count : static_cast<std::uint32_t>(kMaxFaults);
   ByteWriter payload(out + kFrameHeaderSize, kMaxPayload);
-  payload.put(plan.generation);
+  payload.put(static_cast<std::uint32_t>(plan.generation));
+  payload.put(plan.session);
   payload.put(count);
   for (std::uint32_t i = 0; i < count; ++i)
     putFault(payload, plan.faults[i]);
@@ -273,6 +276,22 @@ std::size_t encodeFaultSignals(std::uint32_t sequence, const FaultSignals& signa
   payload.put(signals.step);
   payload.put(signals.tool_changes);
   return finishFrame(FrameType::kFaultSignals, sequence, payload.size(), out);
+}
+
+std::size_t encodeFaultChange(std::uint32_t sequence, const FaultChange& change, std::uint8_t* out) noexcept {
+  ByteWriter payload(out + kFrameHeaderSize, kMaxPayload);
+  payload.put(change.number);
+  payload.put(change.cycle);
+  payload.put(change.id);
+  payload.put(static_cast<std::uint8_t>(change.host));
+  payload.put(change.row);
+  payload.put(change.acts);
+  return finishFrame(FrameType::kFaultChange, sequence, payload.size(), out);
+}
+
+std::size_t encodePlanAnswer(std::uint32_t sequence, bool is_armed, std::uint8_t* out) noexcept {
+  out[kFrameHeaderSize] = is_armed ? 1 : 0;
+  return finishFrame(FrameType::kPlanAnswer, sequence, kAnswerSize, out);
 }
 
 std::string refusalText(const std::string& who, std::uint16_t version) {
@@ -308,7 +327,8 @@ bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept {
   if (frame.type != FrameType::kFaultPlan || frame.size < kFaultPlanHead) return false;
   ByteReader in(frame.payload, frame.size);
   FaultPlan decoded;
-  decoded.generation = in.get<std::uint64_t>();
+  decoded.generation = in.get<std::uint32_t>();
+  decoded.session = in.get<std::uint32_t>();
   decoded.count = in.get<std::uint32_t>();
   if (decoded.count > kMaxFaults || !hasSize(frame, kFaultPlanHead + decoded.count * kFaultSize)) return false;
   for (std::uint32_t i = 0; i < decoded.count; ++i) {
@@ -329,6 +349,27 @@ bool decodeFaultSignals(const Frame& frame, FaultSignals* signals) noexcept {
   // Infinity says "nothing there".
   if (!(decoded.tissue_distance >= 0.0) || !(decoded.target_distance >= 0.0)) return false;
   *signals = decoded;
+  return true;
+}
+
+bool decodeFaultChange(const Frame& frame, FaultChange* change) noexcept {
+  if (frame.type != FrameType::kFaultChange || !hasSize(frame, kChangeSize)) return false;
+  ByteReader in(frame.payload, frame.size);
+  FaultChange decoded;
+  decoded.number = in.get<std::uint64_t>();
+  decoded.cycle = in.get<std::uint64_t>();
+  decoded.id = in.get<std::uint32_t>();
+  const bool is_robots = getEnum(in, kFaultHostCount, &decoded.host) && decoded.host == FaultHost::kRobot;
+  decoded.row = in.get<std::uint8_t>();
+  decoded.acts = in.get<std::uint8_t>();
+  if (!is_robots || decoded.number == 0 || decoded.row >= kMaxFaults || decoded.acts > 1) return false;
+  *change = decoded;
+  return true;
+}
+
+bool decodePlanAnswer(const Frame& frame, bool* is_armed) noexcept {
+  if (frame.type != FrameType::kPlanAnswer || !hasSize(frame, kAnswerSize) || frame.payload[0] > 1) return false;
+  *is_armed = frame.payload[0] == 1;
   return true;
 }
 

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 #include <ode/ode.h>
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/runtime/lockstep.h"
 #include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/runtime/planner_worker.h"
@@ -282,6 +285,74 @@ TEST_F(ResimulationTest, RecordsASessionOfTheSameTicks) {
   };
   EXPECT_EQ(ticksOf(session::SessionPaths{output}), ticksOf(paths));
   EXPECT_FALSE(resimulate(session::SessionPaths{output}).difference) << "it can be simulated again itself";
+}
+
+/** Faults of every host, one of them on a signal. */
+TrainerConfig allHosts() {
+  TrainerConfig faulty = packagedConfig();
+  faulty.hazard = "sudden_jump";
+  faulty.runtime.plan_at = -1.0;
+  std::vector<Fault>& rows = faulty.scenarios[config::faultId(faulty, "sudden_jump") - 1].faults;
+  rows[0].first_tick = 1500;
+  const auto add = [&](FaultHost host, FaultVariable variable, FaultKind kind, std::int64_t first, double value) {
+    Fault row;
+    row.id = rows[0].id;
+    row.row = static_cast<std::uint8_t>(rows.size());
+    row.host = host;
+    row.site = infoOf(variable).site;
+    row.variable = variable;
+    row.kind = kind;
+    row.first_tick = first;
+    row.duration_ticks = 200;
+    row.value = row.low = row.high = value;
+    rows.push_back(row);
+  };
+  add(FaultHost::kMaster, FaultVariable::kPacket, FaultKind::kDelay, 300, 20);
+  add(FaultHost::kMaster, FaultVariable::kIncrement, FaultKind::kRandom, 700, 30);
+  rows.back().low = -30;
+  add(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDrop, 1000, 0.2);
+  add(FaultHost::kConsole, FaultVariable::kForceOffset, FaultKind::kAdd, 500, 0.5);
+  rows.back().trigger = FaultTrigger::kTissueDistance;
+  rows.back().threshold = 0.005;
+  return faulty;
+}
+
+std::vector<std::array<std::uint64_t, 6>> changesIn(const session::SessionPaths& session) {
+  std::vector<std::array<std::uint64_t, 6>> changes;
+  session::LogVisitor visitor;
+  visitor.fault_change = [&](const FaultChangeRecord& r) {
+    changes.push_back({static_cast<std::uint64_t>(r.tick), r.change.number, r.change.cycle,
+                       static_cast<std::uint64_t>(r.change.host), r.change.row, r.change.acts});
+  };
+  session::readLog(session.log(), visitor);
+  return changes;
+}
+
+TEST_F(ResimulationTest, GivesFaultsOfEveryHostAgainAndWhatTheirTriggersLookAt) {
+  const TrainerConfig faulty = allHosts();
+  const session::SessionPaths first = session::createSessionDirectory((folder / "all_hosts").string());
+  {
+    Lockstep lockstep(faulty, makeMotion(faulty, "scripted"), first, "scripted");
+    FaultSignals signals;
+    while (lockstep.view().model.session_tick < 2500) {
+      signals.tissue_distance = 0.02 - 1e-5 * static_cast<double>(lockstep.view().model.session_tick);
+      lockstep.setSignals(signals);
+      lockstep.tick();
+    }
+    lockstep.finish();
+  }
+  const session::SessionPaths again{(folder / "all_hosts_again").string()};
+  const ResimulationResult result = Resimulation(faulty, first, again.directory).run({});
+  ASSERT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
+  const auto changes = changesIn(first);
+  EXPECT_EQ(changes, changesIn(again));
+  std::set<std::uint64_t> hosts, rows;
+  for (const auto& change : changes) {
+    hosts.insert(change[3]);
+    rows.insert(change[4]);
+  }
+  EXPECT_EQ(hosts.size(), 4U);
+  EXPECT_EQ(rows.size(), 5U);
 }
 
 TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {

@@ -89,6 +89,10 @@ void use(const wire::Frame& frame) {
   }
   FaultSignals signals;
   if (wire::decodeFaultSignals(frame, &signals)) require(signals.tissue_distance >= 0.0, "a distance is one");
+  FaultChange change;
+  if (wire::decodeFaultChange(frame, &change)) require(change.row < kMaxFaults && change.number > 0, "a row is one");
+  bool is_armed = false;
+  wire::decodePlanAnswer(frame, &is_armed);
   wire::saysVirtual(frame);
 }
 

@@ -11,8 +11,8 @@ gc.disable()
 
 HEADER = struct.Struct("<4sHHII")
 STATE = struct.Struct("<QqII5B" + 2 * "21d7i7B" + "23Q")
-PLAN_HEAD = struct.Struct("<QI")
-VERSION = 0x300
+PLAN_HEAD = struct.Struct("<III")  # generation, session, rows
+VERSION = 0x301
 HELLO, STATE_TYPE, PLAN = 1, 2, 3
 
 
@@ -95,7 +95,7 @@ class FrameReader:
 
     def send_plan(self, fault_id=1):
         """A plan of one fault that never begins (first tick in the far future)."""
-        payload = PLAN_HEAD.pack(1, 1) + struct.pack(
+        payload = PLAN_HEAD.pack(1, 1, 1) + struct.pack(
             "<I5B2bBQ6q5d", fault_id, 0, 13, 34, 1, 0, 0, 0, 0, 0, 10**12, 300, 0, 1, 0, 0, 0.0, 1.0, 0.0, 0.0, 0.0)
         self._sequence += 1
         head = HEADER.pack(b"RV2T", VERSION, PLAN, len(payload), self._sequence)

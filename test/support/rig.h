@@ -149,6 +149,11 @@ class Rig {
     plant.step(software.cycle(plant.read()));
     FaultPlan plan;
     if (robot_connected && shared->faults.tryLoad(&plan)) software.setFaults(plan);
+    FaultChange change;
+    while (software.nextFaultChange(&change)) {
+      if (!robot_connected) continue;
+      link.receive(buffer.data(), wire::encodeFaultChange(++frame_sequence, change, buffer.data()), now_ns);
+    }
     if (!robot_connected) return;
     RobotState state = software.state();
     state.time_ns = now_ns;
@@ -165,6 +170,7 @@ class Rig {
     discard(&shared->request_records);
     discard(&shared->plan_records);
     discard(&shared->fault_records);
+    discard(&shared->change_records);
     discard(&shared->contact_records);
   }
 

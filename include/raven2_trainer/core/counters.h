@@ -63,6 +63,13 @@ struct LinkCounts {
   constexpr bool addsUp() const noexcept { return received == applied + rejectedTotal(); }
 };
 
+/** What faults did to a stream of packets: came out = went in + added - lost - held. */
+struct FaultedPackets {
+  std::uint64_t lost{};
+  std::uint64_t added{};  ///< second copies and forgeries
+  std::uint64_t held{};   ///< not out yet
+};
+
 /** Plain copy of the counters of one ring. Invariant: pushed >= taken; the difference waits in the ring. */
 struct RingCounts {
   std::uint64_t pushed{};   ///< elements that went in

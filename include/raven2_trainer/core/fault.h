@@ -174,7 +174,7 @@ enum class FaultTrigger : std::uint8_t {
   kPedalDown,       ///< the first pedal-down cycle its host saw; it then waits for the pedal to be down
   kPowerOn,         ///< the host's first cycle
   kHand,            ///< the cycle that saw it armed
-  kPacket,          ///< the first pedal-down packet its host saw: its ticks are packets
+  kPacket,          ///< the first pedal-down packet its host saw; it starts with a packet (lastsForPackets())
   kRunLevel,        ///< run level `threshold` is reached
   kTissueDistance,  ///< a tip is at most `threshold` [m] from tissue
   kTargetDistance,  ///< a tip is at most `threshold` [m] from the exercise's target
@@ -186,7 +186,8 @@ constexpr std::array<const char*, kFaultTriggerCount> kFaultTriggerNames{
     "pedal_down",      "power_on",        "hand", "packet",     "run_level",
     "tissue_distance", "target_distance", "step", "tool_change"};
 
-/** One armed fault. A tick is the host's own 1 ms cycle; with trigger kPacket it is a packet. */
+/** One armed fault. A tick is the host's own 1 ms cycle. With trigger kPacket `first_tick` and `period_ticks` count
+ *  packets; the other times do so too where the variable is of packets, else they count cycles. */
 struct Fault {
   std::uint32_t id{};  ///< names the scenario across processes; 0 is "no fault"
   FaultHost host{FaultHost::kRobot};
@@ -196,6 +197,7 @@ struct Fault {
   FaultTrigger trigger{FaultTrigger::kPedalDown};
   std::int8_t arm{-1};               ///< 0 gold, 1 green, -1 both
   std::int8_t channel{-1};           ///< of the variable; -1 all
+  std::uint8_t row{};                ///< which of its scenario's rows
   std::int64_t first_tick{};         ///< [ticks] earliest start, on the trigger's clock
   std::int64_t duration_ticks{};     ///< [ticks] length: 300 means 300 cycles; 0 = until cleared
   std::int64_t period_ticks{};       ///< [ticks] repeat every; 0 = once
@@ -214,8 +216,21 @@ constexpr std::size_t kMaxFaults = 8;
 /** All faults armed now. `generation` changes whenever the list does. */
 struct FaultPlan {
   std::uint64_t generation{};
+  /** Of whoever arms: a robot's triggers start anew with another session, and go on with the same one. */
+  std::uint32_t session{};
   std::uint32_t count{};
+  std::uint8_t is_suspended{};  ///< 1: whoever armed is gone; nothing acts, time goes on. Does not travel.
   std::array<Fault, kMaxFaults> faults{};
+};
+
+/** A row of a plan began to act, or ended. */
+struct FaultChange {
+  std::uint64_t number{};  ///< counts the changes of its host from 1; one that is missing was lost
+  std::uint64_t cycle{};   ///< [1 ms] on its host's clock: first that it acts in, or first that it no longer acts in
+  std::uint32_t id{};      ///< Fault::id
+  FaultHost host{FaultHost::kRobot};
+  std::uint8_t row{};   ///< Fault::row
+  std::uint8_t acts{};  ///< 1 began, 0 ended
 };
 
 /** What triggers look at besides cycles and pedals: written by whoever runs the exercise. */
@@ -225,7 +240,8 @@ struct FaultSignals {
   std::uint32_t step{};                                             ///< of the exercise; 0 none
   std::uint32_t tool_changes{};                                     ///< presses of the button so far
 };
-static_assert(std::is_trivially_copyable<FaultPlan>::value && std::is_trivially_copyable<FaultSignals>::value,
+static_assert(std::is_trivially_copyable<FaultPlan>::value && std::is_trivially_copyable<FaultSignals>::value &&
+                  std::is_trivially_copyable<FaultChange>::value,
               "cross threads word by word");
 
 constexpr bool operator==(const FaultSignals& a, const FaultSignals& b) noexcept {

@@ -177,6 +177,11 @@ constexpr bool isWhole(FaultVariable variable) noexcept {
   }
 }
 
+/** Whether a fault lasts for packets and not for cycles: it is on what packets say, and began with one. */
+constexpr bool lastsForPackets(const Fault& fault) noexcept {
+  return fault.trigger == FaultTrigger::kPacket && infoOf(fault.variable).site == FaultSite::kNetworkLayer;
+}
+
 /** Which kinds a variable takes. */
 bool takes(FaultVariable variable, FaultKind kind) noexcept;
 

@@ -52,6 +52,12 @@ struct FaultRecord {
   FaultPlan plan{};
 };
 
+/** A fault that began or ended, stamped with the physics tick that learned of it. */
+struct FaultChangeRecord {
+  Tick tick{};
+  FaultChange change{};
+};
+
 /** All contact points of one pair of bodies in one physics tick, taken together. */
 struct ContactRecord {
   Tick tick{};             ///< [1 ms] of the ModelState they belong to
@@ -63,10 +69,10 @@ struct ContactRecord {
 };
 
 /** Kinds of record that the loops queue for the recorder. */
-enum class RecordKind : std::uint8_t { kTick, kHaptic, kCommand, kRequest, kPlan, kContact, kFaults };
-constexpr std::size_t kRecordKindCount = 7;
+enum class RecordKind : std::uint8_t { kTick, kHaptic, kCommand, kRequest, kPlan, kContact, kFaults, kFaultChange };
+constexpr std::size_t kRecordKindCount = 8;
 constexpr std::array<const char*, kRecordKindCount> kRecordKindNames{"tick", "haptic",  "command", "request",
-                                                                     "plan", "contact", "faults"};
+                                                                     "plan", "contact", "faults",  "fault_change"};
 /** A number of records of each kind, by RecordKind. */
 using RecordTally = std::array<std::uint64_t, kRecordKindCount>;
 
@@ -135,6 +141,7 @@ enum class RingId : std::uint8_t {
   kMasterCommands,
   kRequests,
   kFaultRequests,
+  kFaultChanges,
   kPlanRequests,
   kPlanResults,
   kRelayPackets,
@@ -146,18 +153,19 @@ enum class RingId : std::uint8_t {
   kPlanRecords,
   kFaultRecords,
   kContactRecords,
+  kFaultChangeRecords,
 };
-constexpr std::size_t kRingCount = 14;
+constexpr std::size_t kRingCount = 16;
 constexpr std::array<const char*, kRingCount> kRingNames{
-    "master_commands", "requests",      "fault_requests", "plan_requests",  "plan_results",
-    "relay_packets",   "force_packets", "tick_records",   "haptic_records", "command_records",
-    "request_records", "plan_records",  "fault_records",  "contact_records"};
+    "master_commands", "requests",      "fault_requests",  "fault_changes",       "plan_requests",   "plan_results",
+    "relay_packets",   "force_packets", "tick_records",    "haptic_records",      "command_records", "request_records",
+    "plan_records",    "fault_records", "contact_records", "fault_change_records"};
 
 /** The queue of each kind of record. */
 constexpr RingId ringOf(RecordKind kind) noexcept {
   constexpr std::array<RingId, kRecordKindCount> kRings{
       RingId::kTickRecords, RingId::kHapticRecords,  RingId::kCommandRecords, RingId::kRequestRecords,
-      RingId::kPlanRecords, RingId::kContactRecords, RingId::kFaultRecords};
+      RingId::kPlanRecords, RingId::kContactRecords, RingId::kFaultRecords,   RingId::kFaultChangeRecords};
   return kRings[static_cast<std::size_t>(kind)];
 }
 
@@ -183,6 +191,12 @@ struct SessionCounts {
   std::uint64_t force_failed{};                ///< daemon -> console packets that the system did not take
   std::uint64_t force_silent{};      ///< packets of zero force that the sender added to those of the haptic loop
   std::uint64_t contacts_dropped{};  ///< contacts of a tick beyond the longest list
+
+  // What injected faults did to packets under way; all 0 without any.
+  FaultedPackets master_faults{};      ///< between ingest and model
+  FaultedPackets relay_faults{};       ///< between physics loop and sender
+  FaultedPackets relay_network{};      ///< between sender and socket: the bad network of a fault
+  std::uint64_t fault_changes_lost{};  ///< beginnings and ends of the robot's faults that did not reach us
 };
 static_assert(std::is_trivially_copyable<SessionCounts>::value, "travels in the log");
 

@@ -24,6 +24,8 @@ struct RecordRings {
   RecordRing<FaultRecord, 16> faults;
   // physics -> recorder
   RecordRing<ContactRecord, 8192> contacts;
+  // physics -> recorder
+  RecordRing<FaultChangeRecord, 256> changes;
 
   /** call(RecordKind, ring) for each, in the order in which they are written to the log. */
   template <typename Call>
@@ -46,6 +48,7 @@ struct RecordRings {
   template <typename Self, typename Call>
   static void visit(Self& self, Call& call) {
     call(RecordKind::kFaults, self.faults);
+    call(RecordKind::kFaultChange, self.changes);
     call(RecordKind::kCommand, self.commands);
     call(RecordKind::kRequest, self.requests);
     call(RecordKind::kPlan, self.plans);

@@ -32,7 +32,8 @@ struct SharedState {
         request_records(records.requests),
         plan_records(records.plans),
         fault_records(records.faults),
-        contact_records(records.contacts) {}
+        contact_records(records.contacts),
+        change_records(records.changes) {}
 
   // --- latest values -------------------------------------------------------------------------------------------
   // written by physics
@@ -55,10 +56,18 @@ struct SharedState {
   StateCell<LinkCounts> robot_link;
   // written by robot_link: frame version for which the robot was refused, major << 8 | minor; 0 none
   StateCell<std::uint16_t> robot_version_refused;
+  // written by robot_link: 1 while the robot refuses our fault plan
+  StateCell<std::uint8_t> plan_refused;
   // written by physics
   StateCell<LoopTiming> physics_timing;
   // written by haptic
   StateCell<LoopTiming> haptic_timing;
+  // written by physics
+  StateCell<FaultedPackets> master_faults;
+  // written by physics
+  StateCell<FaultedPackets> relay_faults;
+  // written by sender
+  StateCell<FaultedPackets> relay_network;
   // written by recorder
   StateCell<RecorderStatus> recorder;
 
@@ -69,6 +78,8 @@ struct SharedState {
   SpscRing<Request, 32> requests;
   // ros -> faults
   SpscRing<FaultRequest, 32> fault_requests;
+  // robot_link -> physics
+  SpscRing<FaultChange, 256> fault_changes;
   // physics -> planner
   SpscRing<PlanRequest, 4> plan_requests;
   // planner -> physics
@@ -86,6 +97,7 @@ struct SharedState {
   RecordRing<PlanRecord, 8>& plan_records;
   RecordRing<FaultRecord, 16>& fault_records;
   RecordRing<ContactRecord, 8192>& contact_records;
+  RecordRing<FaultChangeRecord, 256>& change_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;  // physics
@@ -94,7 +106,8 @@ struct SharedState {
   Counter force_sent;   // sender
   Counter frames;       // render
 
-  Counter contacts_dropped;  // physics: beyond the longest list
+  Counter contacts_dropped;    // physics: beyond the longest list
+  Counter fault_changes_lost;  // robot_link: missing between those that came
   Counter relay_failed;      // sender: the system did not take it
   Counter relay_released;    // sender: pedal-up packets of its own
   Counter force_failed;      // sender
@@ -108,10 +121,10 @@ struct SharedState {
 
 /** The counters of all rings, by RingId. Any thread. */
 inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexcept {
-  return {s.master_commands.counts(), s.requests.counts(),        s.fault_requests.counts(),  s.plan_requests.counts(),
-          s.plan_results.counts(),    s.relay_packets.counts(),   s.force_packets.counts(),   s.tick_records.counts(),
-          s.haptic_records.counts(),  s.command_records.counts(), s.request_records.counts(), s.plan_records.counts(),
-          s.fault_records.counts(),   s.contact_records.counts()};
+  return {s.master_commands.counts(), s.requests.counts(),       s.fault_requests.counts(),  s.fault_changes.counts(),
+          s.plan_requests.counts(),   s.plan_results.counts(),   s.relay_packets.counts(),   s.force_packets.counts(),
+          s.tick_records.counts(),    s.haptic_records.counts(), s.command_records.counts(), s.request_records.counts(),
+          s.plan_records.counts(),    s.fault_records.counts(),  s.contact_records.counts(), s.change_records.counts()};
 }
 
 /** The counters that live in the shared state; whoever owns links and loops adds theirs. Any thread. */
@@ -127,6 +140,10 @@ inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   c.ik_clamped = s.ik_clamped.value();
   c.frames = s.frames.value();
   c.contacts_dropped = s.contacts_dropped.value();
+  c.master_faults = s.master_faults.load();
+  c.relay_faults = s.relay_faults.load();
+  c.relay_network = s.relay_network.load();
+  c.fault_changes_lost = s.fault_changes_lost.value();
   c.rings = ringCounts(s);
   for (std::size_t i = static_cast<std::size_t>(RingId::kTickRecords); i < kRingCount; ++i)
     c.records_dropped += c.rings[i].dropped;

@@ -27,13 +27,17 @@ struct FaultCycle {
  *
  * Each fault's clock runs from its trigger (FaultTrigger). It is due at `first_tick` and then every `period_ticks`;
  * with trigger pedal_down, when it is due with the pedal up, it waits for the next pedal-down cycle. Then it lasts for
- * exactly `duration_ticks` cycles, or packets. Draws come from each fault's own seed. Real-time safe.
+ * exactly `duration_ticks` cycles, or packets (lastsForPackets()). Draws come from each fault's own seed.
+ *
+ * Every beginning and end is told once, in order (nextChange()). Real-time safe.
  */
 class FaultEngine {
  public:
   explicit FaultEngine(FaultHost host) noexcept : host_(host) {}
 
-  /** Takes over a plan if its generation is new: faults that stay keep their progress. */
+  /** Takes over a plan if its generation is new: faults that stay keep their progress, unless it is another session's:
+   *  then everything begins anew, the clocks of the pedal and of packets too. A suspended plan leaves the faults in
+   *  their places and lets none act. */
   void setPlan(const FaultPlan& plan) noexcept;
 
   /** Once a cycle, before any apply. */
@@ -41,8 +45,16 @@ class FaultEngine {
   /** Once a packet, before any apply to it. */
   void beginPacket(bool pedal_down) noexcept;
 
-  /** Is there anything for this host? */
+  /** Lets none act until it is false again: time goes on, and what has come by then is passed over for as long. */
+  void hold(bool is_held) noexcept;
+  bool isHeld() const noexcept { return held_; }
+
+  /** Is there anything for this host, and may it act? */
   bool isArmed() const noexcept { return kHasHooks && armed_; }
+
+  /** The oldest beginning or end not told yet; `cycle` is left to the host, whose clock it is. @return false if there
+   * is none. Whoever never asks loses the newest. */
+  bool nextChange(FaultChange* change) noexcept;
 
   /** One element of a variable after its faults. `arm` is of no account where a variable has none. */
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
@@ -93,28 +105,38 @@ class FaultEngine {
   struct Progress {
     std::int64_t clock{-1};  ///< -1: the trigger has not come
     std::int64_t next{};     ///< tick at which it is due
-    std::int64_t begin{};    ///< of the present activation
+    std::int64_t age{};      ///< [ticks] of the present activation
     std::int64_t times{};    ///< times it was due
     std::int64_t activations{};
-    std::uint32_t tool_changes{};  ///< when it was armed
+    std::uint32_t tool_changes{};  ///< when it was first looked at
+    bool looked_at{};
     bool active{};
     Random random{0};
     std::array<Element, kChannels> elements{};
   };
 
+  static constexpr std::size_t kMaxChanges = 64;  ///< of one host between two questions: all rows, four times over
+
   void start(const Fault& fault, Progress* progress) const noexcept;
+  void takeOver(const FaultPlan& plan) noexcept;
+  void rearm() noexcept;
+  void tell(const Fault& fault, bool acts) noexcept;
   double corrupt(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept;
   double corrupted(const Fault& fault, Progress* progress, const Element& element, double value) noexcept;
   bool concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept;
   bool isActing(const Fault& fault, const Progress& progress) const noexcept;
   std::int64_t clockOf(const Fault& fault, const Progress& progress, const FaultCycle& cycle) const noexcept;
   void advance(const Fault& fault, Progress* progress, bool may_start) noexcept;
+  void end(const Fault& fault, Progress* progress) noexcept;
 
   FaultHost host_;
   bool armed_{false};
+  bool held_{false};
   FaultPlan plan_{};
   std::array<Progress, kMaxFaults> progress_{};
-  FaultSignals signals_{};
+  std::array<FaultChange, kMaxChanges> changes_{};
+  std::uint64_t number_{0};  ///< of the newest change
+  std::uint64_t changes_begun_{0}, changes_told_{0};
   std::int64_t cycle_{-1};
   std::int64_t tick_{-1};
   std::int64_t packet_{-1};

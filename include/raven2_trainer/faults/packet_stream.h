@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/faults/fault_engine.h"
 
 namespace raven2_trainer::faults {
@@ -31,6 +32,7 @@ class PacketStream {
 
   /** Lets go of everything that it holds, and of what could be replayed. */
   void clear() noexcept {
+    lost_ += end_ - released_;
     released_ = end_;
     held_back_ = false;
     remembered_ = 0;
@@ -46,6 +48,7 @@ class PacketStream {
     const std::int64_t due = engine->cycle() + delay(engine);
     const FaultEngine::Acting twice = engine->acting(variable_, FaultKind::kDuplicate);
     const std::int64_t copies = twice ? 1 + std::llround(twice.fault->value) : 1;
+    added_ += static_cast<std::uint64_t>(copies - 1);
     for (std::int64_t i = 0; i < copies; ++i)
       put(changed, due);
     forge(changed, due, *engine);
@@ -63,7 +66,8 @@ class PacketStream {
   }
 
   bool isEmpty() const noexcept { return released_ == end_; }
-  std::uint64_t lost() const noexcept { return lost_; }
+  /** Since the start: offered = taken + lost + held - added. */
+  FaultedPackets counts() const noexcept { return {lost_, added_, end_ - released_}; }
 
  private:
   struct Slot {
@@ -133,6 +137,7 @@ class PacketStream {
       const bool concerned = forger.fault->arm < 0 || static_cast<std::size_t>(forger.fault->arm) == index(arm);
       if (concerned) Traits::forge(&forged, arm, static_cast<std::size_t>(forger.fault->channel), forger.fault->value);
     }
+    ++added_;
     put(forged, due);
   }
 
@@ -158,7 +163,7 @@ class PacketStream {
   std::uint64_t remembered_{0};
   std::int64_t replayed_{-1};
   std::int64_t newest_due_{0};
-  std::uint64_t lost_{0};
+  std::uint64_t lost_{0}, added_{0};
   bool held_back_{false};
 };
 

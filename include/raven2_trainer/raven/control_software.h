@@ -58,6 +58,9 @@ class ControlSoftware {
   /** Nothing but zeros without a detector. */
   DetectorReport detectorReport() const noexcept;
 
+  /** The oldest fault that began or ended and was not told yet, with the cycle; ask after each. @return false: none. */
+  bool nextFaultChange(FaultChange* change) noexcept;
+
   /** What their triggers look at, from the next cycle on. */
   void setSignals(const FaultSignals& signals) noexcept;
 

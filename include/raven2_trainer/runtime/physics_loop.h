@@ -62,10 +62,13 @@ class PhysicsLoop {
   void drainCommands() noexcept;
   void takeCommand(const MasterCommand& command) noexcept;
   bool mayInject() const noexcept;
+  bool hasRobot() const noexcept { return robot_.connected != 0 && robot_.frame > 0; }
+  void holdFaults() noexcept;
+  void tellFaultChanges() noexcept;
+  void countFaultedPackets() noexcept;
   void corruptMaster(const MasterCommand& command) noexcept;
   void takeHeldCommands() noexcept;
   void corruptConsole() noexcept;
-  void uncorruptConsole() noexcept;
   bool fits(const MasterCommand& command) const noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;

@@ -7,6 +7,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/impair/channel.h"
+#include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::runtime {
 
@@ -17,7 +18,7 @@ namespace raven2_trainer::runtime {
  */
 class RelayChannel {
  public:
-  using Send = std::function<void(const MasterCommand&)>;
+  using Send = std::function<void(const wire::ItpPacket&)>;
 
   /** @param[in] config outlives this. */
   explicit RelayChannel(const TrainerConfig& config) : config_(config) {}
@@ -27,9 +28,16 @@ class RelayChannel {
   /** What has come due meanwhile. */
   void flush(std::int64_t now_ns, const Send& send);
 
+  /** Since the start: given to `send` = passed + added - lost - held. */
+  FaultedPackets counts() const;
+
  private:
+  void begin(std::uint32_t impairment, std::int64_t now_ns);
+
   const TrainerConfig& config_;
   std::optional<impair::Channel> channel_;
+  FaultedPackets before_{};  ///< of the channels before this one
+  std::uint64_t cut_{0};     ///< came out too short to be a packet
   std::uint32_t impairment_{0};
 };
 

@@ -27,7 +27,9 @@ class RobotLink {
    * for frames to queue up on the way, and is sooner than a connection across a broken network recovers by itself. */
   static constexpr std::int64_t kSilenceNs = 1'000'000'000;
 
-  RobotLink(const TrainerConfig& config, SharedState* shared);
+  /** @param[in] session tells this daemon's run from every other: a robot goes on with the faults of the session it
+   *  knows, and begins anew with another's. */
+  RobotLink(const TrainerConfig& config, SharedState* shared, std::uint32_t session = 0);
 
   /** The TCP connection came up, or went away. */
   void connected() noexcept;
@@ -43,8 +45,8 @@ class RobotLink {
    * last one, of which the robot does not know yet that it is dead. */
   void resendPlan() noexcept { sent_generation_ = ~std::uint64_t{0}; }
 
-  /** A frame to send now (the fault plan, when it changed or the robot is new; then what its triggers look at, when that
-   *  changed); 0 if there is none.
+  /** A frame to send now: what the triggers of an armed plan look at, when that changed, and before the plan; the plan,
+   *  when it changed or the robot is new. 0 if there is none; more than one may be due.
    *  @param[out] out at least wire::kMaxFrame bytes. */
   std::size_t pendingFrame(std::uint8_t* out) noexcept;
 
@@ -54,11 +56,15 @@ class RobotLink {
   Reject apply(const wire::Frame& frame, std::int64_t now_ns) noexcept;
   Reject applyHello(const wire::Frame& frame) noexcept;
   Reject applyState(const wire::Frame& frame, std::int64_t now_ns) noexcept;
+  Reject applyChange(const wire::Frame& frame) noexcept;
+  Reject applyAnswer(const wire::Frame& frame) noexcept;
+  std::size_t pendingSignals(std::uint8_t* out) noexcept;
   Reject checkOrder(const RobotState& next) const noexcept;
   void publish(std::int64_t received_ns) noexcept;
   void count(Reject reason) noexcept;
 
   const ArmGeometry geometry_;
+  const std::uint32_t session_;
   SharedState& shared_;
   wire::FrameParser parser_;
   wire::FrameDelay delay_;    ///< over all connections: a robot that restarted is noticed
@@ -67,8 +73,8 @@ class RobotLink {
   LinkCounts counts_{};
   bool is_first_{true};  ///< no frame of this connection yet: only then a hello may come
   std::uint64_t sent_generation_{~std::uint64_t{0}};
-  bool has_plan_{false};      ///< something is armed
-  FaultSignals sent_signals_{};
+  FaultSignals sent_signals_{};     ///< on this connection
+  std::uint64_t change_number_{0};  ///< of the newest on this connection; 0 none yet
   std::uint32_t sequence_{0};
   std::uint16_t refused_version_{0};
 };

@@ -21,10 +21,11 @@ namespace raven2_trainer::runtime {
  * The robot's end of the TCP link (doc/wire.md): hello, one state frame a cycle to every reader, fault plans back. A
  * thread of its own sends; push() only puts the state into a ring.
  *
- * Fault plans: the first reader that sends one owns the plan until it leaves, then nothing is armed; the others' plans
- * are refused and counted; the owner's own, sent again byte for byte, is passed over. A real robot refuses
- * every plan. A reader is closed if it begins a frame and does not finish
- * it within kFrameDeadlineNs, breaks the stream, or takes nothing for TcpServer::kStallNs.
+ * Fault plans: the first reader that sends one owns the plan until it leaves, then nothing is armed; if the same
+ * session comes back, its faults go on where they would be by then. The others' plans are refused and counted; the
+ * owner's own, sent again byte for byte, is passed over; every plan is answered. A real robot refuses every plan.
+ * Beginnings and ends of faults go to every reader. A reader is closed if it begins a frame and does not finish it
+ * within kFrameDeadlineNs, breaks the stream, or takes nothing for TcpServer::kStallNs.
  */
 class StateServer {
  public:
@@ -42,6 +43,9 @@ class StateServer {
 
   /** The state of a cycle, from one thread. Real-time safe. A full ring drops it, counted in statesDropped(). */
   void push(const RobotState& state) noexcept;
+
+  /** A fault that began or ended, ahead of the state of that cycle. The same. */
+  void push(const FaultChange& change) noexcept;
 
   /** What the thread does again and again: sends the states that wait, takes what the readers sent. */
   void serve(std::int64_t now_ns);
@@ -74,6 +78,7 @@ class StateServer {
     wire::FrameParser parser;
     std::int64_t part_since{0};  ///< [ns] since when a part of a frame waits; 0 none
     bool was_refused{false};     ///< a plan of it, and that was told
+    FaultSignals signals;        ///< as it sent them last, whether its plan is armed or not
   };
 
   void greet(ClientId client);
@@ -89,6 +94,7 @@ class StateServer {
   net::TcpServer server_;
   net::EventFd state_ready_;
   SpscRing<RobotState, 256> states_;    // push() -> thread
+  SpscRing<FaultChange, 256> changes_;  // push() -> thread
   StateCell<FaultPlan> faults_;         // written by the thread
   StateCell<FaultSignals> signals_;     // written by the thread
   StateCell<net::FrameTotals> frames_;  // written by the thread
@@ -100,6 +106,7 @@ class StateServer {
   std::map<ClientId, Reader> connected_;
   ClientId plan_owner_{0};
   wire::FrameBytes owners_plan_;  // as its owner sent it
+  std::uint32_t session_{0};      // of the owner, or of the last one
   std::uint64_t generation_{0};
   std::uint32_t sequence_{0};
   std::int64_t now_ns_{0}, may_tell_ns_{0};

@@ -65,6 +65,7 @@ class LogWriter {
   void write(const RequestRecord& record);
   void write(const PlanRecord& record);
   void write(const FaultRecord& record);
+  void write(const FaultChangeRecord& record);
   void write(const ContactRecord& record);
   void write(const GapRecord& record);
   /**
@@ -96,6 +97,7 @@ struct LogVisitor {
   std::function<void(const RequestRecord&)> request;
   std::function<void(const PlanRecord&)> plan;
   std::function<void(const FaultRecord&)> faults;
+  std::function<void(const FaultChangeRecord&)> fault_change;
   std::function<void(const ContactRecord&)> contact;
   std::function<void(const GapRecord&)> gap;
   std::function<void(const SessionCounts&)> counts;

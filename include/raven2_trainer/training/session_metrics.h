@@ -40,14 +40,14 @@ struct FaultEvent {
   Tick errorToForce() const noexcept { return force_tick < 0 ? -1 : force_tick - onset_tick; }
 };
 
-/** One row of a fault plan from when it began to act until it ended: the ground truth. */
+/** One row of a fault plan from when it began to act until it ended: the ground truth, as its host told it. */
 struct Injection {
   Fault fault{};  ///< id 0: not in the record
   std::string name;
-  Tick inject_tick{};            ///< [1 ms] session ticks, -1 before the first pedal down; first that saw it
-  Tick clear_tick{-1};           ///< first that no longer saw it; -1 it lasts to the end
-  std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock of the same
-  std::uint64_t clear_cycle{};   ///< 0: it lasts to the end
+  Tick inject_tick{};            ///< [1 ms] session ticks, -1 before the first pedal down; in which the daemon knew
+  Tick clear_tick{-1};           ///< in which it knew the end, or lost the robot; -1 it lasts to the end
+  std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock; a robot's own fault: exactly the first cycle with it
+  std::uint64_t clear_cycle{};   ///< exactly the first without it; 0: it lasts to the end
   Tick observe_tick{-1};         ///< first session tick with the tips parted by more than the tolerance; -1 never
 };
 
@@ -72,8 +72,8 @@ struct SessionMetrics {
  * robot follow the surgeon from a common pose (mode teleoperating, `linked`) and the robot's state is fresh. A stale
  * robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
  *
- * Records of one kind come in order; haptic records may come before or after the ticks they belong to (two threads
- * write them), so each waits for its tick.
+ * Records of one kind come in order, changes of faults before the tick that they belong to; haptic records may come
+ * before or after theirs (two threads write them), so each waits for its tick.
  */
 class MetricsAccumulator {
  public:
@@ -82,6 +82,7 @@ class MetricsAccumulator {
   void add(const HapticRecord& record);
   void add(const PlanRecord& record);
   void add(const FaultRecord& record);
+  void add(const FaultChangeRecord& record);
   void add(const SessionCounts& counts);
   SessionMetrics result() const;
 
@@ -92,16 +93,19 @@ class MetricsAccumulator {
     double newton{};  ///< [N] larger of both arms
   };
 
-  /** A row that acts, or acted; which fault that is the plans tell. */
+  /** A row that acts, or acted; the rest of it the plans tell. */
   struct Span {
-    FaultHost host{};
-    std::size_t row{};
+    FaultChange begin{};
     Tick model_tick{};
+    bool is_open{true};
     Injection injection;
   };
 
-  void followRows(const TickRecord& record);
-  void followMask(FaultHost host, std::uint8_t mask, const TickRecord& record);
+  void followChanges(const TickRecord& record);
+  void open(const FaultChange& change, const TickRecord& record);
+  void close(Span* span, std::uint64_t cycle, const TickRecord& record);
+  std::uint32_t actingFault(Tick model_tick) const;
+  Fault faultOf(const Span& span) const;
   std::vector<Injection> injections() const;
   void followFault(const TickRecord& record);
   std::string nameOf(std::uint32_t id) const;
@@ -116,8 +120,8 @@ class MetricsAccumulator {
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
   std::vector<FaultRecord> plans_;
+  std::deque<FaultChangeRecord> changes_;  ///< that wait for their tick
   std::vector<Span> spans_;
-  std::array<std::uint8_t, kFaultHostCount> masks_{};  ///< of the tick before
   Tick first_{-1};      ///< session tick of the first tick seen in the session; -1 before
   Tick now_{-1};        ///< session tick being looked at
   Tick model_now_{-1};  ///< its model tick

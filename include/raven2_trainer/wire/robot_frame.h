@@ -18,15 +18,17 @@ namespace raven2_trainer::wire {
 constexpr std::uint32_t kFrameMagic = 0x54325652;  ///< "RV2T" in memory
 // Another major version is refused. A newer minor one may only append to payloads and add types: both are passed over.
 constexpr std::uint8_t kFrameMajor = 3;
-constexpr std::uint8_t kFrameMinor = 0;
+constexpr std::uint8_t kFrameMinor = 1;
 constexpr std::size_t kFrameHeaderSize = 20;
 constexpr std::size_t kMaxPayload = 4096;
 
 enum class FrameType : std::uint16_t {
-  kHello = 1,      ///< robot -> daemon, first: what it is
-  kState = 2,      ///< robot -> daemon, every control cycle
-  kFaultPlan = 3,  ///< daemon -> robot: arm exactly these faults, and no others
+  kHello = 1,         ///< robot -> daemon, first: what it is
+  kState = 2,         ///< robot -> daemon, every control cycle
+  kFaultPlan = 3,     ///< daemon -> robot: arm exactly these faults, and no others
   kFaultSignals = 4,  ///< daemon -> robot: what their triggers look at, when it changes
+  kFaultChange = 5,  ///< robot -> daemon: a fault began or ended, ahead of the state of that cycle; no fault touches it
+  kPlanAnswer = 6,   ///< robot -> daemon: whether the plan that it sent is armed
 };
 
 using FrameBytes = std::vector<std::uint8_t>;
@@ -39,6 +41,9 @@ std::size_t encodeHello(std::uint32_t sequence, bool is_virtual, std::uint8_t* o
 std::size_t encodeState(std::uint32_t sequence, const RobotState& state, std::uint8_t* out) noexcept;
 std::size_t encodeFaultPlan(std::uint32_t sequence, const FaultPlan& plan, std::uint8_t* out) noexcept;
 std::size_t encodeFaultSignals(std::uint32_t sequence, const FaultSignals& signals, std::uint8_t* out) noexcept;
+
+std::size_t encodeFaultChange(std::uint32_t sequence, const FaultChange& change, std::uint8_t* out) noexcept;
+std::size_t encodePlanAnswer(std::uint32_t sequence, bool is_armed, std::uint8_t* out) noexcept;
 
 /** "WHO refused: it speaks frame version 3.1, this program 2.0". @param[in] version major << 8 | minor. */
 std::string refusalText(const std::string& who, std::uint16_t version);
@@ -64,6 +69,13 @@ bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept;
 
 /** @return false, `*signals` unchanged, on another type, a wrong size, a negative distance or one that is no number. */
 bool decodeFaultSignals(const Frame& frame, FaultSignals* signals) noexcept;
+
+/** @return false, `*change` unchanged, on another type, a wrong size, another host than the robot, or what cannot be.
+ */
+bool decodeFaultChange(const Frame& frame, FaultChange* change) noexcept;
+
+/** @return false, `*is_armed` unchanged, on another type, a wrong size or neither yes nor no. */
+bool decodePlanAnswer(const Frame& frame, bool* is_armed) noexcept;
 
 /** Incremental framer: give it bytes as they come, take frames out. Any split of the stream gives the same frames. */
 class FrameParser {

@@ -22,7 +22,8 @@ SessionCounts rightSums() {
   at(c, RingId::kMasterCommands) = {975, 970, 2};  // five wait for a tick that never came
   at(c, RingId::kCommandRecords) = {969, 969, 1};
   c.master_used = 900;
-  c.relay_sent = 990;
+  c.relay_sent = 986;
+  c.relay_network = {3, 1, 2};
   c.relay_failed = 4;
   at(c, RingId::kRelayPackets) = {994, 994, 6};
   c.force_sent = 999;
@@ -45,6 +46,10 @@ SessionCounts rightSums() {
 TEST(SessionCounts, AddUpWhereEverythingIsAccountedFor) {
   EXPECT_EQ(wrongSum(rightSums()), nullptr);
   EXPECT_TRUE(addsUp(SessionCounts{}));
+  SessionCounts doubled = rightSums();
+  doubled.master_used = 1900;
+  doubled.master_faults.added = 970;
+  EXPECT_EQ(wrongSum(doubled), nullptr) << "second copies move the model too";
 }
 
 TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {
@@ -60,6 +65,9 @@ TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {
       [](SessionCounts& c) { ++at(c, RingId::kRelayPackets).pushed; },
       [](SessionCounts& c) { --c.force_sent; },
       [](SessionCounts& c) { ++c.force_silent; },
+      [](SessionCounts& c) { ++c.relay_network.lost; },
+      [](SessionCounts& c) { ++c.relay_network.added; },
+      [](SessionCounts& c) { --c.relay_network.held; },
       [](SessionCounts& c) { ++at(c, RingId::kForcePackets).pushed; },
       [](SessionCounts& c) { --at(c, RingId::kTickRecords).taken; },
       [](SessionCounts& c) { ++at(c, RingId::kHapticRecords).dropped; },

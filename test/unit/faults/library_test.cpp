@@ -66,8 +66,8 @@ TEST(FaultLibrary, EveryFaultActsFromItsFirstTickToItsLast) {
       engine.setPlan(plan);
       std::int64_t wrong = 0, active = 0;
       for (std::int64_t t = 0; t < kEnd; ++t) {
-        engine.beginCycle(cycleAt(t));
         engine.beginPacket(t >= kPedalDown);
+        engine.beginCycle(cycleAt(t));
         const bool acts = (engine.activeMask() >> i & 1U) != 0;
         wrong += acts != shouldAct(fault, t) ? 1 : 0;
         active += acts ? 1 : 0;

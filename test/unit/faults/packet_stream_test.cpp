@@ -183,8 +183,8 @@ TEST(PacketStream, HoldsNoMoreThanItHasRoomFor) {
     while (stream.take(&command, engine))
       ++came;
   }
-  EXPECT_GT(stream.lost(), 0U);
-  EXPECT_LE(6000U - came - stream.lost(), 512U);
+  EXPECT_GT(stream.counts().lost, 0U);
+  EXPECT_LE(6000U - came - stream.counts().lost, 512U);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "raven2_trainer/core/random.h"
@@ -113,7 +114,11 @@ TEST(FaultTriggers, AToolChangeIsTheNextPressOfTheButton) {
 }
 
 TEST(FaultTriggers, PacketsAreCountedFromTheFirstWithThePedalDown) {
-  FaultEngine engine = armed(stuck(FaultTrigger::kPacket, 4));
+  Fault fault = stuck(FaultTrigger::kPacket, 4);
+  fault.site = FaultSite::kNetworkLayer;
+  fault.variable = FaultVariable::kGrasp;
+  fault.channel = 0;
+  FaultEngine engine = armed(fault);
   std::vector<int> acting;
   for (int packet = 0; packet < 20; ++packet) {
     engine.beginCycle({});  // cycles do not count
@@ -122,6 +127,166 @@ TEST(FaultTriggers, PacketsAreCountedFromTheFirstWithThePedalDown) {
     if (engine.activeMask() == 1) acting.push_back(packet);
   }
   EXPECT_EQ(acting, (std::vector<int>{6, 7, 8}));
+}
+
+TEST(FaultTriggers, WhatIsNoPacketsBeginsWithOneAndLastsForCycles) {
+  FaultEngine engine = armed(stuck(FaultTrigger::kPacket, 4));
+  std::vector<int> acting;
+  for (int cycle = 0; cycle < 40; ++cycle) {
+    if (cycle % 5 == 0) engine.beginPacket(cycle >= 10);  // the packets of a cycle come before it
+    engine.beginCycle({});
+    if (engine.activeMask() == 1) acting.push_back(cycle);
+  }
+  EXPECT_EQ(acting, (std::vector<int>{30, 31, 32}));
+}
+
+/** All beginnings and ends that an engine tells. */
+std::vector<int> toldBy(FaultEngine* engine) {
+  std::vector<int> told;
+  FaultChange change;
+  while (engine->nextChange(&change))
+    told.push_back(change.acts != 0 ? 1 : -1);
+  return told;
+}
+
+FaultPlan planOf(const Fault& fault, std::uint64_t generation, std::uint32_t session) {
+  FaultPlan plan;
+  plan.generation = generation;
+  plan.session = session;
+  plan.count = 1;
+  plan.faults[0] = fault;
+  return plan;
+}
+
+FaultPlan suspended(std::uint64_t generation, std::uint32_t session) {
+  FaultPlan plan;
+  plan.generation = generation;
+  plan.session = session;
+  plan.is_suspended = 1;
+  return plan;
+}
+
+constexpr FaultCycle kPedalDown{true, 3, {}};
+
+TEST(FaultChanges, AreTheBeginningsAndTheEnds) {
+  Fault fault = stuck(FaultTrigger::kPedalDown, 2);
+  fault.period_ticks = 10;
+  fault.count = 2;
+  fault.row = 3;
+  FaultEngine engine = armed(fault);
+  std::vector<std::pair<int, int>> told;
+  FaultChange change;
+  for (int i = 0; i < 40; ++i) {
+    engine.beginCycle(kPedalDown);
+    while (engine.nextChange(&change)) {
+      told.emplace_back(i, change.acts);
+      EXPECT_EQ(change.number, told.size());
+      EXPECT_EQ(change.id, 1U);
+      EXPECT_EQ(change.row, 3);
+      EXPECT_EQ(change.host, FaultHost::kRobot);
+    }
+  }
+  EXPECT_EQ(told, (std::vector<std::pair<int, int>>{{2, 1}, {5, 0}, {12, 1}, {15, 0}}));
+}
+
+TEST(FaultChanges, ThatNobodyAskedForLeaveAGapInTheNumbers) {
+  Fault fault = stuck(FaultTrigger::kPowerOn, 0);
+  fault.duration_ticks = 1;
+  fault.period_ticks = 2;
+  FaultEngine engine = armed(fault);
+  for (int i = 0; i < 101; ++i)
+    engine.beginCycle({});
+  EXPECT_EQ(toldBy(&engine).size(), 64U);
+  engine.beginCycle({});
+  FaultChange change;
+  ASSERT_TRUE(engine.nextChange(&change));
+  EXPECT_EQ(change.number, 102U);
+}
+
+TEST(FaultChanges, TellWhatAPlanTakesAway) {
+  FaultEngine engine = armed(stuck(FaultTrigger::kPowerOn, 0));
+  engine.beginCycle({});
+  FaultPlan nothing;
+  nothing.generation = 2;
+  engine.setPlan(nothing);
+  EXPECT_EQ(toldBy(&engine), (std::vector<int>{1, -1}));
+}
+
+TEST(FaultSessions, AnotherOneBeginsAnewWithTheNextPedalDown) {
+  const Fault fault = stuck(FaultTrigger::kPedalDown, 2);
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  for (int i = 0; i < 100; ++i)
+    engine.beginCycle(kPedalDown);
+  engine.setPlan(suspended(2, 7));
+  engine.setPlan(planOf(fault, 3, 8));
+  const auto pedal = [](int i) { return i < 5 ? FaultCycle{} : kPedalDown; };
+  EXPECT_EQ(actingCycles(engine, 40, pedal), (std::vector<int>{7, 8, 9}));
+}
+
+TEST(FaultSessions, TheSameIsNotHitTwiceByWhatCameOnce) {
+  const Fault fault = stuck(FaultTrigger::kPedalDown, 2);
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  for (int i = 0; i < 10; ++i)
+    engine.beginCycle(kPedalDown);
+  engine.setPlan(suspended(2, 7));
+  for (int i = 0; i < 10; ++i)
+    engine.beginCycle(kPedalDown);
+  engine.setPlan(planOf(fault, 3, 7));
+  EXPECT_TRUE(actingCycles(engine, 40, [](int) { return kPedalDown; }).empty());
+}
+
+TEST(FaultSessions, NothingActsWhileItsLinkIsDownAndTimeGoesOn) {
+  Fault fault = stuck(FaultTrigger::kPedalDown, 2);
+  fault.duration_ticks = 10;
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  const auto run = [&](int cycles) {
+    int acted = 0;
+    for (int i = 0; i < cycles; ++i) {
+      engine.beginCycle(kPedalDown);
+      const bool acts = engine.activeMask() != 0;
+      EXPECT_EQ(engine.apply(FaultVariable::kDac, Arm::kGold, kShoulder, 5.0), acts ? 1.0 : 5.0);
+      acted += acts ? 1 : 0;
+    }
+    return acted;
+  };
+  EXPECT_EQ(run(5), 3);
+  engine.setPlan(suspended(2, 7));
+  EXPECT_EQ(run(4), 0);
+  engine.setPlan(planOf(fault, 3, 7));
+  EXPECT_EQ(run(20), 3) << "three before and four within of ten";
+  EXPECT_EQ(toldBy(&engine), (std::vector<int>{1, -1, 1, -1}));
+}
+
+TEST(FaultSessions, WhatIsArmedAnewWithinOneBeginsAnew) {
+  const Fault fault = stuck(FaultTrigger::kHand, 0);
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  for (int i = 0; i < 10; ++i)
+    engine.beginCycle({});
+  FaultPlan nothing;
+  nothing.generation = 2;
+  nothing.session = 7;
+  engine.setPlan(nothing);
+  engine.setPlan(planOf(fault, 3, 7));
+  EXPECT_EQ(actingCycles(engine, 10, [](int) { return FaultCycle{}; }), (std::vector<int>{0, 1, 2}));
+}
+
+TEST(FaultHold, LetsNothingActUntilItIsOver) {
+  FaultEngine engine = armed(stuck(FaultTrigger::kPowerOn, 0));
+  engine.hold(true);
+  engine.beginCycle({});
+  EXPECT_FALSE(engine.isArmed());
+  EXPECT_EQ(engine.activeMask(), 0);
+  EXPECT_EQ(engine.activeId(), 0U);
+  EXPECT_EQ(engine.apply(FaultVariable::kDac, Arm::kGold, kShoulder, 5.0), 5.0);
+  engine.hold(false);
+  engine.beginCycle({});
+  EXPECT_EQ(engine.apply(FaultVariable::kDac, Arm::kGold, kShoulder, 5.0), 1.0);
+  engine.hold(true);
+  EXPECT_EQ(toldBy(&engine), (std::vector<int>{1, -1}));
 }
 
 TEST(FaultTriggers, ProbabilityIsThatOfEachTimeItIsDueAndOfTheSeed) {

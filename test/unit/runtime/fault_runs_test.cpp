@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/core/random.h"
@@ -351,6 +352,122 @@ TEST(FaultRuns, TenSecondsAfterASuddenJumpAllIsAsWithoutIt) {
   // The force pushed the hand, so the two surgeons need not be at the same place: model and robot must be together.
   EXPECT_LT(at(faulty.stack->view().haptic.error, Arm::kGold), 1.5e-3);
   EXPECT_EQ(faulty.stack->robot().runlevel, golden.stack->robot().runlevel);
+}
+
+TEST(FaultRuns, WhateverWasFrozenIsFreeAgainOnceCleared) {
+  std::vector<FaultVariable> variables;
+  for (const FaultVariableInfo& info : kFaultVariables) {
+    if (serves(FaultHost::kRobot, info.site) && takes(info.variable, FaultKind::kHoldLast))
+      variables.push_back(info.variable);
+  }
+  ASSERT_GT(variables.size(), 30U);
+  Random random(12);
+  const auto runs = static_cast<std::size_t>(effort(4, static_cast<std::int64_t>(variables.size())));
+  for (std::size_t n = 0; n < runs; ++n) {
+    const FaultVariable variable = variables[raven2_trainer::testing::isFull() ? n : random.next() % variables.size()];
+    Whole run;
+    ASSERT_TRUE(run.engage());
+    run.ticks(1000);
+    Fault frozen = byHand(FaultHost::kRobot, variable, FaultKind::kHoldLast, 0);
+    frozen.duration_ticks = 5;
+    run.arm(frozen);
+    run.ticks(10);
+    run.clear();
+    run.ticks(10000);
+    for (const Arm arm : kArms)
+      EXPECT_LT(at(run.stack->view().haptic.error, arm), 1.5e-3) << infoOf(variable).name;
+    EXPECT_GE(run.stack->robot().runlevel, RunLevel::kPedalUp) << infoOf(variable).name;
+    EXPECT_EQ(run.stack->robot().fault_mask, 0) << infoOf(variable).name;
+  }
+}
+
+/** What a run says of its faults, from the records. */
+std::vector<FaultChangeRecord> changesOver(Whole* run, int ticks) {
+  std::vector<FaultChangeRecord> changes;
+  for (int i = 0; i < ticks; ++i) {
+    run->stack->tick();
+    FaultChangeRecord record;
+    while (run->stack->shared()->change_records.tryPop(&record))
+      changes.push_back(record);
+    run->stack->discardRecords();
+  }
+  return changes;
+}
+
+TEST(FaultRuns, TheDaemonKnowsToTheCycleWhatItsFramesDoNotShow) {
+  Whole run;
+  ASSERT_TRUE(run.engage());
+  run.ticks(200);
+  Fault lost = byHand(FaultHost::kRobot, FaultVariable::kFrame, FaultKind::kDrop, 1.0);
+  lost.duration_ticks = 300;
+  run.arm(lost);
+  const std::uint64_t cycle = run.stack->robot().cycle;
+  const std::vector<FaultChangeRecord> changes = changesOver(&run, 400);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_EQ(changes[0].change.cycle, cycle + 1);
+  EXPECT_EQ(changes[1].change.cycle, cycle + 301);
+  EXPECT_EQ(changes[1].tick - changes[0].tick, 300);
+}
+
+TEST(FaultRuns, AFaultOfOneCycleIsKnownOnEveryHost) {
+  for (const FaultHost host : {FaultHost::kRobot, FaultHost::kRelay, FaultHost::kMaster, FaultHost::kConsole}) {
+    Whole run;
+    ASSERT_TRUE(run.engage());
+    const FaultVariable variable = host == FaultHost::kRobot     ? FaultVariable::kDac
+                                   : host == FaultHost::kConsole ? FaultVariable::kForceGain
+                                                                 : FaultVariable::kIncrement;
+    Fault once = byHand(host, variable, FaultKind::kAdd, 1);
+    once.duration_ticks = 1;
+    once.row = 2;
+    run.arm(once);
+    const std::vector<FaultChangeRecord> changes = changesOver(&run, 50);
+    const char* name = kFaultHostNames[static_cast<std::size_t>(host)];
+    ASSERT_EQ(changes.size(), 2U) << name;
+    EXPECT_EQ(changes[0].change.host, host) << name;
+    EXPECT_EQ(changes[0].change.row, 2) << name;
+    EXPECT_EQ(changes[0].change.acts, 1) << name;
+    EXPECT_EQ(changes[1].change.acts, 0) << name;
+    EXPECT_EQ(changes[1].change.cycle, changes[0].change.cycle + 1) << name;
+  }
+}
+
+TEST(FaultRuns, EveryPacketIsAccountedForThoughFaultsLoseDoubleAndHoldThem) {
+  Whole run;
+  ASSERT_TRUE(run.engage());
+  const auto names = run.config.impairment_names;
+  const auto preset = std::find(names.begin(), names.end(), "wifi") - names.begin();
+  FaultPlan plan;
+  plan.count = 4;
+  plan.faults[0] = byHand(FaultHost::kMaster, FaultVariable::kPacket, FaultKind::kDuplicate, 2);
+  plan.faults[1] = byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDrop, 0.3);
+  plan.faults[2] = byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDelay, 40);
+  plan.faults[3] = byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kImpair, static_cast<double>(preset));
+  run.stack->arm(plan);
+  run.ticks(2000);
+  const SessionCounts counts = run.stack->counts();
+  EXPECT_EQ(wrongSum(counts), nullptr) << wrongSum(counts);
+  EXPECT_EQ(counts.master_faults.added, 2 * 2000U);
+  EXPECT_NEAR(static_cast<double>(counts.relay_faults.lost), 600.0, 100.0);
+  EXPECT_GE(counts.relay_faults.held, 20U);
+  EXPECT_GT(counts.relay_network.lost + counts.relay_network.held, 0U);
+}
+
+TEST(FaultRuns, WhatTriggersLookAtIsThereWithThePlan) {
+  Whole run;
+  ASSERT_TRUE(run.engage());
+  FaultSignals signals;
+  signals.tissue_distance = 0.001;
+  run.stack->setSignals(signals);
+  run.ticks(5);
+  signals.tissue_distance = 0.100;  // away again, before anything is armed
+  run.stack->setSignals(signals);
+  run.ticks(1);
+  Fault fault = byHand(FaultHost::kRobot, FaultVariable::kIncrement, FaultKind::kAdd, 1);
+  fault.trigger = FaultTrigger::kTissueDistance;
+  fault.threshold = 0.005;
+  run.arm(fault);
+  run.ticks(20);
+  EXPECT_EQ(run.stack->robot().fault_mask, 0) << "it was near once";
 }
 
 TEST(FaultRuns, TheSameFaultAndSeedGiveTheSameRun) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/runtime/fault_director.h"
@@ -255,6 +256,61 @@ TEST_F(RobotLinkTest, SendsTheFaultPlanOnceAndAgainToANewRobot) {
   link.connected();
   hello(true);
   EXPECT_GT(link.pendingFrame(buffer.data()), 0U);
+}
+
+TEST_F(RobotLinkTest, HandsOnWhatTheRobotSaysOfItsFaultsAndCountsWhatIsMissing) {
+  link.connected();
+  hello(true);
+  const auto tell = [&](std::uint64_t number) {
+    FaultChange change;
+    change.number = number;
+    change.cycle = 100 * number;
+    change.acts = 1;
+    ASSERT_TRUE(link.receive(buffer.data(), wire::encodeFaultChange(3, change, buffer.data()), 5));
+  };
+  for (const std::uint64_t number : {7, 8, 8, 12})
+    tell(number);
+  std::vector<std::uint64_t> cycles;
+  FaultChange change;
+  while (shared->fault_changes.tryPop(&change))
+    cycles.push_back(change.cycle);
+  EXPECT_EQ(cycles, (std::vector<std::uint64_t>{700, 800, 1200}));
+  EXPECT_EQ(shared->fault_changes_lost.value(), 3U);
+  EXPECT_EQ(rejected(Reject::kOutOfOrder), 1U);
+  link.connected();  // another connection, perhaps another robot: nothing is known to be missing
+  tell(30);
+  EXPECT_EQ(shared->fault_changes_lost.value(), 3U);
+  EXPECT_TRUE(link.counts().addsUp());
+}
+
+TEST_F(RobotLinkTest, KnowsWhetherItsPlanIsRefused) {
+  link.connected();
+  hello(true);
+  for (const bool is_armed : {false, true, false}) {
+    link.receive(buffer.data(), wire::encodePlanAnswer(3, is_armed, buffer.data()), 5);
+    EXPECT_EQ(shared->plan_refused.load(), is_armed ? 0 : 1);
+  }
+  link.disconnected();
+  EXPECT_EQ(shared->plan_refused.load(), 0) << "there is nobody to refuse it";
+}
+
+TEST_F(RobotLinkTest, SignalsGoAheadOfThePlanAndAgainOnANewConnection) {
+  FaultDirector director(config, shared.get());
+  ASSERT_GT(shared->faults.load().count, 0U);
+  ModelState model;
+  model.faults.signals.step = 4;
+  shared->model.store(model);
+  for (int connection = 0; connection < 2; ++connection) {
+    link.connected();
+    hello(true);
+    state(RobotState{}, 1);
+    std::vector<int> types;
+    while (const std::size_t size = link.pendingFrame(buffer.data())) {
+      ASSERT_GT(size, 8U);
+      types.push_back(buffer[6]);
+    }
+    EXPECT_EQ(types, (std::vector<int>{4, 3}));
+  }
 }
 
 TEST_F(RobotLinkTest, StartAndStopOfAHazardChangeThePlan) {

@@ -37,9 +37,18 @@ class TestReader {
   const std::vector<RobotState>& states() const { return states_; }
   bool send(const std::uint8_t* bytes, std::size_t size) { return client_.send(bytes, size); }
 
-  void sendPlan(std::uint32_t fault_id) {
+  const std::vector<bool>& answers() const { return answers_; }
+  const std::vector<FaultChange>& changes() const { return changes_; }
+
+  void sendSignals(double distance) {
+    const std::size_t size = wire::encodeFaultSignals(1, {distance, distance, 3, 0}, bytes_.data());
+    ASSERT_TRUE(client_.send(bytes_.data(), size));
+  }
+
+  void sendPlan(std::uint32_t fault_id, std::uint32_t session = 0) {
     FaultPlan plan;
     plan.generation = 1;
+    plan.session = session;
     plan.count = 1;
     plan.faults[0].id = fault_id;
     plan.faults[0].site = FaultSite::kPutUsbPacket;
@@ -64,6 +73,10 @@ class TestReader {
     if (frame.type == wire::FrameType::kHello) {
       greeted_ = states_.empty();
       is_virtual_ = wire::saysVirtual(frame);
+    } else if (FaultChange change; wire::decodeFaultChange(frame, &change)) {
+      changes_.push_back(change);
+    } else if (bool is_armed = false; wire::decodePlanAnswer(frame, &is_armed)) {
+      answers_.push_back(is_armed);
     } else if (wire::decodeState(frame, &state) == Reject::kNone) {
       states_.push_back(state);
     }
@@ -73,6 +86,8 @@ class TestReader {
   wire::FrameParser parser_;
   std::array<std::uint8_t, wire::kMaxFrame> bytes_{};
   std::vector<RobotState> states_;
+  std::vector<FaultChange> changes_;
+  std::vector<bool> answers_;
   bool greeted_{false}, is_virtual_{false}, left_{false};
 };
 
@@ -155,6 +170,69 @@ TEST_F(StateServerTest, TheFirstReaderWithAPlanOwnsItUntilItLeaves) {
   first->sendPlan(12);
   ASSERT_TRUE(until([&] { return armed() == 12; }));
   EXPECT_EQ(server->plansRefused(), 1U);
+}
+
+TEST_F(StateServerTest, EveryPlanIsAnsweredToItsSender) {
+  TestReader* owner = join();
+  TestReader* other = join();
+  owner->sendPlan(5);
+  ASSERT_TRUE(until([&] { return owner->answers().size() == 1; }));
+  other->sendPlan(6);
+  ASSERT_TRUE(until([&] { return other->answers().size() == 1; }));
+  EXPECT_EQ(owner->answers(), (std::vector<bool>{true}));
+  EXPECT_EQ(other->answers(), (std::vector<bool>{false}));
+}
+
+TEST_F(StateServerTest, SignalsCountFromThePlanOfTheirSenderOnAndOfNobodyElse) {
+  TestReader* owner = join();
+  TestReader* other = join();
+  owner->sendSignals(0.25);
+  other->sendSignals(0.5);
+  owner->sendPlan(5);
+  ASSERT_TRUE(until([&] { return armed() == 5; }));
+  EXPECT_EQ(server->signals().load().tissue_distance, 0.25) << "with the plan, not after it";
+  other->sendSignals(0.75);
+  other->sendPlan(6);
+  ASSERT_TRUE(until([&] { return server->plansRefused() == 1; }));
+  EXPECT_EQ(server->signals().load().tissue_distance, 0.25);
+  readers[0].reset();
+  ASSERT_TRUE(until([&] { return armed() == 0; }));
+  other->sendPlan(7);
+  ASSERT_TRUE(until([&] { return armed() == 7; }));
+  EXPECT_EQ(server->signals().load().tissue_distance, 0.75) << "its own, not the last owner's";
+}
+
+TEST_F(StateServerTest, AnOwnerThatLeavesSuspendsItsSessionsFaults) {
+  TestReader* owner = join();
+  owner->sendPlan(5, 77);
+  ASSERT_TRUE(until([&] { return armed() == 5; }));
+  EXPECT_EQ(server->faults().load().session, 77U);
+  EXPECT_EQ(server->faults().load().is_suspended, 0);
+  readers[0].reset();
+  ASSERT_TRUE(until([&] { return armed() == 0; }));
+  EXPECT_EQ(server->faults().load().session, 77U);
+  EXPECT_EQ(server->faults().load().is_suspended, 1);
+}
+
+TEST_F(StateServerTest, ChangesOfFaultsComeToEveryReaderAheadOfTheirState) {
+  for (int i = 0; i < 2; ++i)
+    join();
+  for (std::uint64_t cycle = 1; cycle <= 100; ++cycle) {
+    FaultChange change;
+    change.number = cycle;
+    change.cycle = cycle;
+    server->push(change);
+    push(cycle);
+    ASSERT_TRUE(until([&] {
+      for (const auto& reader : readers) {
+        if (reader->states().size() > reader->changes().size()) return true;  // wrong: seen below
+        if (reader->states().size() != cycle) return false;
+      }
+      return true;
+    }));
+    for (const auto& reader : readers)
+      ASSERT_EQ(reader->changes().size(), cycle);
+  }
 }
 
 TEST_F(StateServerTest, TheRestOfTheReadersLeavingDoesNotDisarm) {
@@ -308,8 +386,8 @@ TEST_F(StateServerTest, AReaderOfAnotherVersionIsClosed) {
   ASSERT_TRUE(reader->send(plan.data(), size));
   EXPECT_TRUE(until([&] { return reader->left(); }));
   const std::string said = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(said.find("9.0"), std::string::npos) << said;
-  EXPECT_NE(said.find("3.0"), std::string::npos) << said;
+  EXPECT_NE(said.find("9.1"), std::string::npos) << said;
+  EXPECT_NE(said.find("3.1"), std::string::npos) << said;
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 5, 2);                      // version
+  append(&expected, 6, 2);                      // version
   append(&expected, 8 + 4 + 24 + 4, 4);         // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
@@ -75,7 +75,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 5, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 6, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
@@ -110,12 +110,17 @@ std::size_t payloadSize() {
 
 TEST(SessionLogSchema, AnnouncesAsManyBytesAsAreWritten) {
   const auto json = nlohmann::json::parse(headerToJson(LogHeader{}));
-  const std::map<std::string, std::size_t> written{
-      {"tick", payloadSize<TickRecord>()},       {"haptic", payloadSize<HapticRecord>()},
-      {"command", payloadSize<CommandRecord>()}, {"request", payloadSize<RequestRecord>()},
-      {"plan", payloadSize<PlanRecord>()},       {"contact", payloadSize<ContactRecord>()},
-      {"faults", payloadSize<FaultRecord>()},    {"counts", payloadSize<SessionCounts>()},
-      {"gap", payloadSize<GapRecord>()},         {"recovery", payloadSize<RecoveryRecord>()}};
+  const std::map<std::string, std::size_t> written{{"tick", payloadSize<TickRecord>()},
+                                                   {"haptic", payloadSize<HapticRecord>()},
+                                                   {"command", payloadSize<CommandRecord>()},
+                                                   {"request", payloadSize<RequestRecord>()},
+                                                   {"plan", payloadSize<PlanRecord>()},
+                                                   {"contact", payloadSize<ContactRecord>()},
+                                                   {"faults", payloadSize<FaultRecord>()},
+                                                   {"counts", payloadSize<SessionCounts>()},
+                                                   {"gap", payloadSize<GapRecord>()},
+                                                   {"recovery", payloadSize<RecoveryRecord>()},
+                                                   {"fault_change", payloadSize<FaultChangeRecord>()}};
   ASSERT_EQ(json.at("records").size(), written.size());
   for (const auto& record : json.at("records")) {
     EXPECT_EQ(schemaSize(record.at("fields")), written.at(record.at("name"))) << record.at("name");
@@ -156,11 +161,13 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
   EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
-  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 11 * 8 + 2 * sizeof(LoopTiming) +
+  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 12 * 8 + 3 * 3 * 8 + 2 * sizeof(LoopTiming) +
                                        kRingCount * sizeof(RingCounts) + 2 + /*padding*/ 6u);
-  EXPECT_EQ(sizeof(Fault), 4 + 7 + /*padding*/ 5 + 12 * 8u);
-  EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + /*padding*/ 4 + 8 * sizeof(Fault));
-  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + sizeof(FaultPlan) - 4 - 8 * 5);
+  EXPECT_EQ(sizeof(Fault), 4 + 8 + /*padding*/ 4 + 12 * 8u);
+  EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + 4 + 1 + /*padding*/ 7 + 8 * sizeof(Fault));
+  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + 8 + /*count*/ 4 + 8 * (sizeof(Fault) - 4));
+  EXPECT_EQ(sizeof(FaultChange), 2 * 8 + 4 + 3 + /*padding*/ 1u);
+  EXPECT_EQ(payloadSize<FaultChangeRecord>(), 8 + sizeof(FaultChange) - 1);
   EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 + sizeof(RobotState) - 1 - 2 * 5 + 1);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 2);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
@@ -168,10 +175,10 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);
   EXPECT_EQ(payloadSize<ContactRecord>(), sizeof(ContactRecord));
   EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 10 + 1);
-  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 7 * 8u);
+  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 8 * 8u);
   EXPECT_EQ(payloadSize<GapRecord>(), sizeof(GapRecord) - 3);
-  EXPECT_EQ(sizeof(RecoveryRecord), 8 * 8u);
-  EXPECT_EQ(payloadSize<RecoveryRecord>(), 8 * 8u);
+  EXPECT_EQ(sizeof(RecoveryRecord), 9 * 8u);
+  EXPECT_EQ(payloadSize<RecoveryRecord>(), 9 * 8u);
   EXPECT_EQ(payloadSize<SessionCounts>(), sizeof(SessionCounts) - 6);
 }
 

@@ -17,6 +17,7 @@ struct Contents {
     v.request = [this](const RequestRecord& r) { values.push_back(valuesOf(r)); };
     v.plan = [this](const PlanRecord& r) { values.push_back(valuesOf(r)); };
     v.faults = [this](const FaultRecord& r) { values.push_back(valuesOf(r)); };
+    v.fault_change = [this](const FaultChangeRecord& r) { values.push_back(valuesOf(r)); };
     v.contact = [this](const ContactRecord& r) { values.push_back(valuesOf(r)); };
     v.gap = [this](const GapRecord& r) { values.push_back(valuesOf(r)); };
     v.counts = [this](const SessionCounts& r) { values.push_back(valuesOf(r)); };
@@ -37,7 +38,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   Contents expected;
   LogWriter log(path, LogHeader{});
   for (int i = 0; i < rounds; ++i) {
-    switch (random.next() % 8) {
+    switch (random.next() % 9) {
       case 0:
         writeRandom<TickRecord>(&log, random, &expected);
         break;
@@ -57,6 +58,9 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
         writeRandom<FaultRecord>(&log, random, &expected);
         break;
       case 6:
+        writeRandom<FaultChangeRecord>(&log, random, &expected);
+        break;
+      case 7:
         writeRandom<GapRecord>(&log, random, &expected);
         break;
       default:

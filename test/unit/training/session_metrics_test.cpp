@@ -32,6 +32,7 @@ TickRecord makeTick(Tick session_tick, double error, std::uint32_t fault = 0) {
   record.model.robot_fresh = 1;
   record.model.linked = 1;
   record.robot.frame = 1;
+  record.robot.connected = 1;
   record.robot.cycle = 70000 + static_cast<std::uint64_t>(session_tick);
   record.robot.active_fault = fault;
   at(record.model.arms, Arm::kGold).p_BT = {0.1, 0.2 + error, 0.3};
@@ -46,8 +47,35 @@ HapticRecord makeForce(Tick session_tick, double newton) {
   return record;
 }
 
+FaultChangeRecord makeChange(const TickRecord& record, std::uint32_t id, bool acts, std::uint8_t row = 0) {
+  FaultChangeRecord change;
+  change.tick = record.model.tick;
+  change.change.cycle = record.robot.cycle;
+  change.change.id = id;
+  change.change.row = row;
+  change.change.acts = acts ? 1 : 0;
+  return change;
+}
+
+/** Tells the beginnings and ends that the ticks' active_fault means. */
+class Accumulator : public MetricsAccumulator {
+ public:
+  using MetricsAccumulator::add;
+  using MetricsAccumulator::MetricsAccumulator;
+  void add(const TickRecord& record) {
+    const std::uint32_t acts = record.robot.active_fault;
+    if (acts != acted_ && acted_ != 0) add(makeChange(record, acted_, false));
+    if (acts != acted_ && acts != 0) add(makeChange(record, acts, true));
+    acted_ = acts;
+    MetricsAccumulator::add(record);
+  }
+
+ private:
+  std::uint32_t acted_{0};
+};
+
 /** Feeds ticks first..last with the same error and fault. */
-void feed(MetricsAccumulator* metrics, Tick first, Tick last, double error, std::uint32_t fault = 0) {
+void feed(Accumulator* metrics, Tick first, Tick last, double error, std::uint32_t fault = 0) {
   for (Tick t = first; t <= last; ++t)
     metrics->add(makeTick(t, error, fault));
 }
@@ -78,7 +106,7 @@ TEST(RunningStats, KeepsSmallDeviationsOnALargeMean) {
 }
 
 TEST(SessionMetrics, TimeStartsAtTheFirstPedalDown) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   TickRecord before = makeTick(-1, 0.5);  // half a metre, but not of the session
   before.model.tick = 3;
   metrics.add(before);
@@ -91,7 +119,7 @@ TEST(SessionMetrics, TimeStartsAtTheFirstPedalDown) {
 }
 
 TEST(SessionMetrics, TakesTheLargerArmsError) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   TickRecord record = makeTick(0, 0.001);
   at(record.model.arms, Arm::kGreen).p_BT = {0.0, 0.003, 0.004};
   metrics.add(record);
@@ -101,7 +129,7 @@ TEST(SessionMetrics, TakesTheLargerArmsError) {
 }
 
 TEST(SessionMetrics, LeavesOutWhatCannotBeCompared) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   for (int what = 0; what < 4; ++what) {
     TickRecord record = makeTick(what, 0.5);
     if (what == 0) record.model.mode = Mode::kTracking;
@@ -115,7 +143,7 @@ TEST(SessionMetrics, LeavesOutWhatCannotBeCompared) {
 }
 
 TEST(FaultEvent, HasKnownTicksOnBothClocksAndKnownOnset) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   for (Tick t = 0; t < 3000; ++t) {
     const bool acting = t >= 1000 && t <= 1299;
     const double error = t >= 1040 && t <= 1400 ? 0.012 : 0.001;
@@ -146,7 +174,7 @@ TEST(FaultEvent, IsTheSameWhereverTheHapticRecordsStand) {
   // GIVEN one stream fed tick by tick, one with the forces a block of 50 ticks late, one with them early
   std::vector<SessionMetrics> results;
   for (const Tick shift : {0, 50, -50}) {
-    MetricsAccumulator metrics(makeHeader());
+    Accumulator metrics(makeHeader());
     for (Tick t = -60; t < 3060; ++t) {
       if (t >= 0 && t < 3000) {
         const double error = t >= 1040 && t <= 1400 ? 0.012 : 0.001;
@@ -169,7 +197,7 @@ TEST(FaultEvent, IsTheSameWhereverTheHapticRecordsStand) {
 }
 
 TEST(FaultEvent, ForceBeforeTheErrorIsNoReaction) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   for (Tick t = 0; t < 200; ++t) {
     metrics.add(makeTick(t, t >= 150 ? 0.004 : 0.0, 1));
     metrics.add(makeForce(t, t == 100 || t >= 150 ? 1.0 : 0.0));
@@ -180,7 +208,7 @@ TEST(FaultEvent, ForceBeforeTheErrorIsNoReaction) {
 }
 
 TEST(FaultEvent, WithoutErrorOrForceSaysNever) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   feed(&metrics, 0, 99, 0.001, 1);
   feed(&metrics, 100, 999, 0.001);
   const FaultEvent event = metrics.result().faults.at(0);
@@ -193,7 +221,7 @@ TEST(FaultEvent, WithoutErrorOrForceSaysNever) {
 TEST(FaultEvent, AtTheToleranceExactlyIsNotBeyondIt) {
   session::LogHeader header = makeHeader();
   header.tolerance = 0.25;  // exact in binary, as the positions below
-  MetricsAccumulator metrics(header);
+  Accumulator metrics(header);
   TickRecord record = makeTick(0, 0.0, 1);
   at(record.model.arms, Arm::kGold).p_BT = {0.5, 0.0, 0.0};
   at(record.robot.arms, Arm::kGold).p_BT = {0.25, 0.0, 0.0};
@@ -202,7 +230,7 @@ TEST(FaultEvent, AtTheToleranceExactlyIsNotBeyondIt) {
 }
 
 TEST(FaultAftermath, StartsAnewWhenTheErrorComesBack) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   feed(&metrics, 0, 9, 0.010, 2);
   feed(&metrics, 10, 508, 0.0);  // 499 calm ticks: one short
   feed(&metrics, 509, 509, 0.004);
@@ -215,7 +243,7 @@ TEST(FaultAftermath, StartsAnewWhenTheErrorComesBack) {
 }
 
 TEST(FaultAftermath, DoesNotEndWhileTheRobotIsUnknown) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   feed(&metrics, 0, 9, 0.010, 2);
   for (Tick t = 10; t < 2000; ++t) {
     TickRecord stale = makeTick(t, 0.0);
@@ -226,7 +254,7 @@ TEST(FaultAftermath, DoesNotEndWhileTheRobotIsUnknown) {
 }
 
 TEST(FaultAftermath, RunsOutWhileThePedalIsUp) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   feed(&metrics, 0, 9, 0.010, 2);
   for (Tick t = 10; t < 1000; ++t) {
     TickRecord up = makeTick(t, 0.010);
@@ -240,7 +268,7 @@ TEST(FaultAftermath, RunsOutWhileThePedalIsUp) {
 }
 
 TEST(FaultAftermath, EndsWhereTheNextFaultBegins) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   feed(&metrics, 0, 9, 0.010, 2);
   feed(&metrics, 10, 99, 0.010);
   feed(&metrics, 100, 109, 0.020, 2);
@@ -256,22 +284,86 @@ TEST(FaultAftermath, EndsWhereTheNextFaultBegins) {
 }
 
 TEST(FaultEvent, OfAScenarioTheLogDoesNotNameGetsItsNumber) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   feed(&metrics, 0, 1, 0.0, 7);
   EXPECT_EQ(metrics.result().faults.at(0).name, "fault_7");
 }
 
-TEST(FaultEvent, IsNotReadFromARobotThatNeverSpoke) {
+FaultRecord makePlan(Tick session_tick, std::uint32_t id, std::size_t rows) {
+  FaultRecord record;
+  record.tick = kOrigin + session_tick;
+  record.plan.count = static_cast<std::uint32_t>(rows);
+  for (std::size_t i = 0; i < rows; ++i) {
+    record.plan.faults[i].id = id;
+    record.plan.faults[i].row = static_cast<std::uint8_t>(i);
+    record.plan.faults[i].value = 100.0 * static_cast<double>(i + 1);
+  }
+  return record;
+}
+
+TEST(Injections, KnowAFaultOfOneCycleThatNoStateShowed) {
   MetricsAccumulator metrics(makeHeader());
-  TickRecord record = makeTick(0, 0.0, 2);
-  record.robot.frame = 0;
+  metrics.add(makePlan(0, 2, 2));
+  for (Tick t = 0; t < 700; ++t) {
+    TickRecord record = makeTick(t, t < 20 ? 0.0 : 0.001);
+    if (t == 10) {  // began and ended between two ticks of ours
+      FaultChangeRecord change = makeChange(record, 2, true, 1);
+      change.change.cycle = 70006;
+      metrics.add(change);
+      change.change.acts = 0;
+      change.change.cycle = 70007;
+      metrics.add(change);
+    }
+    metrics.add(record);
+  }
+  const SessionMetrics result = metrics.result();
+  ASSERT_EQ(result.injections.size(), 1U);
+  const Injection& injection = result.injections[0];
+  EXPECT_EQ(injection.name, "sudden_jump");
+  EXPECT_EQ(injection.fault.value, 200.0) << "the row's own";
+  EXPECT_EQ(injection.inject_tick, 10);
+  EXPECT_EQ(injection.clear_tick, 10);
+  EXPECT_EQ(injection.inject_cycle, 70006U);
+  EXPECT_EQ(injection.clear_cycle, 70007U);
+  ASSERT_EQ(result.faults.size(), 1U);
+  EXPECT_EQ(result.faults[0].first_tick, 10);
+  EXPECT_EQ(result.faults[0].last_tick, 10);
+}
+
+TEST(Injections, KeepTheirRowsWhenThePlanChangesWhileTheyAct) {
+  MetricsAccumulator metrics(makeHeader());
+  FaultRecord both = makePlan(0, 1, 1);
+  both.plan.faults[both.plan.count++] = makePlan(0, 2, 1).plan.faults[0];
+  metrics.add(both);
+  TickRecord record = makeTick(0, 0.0);
+  metrics.add(makeChange(record, 1, true));
+  metrics.add(makeChange(record, 2, true));
   metrics.add(record);
-  EXPECT_TRUE(metrics.result().faults.empty());
+  metrics.add(makePlan(5, 2, 1));  // the first is cleared, the second moves up
+  record = makeTick(5, 0.0);
+  metrics.add(makeChange(record, 1, false));
+  metrics.add(record);
+  metrics.add(makeTick(6, 0.0));
+  const std::vector<Injection> all = metrics.result().injections;
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].name, "other");
+  EXPECT_EQ(all[0].clear_tick, 5);
+  EXPECT_EQ(all[1].name, "sudden_jump");
+  EXPECT_EQ(all[1].clear_tick, -1);
+}
+
+TEST(Injections, EndWithTheLink) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 9, 0.0, 2);
+  TickRecord lost = makeTick(10, 0.0, 2);
+  lost.robot.connected = 0;
+  metrics.add(lost);
+  EXPECT_EQ(metrics.result().injections.at(0).clear_tick, 10);
 }
 
 TEST(SessionMetrics, SumsAFourJumpSession) {
   // GIVEN the paper's pattern: 300 ms every 8 s, four times in 34 s, and forces outside them
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   for (Tick t = 0; t < 34000; ++t) {
     const Tick phase = t % 8000;
     const bool acting = t >= 8000 && phase < 300;
@@ -299,7 +391,7 @@ TEST(SessionMetrics, SumsAFourJumpSession) {
 }
 
 TEST(SessionMetrics, KeepsTheNewestPlan) {
-  MetricsAccumulator metrics(makeHeader());
+  Accumulator metrics(makeHeader());
   EXPECT_EQ(metrics.result().plan.status, PlanStatus::kNone);
   PlanRecord record;
   record.result.status = PlanStatus::kNoPath;
@@ -470,7 +562,8 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
   {
     session::LogWriter log(path, makeHeader());
     for (Tick t = 0; t < 1500; ++t) {
-      log.write(makeTick(t, t >= 600 && t < 700 ? 0.007 : 0.001, t >= 590 && t < 700 ? 2 : 0));
+      if (t == 590 || t == 700) log.write(makeChange(makeTick(t, 0.0), 2, t == 590));
+      log.write(makeTick(t, t >= 600 && t < 700 ? 0.007 : 0.001));
       log.write(makeForce(t, t >= 601 && t < 700 ? 1.25 : 0.0));
     }
     PlanRecord plan;

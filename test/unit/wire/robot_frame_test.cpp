@@ -65,6 +65,7 @@ RobotState patternState() {
 FaultPlan patternPlan() {
   FaultPlan value;
   value.generation = 12;
+  value.session = 34;
   value.count = 1;
   value.faults[0].id = 4;
   value.faults[0].site = FaultSite::kPutUsbPacket;
@@ -73,6 +74,7 @@ FaultPlan patternPlan() {
   value.faults[0].variable = FaultVariable::kDac;
   value.faults[0].arm = 0;
   value.faults[0].channel = 2;
+  value.faults[0].row = 5;
   value.faults[0].first_tick = 2000;
   value.faults[0].duration_ticks = 300;
   value.faults[0].period_ticks = 8000;
@@ -95,6 +97,16 @@ Frame only(FrameParser* parser, const FrameBytes& bytes) {
   Frame frame;
   EXPECT_EQ(parser->next(&frame), FrameParser::Result::kFrame);
   return frame;
+}
+
+FaultChange patternChange() {
+  FaultChange value;
+  value.number = 7;
+  value.cycle = 70006;
+  value.id = 4;
+  value.row = 5;
+  value.acts = 1;
+  return value;
 }
 
 std::uint32_t crcOf(const FrameBytes& bytes) {
@@ -135,19 +147,67 @@ FrameBytes payloadOf(const FrameBytes& frame) {
 // ---- bytes ----------------------------------------------------------------------------------------------------------
 
 TEST(FrameBytesOnTheWire, HelloIsWhatPythonPacks) {
-  // h = struct.pack('<4sHHII', b'RV2T', 0x300, 1, 8, 5); p = b'virtual\0'
+  // h = struct.pack('<4sHHII', b'RV2T', 0x301, 1, 8, 5); p = b'virtual\0'
   // h + struct.pack('<I', zlib.crc32(h + p)) + p
-  EXPECT_EQ(hello(5), fromHex("52563254000301000800000005000000e4525a2d7669727475616c00"));
+  EXPECT_EQ(hello(5), fromHex("52563254010301000800000005000000a2693d487669727475616c00"));
 }
 
 TEST(FrameBytesOnTheWire, FaultPlanIsWhatPythonPacks) {
-  // struct.pack('<QI', 12, 1) + struct.pack('<I5B2bBQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 0, 99, 2000, 300, 8000, 3, 30,
+  // struct.pack('<III', 12, 34, 1) + struct.pack('<I5B2bBQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 5, 99, 2000, 300, 8000, 3,
+  // 30,
   //                                          40, 2.0, 0.25, -1234.5, -0.5, 0.75)
   EXPECT_EQ(payloadOf(plan(1, patternPlan())),
-            fromHex("0c000000000000000100000004000000000d2201040002006300000000000000"
+            fromHex("0c000000220000000100000004000000000d2201040002056300000000000000"
                     "d0070000000000002c01000000000000401f0000000000000300000000000000"
                     "1e0000000000000028000000000000000000000000000040000000000000d03f"
                     "00000000004a93c0000000000000e0bf000000000000e83f"));
+}
+
+TEST(FrameBytesOnTheWire, FaultChangeAndPlanAnswerAreWhatPythonPacks) {
+  // struct.pack('<QQI3B', 7, 70006, 4, 0, 5, 1)
+  FrameBytes bytes(kMaxFrame);
+  bytes.resize(encodeFaultChange(1, patternChange(), bytes.data()));
+  EXPECT_EQ(payloadOf(bytes), fromHex("0700000000000000761101000000000004000000000501"));
+  bytes.resize(kMaxFrame);
+  bytes.resize(encodePlanAnswer(1, true, bytes.data()));
+  EXPECT_EQ(payloadOf(bytes), fromHex("01"));
+}
+
+TEST(FaultChangeFrame, RoundTripsAndRefusesWhatCannotBe) {
+  const FrameBytes good = fromHex("0700000000000000761101000000000004000000000501");
+  FrameParser parser;
+  FaultChange got;
+  ASSERT_TRUE(decodeFaultChange(only(&parser, rawFrame(5, good)), &got));
+  EXPECT_EQ(got.number, 7U);
+  EXPECT_EQ(got.cycle, 70006U);
+  EXPECT_EQ(got.id, 4U);
+  EXPECT_EQ(got.row, 5);
+  EXPECT_EQ(got.acts, 1);
+  struct Wrong {
+    std::size_t at;
+    std::uint8_t value;
+  };
+  for (const Wrong wrong : {Wrong{0, 0}, Wrong{20, 1}, Wrong{20, 200}, Wrong{21, 8}, Wrong{22, 2}}) {
+    FrameBytes bad = good;
+    bad[wrong.at] = wrong.value;
+    FaultChange untouched;
+    EXPECT_FALSE(decodeFaultChange(only(&parser, rawFrame(5, bad)), &untouched)) << wrong.at;
+    EXPECT_EQ(untouched.number, 0U);
+  }
+  EXPECT_FALSE(decodeFaultChange(only(&parser, rawFrame(5, FrameBytes(22, 0))), &got));
+  EXPECT_FALSE(decodeFaultChange(only(&parser, rawFrame(6, good)), &got));
+}
+
+TEST(PlanAnswerFrame, IsYesOrNo) {
+  FrameParser parser;
+  bool is_armed = false;
+  EXPECT_TRUE(decodePlanAnswer(only(&parser, rawFrame(6, {1})), &is_armed));
+  EXPECT_TRUE(is_armed);
+  EXPECT_TRUE(decodePlanAnswer(only(&parser, rawFrame(6, {0})), &is_armed));
+  EXPECT_FALSE(is_armed);
+  EXPECT_FALSE(decodePlanAnswer(only(&parser, rawFrame(6, {2})), &is_armed));
+  EXPECT_FALSE(decodePlanAnswer(only(&parser, rawFrame(6, FrameBytes{})), &is_armed));
+  EXPECT_FALSE(decodePlanAnswer(only(&parser, rawFrame(5, {1})), &is_armed));
 }
 
 TEST(FrameBytesOnTheWire, StateHasTheSizeAndCrcThatPythonComputes) {
@@ -155,13 +215,13 @@ TEST(FrameBytesOnTheWire, StateHasTheSizeAndCrcThatPythonComputes) {
   // for a in 0, 1: for b in 0, 10, 20: s += struct.pack('<7d', *[(100*a + b + j) / 8 for j in range(7)])
   //                s += struct.pack('<7i', *[(-1)**j * (1000*a + j) for j in range(7)])
   //                s += bytes(range(7)) if a == 0 else b'\xff' * 7
-  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x300, 2, len(s), 6)
+  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x301, 2, len(s), 6)
   // len(s), hex(zlib.crc32(h + s))
   const FrameBytes bytes = state(6, patternState());
   ASSERT_EQ(bytes.size(), kFrameHeaderSize + 619);
   std::uint32_t crc = 0;
   std::memcpy(&crc, bytes.data() + 16, sizeof(crc));
-  EXPECT_EQ(crc, 0x72756f16U);
+  EXPECT_EQ(crc, 0x2c0d10ebU);
 }
 
 // ---- round trips ----------------------------------------------------------------------------------------------------
@@ -308,7 +368,7 @@ TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
     parser.reset();
     EXPECT_EQ(parser.refusedVersion(), 0U);
   }
-  EXPECT_EQ(refusalText("robot", 4 << 8 | 4), "robot refused: it speaks frame version 4.4, this program 3.0");
+  EXPECT_EQ(refusalText("robot", 4 << 8 | 4), "robot refused: it speaks frame version 4.4, this program 3.1");
 }
 
 TEST(Version, AStreamBrokenOtherwiseNamesNone) {
@@ -325,6 +385,7 @@ TEST(FaultPlanFrame, RoundTripsAnyNumberOfFaults) {
   for (std::uint32_t count = 0; count <= kMaxFaults; ++count) {
     FaultPlan sent;
     sent.generation = 100 + count;
+    sent.session = 0xFFFFFFF0U + count;
     sent.count = count;
     for (std::uint32_t i = 0; i < count; ++i) {
       sent.faults[i] = patternPlan().faults[0];
@@ -336,6 +397,7 @@ TEST(FaultPlanFrame, RoundTripsAnyNumberOfFaults) {
     FaultPlan got;
     ASSERT_TRUE(decodeFaultPlan(only(&parser, plan(1, sent)), &got));
     EXPECT_EQ(got.generation, sent.generation);
+    EXPECT_EQ(got.session, sent.session);
     ASSERT_EQ(got.count, count);
     for (std::uint32_t i = 0; i < count; ++i) {
       EXPECT_EQ(got.faults[i].id, i + 1);
@@ -530,7 +592,7 @@ TEST(FrameParser, BreaksOnALengthOverTheLimitBeforeThePayloadArrives) {
 }
 
 TEST(FrameParser, BreaksOnAnUnknownType) {
-  for (const std::uint16_t type : {0, 5, 256, 65535}) {
+  for (const std::uint16_t type : {0, 7, 256, 65535}) {
     const FrameBytes bytes = rawFrame(type, {});
     FrameParser parser;
     parser.feed(bytes.data(), bytes.size());
