@@ -1,9 +1,15 @@
-"""State frames of the robot's TCP link, read with struct and zlib alone (doc/wire.md)."""
+"""State frames of the robot's TCP link, read with struct and zlib alone (doc/wire.md), packets to it, and its process."""
 import gc
+import os
+import signal
 import socket
 import struct
 import threading
+import time
+import xmlrpc.client
 import zlib
+
+import rospy
 
 # To look through ten thousands of frames for cycles, of which there are none, stops all threads for half a second: a
 # console of this process would be silent for so long.
@@ -104,6 +110,25 @@ class FrameReader:
     def close(self):
         self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
+
+
+def connect(port):
+    """A reader of the robot, as soon as it is there and says so: a dying process may still take a connection."""
+    deadline = time.monotonic() + 30
+    while time.monotonic() < deadline:
+        try:
+            reader = FrameReader(port)
+            if reader.wait(lambda s: True, 1.0):
+                return reader
+        except ConnectionRefusedError:
+            time.sleep(0.02)
+    raise AssertionError("no robot")
+
+
+def kill_robot():
+    """kill -9 of the virtual Raven's process, which the launch file starts again."""
+    uri = rospy.get_master().lookupNode("/virtual_raven")[2]
+    os.kill(xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
 
 
 class Master:
