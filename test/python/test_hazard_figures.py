@@ -197,15 +197,23 @@ def test_the_ending_in_words(made):
     assert raven2_hazards.ending(made, True) == "INIT, silent"
 
 
-@pytest.fixture
-def measure():
-    loader = importlib.machinery.SourceFileLoader("measure_hazards", str(ROOT / "scripts/measure_hazards"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("measure_hazards", loader))
+def script(name):
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
     loader.exec_module(module)
     return module
 
 
-def test_measure_hazards_fails_where_the_promise_is_not_kept(measure, made, monkeypatch, capsys):
+def test_a_sweep_tells_the_stop_at_the_last_jump_and_adds_up_a_value():
+    sweep = script("sweep_hazard")
+    runs = [([5.0, 2.0, 19.04], 2, 24306), ([3.0, 4.0], 1, None)]
+    assert sweep.row(800, 4, *runs[0]) == "| 800 | 4 | 5.0, 2.0, 19.0 | at 24.306 s |"
+    assert sweep.row(800, 5, *runs[1]) == "| 800 | 5 | 3.0, 4.0 | no |"
+    assert sweep.summary(800, runs) == "| 800 | 2.0 / 4.0 / 19.0 | 3 of 5 | 1 of 2 |"
+
+
+def test_measure_hazards_fails_where_the_promise_is_not_kept(made, monkeypatch, capsys):
+    measure = script("measure_hazards")
     made.injected(200, "relay")
     made.activation(200, 900)
     made.parted(0, 240, 299, 0.005)
