@@ -22,7 +22,7 @@ import rosbag
 import rospy
 import rostest
 import yaml
-from raven_2.msg import raven_automove, raven_state
+from raven_2.msg import raven_automove
 from robot_frames import FrameReader, Master, connect
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger

@@ -47,6 +47,12 @@ def free_ports(count):
     return ports
 
 
+def listens(port):
+    """Whether somebody takes TCP connections there."""
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
 def wait_until(condition, seconds, what):
     """Polls; fails after so many seconds with what was waited for."""
     end = time.monotonic() + seconds
