@@ -22,8 +22,8 @@ import rosbag
 import rospy
 import rostest
 import yaml
-from raven_2.msg import raven_automove, raven_state
-from robot_frames import FrameReader, Master
+from raven_2.msg import raven_automove
+from robot_frames import FrameReader, Master, connect
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -141,14 +141,7 @@ class Links(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("links_test", disable_signals=True)
-        deadline = time.monotonic() + 20
-        while True:
-            try:
-                cls.robot = FrameReader(STATE_PORT)
-                break
-            except ConnectionRefusedError:  # not up yet
-                assert time.monotonic() < deadline
-                time.sleep(0.05)
+        cls.robot = connect(STATE_PORT)
         cls.master = Master(ROBOT_PORT)
         cls.folder = tempfile.TemporaryDirectory()
 

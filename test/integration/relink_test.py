@@ -3,21 +3,16 @@
 
 The test is the console.
 """
-import os
-import signal
 import threading
 import time
 import unittest
-import xmlrpc.client
 
 import rospy
 import rostest
-from robot_frames import FrameReader, Master
+from robot_frames import Master, connect, kill_robot
 
 MASTER_PORT, STATE_PORT = 37150, 37153
 PEDAL_UP, PEDAL_DN = 2, 3
-
-
 SILENCE = 0.15  # s; of 0.2 the daemon makes a pedal that was lifted, and of what comes next one that is pressed
 ATTEMPTS = 4
 
@@ -40,19 +35,6 @@ class Console(threading.Thread):
             time.sleep(0.001)
 
 
-def connect():
-    """To the robot, as soon as it is there and says so: a dying process may still take a connection."""
-    deadline = time.monotonic() + 30
-    while time.monotonic() < deadline:
-        try:
-            reader = FrameReader(STATE_PORT)
-            if reader.wait(lambda s: True, 1.0):
-                return reader
-        except ConnectionRefusedError:
-            time.sleep(0.02)
-    raise AssertionError("no robot")
-
-
 class Relink(unittest.TestCase):
     def lose(self, robot, console):
         """Engaged, then lost with the pedal down. Returns a reader of the robot that came back, a second after it was
@@ -63,11 +45,10 @@ class Relink(unittest.TestCase):
         console.pedal, console.step_um = 1, 10
         self.assertIsNotNone(robot.wait(lambda s: s.runlevel == PEDAL_DN), "never engaged")
         console.longest_silence = 0.0
-        uri = rospy.get_master().lookupNode("/virtual_raven")[2]
-        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/relink_test")[2], signal.SIGKILL)
+        kill_robot()
         console.step_um = 0
         self.assertTrue(robot.ended(20))
-        robot = connect()
+        robot = connect(STATE_PORT)
         ready = robot.wait(lambda s: s.homed and s.runlevel >= PEDAL_UP, 60)
         self.assertIsNotNone(ready)
         self.assertIsNotNone(robot.wait(lambda s: s.cycle > ready.cycle + 1000))
@@ -77,7 +58,7 @@ class Relink(unittest.TestCase):
         rospy.init_node("relink_test", disable_signals=True)
         console = Console()
         console.start()
-        robot = connect()
+        robot = connect(STATE_PORT)
         for _ in range(ATTEMPTS):
             robot, since = self.lose(robot, console)
             if console.longest_silence < SILENCE:

@@ -1,33 +1,28 @@
-"""State frames of the robot's TCP link, read with struct and zlib alone (doc/wire.md)."""
+"""The robot's TCP link, read with struct and zlib alone (doc/wire.md), packets to the robot, and its process."""
 import gc
+import os
+import signal
 import socket
 import struct
+import sys
 import threading
+import time
+import xmlrpc.client
 import zlib
+
+import rospy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "support"))
+from state_frame import State  # noqa: E402
 
 # To look through ten thousands of frames for cycles, of which there are none, stops all threads for half a second: a
 # console of this process would be silent for so long.
 gc.disable()
 
 HEADER = struct.Struct("<4sHHII")
-STATE = struct.Struct("<QqII5B" + 2 * "21d7i7B" + "23Q")
 PLAN_HEAD = struct.Struct("<III")  # generation, session, rows
 VERSION = 0x301
 HELLO, STATE_TYPE, PLAN = 1, 2, 3
-
-
-class State:
-    """One state frame."""
-
-    def __init__(self, payload):
-        values = STATE.unpack(payload)
-        self.cycle, self.time_ns, self.last_sequence, self.active_fault = values[:4]
-        self.runlevel, self.sublevel, self.homed, self.soft_estopped, self.fault_mask = values[4:9]
-        arms = [values[9 + 35 * a:9 + 35 * (a + 1)] for a in (0, 1)]
-        self.q = [list(arm[0:7]) for arm in arms]
-        self.dq = [list(arm[7:14]) for arm in arms]
-        self.motor = [list(arm[14:21]) for arm in arms]
-        self.dac = [list(arm[21:28]) for arm in arms]
 
 
 class FrameReader:
@@ -104,6 +99,25 @@ class FrameReader:
     def close(self):
         self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
+
+
+def connect(port):
+    """A reader of the robot, as soon as it is there and says so: a dying process may still take a connection."""
+    deadline = time.monotonic() + 30
+    while time.monotonic() < deadline:
+        try:
+            reader = FrameReader(port)
+            if reader.wait(lambda s: True, 1.0):
+                return reader
+        except ConnectionRefusedError:
+            time.sleep(0.02)
+    raise AssertionError("no robot")
+
+
+def kill_robot():
+    """kill -9 of the virtual Raven's process, which the launch file starts again."""
+    uri = rospy.get_master().lookupNode("/virtual_raven")[2]
+    os.kill(xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
 
 
 class Master:

@@ -6,18 +6,15 @@ the conversion without it.
 The test is the console.
 """
 import math
-import os
-import signal
 import threading
 import time
 import unittest
-import xmlrpc.client
 
 import rospy
 import rostest
 from geometry_msgs.msg import WrenchStamped
 from raven2_trainer.srv import StartHazard
-from robot_frames import FrameReader, Master
+from robot_frames import Master, connect, kill_robot
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -65,19 +62,6 @@ def until(condition, seconds, words):
     raise AssertionError(words)
 
 
-def connect():
-    """To the robot, as soon as it is there and says so: a dying process may still take a connection."""
-    deadline = time.monotonic() + 30
-    while time.monotonic() < deadline:
-        try:
-            reader = FrameReader(STATE_PORT)
-            if reader.wait(lambda s: True, 1.0):
-                return reader
-        except ConnectionRefusedError:
-            time.sleep(0.02)
-    raise AssertionError("no robot")
-
-
 def call(name, kind, *arguments):
     rospy.wait_for_service(name, 20)
     answer = rospy.ServiceProxy(name, kind)(*arguments)
@@ -92,7 +76,7 @@ class Table1(unittest.TestCase):
         cls.model = Newest("model/joint_states", JointState)
         cls.console = Console()
         cls.console.start()
-        cls.robot = connect()
+        cls.robot = connect(STATE_PORT)
 
     def newton(self):
         message = self.force.message
@@ -122,10 +106,9 @@ class Table1(unittest.TestCase):
         self.assertLess(self.moved(self.robot.states[-1], here), 2e-3, "the robot follows")
 
     def restart_robot(self):
-        uri = rospy.get_master().lookupNode("/virtual_raven")[2]
-        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/table1_test")[2], signal.SIGKILL)
+        kill_robot()
         self.assertTrue(self.robot.ended(20))
-        type(self).robot = connect()
+        type(self).robot = connect(STATE_PORT)
 
     def test_1_a_sudden_jump_is_felt_and_ends_with_the_pedal(self):
         call("start_hazard", StartHazard, "sudden_jump")

@@ -218,6 +218,30 @@ def test_what_a_clinician_reads_is_in_plain_words(library):
         assert scenario["response"].endswith("."), name
 
 
+def measured():
+    """Rows of the table of scripts/measure_hazards in doc/hazards.md: {name: (force [N], robot at the end)}."""
+    page = (ROOT / "doc/hazards.md").read_text()
+    rows = re.findall(r"(?m)^\| `(\w+)` \|(?: [^|]* \|){4} ([0-9.]+) \| ([^|]*) \|$", page)
+    return {name: (float(newton), end) for name, newton, end in rows}
+
+
+def test_the_page_tells_what_every_scenario_did_here(library):
+    assert list(measured()) == sorted(library)
+
+
+def test_what_the_hand_felt_here_stands_under_what_you_will_feel(library):
+    for name, (newton, _) in measured().items():
+        if newton > 0.0:
+            assert re.search(r"\b(force|push)", library[name]["expected"]), f"{name}: {newton} N, and no word of it"
+
+
+def test_a_stop_that_came_here_stands_under_what_you_will_see(library):
+    for name, (_, end) in measured().items():
+        if "E-STOP" in end:
+            told = re.search(r"robot (may )?stops?\b|emergency stop|stand still", library[name]["expected"])
+            assert told, f"{name}: {end}"
+
+
 def test_every_file_says_where_its_values_come_from():
     for path in (ROOT / "config/faults").glob("*.yaml"):
         lines = path.read_text().splitlines()

@@ -9,6 +9,7 @@ import signal
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 import zlib
@@ -19,6 +20,9 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 BUILD = os.environ.get("RAVEN2_TRAINER_BUILD", os.path.join(ROOT, "build"))
 PROGRAMS = os.path.join(BUILD, "devel", "lib", "raven2_trainer")
 FULL = os.environ.get("RAVEN2_TRAINER_FULL") == "1"
+
+sys.path.insert(0, os.path.join(ROOT, "test", "support"))
+from state_frame import State  # noqa: E402
 
 
 def effort(quick, full):
@@ -41,6 +45,12 @@ def free_ports(count):
     for each in held:
         each.close()
     return ports
+
+
+def listens(port):
+    """Whether somebody takes TCP connections there."""
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def wait_until(condition, seconds, what):
@@ -186,17 +196,7 @@ class RobotStates:
         while True:
             kind, payload = self.next()
             if kind == 2:
-                return self.decode(payload)
-
-    @staticmethod
-    def decode(payload):
-        cycle, time_ns, last_sequence, active_fault = struct.unpack_from("<QqII", payload)
-        runlevel, sublevel, homed, stopped = payload[24:28]
-        q = [list(struct.unpack_from("<7d", payload, 28 + 203 * arm)) for arm in (0, 1)]
-        received, applied, *rejected = struct.unpack_from("<23Q", payload, 434)
-        return {"cycle": cycle, "time_ns": time_ns, "last_sequence": last_sequence, "active_fault": active_fault,
-                "runlevel": runlevel, "sublevel": sublevel, "homed": homed, "soft_estopped": stopped, "q": q,
-                "received": received, "applied": applied, "rejected": rejected}
+                return vars(State(payload))
 
     def close(self):
         self._socket.close()

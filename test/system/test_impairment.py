@@ -17,7 +17,7 @@ import time
 
 import pytest
 
-from stack import PROGRAMS, ROOT, RobotStates, Stack, effort, free_ports, itp, wait_until
+from stack import PROGRAMS, ROOT, RobotStates, Stack, effort, free_ports, itp, listens, wait_until
 
 np = pytest.importorskip("numpy")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
@@ -85,16 +85,11 @@ class BadLinkSession:
 
     def start(self):
         self.stack.start_robot()
-        wait_until(lambda: self._accepts(self.stack.state_port), 60, "the robot listens")
+        wait_until(lambda: listens(self.stack.state_port), 60, "the robot listens")
         self.stack.start_daemon("--hazard", "none", "--arm-contacts", "off")
         reader = RobotStates(self.stack.state_port)
         wait_until(lambda: reader.state()["runlevel"] == PEDAL_UP, 60, "homed")
         reader.close()
-
-    @staticmethod
-    def _accepts(port):
-        with socket.socket() as probe:
-            return probe.connect_ex(("127.0.0.1", port)) == 0
 
     @staticmethod
     def _says(path, word):

@@ -12,7 +12,7 @@ import sys
 import time
 
 import pytest
-from stack import BUILD, FULL, PROGRAMS, ROOT, RobotStates, Stack, effort, free_ports, itp, wait_until
+from stack import BUILD, FULL, PROGRAMS, ROOT, RobotStates, Stack, effort, free_ports, itp, listens, wait_until
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -46,16 +46,11 @@ class Master(object):
 def start(stack, *daemon):
     """Robot homed, daemon up. Returns the reader of the robot's frames."""
     stack.start_robot()
-    wait_until(lambda: _listens(stack.state_port), 30, "the robot listens")
+    wait_until(lambda: listens(stack.state_port), 30, "the robot listens")
     stack.start_daemon("--hazard", "none", *daemon)
     reader = RobotStates(stack.state_port)
     wait_until(lambda: reader.state()["runlevel"] == PEDAL_UP, 60, "homed")
     return reader
-
-
-def _listens(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def close(stack):
@@ -292,7 +287,7 @@ def test_a_second_master_is_on_diagnostics_within_a_tenth_of_a_second():
     core = subprocess.Popen(["rosmaster", "--core", "-p", uri.rsplit(":", 1)[1]], stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL)
     try:
-        wait_until(lambda: _listens(int(uri.rsplit(":", 1)[1])), 20, "the ROS master listens")
+        wait_until(lambda: listens(int(uri.rsplit(":", 1)[1])), 20, "the ROS master listens")
         with Stack() as stack:
             stack.environment.update(ROS_MASTER_URI=uri, ROS_IP="127.0.0.1")
             start(stack)

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from namespace import Namespace, missing
-from stack import ROOT, RobotStates, Stack, effort, itp, wait_until
+from stack import ROOT, RobotStates, Stack, effort, itp, listens, wait_until
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -95,7 +95,7 @@ class Ticks:
 def ready(stack, prefix=(), inside=lambda function, *arguments: function(*arguments)):
     """Robot homed, daemon connected to it."""
     stack.start_robot(prefix=prefix)
-    wait_until(lambda: inside(_accepts, stack.state_port), 20, "the robot listens")
+    wait_until(lambda: inside(listens, stack.state_port), 20, "the robot listens")
     states = inside(RobotStates, stack.state_port)
     end = time.monotonic() + 30
     while states.state()["runlevel"] != PEDAL_UP:  # every frame: a reader that waits in between is too slow
@@ -394,8 +394,3 @@ def _ended(link):
         return not link.recv(4096)
     except ConnectionResetError:
         return True
-
-
-def _accepts(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0

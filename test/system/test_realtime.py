@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, wait_until
+from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, listens, wait_until
 
 NOBODY = 65534
 PEDAL_UP, PEDAL_DOWN = 2, 3
@@ -112,7 +112,7 @@ def read_session(stack):
 def teleoperate(stack):
     """Robot, daemon and a master with the pedal down, linked. Returns the master."""
     stack.start_robot()
-    wait_until(lambda: accepts(stack.state_port), 10, "the robot listens")
+    wait_until(lambda: listens(stack.state_port), 10, "the robot listens")
     stack.start_daemon("--hazard", "none")
     wait_for_run_level(stack, PEDAL_UP, 20)
     master = Master(stack.master_port)
@@ -136,11 +136,6 @@ def wait_for_run_level(stack, level, seconds):
     while run_level(stack) != level:
         assert time.monotonic() < end, f"no run level {level} within {seconds} s"
         time.sleep(0.15)
-
-
-def accepts(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def pause_process(process, seconds):
@@ -202,9 +197,9 @@ def test_a_late_run_is_on_diagnostics_within_a_second():
         stack.environment.update(ROS_MASTER_URI=f"http://127.0.0.1:{ros}", ROS_IP="127.0.0.1")
         stack.processes["rosmaster"] = subprocess.Popen(["rosmaster", "--core", "-p", str(ros)], env=stack.environment,
                                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        wait_until(lambda: accepts(ros), 30, "the ROS master listens")
+        wait_until(lambda: listens(ros), 30, "the ROS master listens")
         stack.start_daemon("--hazard", "none")
-        wait_until(lambda: accepts(ros) and os.path.exists(os.path.join(stack.output, "session.rlog")), 30, "ticks")
+        wait_until(lambda: listens(ros) and os.path.exists(os.path.join(stack.output, "session.rlog")), 30, "ticks")
         done = subprocess.run(["/usr/bin/python3", "-c", DIAGNOSTICS_READER, str(stack.processes["simulator"].pid),
                                str(effort(3, 10))], env=stack.environment, capture_output=True, text=True, timeout=120,
                               check=False)
@@ -253,7 +248,7 @@ def test_without_privileges_it_runs_and_says_so_and_strict_refuses():
 def assert_runs_degraded(stack, prefix, *reasons):
     """A session without --strict: starts its threads, ticks, ends cleanly, and says what it did not get."""
     stack.start_robot(prefix=prefix)
-    wait_until(lambda: accepts(stack.state_port), 30, "the robot listens")
+    wait_until(lambda: listens(stack.state_port), 30, "the robot listens")
     stack.start_daemon(prefix=prefix)
     wait_until(lambda: "WARNING: DEGRADED_RT" in stack.log_text("simulator"), 30, stack.log_text("simulator"))
     time.sleep(1.0)

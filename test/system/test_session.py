@@ -3,7 +3,7 @@
 import socket
 import time
 
-from stack import RobotStates, Stack, itp, wait_until
+from stack import RobotStates, Stack, itp, listens, wait_until
 
 PEDAL_UP, PEDAL_DOWN = 2, 3
 
@@ -11,7 +11,7 @@ PEDAL_UP, PEDAL_DOWN = 2, 3
 def test_a_session_ends_cleanly_at_a_signal_and_its_counters_add_up():
     with Stack() as stack:
         stack.start_robot()
-        wait_until(lambda: _accepts(stack.state_port), 10, "the robot listens")
+        wait_until(lambda: listens(stack.state_port), 10, "the robot listens")
         stack.start_daemon("--hazard", "none")
         reader = RobotStates(stack.state_port)
         wait_until(lambda: reader.state()["runlevel"] == PEDAL_UP, 20, "homed")
@@ -27,8 +27,3 @@ def test_a_session_ends_cleanly_at_a_signal_and_its_counters_add_up():
         assert packets["master_to_daemon"]["received"] == 1499
         assert packets["robot_to_daemon"]["applied"] > 1000
         assert stack.stop("virtual_raven")[0] == 0
-
-
-def _accepts(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
