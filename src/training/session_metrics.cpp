@@ -172,7 +172,6 @@ void MetricsAccumulator::followAftermath(double error, bool comparable, bool fol
   FaultEvent& event = metrics_.faults.back();
   event.max_error = std::max(event.max_error, error);
   const bool beyond = error > header_.tolerance;
-  if (beyond && event.onset_tick < 0) event.onset_tick = now_;
   const bool calm = active_fault_ == 0 && !beyond && (comparable || !follows);
   if (!calm) {
     calm_since_ = -1;
@@ -183,7 +182,9 @@ void MetricsAccumulator::followAftermath(double error, bool comparable, bool fol
 }
 
 void MetricsAccumulator::add(const HapticRecord& record) {
-  waiting_.push_back({record.haptic.tick, largestForce(record.haptic)});
+  const auto& errors = record.haptic.error;
+  const double error = record.haptic.active != 0 ? *std::max_element(errors.begin(), errors.end()) : 0.0;
+  waiting_.push_back({record.haptic.tick, largestForce(record.haptic), error});
   useForces();
 }
 
@@ -205,6 +206,7 @@ void MetricsAccumulator::useForce(const Force& force) {
     return;
   }
   event->max_force = std::max(event->max_force, force.newton);
+  if (force.error > header_.tolerance && event->onset_tick < 0) event->onset_tick = tick;
   const bool is_reaction = force.newton > 0.0 && event->onset_tick >= 0 && tick >= event->onset_tick;
   if (is_reaction && event->force_tick < 0) event->force_tick = tick;
 }

@@ -32,7 +32,7 @@ struct FaultEvent {
   std::uint64_t first_cycle{}, last_cycle{};  ///< [1 ms] robot clock
   double max_error{};                         ///< [m] largest tip error from the start until the cue is over
   double max_force{};                         ///< [N]
-  Tick onset_tick{-1};                        ///< first tick with the error above the tolerance; -1 never
+  Tick onset_tick{-1};                        ///< first tick that the haptic loop saw above the tolerance; -1 never
   Tick force_tick{-1};                        ///< first tick from then on with a force; -1 never
   Tick end_tick{-1};                          ///< last tick of its aftermath; -1 while it lasts
 
@@ -91,6 +91,7 @@ class MetricsAccumulator {
   struct Force {
     Tick model_tick{};
     double newton{};  ///< [N] larger of both arms
+    double error{};   ///< [m] the same, of model and robot as the haptic loop saw them; 0 while it may give no force
   };
 
   /** A row that acts, or acted; the rest of it the plans tell. */

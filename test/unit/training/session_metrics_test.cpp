@@ -40,9 +40,11 @@ TickRecord makeTick(Tick session_tick, double error, std::uint32_t fault = 0) {
   return record;
 }
 
-HapticRecord makeForce(Tick session_tick, double newton) {
+HapticRecord makeForce(Tick session_tick, double newton, double error = 0.0) {
   HapticRecord record;
   record.haptic.tick = kOrigin + session_tick;
+  record.haptic.active = 1;
+  record.haptic.error = {error, 0.5 * error};
   at(record.haptic.force_B, Arm::kGreen) = {0.6 * newton, 0.0, -0.8 * newton};
   return record;
 }
@@ -57,7 +59,12 @@ FaultChangeRecord makeChange(const TickRecord& record, std::uint32_t id, bool ac
   return change;
 }
 
-/** Tells the beginnings and ends that the ticks' active_fault means. */
+double goldError(const TickRecord& record) {
+  return at(record.model.arms, Arm::kGold).p_BT[1] - at(record.robot.arms, Arm::kGold).p_BT[1] +
+         at(record.model.arms, Arm::kGold).p_BT[0] - at(record.robot.arms, Arm::kGold).p_BT[0];
+}
+
+/** Tells the beginnings and ends that the ticks' active_fault means, and the distance to the haptic loop. */
 class Accumulator : public MetricsAccumulator {
  public:
   using MetricsAccumulator::add;
@@ -68,7 +75,14 @@ class Accumulator : public MetricsAccumulator {
     if (acts != acted_ && acts != 0) add(makeChange(record, acts, true));
     acted_ = acts;
     MetricsAccumulator::add(record);
+    if (!feels) return;
+    HapticRecord haptic = makeForce(record.model.session_tick, 0.0, goldError(record));
+    haptic.haptic.tick = record.model.tick;
+    haptic.haptic.active = record.model.linked != 0 && record.model.robot_fresh != 0 ? 1 : 0;
+    add(haptic);
   }
+
+  bool feels{true};  ///< false: the test feeds the haptic records, errors and all
 
  private:
   std::uint32_t acted_{0};
@@ -175,6 +189,7 @@ TEST(FaultEvent, IsTheSameWhereverTheHapticRecordsStand) {
   std::vector<SessionMetrics> results;
   for (const Tick shift : {0, 50, -50}) {
     Accumulator metrics(makeHeader());
+    metrics.feels = false;
     for (Tick t = -60; t < 3060; ++t) {
       if (t >= 0 && t < 3000) {
         const double error = t >= 1040 && t <= 1400 ? 0.012 : 0.001;
@@ -183,7 +198,8 @@ TEST(FaultEvent, IsTheSameWhereverTheHapticRecordsStand) {
       const Tick force_tick = t - shift;
       if (force_tick < 0 || force_tick >= 3000) continue;
       const double outside = force_tick == 999 || force_tick == 1901 ? 0.5 : 0.0;
-      metrics.add(makeForce(force_tick, force_tick >= 1045 && force_tick <= 1900 ? 2.5 : outside));
+      const double error = force_tick >= 1040 && force_tick <= 1400 ? 0.012 : 0.001;
+      metrics.add(makeForce(force_tick, force_tick >= 1045 && force_tick <= 1900 ? 2.5 : outside, error));
     }
     results.push_back(metrics.result());
   }
@@ -564,7 +580,7 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
     for (Tick t = 0; t < 1500; ++t) {
       if (t == 590 || t == 700) log.write(makeChange(makeTick(t, 0.0), 2, t == 590));
       log.write(makeTick(t, t >= 600 && t < 700 ? 0.007 : 0.001));
-      log.write(makeForce(t, t >= 601 && t < 700 ? 1.25 : 0.0));
+      log.write(makeForce(t, t >= 601 && t < 700 ? 1.25 : 0.0, t >= 600 && t < 700 ? 0.007 : 0.001));
     }
     PlanRecord plan;
     plan.result.status = PlanStatus::kSuccess;
