@@ -91,6 +91,7 @@ void readPassivity(Section& root, PassivityConfig* c) {
   c->enabled = root.boolean("enabled");
   c->max_delay = root.number("max_delay", 0, 0.4);
   c->budget = root.number("budget", 0.0001, 10);
+  c->bank = root.number("bank", c->budget, 10);
   c->hand_damping = root.number("hand_damping", 0, 100);
   c->rest = root.number("rest", 0, 60);
   root.finish();

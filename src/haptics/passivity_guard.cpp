@@ -36,18 +36,20 @@ void PassivityGuard::observe(const Vector3d& hand) noexcept {
   position_ = hand;
   has_position_ = true;
   if (resting_) return;
-  addWork(step, hand - anchor_);
   addAllowance(hand);
+  addWork(step, hand - anchor_);
 }
 
 void PassivityGuard::addWork(const Vector3d& step, const Vector3d& from_anchor) noexcept {
   const double* x = &forces_[0][newest_];
   const double* y = &forces_[1][newest_];
   const double* z = &forces_[2][newest_];
+  const double least = allowance_ - config_.bank;
   double largest = -1e300;
   for (std::size_t d = 0; d < delays_; ++d) {
-    work_[d] += x[d] * step.x() + y[d] * step.y() + z[d] * step.z();
     const double returned = x[d] * from_anchor.x() + y[d] * from_anchor.y() + z[d] * from_anchor.z();
+    const double sum = work_[d] + x[d] * step.x() + y[d] * step.y() + z[d] * step.z();
+    work_[d] = std::max(sum, least + std::min(0.0, returned));
     largest = std::max(largest, work_[d] - std::max(0.0, returned));
   }
   energy_ = largest;

@@ -26,6 +26,11 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * shortened, never added to: a damper at this end of an unknown delay would push as often as it brakes, and at rest
  * nothing is ever felt.
  *
+ * Reservoir: what is left of the allowance never exceeds `bank`, like an energy tank with a ceiling (Lee and Huang, IEEE
+ * Trans. Robotics 26(2), 2010): what the port took from the hand, and the damping of its motion, is forgotten beyond that,
+ * so that no time of dissipation buys a time of swinging. Only what the force now acting gives back while the hand returns
+ * to where it began, f_d . (x_a - x), is kept besides: that is stored, not dissipated.
+ *
  * The account starts anew after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size
  * (about 23 KiB), at most max_delay steps.
  */
@@ -53,7 +58,7 @@ class PassivityGuard {
 
  private:
   void addWork(const Eigen::Vector3d& step, const Eigen::Vector3d& from_anchor) noexcept;
-  void addAllowance(const Eigen::Vector3d& hand) noexcept;
+  void addAllowance(const Eigen::Vector3d& hand) noexcept;  // before addWork: the reservoir is never above its limit
   void startAnew() noexcept;
 
   static constexpr std::size_t kSlots = kMaxGuardDelay + 1;

@@ -24,14 +24,15 @@ struct Bench {
   double mass{0.15}, damping{2.0}, stiffness{300.0};  ///< [kg, Ns/m, N/m] a loose hand; doc/haptics.md
   int there{50}, back{50};                            ///< [ticks] daemon to console, console to daemon
   Vector3 offset_B{0.003, 0.0, 0.0};                  ///< [m] model from robot while the hand rests
-  Vector3 kick_I{0.0, 0.0, -0.3};                     ///< [N] for the first 20 ms
+  Vector3 kick_I{0.0, 0.0, -0.3};                     ///< [N] for 20 ms
   double seconds{20.0};
+  double busy{0.0};  ///< [s] before the kick in which the hand is moved at will, 30 mm to and fro in 2 s, across the offset
 };
 
 /** What came of it. Of the gold arm. */
 struct Outcome {
   double amplitude{};      ///< [m] half of what the hand still moves in the last 2 s, along its largest axis
-  double energy{};         ///< [J] given to the hand in all, as the hand knows it
+  double energy{};         ///< [J] given to the hand since it was let go, as the hand knows it
   double excess{-1.0};     ///< [J] largest surplus of that energy over what is promised; not positive if it holds
   double largest_force{};  ///< [N] in the last 2 s
   double least_gain{1.0};  ///< [-] of all ticks
@@ -61,7 +62,8 @@ class ClosedLoop {
       }
       out.amplitude = std::max(out.amplitude, 0.5 * (high - low));
     }
-    out.energy = work.back();
+    const int released = static_cast<int>(bench.busy / kTickSeconds);
+    out.energy = work.back() - (released > 0 ? work[static_cast<std::size_t>(released - 1)] : 0.0);
     for (int k = last; k < ticks; ++k)
       out.largest_force = std::max(out.largest_force, forces[static_cast<std::size_t>(k)].norm());
     out.least_gain = least_gain;
@@ -88,10 +90,17 @@ class ClosedLoop {
     const int given = k - 1 - bench.there;  // in the tick before, at the earliest
     const Vector3 acting = given >= 0 ? sent[static_cast<std::size_t>(given)] : Vector3(0, 0, 0);
     const Vector3 before = hand.deflection();
-    hand.step(acting + (k < 20 ? bench.kick_I : Vector3(0, 0, 0)));
+    hand.step(acting + handsOwn(k));
     positions.push_back(hand.deflection());
     forces.push_back(acting);
     work.push_back((work.empty() ? 0.0 : work.back()) + acting.dot(hand.deflection() - before));
+  }
+
+  /** What moves the hand besides. */
+  Vector3 handsOwn(int k) const {
+    const int since = k - static_cast<int>(bench.busy / kTickSeconds);
+    if (since < 0) return {0.0, 0.03 * bench.stiffness * std::sin(kPi * k * kTickSeconds), 0.0};
+    return since < 20 ? bench.kick_I : Vector3(0, 0, 0);
   }
 
   /** What the increments that have arrived add up to: whole micrometres of the tip. */
@@ -233,6 +242,44 @@ TEST(HapticPassivity, ALooseHandBehindFiftyMillisecondsEachWayIsLeftInPeace) {
   EXPECT_LT(guarded.energy, 0.1 * plain.energy);
   EXPECT_LE(guarded.largest_force, config.haptics.min_force + 1e-12);
   EXPECT_LE(guarded.excess, 0.0);
+}
+
+TEST(HapticPassivity, AMinuteOfWorkBeforeDoesNotBuyALooseHandASwing) {
+  // GIVEN a minute of strokes under the standing force before the hand is let go and knocked: 0.26 J of its damping
+  TrainerConfig config = packaged();
+  Bench bench;
+  bench.busy = 60.0;
+  bench.seconds = 80.0;
+  const Outcome plain = outcome(config, bench, false), guarded = outcome(config, bench, true);
+  print("after a minute, plain", plain);
+  print("after a minute, guarded", guarded);
+  EXPECT_GT(plain.amplitude, 0.003);
+  EXPECT_GT(plain.energy, 0.4);
+  // THEN it is given no more than by a new account, and the strokes are felt whole
+  EXPECT_LT(guarded.amplitude, 0.0007);
+  EXPECT_LT(guarded.energy, 0.1 * plain.energy);
+  EXPECT_LE(guarded.excess, 0.0);
+  // and without a limit of the reservoir it would swing on
+  config.haptics.passivity.bank = 1e9;
+  const Outcome boundless = outcome(config, bench, true);
+  print("the same without a limit", boundless);
+  EXPECT_GT(boundless.energy, 4.0 * guarded.energy);
+}
+
+TEST(HapticPassivity, AMinuteOfStrokesUnderTheCueIsFeltWhole) {
+  // GIVEN the console's own hand and the loose one, a cue of 10 mm, and strokes of 30 mm for a minute
+  const TrainerConfig config = packaged();
+  for (const bool is_loose : {false, true}) {
+    Bench bench;
+    bench.damping = is_loose ? bench.damping : config.console.hand_damping;
+    bench.offset_B = {0.010, 0.0, 0.0};
+    bench.busy = bench.seconds = 60.0;
+    bench.kick_I = {0.0, 0.0, 0.0};
+    const Outcome guarded = outcome(config, bench, true);
+    print(is_loose ? "strokes of a loose hand" : "strokes of a plain hand", guarded);
+    EXPECT_EQ(guarded.least_gain, 1.0);
+    EXPECT_GT(guarded.largest_force, 1.5);
+  }
 }
 
 TEST(HapticPassivity, AnObserverThatReckonsWithNoDelaySeesNothing) {
