@@ -16,7 +16,8 @@ namespace {
 // against the periods of 80 ms and more in which a hand can swing.
 constexpr int kBlockTicks = 16;
 
-constexpr double kReserve = 0.5;  ///< of the budget: below it the force fades
+constexpr double kReserve = 0.5;   ///< of the budget: below it the force fades
+constexpr double kYielding = 0.75;  ///< of the budget: below it what yields fades, to nothing at kReserve
 
 std::int64_t ticks(double seconds) noexcept {
   return std::llround(seconds / kTickSeconds);
@@ -95,6 +96,12 @@ void PassivityGuard::forget() noexcept {
 double PassivityGuard::gain() const noexcept {
   if (!config_.enabled) return 1.0;
   return std::clamp((allowance_ - energy_) / (kReserve * config_.budget), 0.0, 1.0);
+}
+
+double PassivityGuard::yieldingGain() const noexcept {
+  if (!config_.enabled) return 1.0;
+  const double left = (allowance_ - energy_) / config_.budget;
+  return std::clamp((left - kReserve) / (kYielding - kReserve), 0.0, 1.0);
 }
 
 Vector3d shortened(const Vector3d& force, double gain, double floor) noexcept {

@@ -247,8 +247,8 @@ TEST(PassivityGuard, WhatAForceHasStoredIsNotForgottenWhileItActs) {
 }
 
 TEST(PassivityGuard, AtAnyTimeItGivesNoMoreThanTheBankAndWhatIsStored) {
-  // GIVEN any forces and motions: from any tick on, until the allowance is used up, the work is at most the bank, what the
-  // damping takes, and what the forces at both ends take back
+  // GIVEN any forces and motions: from any tick on, until the allowance is used up, the work is at most the bank, what
+  // the damping takes, and what the forces at both ends take back
   Random random(8);
   for (int run = 0; run < 20; ++run) {
     const Wander wander(&random);
@@ -290,6 +290,9 @@ TEST(PassivityGuard, FadesTheForceOverTheSecondHalfOfItsBudget) {
     const double expected = std::clamp((config.budget - work) / (0.5 * config.budget), 0.0, 1.0);
     ASSERT_NEAR(guard.energy(), work, 1e-9);
     ASSERT_NEAR(guard.gain(), expected, 1e-6) << cycle;
+    // what yields fades over the quarter before that
+    const double yielding = std::clamp((0.5 * config.budget - work) / (0.25 * config.budget), 0.0, 1.0);
+    ASSERT_NEAR(guard.yieldingGain(), work <= 0.25 * config.budget ? 1.0 : yielding, 1e-6) << cycle;
   }
 }
 
@@ -341,6 +344,7 @@ TEST(PassivityGuard, SwitchedOffItSeesTheSameAndDoesNothing) {
     }
     ASSERT_EQ(guard.energy(), observer.energy());
     ASSERT_EQ(observer.gain(), 1.0);
+    ASSERT_EQ(observer.yieldingGain(), 1.0);
   }
   EXPECT_EQ(guard.gain(), 0.0) << "there was something to see";
 }

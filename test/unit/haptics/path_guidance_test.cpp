@@ -119,11 +119,11 @@ TEST(PathGuidance, GivesNothingOnAClosedWayAroundAnEnd) {
 }
 
 TEST(PathGuidance, GivesNothingOnAnyClosedWay) {
-  // GIVEN polygons of anywhere about a straight path, a kinked and a curved one, ends, inner corners and fading included
+  // GIVEN polygons of anywhere about a straight path, a kinked and a curved one: ends, inner corners and fading, too
   const GuidePath kinked = pathOf({{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}, {0.05, 0.03, 0.0}});
   const GuidePath circle = quarterCircle();
-  // Where two points of a path are equally near, the direction jumps: 2 N at most over a step of 12 um of the kinked one,
-  // on each side of a polygon but for one; 1 N times 6 mrad over 0.1 mm at some of the curve's 254 corners.
+  // Where two points of a path are equally near, the direction jumps: 2 N at most over a step of 12 um of the kinked
+  // one, at one place of each side of a polygon; 1 N times 6 mrad over 0.1 mm at some of the curve's 254 corners.
   struct Case {
     const GuidePath* path;
     int steps;
