@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 constexpr double kAny = 1e6;  // "[0, 1e6]" of the files: physical, not a typing error
 
+constexpr double kLastFelt = 0.05;  ///< [s] age of a state by which no force comes from it any more
+
 template <typename Config, typename Read>
 Config readFile(const std::string& path, TrainerConfig* all, Read read) {
   all->files.push_back(path);
@@ -91,6 +93,7 @@ void readPassivity(Section& root, PassivityConfig* c) {
   c->enabled = root.boolean("enabled");
   c->max_delay = root.number("max_delay", 0, 0.4);
   c->budget = root.number("budget", 0.0001, 10);
+  c->bank = root.number("bank", c->budget, 10);
   c->hand_damping = root.number("hand_damping", 0, 100);
   c->rest = root.number("rest", 0, 60);
   root.finish();
@@ -121,8 +124,8 @@ void readHaptics(Section& root, HapticGains* c) {
   c->tolerance = root.number("tolerance", 0, 0.05);
   c->max_force = root.number("max_force", 0, 3.3);
   c->min_force = root.number("min_force", 0, c->max_force);
-  // Never slower than from max_force to nothing in 50 ms: what a hand feels from a state gone stale ends by then.
-  c->max_slew = root.number("max_slew", c->max_force / 0.05, 10000);
+  // From max_force to nothing in 40 ms at most: of kLastFelt that leaves stale_after 8 ms and more.
+  c->max_slew = root.number("max_slew", c->max_force / 0.04, 10000);
   Section passivity = root.section("passivity"), guidance = root.section("guidance"), edge = root.section("edge");
   readPassivity(passivity, &c->passivity);
   readGuidance(guidance, c->max_force, &c->guidance);
@@ -159,7 +162,12 @@ void checkExposure(const Section& root, const NetworkConfig& c) {
                         "allow_plaintext_remote: true if whoever reaches the port may move the arms");
 }
 
-void readNetwork(Section& root, NetworkConfig* c) {
+/** Longest [s] a state may count as fresh: then a tick passes, the force falls, and a tick passes before it is sent. */
+double longestFresh(const HapticGains& haptics) {
+  return kLastFelt - haptics.max_force / haptics.max_slew - 2.0 * kTickSeconds;
+}
+
+void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {
   c->bind_address = root.text("bind_address");
   c->master_port = port(root, "master_port", 0);
   c->daemon_host = root.text("daemon_host");
@@ -168,7 +176,7 @@ void readNetwork(Section& root, NetworkConfig* c) {
   c->console_host = root.text("console_host");
   c->force_port = port(root, "force_port", 1);
   c->state_port = port(root, "state_port", 1);
-  c->stale_after = root.number("stale_after", 0.002, 1);
+  c->stale_after = root.number("stale_after", 0.002, longestFresh(haptics));
   c->reconnect_min = root.number("reconnect_min", 0.01, 5);
   c->reconnect_max = root.number("reconnect_max", 0.1, 60);
   readItpRules(root, &c->itp);
@@ -471,7 +479,10 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.arms = readFile<ArmsConfig>(file("arms"), &c, readArms);
   c.model = readFile<ModelConfig>(file("model"), &c, readModel);
   c.haptics = readFile<HapticGains>(file("haptics"), &c, readHaptics);
-  c.network = readFile<NetworkConfig>(file("network"), &c, readNetwork);
+  const auto readNetworkFor = [&](Section& section, NetworkConfig* network) {
+    readNetwork(section, c.haptics, network);  // a force must end in time
+  };
+  c.network = readFile<NetworkConfig>(file("network"), &c, readNetworkFor);
   c.runtime = readFile<RuntimeConfig>(file("runtime"), &c, readRuntime);
   c.planner = readFile<PlannerConfig>(file("planner"), &c, readPlanner);
   c.render = readFile<RenderConfig>(file("render"), &c, readRender);

@@ -16,7 +16,8 @@ namespace {
 // against the periods of 80 ms and more in which a hand can swing.
 constexpr int kBlockTicks = 16;
 
-constexpr double kReserve = 0.5;  ///< of the budget: below it the force fades
+constexpr double kReserve = 0.5;   ///< of the budget: below it the force fades
+constexpr double kYielding = 0.75;  ///< of the budget: below it what yields fades, to nothing at kReserve
 
 std::int64_t ticks(double seconds) noexcept {
   return std::llround(seconds / kTickSeconds);
@@ -36,18 +37,20 @@ void PassivityGuard::observe(const Vector3d& hand) noexcept {
   position_ = hand;
   has_position_ = true;
   if (resting_) return;
-  addWork(step, hand - anchor_);
   addAllowance(hand);
+  addWork(step, hand - anchor_);
 }
 
 void PassivityGuard::addWork(const Vector3d& step, const Vector3d& from_anchor) noexcept {
   const double* x = &forces_[0][newest_];
   const double* y = &forces_[1][newest_];
   const double* z = &forces_[2][newest_];
+  const double least = allowance_ - config_.bank;
   double largest = -1e300;
   for (std::size_t d = 0; d < delays_; ++d) {
-    work_[d] += x[d] * step.x() + y[d] * step.y() + z[d] * step.z();
     const double returned = x[d] * from_anchor.x() + y[d] * from_anchor.y() + z[d] * from_anchor.z();
+    const double sum = work_[d] + x[d] * step.x() + y[d] * step.y() + z[d] * step.z();
+    work_[d] = std::max(sum, least + std::min(0.0, returned));
     largest = std::max(largest, work_[d] - std::max(0.0, returned));
   }
   energy_ = largest;
@@ -93,6 +96,12 @@ void PassivityGuard::forget() noexcept {
 double PassivityGuard::gain() const noexcept {
   if (!config_.enabled) return 1.0;
   return std::clamp((allowance_ - energy_) / (kReserve * config_.budget), 0.0, 1.0);
+}
+
+double PassivityGuard::yieldingGain() const noexcept {
+  if (!config_.enabled) return 1.0;
+  const double left = (allowance_ - energy_) / config_.budget;
+  return std::clamp((left - kReserve) / (kYielding - kReserve), 0.0, 1.0);
 }
 
 Vector3d shortened(const Vector3d& force, double gain, double floor) noexcept {

@@ -8,14 +8,22 @@
 #include "raven2_trainer/haptics/workspace_edge.h"
 
 namespace raven2_trainer::runtime {
+namespace {
+
+constexpr double kNoForce = 1e-9;  ///< [N] rounding of two limiters that go the same way
+
+}  // namespace
 
 HapticLoop::HapticLoop(const TrainerConfig& config, SharedState* shared)
     : gains_(config.haptics),
       scale_(config.console.scale),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * 1e9)),
       shared_(*shared),
+      has_fixtures_(gains_.guidance.enabled || gains_.edge.enabled),
       limiters_{haptics::ForceLimiter(gains_), haptics::ForceLimiter(gains_)},
-      guards_{haptics::PassivityGuard(gains_.passivity), haptics::PassivityGuard(gains_.passivity)} {}
+      fixture_limiters_(limiters_),
+      guards_{haptics::PassivityGuard(gains_.passivity), haptics::PassivityGuard(gains_.passivity)},
+      cue_guards_(guards_) {}
 
 void HapticLoop::tick(std::int64_t now_ns) noexcept {
   readCells();
@@ -49,24 +57,49 @@ void HapticLoop::send() noexcept {
 }
 
 void HapticLoop::observe(const PerArm<Vec3>& master_I) noexcept {
-  for (const Arm arm : kArms)
-    at(guards_, arm).observe(toEigen(at(master_I, arm)) / scale_);
+  for (const Arm arm : kArms) {
+    const Vector3 hand_I = toEigen(at(master_I, arm)) / scale_;
+    at(guards_, arm).observe(hand_I);
+    if (has_fixtures_) at(cue_guards_, arm).observe(hand_I);
+  }
 }
 
 void HapticLoop::account(const HapticState& state) noexcept {
+  const double seconds = static_cast<double>(state.time_ns - last_.time_ns) * 1e-9;
   last_ = state;
-  for (const Arm arm : kArms) {
-    at(limiters_, arm).resume(toEigen(at(state.force_B, arm)));
-    const bool is_asked =
-        at(state.cue_B, arm) != Vec3{} || at(state.guidance_B, arm) != Vec3{} || at(state.edge_B, arm) != Vec3{};
-    at(guards_, arm).given(toEigen(at(state.force_I, arm)), is_asked);
-  }
+  for (const Arm arm : kArms)
+    accountArm(arm, state, seconds);
   forgotten_ = forgotten_ && !(guards_[0].isResting() && guards_[1].isResting());
 }
 
+void HapticLoop::accountArm(Arm arm, const HapticState& state, double seconds) noexcept {
+  at(limiters_, arm).resume(toEigen(at(state.force_B, arm)));
+  const bool is_asked =
+      at(state.cue_B, arm) != Vec3{} || at(state.guidance_B, arm) != Vec3{} || at(state.edge_B, arm) != Vec3{};
+  // by the accounts as they were when the force was computed
+  if (has_fixtures_) at(fixture_limiters_, arm).resume(fixtures(arm, state, seconds));
+  at(guards_, arm).given(toEigen(at(state.force_I, arm)), is_asked);
+  if (has_fixtures_) accountCue(arm, state);
+}
+
+/** Once the whole port rests, nothing of the past is left in its parts either, whatever they were taken for. */
+void HapticLoop::accountCue(Arm arm, const HapticState& state) noexcept {
+  haptics::PassivityGuard& guard = at(cue_guards_, arm);
+  if (at(guards_, arm).isResting()) {
+    at(fixture_limiters_, arm).resume(Vector3::Zero());
+    if (!guard.isResting()) guard.startAnew();
+    return;
+  }
+  Vector3 cue_B = toEigen(at(state.force_B, arm)) - at(fixture_limiters_, arm).force();
+  if (cue_B.norm() < kNoForce) cue_B.setZero();
+  guard.given(control::itpToBase(arm).transpose() * cue_B, at(state.cue_B, arm) != Vec3{});
+}
+
 void HapticLoop::forget() noexcept {
-  for (haptics::PassivityGuard& guard : guards_)
-    guard.forget();
+  for (const Arm arm : kArms) {
+    at(guards_, arm).forget();
+    at(cue_guards_, arm).forget();
+  }
   forgotten_ = true;
 }
 
@@ -114,17 +147,30 @@ void HapticLoop::computeArm(Arm arm, const Inputs& in, HapticState* out) const n
   at(out->guidance_B, arm) = toArray(guidance_B);
   at(out->edge_B, arm) = toArray(edge_B);
   // what is given
-  const haptics::PassivityGuard& guard = at(guards_, arm);
-  const double gain = at(out->gain, arm) = guard.gain();
-  at(out->energy, arm) = guard.energy();
-  at(out->allowance, arm) = guard.allowance();
-  Vector3 wanted = haptics::shortened(cue_B, gain, gains_.min_force) + gain * (guidance_B + edge_B);
+  at(out->gain, arm) = cueGuard(arm).gain();
+  at(out->energy, arm) = at(guards_, arm).energy();
+  at(out->allowance, arm) = at(guards_, arm).allowance();
+  Vector3 wanted = haptics::shortened(cue_B, at(out->gain, arm), gains_.min_force);
+  if (has_fixtures_) wanted += fixtures(arm, *out, in.seconds);
   if (in.model.faults.console != 0 && out->active != 0)  // size and slew stay limited whatever a fault does
     wanted = at(in.model.faults.force_gain, arm) * wanted + toEigen(at(in.model.faults.force_offset_B, arm));
   haptics::ForceLimiter limiter = at(limiters_, arm);
   const Vector3 force_B = limiter.step(wanted, in.seconds);
   at(out->force_B, arm) = toArray(force_B);
   at(out->force_I, arm) = toArray(Vector3(control::itpToBase(arm).transpose() * force_B));
+}
+
+const haptics::PassivityGuard& HapticLoop::cueGuard(Arm arm) const noexcept {
+  return has_fixtures_ ? at(cue_guards_, arm) : at(guards_, arm);
+}
+
+/** [N] of guidance and edge, in B: the guidance yields first. Limited by itself, so that the rest is the cue's. */
+Vector3 HapticLoop::fixtures(Arm arm, const HapticState& asked, double seconds) const noexcept {
+  const haptics::PassivityGuard& guard = at(guards_, arm);
+  haptics::ForceLimiter limiter = at(fixture_limiters_, arm);
+  return limiter.step(guard.yieldingGain() * toEigen(at(asked.guidance_B, arm)) +
+                          guard.gain() * toEigen(at(asked.edge_B, arm)),
+                      seconds);
 }
 
 /** [m] The masters send increments alone: where the middle is, is an assumption (WorkspaceOrigin). */

@@ -70,6 +70,7 @@ struct PassivityConfig {
   bool enabled{};         ///< false: the energy is observed and recorded, the force is the law's
   double max_delay{};     ///< [s] longest way of a force to the hand and of its motion back that is reckoned with
   double budget{};        ///< [J] that the port may give a hand beyond what the hand's damping takes
+  double bank{};          ///< [J] most that can be left of it at any time, whatever the hand took before
   double hand_damping{};  ///< [Ns/m] least damping of hand and master together
   double rest{};          ///< [s] without force after which the account starts anew
 };

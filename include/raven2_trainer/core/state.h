@@ -131,9 +131,9 @@ struct HapticState {
   PerArm<Vec3> cue_B{};             ///< [N] what eqs. (5) and (6) ask for
   PerArm<Vec3> guidance_B{};        ///< [N] what the guidance along a path asks for
   PerArm<Vec3> edge_B{};            ///< [N] what the edge of the master's workspace asks for
-  PerArm<double> gain{{1.0, 1.0}};  ///< [-] share of them that the passivity controller lets through
-  PerArm<double> energy{};          ///< [J] given to the hand, less what the force takes back where it began
-  PerArm<double> allowance{};       ///< [J] what that may be
+  PerArm<double> gain{{1.0, 1.0}};  ///< [-] share of the cue that the passivity controller lets through
+  PerArm<double> energy{};          ///< [J] given to the hand by all parts, less what the force takes back
+  PerArm<double> allowance{};       ///< [J] what that may be; both together give the share of guidance and edge
   PerArm<double> guidance_fade{};   ///< [-] 0 none to 1 whole
   PerArm<Vec3> master_I{};          ///< [m] ModelState::master_I of `tick`
   PerArm<Vec3> hand_I{};            ///< [m] of the hand from what is taken for the middle of its workspace

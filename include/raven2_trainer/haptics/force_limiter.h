@@ -24,6 +24,7 @@ class ForceLimiter {
 
   /** Goes on from a force that was given. */
   void resume(const Eigen::Vector3d& force) noexcept { force_ = force; }
+  const Eigen::Vector3d& force() const noexcept { return force_; }  ///< [N] given last
 
  private:
   double max_force_, max_slew_;

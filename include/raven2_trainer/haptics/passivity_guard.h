@@ -26,6 +26,11 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * shortened, never added to: a damper at this end of an unknown delay would push as often as it brakes, and at rest
  * nothing is ever felt.
  *
+ * Reservoir: what is left of the allowance never exceeds `bank`, like an energy tank with a ceiling (Lee and Huang,
+ * IEEE Trans. Robotics 26(2), 2010): what the port took from the hand, and the damping of its motion, is forgotten
+ * beyond that, so that no time of dissipation buys a time of swinging. Only what the force now acting gives back while
+ * the hand returns to where it began, f_d . (x_a - x), is kept besides: that is stored, not dissipated.
+ *
  * The account starts anew after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size
  * (about 23 KiB), at most max_delay steps.
  */
@@ -45,16 +50,19 @@ class PassivityGuard {
   bool isResting() const noexcept { return resting_; }
   /** What was given is not known: nothing holds until a rest has passed. */
   void forget() noexcept;
+  /** As after a rest. */
+  void startAnew() noexcept;
 
   /** Share of the law's force to give: 1 while the account is good or the controller is off, 0 when it is empty. */
   double gain() const noexcept;
+  /** The same of a part that yields to others: 1 while three quarters of the budget are left, 0 once gain() falls. */
+  double yieldingGain() const noexcept;
   double energy() const noexcept { return energy_; }        ///< [J] the largest M_d
   double allowance() const noexcept { return allowance_; }  ///< [J] what it may be
 
  private:
   void addWork(const Eigen::Vector3d& step, const Eigen::Vector3d& from_anchor) noexcept;
-  void addAllowance(const Eigen::Vector3d& hand) noexcept;
-  void startAnew() noexcept;
+  void addAllowance(const Eigen::Vector3d& hand) noexcept;  // before addWork: the reservoir is never above its limit
 
   static constexpr std::size_t kSlots = kMaxGuardDelay + 1;
 

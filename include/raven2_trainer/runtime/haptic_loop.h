@@ -16,6 +16,10 @@ namespace raven2_trainer::runtime {
  * a limiter of size and slew. A model or robot that is stale, not linked or not finite is not felt: its force falls to
  * nothing. Real-time safe.
  *
+ * Two accounts of each port: that of all that is given, which shortens the guidance first and then the edge, and that
+ * of what is given less those two, which shortens the cue. So the cue never pays for what the others gave, and they do
+ * not give where the cue has used up what the hand can take. doc/haptics.md has the bound for the whole.
+ *
  * A tick is observe(), compute(), account(). Everything that one tick hands on to the next stands in its HapticState,
  * so that re-simulation computes a recorded tick from the records before it, with the same three functions.
  */
@@ -59,6 +63,10 @@ class HapticLoop {
   Vector3 cue(Arm arm, const Inputs& in) const noexcept;
   Vector3 guidance(Arm arm, const Inputs& in, HapticState* out) const noexcept;
   Vector3 edge(Arm arm, const HapticState& out) const noexcept;
+  Vector3 fixtures(Arm arm, const HapticState& asked, double seconds) const noexcept;
+  const haptics::PassivityGuard& cueGuard(Arm arm) const noexcept;
+  void accountArm(Arm arm, const HapticState& state, double seconds) noexcept;
+  void accountCue(Arm arm, const HapticState& state) noexcept;
 
   const HapticGains gains_;
   const double scale_;  ///< [-] motion of the tip per motion of the hand
@@ -69,8 +77,11 @@ class HapticLoop {
   GuidePath path_{};
   std::uint64_t path_version_{0};
   HapticState last_{};
+  const bool has_fixtures_;  ///< guidance or edge is on: without them both accounts were the same
   PerArm<haptics::ForceLimiter> limiters_;
-  PerArm<haptics::PassivityGuard> guards_;
+  PerArm<haptics::ForceLimiter> fixture_limiters_;  ///< of guidance and edge, before the whole is limited
+  PerArm<haptics::PassivityGuard> guards_;          ///< of all that is given
+  PerArm<haptics::PassivityGuard> cue_guards_;      ///< of that less guidance and edge; idle without them
   bool forgotten_{false};
   std::uint64_t stale_reads_{0};
 };

@@ -130,6 +130,34 @@ TEST_F(LoadConfig, AValueOutOfRangeIsRefusedWithTheRange) {
       << message();
 }
 
+TEST_F(LoadConfig, AForceEndsFiftyMillisecondsAfterTheLastStateAtTheLatest) {
+  // 50 ms less two ticks and the fall from 3.3 N at 125 N/s, 26.4 ms
+  EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.02);
+  replace("network.yaml", "stale_after: 0.02", "stale_after: 0.0215");
+  EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.0215);
+  replace("network.yaml", "stale_after: 0.0215", "stale_after: 0.05");
+  EXPECT_TRUE(std::regex_search(
+      message(), std::regex("network.yaml:10: stale_after is 0.05, expected \\[0.002, 0.0216[0-9]*\\]")))
+      << message();
+  // a slower fall leaves less, a faster one more
+  SetUp();
+  replace("haptics.yaml", "max_slew: 125.0", "max_slew: 100.0");
+  EXPECT_NE(message().find("stale_after is 0.02, expected [0.002, 0.015"), std::string::npos) << message();
+  SetUp();
+  replace("haptics.yaml", "max_slew: 125.0", "max_slew: 10000");
+  replace("network.yaml", "stale_after: 0.02", "stale_after: 0.047");
+  EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.047);
+  // and a fall of more than 40 ms none
+  SetUp();
+  replace("haptics.yaml", "max_slew: 125.0", "max_slew: 80");
+  EXPECT_NE(message().find("max_slew is 80, expected [82.5"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, TheReservoirHoldsTheBudgetAtLeast) {
+  replace("haptics.yaml", "bank: 0.03", "bank: 0.019");
+  EXPECT_NE(message().find("bank is 0.019, expected [0.02, 10]"), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, ThePartsOfTheForceAreThoseThatATraineeExpects) {
   const HapticGains haptics = loadTrainerConfig(root()).haptics;
   EXPECT_TRUE(haptics.passivity.enabled);

@@ -16,13 +16,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr PassivityConfig kConfig{/*enabled=*/true, /*max_delay=*/0.12, /*budget=*/0.02, /*hand_damping=*/1.0,
-                                  /*rest=*/0.5};
+constexpr PassivityConfig kConfig{/*enabled=*/true, /*max_delay=*/0.12, /*budget=*/0.02, /*bank=*/0.03,
+                                  /*hand_damping=*/1.0, /*rest=*/0.5};
 constexpr double kRounding = 1e-12;  // [J]
 
 PassivityConfig withDelay(double seconds) {
   PassivityConfig config = kConfig;
   config.max_delay = seconds;
+  return config;
+}
+
+/** Nothing is ever forgotten: the plain sums. */
+PassivityConfig withoutLimit(PassivityConfig config) {
+  config.bank = 1e9;
   return config;
 }
 
@@ -132,7 +138,7 @@ TEST(PassivityGuard, OfOneDelayAloneItIsTheWorkAtTheHand) {
   // GIVEN no delay at all to reckon with, the sum is that of the definition
   Random random(4);
   const Wander wander(&random);
-  PassivityGuard guard(withDelay(0.0));
+  PassivityGuard guard(withoutLimit(withDelay(0.0)));
   double work = 0.0;
   Vector3d before = wander.at(0.0), force = Vector3d::Zero(), anchor = before;
   for (int k = 0; k < 2000; ++k) {
@@ -173,6 +179,101 @@ TEST(PassivityGuard, AllowsNoMoreThanTheHandsDampingTookHoweverTheMotionArrives)
   }
 }
 
+/** A steady hand pushes back and forth against a force of 1 N that always opposes it: the port takes all of that. */
+void pushAgainst(PassivityGuard* guard, int ticks) {
+  for (int k = 0; k < ticks; ++k) {
+    const double t = 1e-3 * k;
+    guard->observe({0.03 * std::sin(kPi * t), 0.0, 0.0});
+    guard->given({std::cos(kPi * t) > 0.0 ? -1.0 : 1.0, 0.0, 0.0}, true);
+  }
+}
+
+/** Then the port gives 1 mJ a tick, as its gain lets it. @return [J] given until it stops. */
+double givenBack(PassivityGuard* guard) {
+  constexpr double kStep = 0.001;  // [m]
+  double given = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    const double force = guard->gain() * (k % 2 == 0 ? 1.0 : -1.0);
+    guard->given({force, 0.0, 0.0}, true);
+    guard->observe({k % 2 == 0 ? kStep : 0.0, 0.0, 0.0});
+    given += std::abs(force) * kStep;
+  }
+  return given;
+}
+
+TEST(PassivityGuard, AMinuteOfWorkTakenBuysNoMoreThanTheBank) {
+  // GIVEN no delay and a hand without damping, so that every millijoule is the port's
+  PassivityConfig config = withDelay(0.0);
+  config.hand_damping = 0.0;
+  for (const double bank : {0.02, 0.05}) {
+    config.bank = bank;
+    PassivityGuard guard(config);
+    pushAgainst(&guard, 60000);  // 60 mm a half period, 60 of them: 3.6 J
+    guard.given(Vector3d::Zero(), true);
+    guard.observe(Vector3d::Zero());
+    EXPECT_NEAR(guard.allowance() - guard.energy(), bank, 1e-12);
+    const double given = givenBack(&guard);
+    EXPECT_LE(given, bank + kRounding);
+    EXPECT_GT(given, bank - 0.5 * config.budget) << "it may give what it has, but for the part over which it fades";
+  }
+  // without a limit all of it comes back: 2 J in these 2000 ticks, and the gain is still 1
+  PassivityGuard boundless(withoutLimit(config));
+  pushAgainst(&boundless, 60000);
+  EXPECT_GT(givenBack(&boundless), 1.9);
+}
+
+TEST(PassivityGuard, AMinuteOfMotionBuysNoMoreThanTheBank) {
+  // GIVEN a force that does nothing, and a hand at 0.1 m/s: 1 Ns/m takes 10 mW of it, 0.6 J
+  PassivityGuard guard(withDelay(0.0));
+  for (int k = 0; k < 60000; ++k) {
+    guard.observe({1e-4 * std::abs(k % 1000 - 500), 0.0, 0.0});
+    guard.given({0.0, 1.0, 0.0}, true);
+    ASSERT_LE(guard.allowance() - guard.energy(), kConfig.bank + kRounding) << k;
+    ASSERT_EQ(guard.gain(), 1.0) << k;
+  }
+  EXPECT_GT(guard.allowance(), 0.5);
+}
+
+TEST(PassivityGuard, WhatAForceHasStoredIsNotForgottenWhileItActs) {
+  // GIVEN 2 N, a hand that pushes 50 mm against it within a second, holds for a minute and lets itself be pushed home:
+  // 100 mJ, five times the bank, and all of them the hand's own
+  PassivityGuard guard(kConfig);
+  const auto at = [](int k) { return 0.05 * (k < 1000 ? 1e-3 * k : k < 61000 ? 1.0 : 1e-3 * (62000 - k)); };
+  for (int k = 0; k <= 62000; ++k) {
+    guard.observe({-at(k), 0.0, 0.0});
+    guard.given({2.0, 0.0, 0.0}, true);
+    ASSERT_EQ(guard.gain(), 1.0) << k;
+  }
+}
+
+TEST(PassivityGuard, AtAnyTimeItGivesNoMoreThanTheBankAndWhatIsStored) {
+  // GIVEN any forces and motions: from any tick on, until the allowance is used up, the work is at most the bank, what
+  // the damping takes, and what the forces at both ends take back
+  Random random(8);
+  for (int run = 0; run < 20; ++run) {
+    const Wander wander(&random);
+    PassivityGuard guard(withDelay(0.0));
+    Vector3d force = Vector3d::Zero(), before = wander.at(0.0);
+    const Vector3d anchor = before;
+    double work = 0.0, least = 1e9;  // [J] least: of work - allowance - what was stored, so far
+    for (int k = 0; k < 5000; ++k) {
+      const Vector3d now = wander.at(1e-3 * k);
+      guard.observe(now);
+      work += force.dot(now - before);
+      before = now;
+      const double stored = force.dot(now - anchor);
+      if (k > 0) {
+        least = std::min(least, work - guard.allowance() - std::min(0.0, stored));
+        // THEN M exceeds the allowance as soon as there was an earlier tick since when more than that was given
+        const double beyond = work - guard.allowance() - least - kConfig.bank - std::max(0.0, stored);
+        ASSERT_GE(guard.energy() - guard.allowance(), beyond - kRounding) << "run " << run << ", tick " << k;
+      }
+      if (random.next() % 50 == 0) force = anyVector(&random, 2.0);
+      guard.given(force, true);
+    }
+  }
+}
+
 TEST(PassivityGuard, FadesTheForceOverTheSecondHalfOfItsBudget) {
   PassivityConfig config = withDelay(0.0);
   config.hand_damping = 0.0;
@@ -189,6 +290,9 @@ TEST(PassivityGuard, FadesTheForceOverTheSecondHalfOfItsBudget) {
     const double expected = std::clamp((config.budget - work) / (0.5 * config.budget), 0.0, 1.0);
     ASSERT_NEAR(guard.energy(), work, 1e-9);
     ASSERT_NEAR(guard.gain(), expected, 1e-6) << cycle;
+    // what yields fades over the quarter before that
+    const double yielding = std::clamp((0.5 * config.budget - work) / (0.25 * config.budget), 0.0, 1.0);
+    ASSERT_NEAR(guard.yieldingGain(), work <= 0.25 * config.budget ? 1.0 : yielding, 1e-6) << cycle;
   }
 }
 
@@ -240,6 +344,7 @@ TEST(PassivityGuard, SwitchedOffItSeesTheSameAndDoesNothing) {
     }
     ASSERT_EQ(guard.energy(), observer.energy());
     ASSERT_EQ(observer.gain(), 1.0);
+    ASSERT_EQ(observer.yieldingGain(), 1.0);
   }
   EXPECT_EQ(guard.gain(), 0.0) << "there was something to see";
 }

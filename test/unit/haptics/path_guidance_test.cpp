@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/core/types.h"
@@ -63,17 +65,88 @@ TEST(PathGuidance, PullsToTheNearestPointOfACurve) {
   }
 }
 
-TEST(PathGuidance, HoldsNobodyPastTheEnds) {
-  EXPECT_LT(pathGuidance(kConfig, kStraight, {-0.01, 0.0, 0.0}).norm(), kRounding);
-  EXPECT_LT(pathGuidance(kConfig, kStraight, {0.115, 0.0, 0.0}).norm(), kRounding);
-  EXPECT_NEAR((pathGuidance(kConfig, kStraight, {0.102, 0.002, 0.0}) - Vector3d(0.0, -0.2, 0.0)).norm(), 0.0, 1e-12);
+TEST(PathGuidance, PastAnEndPullsToThatEnd) {
+  EXPECT_NEAR((pathGuidance(kConfig, kStraight, {-0.004, 0.0, 0.0}) - Vector3d(0.4, 0.0, 0.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((pathGuidance(kConfig, kStraight, {0.103, 0.004, 0.0}) - Vector3d(-0.3, -0.4, 0.0)).norm(), 0.0, 1e-12);
 }
 
 TEST(PathGuidance, LetsGoFarPastAnEndToo) {
-  // 30 mm past it and 4 mm beside: 30.27 mm from the path, 0.5133 of the way from reach to its double
-  const double x = (std::hypot(0.03, 0.004) - 0.02) / 0.02;
-  EXPECT_NEAR(pathGuidance(kConfig, kStraight, {0.13, 0.004, 0.0}).y(), -0.4 * (1.0 - x * x * (3.0 - 2.0 * x)), 1e-12);
+  // 24 mm past it and 18 mm beside: 30 mm from the path, half of the way from reach to its double
+  EXPECT_NEAR((pathGuidance(kConfig, kStraight, {0.124, 0.018, 0.0}) - Vector3d(-0.4, -0.3, 0.0)).norm(), 0.0, 1e-12);
   EXPECT_EQ(pathGuidance(kConfig, kStraight, {0.141, 0.004, 0.0}), Vector3d::Zero());
+}
+
+/** [J] of the force on the straight way from a to b, per metre of the tip: Simpson's rule. */
+double workBetween(const GuidePath& path, const Vector3d& a, const Vector3d& b, int steps) {
+  double work = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    const Vector3d from = a + (b - a) * (static_cast<double>(i) / steps);
+    const Vector3d to = a + (b - a) * (static_cast<double>(i + 1) / steps);
+    const Vector3d mean = (pathGuidance(kConfig, path, from) + 4.0 * pathGuidance(kConfig, path, 0.5 * (from + to)) +
+                           pathGuidance(kConfig, path, to)) /
+                          6.0;
+    work += mean.dot(to - from);
+  }
+  return work;
+}
+
+double workAround(const GuidePath& path, const std::vector<Vector3d>& corners, int steps = 2000) {
+  double work = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    work += workBetween(path, corners[i], corners[(i + 1) % corners.size()], steps);
+  return work;
+}
+
+/** [J] Independent of the law's direction: what the size adds up to over the distance. Midpoint rule. */
+double potential(double distance) {
+  constexpr int kSteps = 4000;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double d = distance * (i + 0.5) / kSteps, x = std::clamp((d - 0.02) / 0.02, 0.0, 1.0);
+    sum += std::min(100.0 * d, 1.0) * (1.0 - x * x * (3.0 - 2.0 * x));
+  }
+  return sum * distance / kSteps;
+}
+
+constexpr double kQuadrature = 2e-8;  // [J] of some mJ on each side of a loop
+
+TEST(PathGuidance, GivesNothingOnAClosedWayAroundAnEnd) {
+  // GIVEN beside the path and back past its end: a force across the path alone would give 0.3 N over some 10 mm there
+  const std::vector<Vector3d> around{{0.095, 0.003, 0.0}, {0.095, 0.012, 0.0}, {0.12, 0.012, 0.0}, {0.12, 0.003, 0.0}};
+  EXPECT_NEAR(workAround(kStraight, around), 0.0, kQuadrature);
+  const std::vector<Vector3d> far{{0.09, 0.001, 0.0}, {0.09, 0.035, 0.0}, {0.135, 0.03, 0.0}, {0.135, 0.001, 0.0}};
+  EXPECT_NEAR(workAround(kStraight, far), 0.0, kQuadrature) << "through the fading";
+}
+
+TEST(PathGuidance, GivesNothingOnAnyClosedWay) {
+  // GIVEN polygons of anywhere about a straight path, a kinked and a curved one: ends, inner corners and fading, too
+  const GuidePath kinked = pathOf({{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}, {0.05, 0.03, 0.0}});
+  const GuidePath circle = quarterCircle();
+  // Where two points of a path are equally near, the direction jumps: 2 N at most over a step of 12 um of the kinked
+  // one, at one place of each side of a polygon; 1 N times 6 mrad over 0.1 mm at some of the curve's 254 corners.
+  struct Case {
+    const GuidePath* path;
+    int steps;
+    double doubt;  ///< [J]
+  };
+  Random random(3);
+  double largest = 0.0;
+  for (const Case& c : {Case{&kStraight, 2000, 2e-7}, Case{&kinked, 20000, 1e-4}, Case{&circle, 2000, 1e-5}}) {
+    for (int run = 0; run < 10; ++run) {
+      std::vector<Vector3d> corners;
+      for (int i = 0; i < 5; ++i)
+        corners.push_back({random.uniform(-0.05, 0.15), random.uniform(-0.05, 0.08), random.uniform(-0.03, 0.03)});
+      EXPECT_NEAR(workAround(*c.path, corners, c.steps), 0.0, c.doubt) << run;
+      largest = std::max(largest, std::abs(workBetween(*c.path, corners[0], corners[1], 2000)));
+    }
+  }
+  EXPECT_GT(largest, 0.01) << "there was work to be given back";
+}
+
+TEST(PathGuidance, TheWorkIsTheDifferenceOfThePotentials) {
+  const Vector3d beside(0.05, 0.033, 0.0), past(0.115, 0.0, 0.008);  // 33 mm and 17 mm from the path
+  EXPECT_NEAR(workBetween(kStraight, beside, past, 4000), potential(0.033) - potential(0.017), 1e-7);
+  EXPECT_NEAR(workBetween(kStraight, {-0.05, 0.0, 0.0}, {0.0, 0.0, 0.0}, 4000), potential(0.05), 1e-7);
 }
 
 TEST(PathGuidance, IsCappedAndLetsGoOfWhoeverGoesElsewhere) {

@@ -164,6 +164,112 @@ TEST_F(HapticParts, TheWholeIsCappedAndThePartsAreOnRecord) {
   EXPECT_NEAR(toEigen(state.force_B[0]).cross(sum).norm(), 0.0, 1e-6) << "in the direction of their sum";
 }
 
+/** Guidance in step with the hand's motion: the tip at (0.05, y) of the path, the hand going with the force. */
+class Priority : public HapticParts {
+ protected:
+  Priority() {
+    config.haptics.passivity.hand_damping = 0.0;  // what is given is the ports' own
+    model.guide_plan = 4;
+    shared.guide_path.store(path);
+  }
+
+  /** 0.5 N of guidance to and fro in 0.2 s, the hand 5 mm each way in step with the force: 8 mJ a period. */
+  HapticState swingInGuidance(int k, double deviation = 0.0) {
+    const double phase = 2.0 * kPi * k / 200.0;
+    putTips(Arm::kGold, {0.05, -0.005 * std::cos(phase), 0.0});
+    at(robot.arms, Arm::kGold).p_BT[0] -= deviation;
+    // B's y is I's -x; the force on the hand is +y where cos > 0
+    model.master_I[0] = {-0.0005 * std::sin(phase), 0.0, 0.0};
+    return tick();
+  }
+};
+
+TEST_F(Priority, TheCueNeverPaysForWhatGuidanceGave) {
+  // GIVEN guidance that swings the hand until its account is used up
+  config.haptics.edge.enabled = false;
+  HapticState state;
+  for (int k = 0; k < 6000; ++k) {
+    state = swingInGuidance(k);
+    ASSERT_EQ(state.gain[0], 1.0) << k;
+  }
+  // at half the budget nothing of what yields is left: there it stops
+  ASSERT_GT(state.energy[0], state.allowance[0] - 0.501 * config.haptics.passivity.budget);
+  ASSERT_GT(toEigen(state.guidance_B[0]).norm(), 0.1);
+  EXPECT_LT(toEigen(state.force_B[0]).norm(), 1e-3) << "nothing of the guidance is given";
+  // WHEN the robot jumps 10 mm
+  for (int k = 6000; k < 6050; ++k)
+    state = swingInGuidance(k, 0.010);
+  // THEN the cue is felt whole
+  EXPECT_EQ(state.gain[0], 1.0);
+  EXPECT_NEAR(state.cue_B[0][0], 1.5, 1e-9);
+  EXPECT_NEAR((toEigen(state.force_B[0]) - toEigen(state.cue_B[0])).norm(), 0.0, 1e-3);
+}
+
+TEST_F(Priority, GuidanceYieldsToTheEdgeAndBothToTheCue) {
+  // GIVEN the gains that a port's account gives as it is used up: by guidance along the edge's own direction
+  config.haptics.edge.origin = WorkspaceOrigin::kStart;
+  double guidance_gone_at = 0.0;  // [J] left
+  for (int k = 0; k < 12000; ++k) {
+    const double phase = 2.0 * kPi * k / 200.0;
+    const double sign = std::cos(phase) > 0.0 ? 1.0 : -1.0;
+    putTips(Arm::kGold, {0.05, -0.005 * std::cos(phase), 0.0});
+    // 79 mm to the right: 1.458 N of the edge, across the motion
+    model.master_I[0] = {-0.0005 * std::sin(phase), k == 0 ? 0.0 : 0.0079, 0.0};
+    const double left = k == 0 ? 1.0 : shared.haptic.load().allowance[0] - shared.haptic.load().energy[0];
+    const HapticState state = tick();
+    if (k < 600 || sign * std::cos(phase) < 0.9) continue;  // past the fade, at the largest guidance
+    const double guided = std::abs(state.force_B[0][1]) / std::abs(state.guidance_B[0][1]);
+    const Vector3 edge_B = toEigen(state.edge_B[0]);
+    const double edged = toEigen(state.force_B[0]).dot(edge_B) / edge_B.squaredNorm();
+    if (guidance_gone_at == 0.0 && guided < 0.01) guidance_gone_at = left;
+    ASSERT_TRUE(edged > 0.97 || guided < 0.02) << "the edge yielded before the guidance had, at " << k;
+    ASSERT_EQ(state.gain[0], 1.0) << k;
+  }
+  EXPECT_GT(guidance_gone_at, 0.0) << "it never yielded: the test showed little";
+  EXPECT_LE(guidance_gone_at, 0.75 * config.haptics.passivity.budget);
+}
+
+TEST_F(Priority, GuidanceIsNotGivenWhereTheCueHasUsedUpThePort) {
+  // GIVEN a cue in step with the motion: 1.5 N to and fro, 5 mm each way
+  config.haptics.edge.enabled = false;
+  HapticState state;
+  for (int k = 0; k < 4000; ++k) {
+    const double phase = 2.0 * kPi * k / 200.0;
+    putTips(Arm::kGold, {0.05, 0.003, 0.0});
+    at(robot.arms, Arm::kGold).p_BT[2] -= 0.010 * std::cos(phase);
+    model.master_I[0] = {0.0, 0.0005 * std::sin(phase), 0.0};  // B's z is I's y
+    state = tick();
+  }
+  EXPECT_EQ(state.gain[0], 0.0);
+  EXPECT_NEAR(state.guidance_B[0][1], -0.3, 1e-9);
+  EXPECT_NEAR(state.force_B[0][1], 0.0, 1e-9);
+  EXPECT_LE(toEigen(state.force_B[0]).norm(), config.haptics.min_force + kRounding);
+}
+
+TEST_F(Priority, WhatBothAccountsHandOnIsKnownAgainAfterARest) {
+  // GIVEN a loop that missed some records in the midst of guidance and cue, and forgets
+  HapticState recorded = tick();
+  HapticLoop other(config, &shared);
+  other.forget();
+  int compared = 0;
+  for (int k = 0; k < 6000; ++k) {
+    const bool rests = k > 1000 && k < 2500;
+    model.linked = model.pedal = rests ? 0 : 1;
+    recorded = swingInGuidance(k, k % 500 < 200 ? 0.010 : 0.0);
+    other.observe(recorded.master_I);
+    const HapticState again = other.compute(model, robot, path, recorded.time_ns);
+    if (other.knowsItself()) {
+      ++compared;
+      ASSERT_EQ(again.force_B, recorded.force_B) << k;
+      ASSERT_EQ(again.energy, recorded.energy) << k;
+      ASSERT_EQ(again.allowance, recorded.allowance) << k;
+      ASSERT_EQ(again.gain, recorded.gain) << k;
+    }
+    other.account(recorded);
+  }
+  EXPECT_GT(compared, 3000);
+}
+
 TEST_F(HapticParts, FreeTeleoperationStaysFreeWhateverTheHandsDo) {
   // GIVEN the packaged settings, and robot and model together
   config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");

@@ -24,14 +24,16 @@ struct Bench {
   double mass{0.15}, damping{2.0}, stiffness{300.0};  ///< [kg, Ns/m, N/m] a loose hand; doc/haptics.md
   int there{50}, back{50};                            ///< [ticks] daemon to console, console to daemon
   Vector3 offset_B{0.003, 0.0, 0.0};                  ///< [m] model from robot while the hand rests
-  Vector3 kick_I{0.0, 0.0, -0.3};                     ///< [N] for the first 20 ms
+  Vector3 kick_I{0.0, 0.0, -0.3};                     ///< [N] for 20 ms
   double seconds{20.0};
+  Vector3 rest_I{0, 0, 0};                            ///< [m] where the hand holds still
+  double busy{0.0};  ///< [s] before the kick in which the hand is moved at will, 30 mm to and fro in 2 s, across
 };
 
 /** What came of it. Of the gold arm. */
 struct Outcome {
   double amplitude{};      ///< [m] half of what the hand still moves in the last 2 s, along its largest axis
-  double energy{};         ///< [J] given to the hand in all, as the hand knows it
+  double energy{};         ///< [J] given to the hand since it was let go, as the hand knows it
   double excess{-1.0};     ///< [J] largest surplus of that energy over what is promised; not positive if it holds
   double largest_force{};  ///< [N] in the last 2 s
   double least_gain{1.0};  ///< [-] of all ticks
@@ -61,7 +63,8 @@ class ClosedLoop {
       }
       out.amplitude = std::max(out.amplitude, 0.5 * (high - low));
     }
-    out.energy = work.back();
+    const int released = static_cast<int>(bench.busy / kTickSeconds);
+    out.energy = work.back() - (released > 0 ? work[static_cast<std::size_t>(released - 1)] : 0.0);
     for (int k = last; k < ticks; ++k)
       out.largest_force = std::max(out.largest_force, forces[static_cast<std::size_t>(k)].norm());
     out.least_gain = least_gain;
@@ -88,10 +91,17 @@ class ClosedLoop {
     const int given = k - 1 - bench.there;  // in the tick before, at the earliest
     const Vector3 acting = given >= 0 ? sent[static_cast<std::size_t>(given)] : Vector3(0, 0, 0);
     const Vector3 before = hand.deflection();
-    hand.step(acting + (k < 20 ? bench.kick_I : Vector3(0, 0, 0)));
+    hand.step(acting + handsOwn(k));
     positions.push_back(hand.deflection());
     forces.push_back(acting);
     work.push_back((work.empty() ? 0.0 : work.back()) + acting.dot(hand.deflection() - before));
+  }
+
+  /** What moves the hand besides. */
+  Vector3 handsOwn(int k) const {
+    const int since = k - static_cast<int>(bench.busy / kTickSeconds);
+    if (since < 0) return {0.0, 0.03 * bench.stiffness * std::sin(kPi * k * kTickSeconds), 0.0};
+    return bench.stiffness * bench.rest_I + (since < 20 ? bench.kick_I : Vector3(0, 0, 0));
   }
 
   /** What the increments that have arrived add up to: whole micrometres of the tip. */
@@ -125,14 +135,16 @@ class ClosedLoop {
     while (shared.haptic_records.tryPop(&record)) {
     }
     sent.push_back(toEigen(packet.force_I[0]));
-    asked.push_back(record.haptic.cue_B[0] != Vec3{});
+    asked.push_back(record.haptic.cue_B[0] != Vec3{} || record.haptic.edge_B[0] != Vec3{});
     least_gain = std::min(least_gain, record.haptic.gain[0]);
   }
 
-  /** Ticks of the hand in which one account of the guard holds, and where the hand was seen when it began. */
+  /** Ticks of the hand in which one account of the guard holds, where the hand was seen when it began, and what it may
+   *  be given from `begin` on beyond what its damping takes. */
   struct Account {
     std::size_t begin, end;
     Vector3 anchor;
+    double budget;  ///< [J]
   };
 
   /** They begin with the first force asked for after a rest; at the hand that force acts a tick and a way later. */
@@ -147,7 +159,8 @@ class ClosedLoop {
         const std::size_t begin = std::min(positions.size(), j + 1 + static_cast<std::size_t>(bench.there));
         const auto back = static_cast<std::size_t>(bench.back);
         if (!all.empty()) all.back().end = begin;
-        all.push_back({begin, positions.size(), j >= back ? positions[j - back] : Vector3(0, 0, 0)});
+        const Vector3 anchor = j >= back ? positions[j - back] : Vector3(0, 0, 0);
+        all.push_back({begin, positions.size(), anchor, guard.budget});
       }
       silence = acts ? 0 : silence + 1;
     }
@@ -156,23 +169,33 @@ class ClosedLoop {
 
   double excess() const {
     double worst = -1.0;
-    for (const Account& account : accounts())
+    for (const Account& account : accounts()) {
       worst = std::max(worst, excess(account));
+      const auto released = static_cast<std::size_t>(bench.busy / kTickSeconds);
+      if (released > account.begin && released < account.end) worst = std::max(worst, excess(since(released, account)));
+    }
     return worst;
+  }
+
+  /** The same account from a later tick on: the bank, and what the force then acting has stored. */
+  Account since(std::size_t tick, const Account& account) const {
+    const double stored = std::max(0.0, forces[tick].dot(account.anchor - positions[tick]));
+    return {tick, account.end, account.anchor, config.haptics.passivity.bank + stored};
   }
 
   /**
    * The promise (doc/haptics.md): for each tick there is an earlier one since when the hand got no more than the forces
    * then under way and the floor give, and by when it had no more than budget + the least damping's share + what the
    * force then acting takes back on the way to where it began. Under way are forces for a round trip, their fall at the
-   * slew and a tick.
+   * slew and a tick. With an edge there are two accounts, and a bank more.
    */
   double excess(const Account& account) const {
     const int fall = static_cast<int>(std::ceil(config.haptics.max_force / config.haptics.max_slew / kTickSeconds));
     const auto under_way = static_cast<std::size_t>(bench.there + bench.back + fall + 1);
     double taken = 0.0, floor = 0.0, given = 0.0, worst = -1.0;
     std::deque<double> open;  // what was promised in the last ticks, less what was given by then
-    double ended = config.haptics.passivity.budget, before = account.begin > 0 ? work[account.begin - 1] : 0.0;
+    const double budget = account.budget + (config.haptics.edge.enabled ? config.haptics.passivity.bank : 0.0);
+    double ended = budget, before = account.begin > 0 ? work[account.begin - 1] : 0.0;
     const double start = before;
     for (std::size_t k = account.begin; k < account.end; ++k) {
       const Vector3 step = k > 0 ? Vector3(positions[k] - positions[k - 1]) : Vector3(0, 0, 0);
@@ -181,7 +204,7 @@ class ClosedLoop {
       given += std::abs(work[k] - before);
       before = work[k];
       const double back = std::max(0.0, forces[k].dot(positions[k] - account.anchor));
-      open.push_back(config.haptics.passivity.budget + taken + back - given);
+      open.push_back(budget + taken + back - given);
       if (open.size() > under_way) {
         ended = std::max(ended, open.front() + given);
         open.pop_front();
@@ -235,6 +258,45 @@ TEST(HapticPassivity, ALooseHandBehindFiftyMillisecondsEachWayIsLeftInPeace) {
   EXPECT_LE(guarded.excess, 0.0);
 }
 
+TEST(HapticPassivity, AMinuteOfWorkBeforeDoesNotBuyALooseHandASwing) {
+  // GIVEN a minute of strokes under the standing force before the hand is let go and knocked: 0.26 J of its damping
+  TrainerConfig config = packaged();
+  Bench bench;
+  bench.busy = 60.0;
+  bench.seconds = 80.0;
+  bench.kick_I = {0.0, 0.0, -1.5};  // out of the cue, which by then holds the hand 1.6 mm off
+  const Outcome plain = outcome(config, bench, false), guarded = outcome(config, bench, true);
+  print("after a minute, plain", plain);
+  print("after a minute, guarded", guarded);
+  EXPECT_GT(plain.amplitude, 0.003);
+  EXPECT_GT(plain.energy, 0.4);
+  // THEN it is given no more than the bank and what its damping takes
+  EXPECT_LT(guarded.amplitude, 0.0007);
+  EXPECT_LT(guarded.energy, 0.15 * plain.energy);
+  EXPECT_LE(guarded.excess, 0.0);
+  // and without a limit of the reservoir it would swing on
+  config.haptics.passivity.bank = 1e9;
+  const Outcome boundless = outcome(config, bench, true);
+  print("the same without a limit", boundless);
+  EXPECT_GT(boundless.energy, 4.0 * guarded.energy);
+}
+
+TEST(HapticPassivity, AMinuteOfStrokesUnderTheCueIsFeltWhole) {
+  // GIVEN the console's own hand and the loose one, a cue of 10 mm, and strokes of 30 mm for a minute
+  const TrainerConfig config = packaged();
+  for (const bool is_loose : {false, true}) {
+    Bench bench;
+    bench.damping = is_loose ? bench.damping : config.console.hand_damping;
+    bench.offset_B = {0.010, 0.0, 0.0};
+    bench.busy = bench.seconds = 60.0;
+    bench.kick_I = {0.0, 0.0, 0.0};
+    const Outcome guarded = outcome(config, bench, true);
+    print(is_loose ? "strokes of a loose hand" : "strokes of a plain hand", guarded);
+    EXPECT_EQ(guarded.least_gain, 1.0);
+    EXPECT_GT(guarded.largest_force, 1.5);
+  }
+}
+
 TEST(HapticPassivity, AnObserverThatReckonsWithNoDelaySeesNothing) {
   // GIVEN the sum of force given and motion arriving, as of a device in the same computer
   TrainerConfig config = packaged();
@@ -283,6 +345,26 @@ TEST(HapticPassivity, APlainHandFeelsTheWholeCue) {
   EXPECT_EQ(guarded.largest_force, plain.largest_force);
   EXPECT_GT(guarded.largest_force, 1.5);
   EXPECT_LT(plain.amplitude, 1e-4);
+}
+
+TEST(HapticPassivity, AnEdgeThatSwingsTheHandYieldsAndTheCueStays) {
+  // GIVEN a hand that rests 5 mm inside the edge's margin, where its spring of 225 N/m is steepest, and a cue of 10 mm
+  TrainerConfig config = packaged();
+  config.haptics.edge.enabled = true;
+  config.haptics.edge.origin = WorkspaceOrigin::kStart;
+  config.haptics.edge.size_I = {0.5, 0.03, 0.5};  // 5 mm free to either side, then the margin
+  Bench bench;
+  bench.offset_B = {0.010, 0.0, 0.0};
+  bench.kick_I = {0.0, 3.0, 0.0};
+  bench.rest_I = {0.0, 0.010, 0.0};
+  const Outcome plain = outcome(config, bench, false), guarded = outcome(config, bench, true);
+  print("an edge behind 50 ms each way", plain);
+  print("the same, guarded", guarded);
+  EXPECT_GT(plain.amplitude, 0.0015) << "the delay makes the edge swing the hand";
+  EXPECT_LT(guarded.amplitude, 0.1 * plain.amplitude);
+  EXPECT_EQ(guarded.least_gain, 1.0) << "the cue did not do it";
+  EXPECT_GT(guarded.largest_force, 1.4) << "and is felt";
+  EXPECT_LE(guarded.excess, 0.0);
 }
 
 /** Links up to the bound, hands down to the least damping, gains up to those that push such a hand away; most of them

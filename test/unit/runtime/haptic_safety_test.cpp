@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/random.h"
@@ -16,7 +17,7 @@ namespace {
 using raven2_trainer::testing::effort;
 
 constexpr double kRounding = 1e-9;                             // [N]
-constexpr std::int64_t kSilentWithin = 50 * kTickNanoseconds;  // of a stale state
+constexpr std::int64_t kSilentWithin = 50 * kTickNanoseconds;  // of the last good state
 
 /** Haptic loop on states drawn at random, the wrong ones included. */
 class HapticSafety : public ::testing::Test {
@@ -157,7 +158,31 @@ TEST_F(HapticSafetyOfAllParts, ForcesAreFiniteBoundedAndSlow) {
   EXPECT_GT(at_edge, 100);
 }
 
-class StaleState : public HapticSafety, public ::testing::WithParamInterface<int> {};
+/** A slew and the longest stale_after that the loader takes with it: 50 ms less the fall and two ticks. */
+struct Fall {
+  double max_slew, stale_after;
+};
+constexpr Fall kFalls[]{{125.0, 0.02}, {82.5, 0.008}, {125.0, 0.0216}, {10000.0, 0.04767}};
+
+class StaleState : public HapticSafety, public ::testing::WithParamInterface<std::tuple<int, Fall>> {
+ protected:
+  StaleState() : HapticSafety(withFall(std::get<1>(GetParam()))) {}
+
+  static TrainerConfig withFall(const Fall& fall) {
+    TrainerConfig config = packaged();
+    config.haptics.max_slew = fall.max_slew;
+    config.network.stale_after = fall.stale_after;
+    return config;
+  }
+
+  void drawSilent(int what) {
+    if (what != 0) robot.received_ns = now_ns;
+    if (what != 1) model.time_ns = now_ns;
+    if (what == 2) robot.connected = 0;
+    if (what == 3) model.linked = 0;
+    if (what == 4) at(robot.arms, Arm::kGold).p_BT[1] = at(robot.arms, Arm::kGreen).v_BT[2] = NAN;
+  }
+};
 
 TEST_P(StaleState, IsNotFeltFiftyMillisecondsLater) {
   // GIVEN saturated forces
@@ -165,14 +190,13 @@ TEST_P(StaleState, IsNotFeltFiftyMillisecondsLater) {
   robot.frame = 1;
   for (const Arm arm : kArms)
     at(robot.arms, arm).p_BT = {0.2, 0.1, 0.0};
-  std::int64_t silent_since = 0, silent_ticks = 0;
+  std::int64_t last_good_ns = 0, silent_ticks = 0;
   for (int i = 0; i < 400; ++i, now_ns += kTickNanoseconds) {
-    const bool is_silent = i >= 200;
-    if (!is_silent || GetParam() != 0) robot.received_ns = now_ns;
-    if (!is_silent || GetParam() != 1) model.time_ns = now_ns;
-    if (is_silent && GetParam() == 2) robot.connected = 0;
-    if (is_silent && GetParam() == 3) model.linked = 0;
-    if (is_silent && GetParam() == 4) at(robot.arms, Arm::kGold).p_BT[1] = at(robot.arms, Arm::kGreen).v_BT[2] = NAN;
+    if (i < 200) {
+      last_good_ns = robot.received_ns = model.time_ns = now_ns;
+    } else {
+      drawSilent(std::get<0>(GetParam()));
+    }
     shared->model.store(model);
     shared->robot.store(robot);
     loop.tick(now_ns);
@@ -181,9 +205,8 @@ TEST_P(StaleState, IsNotFeltFiftyMillisecondsLater) {
       ASSERT_NEAR(toEigen(force.force_B[0]).norm(), config.haptics.max_force, kRounding);
       ASSERT_NEAR(toEigen(force.force_B[1]).norm(), config.haptics.max_force, kRounding);
     }
-    if (is_silent && silent_since == 0) silent_since = now_ns;
-    // THEN 20 ms make a state stale, and 50 ms later nothing is left of it
-    if (is_silent && now_ns - silent_since > 20 * kTickNanoseconds + kSilentWithin) {
+    // THEN 50 ms after the last good state nothing is left of it, on the console's side of the loop's next tick
+    if (now_ns + kTickNanoseconds - last_good_ns >= kSilentWithin) {
       ++silent_ticks;
       ASSERT_EQ(force.force_I[0], Vec3{}) << i;
       ASSERT_EQ(force.force_I[1], Vec3{}) << i;
@@ -192,7 +215,9 @@ TEST_P(StaleState, IsNotFeltFiftyMillisecondsLater) {
   EXPECT_GT(silent_ticks, 100);
 }
 
-INSTANTIATE_TEST_SUITE_P(RobotModelConnectionLinkNumbers, StaleState, ::testing::Range(0, 5));
+INSTANTIATE_TEST_SUITE_P(RobotModelConnectionLinkNumbers,
+                         StaleState,
+                         ::testing::Combine(::testing::Range(0, 5), ::testing::ValuesIn(kFalls)));
 
 }  // namespace
 }  // namespace raven2_trainer::runtime
