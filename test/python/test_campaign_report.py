@@ -95,6 +95,18 @@ def test_a_grid_of_values_and_durations_is_drawn(tmp_path):
     assert report(tmp_path)[2].count("<img") == 1
 
 
+def test_scenarios_of_one_row_of_the_library_are_one_grid(tmp_path):
+    rows = [{"scenario": "low" if value < 3 else "high", "injection": 0, "value": value, "duration_ticks": duration,
+             "outcome": "masked" if value * duration < 6 else "unsafe_jump", "jump_mm": value * duration / 4}
+            for value in (1, 2, 3, 4) for duration in (1, 2, 4)]
+    write(tmp_path, [scenario("low", 0, 6, []), scenario("high", 0, 6, [])], rows)
+    code, _, page = report(tmp_path)
+    assert code == 0 and page.count("<img") == 2, "neither has three values of its own"
+    cells = [re.sub("<[^>]*>", " ", line).split() for line in page.split("<h2>Windows")[1].split("<tr>")[2:6]]
+    assert [c[2:7] for c in cells] == [["1", "3", "–", "–", "–"], ["2", "3", "4", "4", "–"], ["3", "3", "2", "2", "–"],
+                                       ["4", "3", "2", "2", "–"]]
+
+
 def test_counts_are_those_of_the_table(tmp_path):
     two_scenarios(tmp_path)
     _, _, page = report(tmp_path)
