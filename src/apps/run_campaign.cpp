@@ -145,8 +145,8 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
   CLI::App app{
-      "A campaign of fault injections: outcomes.csv, one row a run. Exit status: 1 also where all is written, but a fault "
-      "never acted, a run has no outcome, or one came out neither as published nor as explained."};
+      "A campaign of fault injections: outcomes.csv, one row a run. Exit status: 1 also where all is written, but a "
+      "fault never acted, a run has no outcome, or one came out neither as published nor as explained."};
   app.add_option("campaign", options.campaign, "Campaign: FILE.yaml, or a name of config/campaigns")->required();
   app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
   app.add_option("--seed", options.seed, "Seed of everything random")

@@ -111,10 +111,7 @@ ProcessPool::ProcessPool(std::size_t jobs,
                          const ChildLimits& limits,
                          std::size_t result_size,
                          std::function<void(const ChildEnd&)> report)
-    : jobs_(std::max<std::size_t>(1, jobs)),
-      limits_(limits),
-      result_size_(result_size),
-      report_(std::move(report)) {
+    : jobs_(std::max<std::size_t>(1, jobs)), limits_(limits), result_size_(result_size), report_(std::move(report)) {
   if (result_size_ > kMaxResult) throw Exception("a result of " + std::to_string(result_size_) + " bytes is too large");
 }
 

@@ -18,7 +18,7 @@ class Trajectory {
   Trajectory& operator=(const Trajectory&) = delete;
 
   void add(const Sample& sample) noexcept;
-  /** Nobody writes from here on, nor any process forked from here on: a run that writes astray ends, and spoils no other.
+  /** Nobody writes from here on, nor any fork made from here on: a run that writes astray ends, and spoils no other.
    *  @throw Exception if the system refuses. */
   void seal();
   void markPedalDown() noexcept { head_->pedal_down = size(); }

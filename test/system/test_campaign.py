@@ -60,7 +60,8 @@ def command(folder, output, *arguments, text=CAMPAIGN):
 
 
 def run(folder, output, *arguments, text=CAMPAIGN):
-    done = subprocess.run(command(folder, output, *arguments, text=text), capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command(folder, output, *arguments, text=text), capture_output=True, text=True, timeout=300,
+                          check=False)
     return done.returncode, done.stderr
 
 

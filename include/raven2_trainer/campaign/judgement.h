@@ -9,8 +9,8 @@
 #include "raven2_trainer/campaign/plan.h"
 
 // What a finished campaign is held to: that every fault acted, every run came to an end, and every outcome is one that
-// was published for its scenario or one that NAME_explained.yaml gives a reason for. Looks at the table alone: no outcome
-// depends on it.
+// was published for its scenario or one that NAME_explained.yaml gives a reason for. Looks at the table alone: no
+// outcome depends on it.
 
 namespace raven2_trainer::campaign {
 

@@ -18,8 +18,8 @@ constexpr std::size_t kMaxResult =
 
 /** What a child may take. */
 struct ChildLimits {
-  std::int64_t processor{};                   ///< [s] of processor time; more is Ending::kBudget
-  std::int64_t wall{};                        ///< [s] since its start, kept by the parent; more is Ending::kNoEnd
+  std::int64_t processor{};                     ///< [s] of processor time; more is Ending::kBudget
+  std::int64_t wall{};                          ///< [s] since its start, kept by the parent; more is Ending::kNoEnd
   std::size_t memory{std::size_t{512} << 20U};  ///< [bytes] of address space more than it has at its fork
 };
 

@@ -124,7 +124,8 @@ TEST_F(Pool, ABodyThatShutsOrKeepsItsPipeHoldsNobodyUp) {
 
 #ifndef RAVEN2_HAS_SANITIZER  // a shadow cannot be limited
 TEST_F(Pool, ABodyThatEatsMemoryIsToldApartFromACrash) {
-  ProcessPool frugal(3, {/*processor=*/60, /*wall=*/600, /*memory=*/std::size_t{64} << 20U}, sizeof(std::uint64_t), keep_);
+  ProcessPool frugal(3, {/*processor=*/60, /*wall=*/600, /*memory=*/std::size_t{64} << 20U}, sizeof(std::uint64_t),
+                     keep_);
   frugal.start(1, [](std::uint8_t*) {
     for (std::vector<std::vector<char>> eaten;;)
       eaten.emplace_back(std::size_t{16} << 20U, 'x');
