@@ -4,6 +4,7 @@ import csv
 import hashlib
 import json
 import os
+import re
 import subprocess
 
 from stack import PROGRAMS, wait_until
@@ -126,7 +127,7 @@ def test_jobs_kills_and_shards_change_nothing(tmp_path):
 
 def test_an_outcome_that_nobody_expects_fails_what_is_written_all_the_same(tmp_path):
     head, scenarios = CAMPAIGN.split("scenarios:\n")
-    program = next(s for s in scenarios.split("  - ") if s.startswith("scenario: program"))
+    program = next(s for s in re.split("^  - ", scenarios, flags=re.M) if s.startswith("scenario: program"))
     text = head + "scenarios:\n  - " + program.replace("[crash, hang]\n    phase", "[masked]\n    phase")
     code, said = run(tmp_path, "a", text=text.replace("repetitions: 2", "repetitions: 1"))
     assert code == 1
