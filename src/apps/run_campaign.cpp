@@ -10,6 +10,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
+#include "raven2_trainer/campaign/judgement.h"
 #include "raven2_trainer/campaign/run_campaign.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/physics/raven_world.h"
@@ -118,6 +119,8 @@ int run(const Options& options) {
   const TrainerConfig loaded = apps::CommonOptions{options.config, {}, {}, {}, {}}.load();
   const campaign::Campaign campaign =
       campaign::loadCampaign(campaignFile(options.campaign), options.seed, loaded.impairment_names);
+  const campaign::Explanations explanations =
+      campaign::loadExplanations(campaign::explanationsOf(campaign.file), campaign);
   const TrainerConfig config = campaign::configurationFor(campaign, loaded);
   campaign::Identity identity = campaign::identify(campaign, ingredients(config, campaign));
   parseShard(options.shard, &identity.shard, &identity.shards);
@@ -130,7 +133,9 @@ int run(const Options& options) {
   outcomes.finish();
   writeTiming(paths, runs.size(), options.jobs, std::chrono::duration<double>(Clock::now() - start).count());
   std::fprintf(stderr, "%s\n", paths.outcomes().c_str());
-  return 0;
+  const campaign::Judgement judgement = campaign::judge(campaign, explanations, outcomes.rows());
+  std::fputs(campaign::inWords(judgement).c_str(), stderr);
+  return judgement.isGood() ? 0 : 1;
 }
 
 }  // namespace
@@ -139,7 +144,9 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"A campaign of fault injections: outcomes.csv, one row a run."};
+  CLI::App app{
+      "A campaign of fault injections: outcomes.csv, one row a run. Exit status: 1 also where all is written, but a "
+      "fault never acted, a run has no outcome, or one came out neither as published nor as explained."};
   app.add_option("campaign", options.campaign, "Campaign: FILE.yaml, or a name of config/campaigns")->required();
   app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
   app.add_option("--seed", options.seed, "Seed of everything random")

@@ -1,5 +1,6 @@
 #include "campaign/csv_row.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -12,7 +13,7 @@
 namespace raven2_trainer::campaign {
 namespace {
 
-constexpr std::array<const char*, 34> kColumns{"scenario",
+constexpr std::array<const char*, 35> kColumns{"scenario",
                                                "run",
                                                "seed",
                                                "outcome",
@@ -44,10 +45,15 @@ constexpr std::array<const char*, 34> kColumns{"scenario",
                                                "force_n",
                                                "motion_mm",
                                                "golden_motion_mm",
+                                               "started",
                                                "program",
                                                "finite"};
 
 constexpr double kMillimetres = 1e3;
+
+std::size_t columnOf(const std::string& column) {
+  return static_cast<std::size_t>(std::find(kColumns.begin(), kColumns.end(), column) - kColumns.begin());
+}
 
 /** Cells of one row. */
 class Row {
@@ -128,12 +134,13 @@ void addFigures(const Figures& figures, Row* row) {
   row->real("%.3f", figures.max_force);
   row->real("%.4f", larger(figures.motion) * kMillimetres);
   row->real("%.4f", larger(figures.golden_motion) * kMillimetres);
+  row->text(figures.golden_started == 0 ? "" : figures.started != 0 ? "1" : "0");
   constexpr std::array<const char*, 3> kPrograms{"running", "hung", "crashed"};
   row->text(kPrograms[static_cast<std::size_t>(figures.program)]);
   row->number(figures.is_finite);
 }
 
-constexpr std::size_t kFigureCells = 14;
+constexpr std::size_t kFigureCells = 15;
 
 std::vector<std::string> cellsOf(const std::string& line) {
   std::vector<std::string> cells{""};
@@ -172,7 +179,7 @@ std::string row(const Campaign& campaign, const CampaignRun& run, const RunResul
     addFigures(result.figures, &row);
   } else {
     row.empty(kFigureCells - 2);
-    row.text(result.ending == Ending::kDied ? "died" : "budget");
+    row.text(kEndingNames[static_cast<std::size_t>(result.ending)]);
     row.empty(1);
   }
   return row.line();
@@ -193,6 +200,20 @@ std::uint32_t runOf(const std::string& line, const Campaign& campaign) {
   const std::vector<std::string> cells = cellsOf(line);
   const bool fits = cells[0] == campaign.experiments[run.experiment].name && cells[2] == std::to_string(run.seed);
   return fits ? number : 0;
+}
+
+bool hasOutcome(const std::string& line) {
+  return outcomeOf(line) != name(Outcome::kNone);
+}
+
+std::string outcomeOf(const std::string& line) {
+  return cellsOf(line)[columnOf("outcome")];
+}
+
+bool neverActed(const std::string& line) {
+  const std::vector<std::string> cells = cellsOf(line);
+  const bool told = !cells[columnOf("estop")].empty();  // a process that died tells nothing
+  return told && cells[columnOf("injected_ms")].empty();
 }
 
 }  // namespace raven2_trainer::campaign

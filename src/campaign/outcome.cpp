@@ -18,6 +18,20 @@ bool isFinite(const Vec3& p) noexcept {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
+/** The robot follows the surgeon where both say so. */
+bool isTeleoperated(const Sample& sample) noexcept {
+  return sample.plc == RunLevel::kPedalDown && sample.software == RunLevel::kPedalDown;
+}
+
+/** The golden run got to PEDAL_DN and this one never, nor did an arm go anywhere on its own: it homed at most. */
+bool didNotStart(const Figures& figures, const Limits& limits) noexcept {
+  if (figures.golden_started == 0 || figures.started != 0) return false;
+  for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+    if (figures.motion[arm] > figures.golden_motion[arm] + limits.masked) return false;
+  }
+  return true;
+}
+
 /** Some arm stayed where it was while its golden one moved, and no arm moved that did not move as its golden one. */
 bool didNotMove(const Figures& figures, const Limits& limits) noexcept {
   bool missed = false;
@@ -33,6 +47,7 @@ bool didNotMove(const Figures& figures, const Limits& limits) noexcept {
 
 void Comparison::add(const Sample& golden, const Sample& faulty) noexcept {
   figures_.program = faulty.program;
+  watchStart(golden, faulty);
   if (figures_.injected == kNever) begin(golden, faulty);
   if (figures_.injected != kNever) {
     compareTips(golden, faulty);
@@ -41,6 +56,11 @@ void Comparison::add(const Sample& golden, const Sample& faulty) noexcept {
   }
   plc_left_ = plc_left_ || faulty.plc != RunLevel::kEStop;
   ++ticks_;
+}
+
+void Comparison::watchStart(const Sample& golden, const Sample& faulty) noexcept {
+  if (isTeleoperated(golden)) figures_.golden_started = 1;
+  if (isTeleoperated(faulty)) figures_.started = 1;
 }
 
 /** The tips to measure motion from are those of the tick before. A program that ended told no fault of its last cycle.
@@ -99,14 +119,20 @@ void Comparison::watchForce(const Sample& golden, const Sample& faulty) noexcept
   }
 }
 
+bool isOutcome(const std::string& text) {
+  return text != name(Outcome::kNone) &&
+         std::find(kOutcomeNames.begin(), kOutcomeNames.end(), text) != kOutcomeNames.end();
+}
+
 Outcome classify(Ending ending, const Figures& figures, const Limits& limits) noexcept {
-  if (ending == Ending::kDied) return Outcome::kCrash;
+  if (ending == Ending::kNoEnd) return Outcome::kNone;
+  if (ending == Ending::kDied || ending == Ending::kMemory) return Outcome::kCrash;
   if (ending == Ending::kBudget) return Outcome::kHang;
   if (figures.program == ProgramState::kCrashed) return Outcome::kCrash;
   if (figures.program == ProgramState::kHung) return Outcome::kHang;
   if (figures.max_jump > limits.jump || figures.is_finite == 0) return Outcome::kUnsafeJump;
   if (figures.software_stop != kNever || figures.plc_stop != kNever) return Outcome::kEStop;
-  if (didNotMove(figures, limits)) return Outcome::kNoMotion;
+  if (didNotMove(figures, limits) || didNotStart(figures, limits)) return Outcome::kNoMotion;
   return maxDeviation(figures) > limits.masked ? Outcome::kSmallDeviation : Outcome::kMasked;
 }
 

@@ -139,7 +139,7 @@ class Reader {
     experiment.observed = scenario.text("observed");
     experiment.published = scenario.texts("published");
     for (const std::string& outcome : experiment.published) {
-      if (std::find(kOutcomeNames.begin(), kOutcomeNames.end(), outcome) == kOutcomeNames.end())
+      if (!isOutcome(outcome))
         throw ConfigException(scenario.where("published") + " holds \"" + outcome + "\", which is no outcome");
     }
     campaign_.experiments.push_back(experiment);

@@ -147,7 +147,10 @@ PartialOutcomes::PartialOutcomes(const OutputPaths& paths,
   fs::create_directories(paths_.directory, error);
   if (error) fail(paths_.directory, "cannot be created: " + error.message());
   const bool is_new = !fs::exists(paths_.identity());
-  if (is_new && fs::exists(paths_.outcomes())) fail(paths_.outcomes(), "is there without its campaign.json");
+  for (const std::string& rows : {paths_.outcomes(), paths_.part()}) {
+    // A start that was killed before its first run leaves an empty one, of nothing.
+    if (is_new && fs::exists(rows) && fs::file_size(rows) != 0) fail(rows, "is there without its campaign.json");
+  }
   if (!is_new && !resume) fail(paths_.directory, "already holds a campaign; --resume goes on with it");
   if (!is_new) {
     const Identity found = readIdentity(paths_.identity());
@@ -165,7 +168,7 @@ PartialOutcomes::~PartialOutcomes() {
   if (file_ >= 0) ::close(file_);
 }
 
-/** A finished shard is taken over from its table. */
+/** A finished shard is taken over from its table. What has no outcome is made again. */
 void PartialOutcomes::takeOver(const Campaign& campaign) {
   const bool is_done = fs::exists(paths_.outcomes());
   const std::string text = readText(is_done ? paths_.outcomes() : paths_.part());
@@ -173,7 +176,7 @@ void PartialOutcomes::takeOver(const Campaign& campaign) {
   for (const std::string& line : wholeLines(text)) {
     const std::uint32_t run = runOf(line, campaign);
     if (run == 0 && !(is_done && good == 0)) break;  // the table's header is no run
-    if (run != 0) rows_[run] = line;
+    if (run != 0 && hasOutcome(line)) rows_[run] = line;
     good += line.size() + 1;
   }
   if (!is_done && ::ftruncate(file_, static_cast<off_t>(good)) != 0) fail(paths_.part(), std::strerror(errno));

@@ -18,6 +18,8 @@ namespace raven2_trainer::campaign {
 namespace {
 
 constexpr std::uint64_t kGolden = 0;  // tag; runs have their numbers, from 1
+/** Times the processor time that a run may take, by the wall: for one that waits for ever and so takes none. */
+constexpr std::int64_t kWallFactor = 100;
 
 double norm(const Vec3& v) noexcept {
   return std::hypot(v[0], v[1], v[2]);
@@ -47,6 +49,7 @@ class Group {
   void make() {
     pool_->start(kGolden, [this](std::uint8_t*) { record(); });
     pool_->waitFor(kGolden);
+    golden_.seal();
     checkGolden();
     for (const CampaignRun& run : runs_) {
       const std::int64_t fork = forkOf(run, golden_.pedalDown());
@@ -96,10 +99,8 @@ class Group {
     if (golden_.size() < wanted() || golden_.size() == 0) throw Exception(which + " ended before its time");
     const bool needs_pedal = runs_.back().phase == Phase::kPedalDown;
     if (needs_pedal && golden_.pedalDown() == kNever) throw Exception(which + " never gets to PEDAL_DN");
-    for (std::int64_t t = 0; t < golden_.size(); ++t) {
-      if (golden_.at(t).soft_estopped != 0 || golden_.at(t).program != ProgramState::kRunning)
-        throw Exception(which + " stops after " + std::to_string(t) + " ticks, without a fault");
-    }
+    const std::int64_t stop = golden_.firstStop();
+    if (stop != kNever) throw Exception(which + " stops after " + std::to_string(stop) + " ticks, without a fault");
   }
 
   /** In a child of its own. */
@@ -126,6 +127,7 @@ class Group {
 
 /** What nobody in a run sends itself: whoever did ended the campaign, and no outcome is made of it. */
 void refuseOutsideKill(const ChildEnd& end) {
+  if (end.ending != Ending::kDied) return;
   for (const int signal : {SIGKILL, SIGTERM, SIGINT, SIGHUP}) {
     if (end.signal == signal)
       throw Exception("run " + std::to_string(end.tag) + " was killed from outside (signal " + std::to_string(signal) +
@@ -175,7 +177,8 @@ void makeRuns(const TrainerConfig& config,
               std::size_t jobs,
               const std::function<void(const CampaignRun&, const RunResult&)>& report) {
   const std::vector<CampaignRun> ordered = inOrderOfForks(runs);
-  ProcessPool pool(jobs, campaign.cpu_limit, sizeof(Figures), [&](const ChildEnd& end) {
+  const ChildLimits limits{campaign.cpu_limit, campaign.cpu_limit * kWallFactor};
+  ProcessPool pool(jobs, limits, sizeof(Figures), [&](const ChildEnd& end) {
     refuseOutsideKill(end);
     if (end.tag != kGolden) report(campaign.runs[end.tag - 1], resultOf(end));
   });

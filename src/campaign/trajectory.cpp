@@ -19,10 +19,25 @@ Trajectory::~Trajectory() {
   ::munmap(head_, bytes_);
 }
 
+void Trajectory::seal() {
+  if (::mprotect(head_, bytes_, PROT_READ) != 0) throw Exception("a golden run cannot be sealed");
+}
+
 void Trajectory::add(const Sample& sample) noexcept {
   if (isFull()) return;
   new (&samples_[head_->size]) Sample(sample);
   ++head_->size;
+}
+
+std::int64_t Trajectory::firstStop() const noexcept {
+  bool plc_left = false;  // E-STOP, in which the PLC is powered on: that is no stop
+  for (std::int64_t tick = 0; tick < size(); ++tick) {
+    const Sample& sample = at(tick);
+    const bool plc_stopped = plc_left && sample.plc == RunLevel::kEStop;
+    if (plc_stopped || sample.soft_estopped != 0 || sample.program != ProgramState::kRunning) return tick;
+    plc_left = plc_left || sample.plc != RunLevel::kEStop;
+  }
+  return kNever;
 }
 
 }  // namespace raven2_trainer::campaign

@@ -9,7 +9,7 @@ import sys
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "campaign_report"
 COLUMNS = ("scenario,run,seed,outcome,injection,phase,host,site,variable,kind,arm,channel,value,low,high,first_tick,"
            "duration_ticks,half_period_ticks,repetition,motion_seed,injected_ms,deviation_mm,jump_mm,jump_ms,estop,"
-           "estop_ms,seen,reported,force_ms,force_n,motion_mm,golden_motion_mm,program,finite").split(",")
+           "estop_ms,seen,reported,force_ms,force_n,motion_mm,golden_motion_mm,started,program,finite").split(",")
 PLAIN = dict.fromkeys(COLUMNS, "") | {"phase": "pedal_down", "value": "0", "duration_ticks": "0", "estop": "none",
                                       "injected_ms": "1", "deviation_mm": "0.0", "jump_mm": "0.0", "seen": "0",
                                       "program": "running"}
@@ -53,10 +53,12 @@ def two_scenarios(folder):
 def test_a_row_that_differs_needs_an_explanation(tmp_path):
     two_scenarios(tmp_path)
     code, said, page = report(tmp_path)
-    assert code == 1 and "[2]" in said
+    assert code == 1 and "1 runs neither as published nor explained, b/pedal_down: unsafe_jump" in said
     assert verdicts(page) == ["agrees", "UNEXPLAINED"]
     explained = tmp_path / "why.yaml"
-    explained.write_text("2: one motor of ours is weaker\n")
+    explained.write_text("b/pedal_down: {allowed: [estop], why: one motor of ours is weaker}\n")
+    assert report(tmp_path, "--explained", str(explained))[0] == 1, "an estop would be, a jump is not"
+    explained.write_text("b/pedal_down: {allowed: [unsafe_jump], why: one motor of ours is weaker}\n")
     code, _, page = report(tmp_path, "--explained", str(explained))
     assert code == 0 and verdicts(page) == ["agrees", "explained"]
     assert "one motor of ours is weaker" in page and "1 of 2" in page
@@ -66,9 +68,11 @@ def test_a_row_that_differs_needs_an_explanation(tmp_path):
 def test_a_note_on_a_row_that_agrees_leaves_it_agreeing(tmp_path):
     two_scenarios(tmp_path)
     explained = tmp_path / "why.yaml"
-    explained.write_text("1: shown by its level\n2: weaker\n")
+    explained.write_text("a/pedal_down: {allowed: [crash], why: shown by its level}\n"
+                         "b/pedal_down: {allowed: [unsafe_jump], why: weaker}\n")
     _, _, page = report(tmp_path, "--explained", str(explained))
     assert verdicts(page) == ["agrees", "explained"] and "shown by its level" in page
+    assert "a/pedal_down: crash is allowed and did not come" in page
     assert "estop 3<br>3 stops of the PLC unreported" in page
 
 
@@ -86,9 +90,21 @@ def test_a_grid_of_values_and_durations_is_drawn(tmp_path):
     write(tmp_path, [scenario("a", 0, 9, [])], rows)
     code, _, page = report(tmp_path)
     assert code == 0, "nothing was published for it"
-    assert page.count("<img") == 2 and "Jumps over value and duration" in page
+    assert page.count("<img") == 2 and "Jumps over value and duration" in page and "<h2>Windows" in page
     write(tmp_path, [scenario("a", 0, 3, [])], rows[:3])
     assert report(tmp_path)[2].count("<img") == 1
+
+
+def test_scenarios_of_one_row_of_the_library_are_one_grid(tmp_path):
+    rows = [{"scenario": "low" if value < 3 else "high", "injection": 0, "value": value, "duration_ticks": duration,
+             "outcome": "masked" if value * duration < 6 else "unsafe_jump", "jump_mm": value * duration / 4}
+            for value in (1, 2, 3, 4) for duration in (1, 2, 4)]
+    write(tmp_path, [scenario("low", 0, 6, []), scenario("high", 0, 6, [])], rows)
+    code, _, page = report(tmp_path)
+    assert code == 0 and page.count("<img") == 2, "neither has three values of its own"
+    cells = [re.sub("<[^>]*>", " ", line).split() for line in page.split("<h2>Windows")[1].split("<tr>")[2:6]]
+    assert [c[2:7] for c in cells] == [["1", "3", "–", "–", "–"], ["2", "3", "4", "4", "–"], ["3", "3", "2", "2", "–"],
+                                       ["4", "3", "2", "2", "–"]]
 
 
 def test_counts_are_those_of_the_table(tmp_path):
@@ -98,6 +114,32 @@ def test_counts_are_those_of_the_table(tmp_path):
     assert "<b>3</b><span>stopped, after 200 ms (median)" in page
     assert "<b>3</b><span>stops of the PLC that the software never showed" in page
     assert "Toy &amp; co" in page and "seen &lt;so&gt;" in page
+
+
+def test_a_fault_that_never_acted_fails_the_campaign_whatever_was_published(tmp_path):
+    rows = [{"scenario": "a", "injection": 0, "outcome": "masked", "injected_ms": at} for at in ("1", "")]
+    rows.append({"scenario": "a", "injection": 0, "outcome": "crash", "injected_ms": "", "estop": "",
+                 "program": "died"})
+    write(tmp_path, [scenario("a", 0, 3, [])], rows)
+    code, said, page = report(tmp_path)
+    assert code == 1 and "1 runs in which the fault never acted: 2" in said
+    assert "1 runs in which the fault never acted: 2" in page, "it is written all the same"
+
+
+def test_a_run_without_an_outcome_fails_the_campaign(tmp_path):
+    write(tmp_path, [scenario("a", 0, 1, [])], [{"scenario": "a", "injection": 0, "outcome": "no_outcome",
+                                                 "estop": "", "injected_ms": "", "program": "no_end"}])
+    code, said, _ = report(tmp_path)
+    assert code == 1 and "1 runs without an outcome: 1" in said and "never acted" not in said
+
+
+def test_rows_of_the_library_are_compared_where_the_published_table_has_none(tmp_path):
+    rows = [{"scenario": name, "injection": 0, "outcome": "masked"} for name in ("small", "large")]
+    entries = [scenario("small", 0, 1, ["masked"]), scenario("large", 0, 1, ["estop"])]
+    write(tmp_path, entries, rows)
+    code, said, page = report(tmp_path)
+    assert code == 1 and "large/pedal_down: masked" in said
+    assert verdicts(page) == ["UNEXPLAINED"] and "row 1" in page and "1 of 2" in page
 
 
 def test_a_deviation_that_is_small_by_name_alone_is_counted(tmp_path):
@@ -112,8 +154,10 @@ def test_what_is_no_campaign_is_refused(tmp_path):
     assert code == 1 and "no finished campaign" in said
     two_scenarios(tmp_path)
     wrong = tmp_path / "why.yaml"
-    wrong.write_text("7: no such row\n")
+    wrong.write_text("a/homing: {allowed: [], why: no such phase}\n")
     code, said, _ = report(tmp_path, "--explained", str(wrong))
-    assert code == 1 and "[7]" in said
-    wrong.write_text("- a list\n")
-    assert report(tmp_path, "--explained", str(wrong))[0] == 1
+    assert code == 1 and "a/homing" in said
+    for text in ("- a list\n", "a/pedal_down: why\n", "a/pedal_down: {allowed: [no_outcome], why: x}\n"):
+        wrong.write_text(text)
+        code, said, _ = report(tmp_path, "--explained", str(wrong))
+        assert code == 1 and "is not a mapping" in said

@@ -4,6 +4,7 @@ import csv
 import hashlib
 import json
 import os
+import re
 import subprocess
 
 from stack import PROGRAMS, wait_until
@@ -53,14 +54,15 @@ scenarios:
 RUNS = 2 * 16 + 2 * 2 + 2
 
 
-def command(folder, output, *arguments):
+def command(folder, output, *arguments, text=CAMPAIGN):
     file = folder / "small.yaml"
-    file.write_text(CAMPAIGN)
+    file.write_text(text)
     return [os.path.join(PROGRAMS, "run_campaign"), str(file), "--output", str(folder / output), *map(str, arguments)]
 
 
-def run(folder, output, *arguments):
-    done = subprocess.run(command(folder, output, *arguments), capture_output=True, text=True, timeout=300, check=False)
+def run(folder, output, *arguments, text=CAMPAIGN):
+    done = subprocess.run(command(folder, output, *arguments, text=text), capture_output=True, text=True, timeout=300,
+                          check=False)
     return done.returncode, done.stderr
 
 
@@ -121,6 +123,20 @@ def test_jobs_kills_and_shards_change_nothing(tmp_path):
     assert {row["outcome"] for row in rows if row["scenario"] == "program" and row["kind"] == "crash"} == {"crash"}
     assert {row["outcome"] for row in rows if row["scenario"] == "program" and row["kind"] == "hang"} == {"hang"}
     assert len({row["seed"] for row in rows}) == RUNS
+
+
+def test_an_outcome_that_nobody_expects_fails_what_is_written_all_the_same(tmp_path):
+    head, scenarios = CAMPAIGN.split("scenarios:\n")
+    program = next(s for s in re.split("^  - ", scenarios, flags=re.M) if s.startswith("scenario: program"))
+    text = head + "scenarios:\n  - " + program.replace("[crash, hang]\n    phase", "[masked]\n    phase")
+    code, said = run(tmp_path, "a", text=text.replace("repetitions: 2", "repetitions: 1"))
+    assert code == 1
+    assert "1 runs neither as published nor explained, program/pedal_down: crash: 1" in said
+    assert "1 runs neither as published nor explained, program/pedal_down: hang: 2" in said
+    assert lines_in(tmp_path / "a" / "outcomes.csv") == 3 and (tmp_path / "a" / "timing.json").exists()
+    (tmp_path / "small_explained.yaml").write_text("program/pedal_down: {allowed: [crash, hang], why: injected}\n")
+    code, said = run(tmp_path, "a", "--resume", text=text.replace("repetitions: 2", "repetitions: 1"))
+    assert code == 0 and "explained" not in said, "an explanation is no other campaign"
 
 
 def test_another_seed_gives_other_outcomes(tmp_path):

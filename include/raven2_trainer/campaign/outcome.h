@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <type_traits>
 
 #include "raven2_trainer/core/state.h"
@@ -51,7 +52,9 @@ struct Figures {
   PerArm<double> motion{};             ///< [m] farthest from where the fault found the tip
   PerArm<double> golden_motion{};      ///< [m] the same of the golden run
   ProgramState program{ProgramState::kRunning};
-  std::uint8_t is_finite{1};  ///< 0: a tip of the simulated plant was not a number
+  std::uint8_t is_finite{1};      ///< 0: a tip of the simulated plant was not a number
+  std::uint8_t started{};         ///< PLC and control program were in PEDAL_DN together, at some tick of all compared
+  std::uint8_t golden_started{};  ///< the same of the golden run
 };
 static_assert(std::is_trivially_copyable<Figures>::value, "goes through a pipe");
 
@@ -69,6 +72,7 @@ class Comparison {
   using Deviation = PerArm<Vec3>;
 
   void begin(const Sample& golden, const Sample& faulty) noexcept;
+  void watchStart(const Sample& golden, const Sample& faulty) noexcept;
   void compareTips(const Sample& golden, const Sample& faulty) noexcept;
   void measureJump(const Deviation& deviation) noexcept;
   void watchStops(const Sample& faulty) noexcept;
@@ -89,20 +93,26 @@ constexpr double maxDeviation(const Figures& figures) noexcept {
 }
 
 /** In order of precedence, from the last: a run that crashed is a crash whatever else happened. */
-enum class Outcome : std::uint8_t { kMasked, kSmallDeviation, kNoMotion, kEStop, kUnsafeJump, kHang, kCrash };
-constexpr std::size_t kOutcomeCount = 7;
+enum class Outcome : std::uint8_t { kMasked, kSmallDeviation, kNoMotion, kEStop, kUnsafeJump, kHang, kCrash, kNone };
+constexpr std::size_t kOutcomeCount = 8;
 constexpr std::array<const char*, kOutcomeCount> kOutcomeNames{
-    "masked", "small_deviation", "no_motion", "estop", "unsafe_jump", "hang", "crash"};
+    "masked", "small_deviation", "no_motion", "estop", "unsafe_jump", "hang", "crash", "no_outcome"};
 constexpr const char* name(Outcome outcome) noexcept {
   return kOutcomeNames[static_cast<std::size_t>(outcome)];
 }
+
+/** Whether it names an outcome; to have none is none. */
+bool isOutcome(const std::string& text);
 
 /** How the process of a run ended. */
 enum class Ending : std::uint8_t {
   kComplete,  ///< it ran to its horizon and told its figures
   kDied,      ///< by a signal, or without a word
-  kBudget,    ///< it used up its time
+  kBudget,    ///< it used up its processor time
+  kMemory,    ///< it wanted more memory than it may have
+  kNoEnd,     ///< it was still there at the wall's limit: stopped, or waiting; how fast a machine is decides over that
 };
+constexpr std::array<const char*, 5> kEndingNames{"complete", "died", "budget", "memory", "no_end"};
 
 /** The rules of doc/campaign.md. Figures of a run that did not tell them are not looked at. */
 Outcome classify(Ending ending, const Figures& figures, const Limits& limits) noexcept;

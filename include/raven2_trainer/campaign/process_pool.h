@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,13 @@ namespace raven2_trainer::campaign {
 constexpr std::size_t kMaxResult =
     1024;  ///< [bytes] of one child; below PIPE_BUF, so that it goes through a pipe whole
 
+/** What a child may take. */
+struct ChildLimits {
+  std::int64_t processor{};                     ///< [s] of processor time; more is Ending::kBudget
+  std::int64_t wall{};                          ///< [s] since its start, kept by the parent; more is Ending::kNoEnd
+  std::size_t memory{std::size_t{512} << 20U};  ///< [bytes] of address space more than it has at its fork
+};
+
 /** What a child ended with. */
 struct ChildEnd {
   std::uint64_t tag{};
@@ -24,8 +32,9 @@ struct ChildEnd {
 };
 
 /**
- * Bodies in forks of this process, some at a time. A body that crashes, throws, ends the process or uses up its time is
- * an ending, not an error. Children die with this process. They see its memory as it was at the fork.
+ * Bodies in forks of this process, some at a time. A body that crashes, throws, ends the process, uses up its time or
+ * memory, or stops for good is an ending, not an error. Children die with this process. They see its memory as it was
+ * at the fork.
  */
 class ProcessPool {
  public:
@@ -33,11 +42,11 @@ class ProcessPool {
   using Body = std::function<void(std::uint8_t* result)>;
 
   /**
-   * @param[in] jobs children at a time. @param[in] cpu_limit [s] of processor time a child may take.
+   * @param[in] jobs children at a time. @param[in] limits of each child.
    * @param[in] result_size [bytes] of a result. @param[in] report is told of each end, in this process.
    */
   ProcessPool(std::size_t jobs,
-              std::int64_t cpu_limit,
+              const ChildLimits& limits,
               std::size_t result_size,
               std::function<void(const ChildEnd&)> report);
   /** Kills what still runs. */
@@ -54,18 +63,26 @@ class ProcessPool {
   void drain();
 
  private:
+  using Clock = std::chrono::steady_clock;
   struct Child {
     std::uint64_t tag;
     pid_t pid;
     int pipe;
+    int process;  ///< readable once it has ended, whatever it did with its pipe
+    Clock::time_point deadline;
+    bool expired;  ///< it was killed here for it
   };
 
   [[noreturn]] void runChild(int pipe, pid_t parent, const Body& body) const;
   void reap();
+  void waitForEnds();
+  int untilFirstDeadline() const;
+  void killExpired();
+  static bool hasEnded(const Child& child);
   ChildEnd endOf(const Child& child) const;
 
   std::size_t jobs_;
-  std::int64_t cpu_limit_;
+  ChildLimits limits_;
   std::size_t result_size_;
   std::function<void(const ChildEnd&)> report_;
   std::vector<Child> children_;

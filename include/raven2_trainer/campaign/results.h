@@ -54,8 +54,9 @@ class PartialOutcomes {
  public:
   /**
    * Opens the directory for the runs of one shard. With `resume`, rows that an earlier process left are taken over:
-   * those that are whole, up to the first that is not.
-   * @throw SessionException if there is something already and not to be resumed, if it is of another campaign, seed,
+   * those that are whole, up to the first that is not; runs without an outcome are to be made again.
+   * @throw SessionException if there is something already and not to be resumed, or rows without the campaign.json
+   * that says what they are of; if it is of another campaign, seed,
    * build or shard, if another process writes it, or if it cannot be written.
    */
   PartialOutcomes(const OutputPaths& paths, const Identity& identity, const Campaign& campaign, bool resume);

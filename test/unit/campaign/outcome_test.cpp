@@ -103,6 +103,63 @@ TEST(Classify, AJumpOfTheGoldenRunItselfIsNone) {
   EXPECT_EQ(classify(Ending::kComplete, comparison.figures(), kLimits), Outcome::kMasked);
 }
 
+/** Homing from power-on: both tips go 8 mm; from tick 200 on the robot is in PEDAL_DN and they go on. */
+Sample homingAt(int tick) {
+  Sample sample = goldenAt(tick);
+  sample.plc = sample.software = tick < 200 ? RunLevel::kInit : RunLevel::kPedalDown;
+  return sample;
+}
+
+Figures compareHoming(const Change& change) {
+  Comparison comparison(kLimits);
+  for (int tick = 0; tick < kTicks; ++tick) {
+    Sample faulty = homingAt(tick);
+    faulty.faulted = 1;
+    change(tick, &faulty);
+    comparison.add(homingAt(tick), faulty);
+  }
+  return comparison.figures();
+}
+
+TEST(Classify, ARobotThatHomesAndNeverStartsDidNotMove) {
+  const auto homed = [](RunLevel plc, RunLevel software) {
+    return compareHoming([=](int tick, Sample* s) {
+      *s = homingAt(std::min(tick, 199));
+      s->faulted = 1;
+      s->plc = tick < 200 ? s->plc : plc;
+      s->software = tick < 200 ? s->software : software;
+    });
+  };
+  const auto outcome = [](const Figures& f) { return classify(Ending::kComplete, f, kLimits); };
+  const Figures stuck = homed(RunLevel::kInit, RunLevel::kInit);
+  EXPECT_EQ(stuck.started, 0);
+  EXPECT_EQ(stuck.golden_started, 1);
+  EXPECT_EQ(outcome(stuck), Outcome::kNoMotion) << "though its tips homed, 4 mm each";
+  EXPECT_EQ(outcome(homed(RunLevel::kPedalUp, RunLevel::kPedalDown)), Outcome::kNoMotion) << "the PLC has the brakes";
+  EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalUp)), Outcome::kNoMotion);
+  EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalDown)), Outcome::kSmallDeviation) << "it started";
+}
+
+TEST(Classify, ARobotThatRunsAwayInsteadOfStartingMoved) {
+  const Figures figures = compareHoming([](int tick, Sample* s) {
+    s->p_BT[0][1] += 5e-5 * tick;
+    s->plc = s->software = RunLevel::kInit;
+  });
+  EXPECT_EQ(figures.started, 0);
+  EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kSmallDeviation);
+}
+
+TEST(Classify, ARunThatEndsBeforeItsGoldenOneStartsIsNotHeldToIt) {
+  Comparison comparison(kLimits);
+  for (int tick = 0; tick < 150; ++tick) {
+    Sample faulty = homingAt(tick);
+    faulty.faulted = 1;
+    comparison.add(homingAt(tick), faulty);
+  }
+  EXPECT_EQ(comparison.figures().golden_started, 0);
+  EXPECT_EQ(classify(Ending::kComplete, comparison.figures(), kLimits), Outcome::kMasked);
+}
+
 TEST(Classify, AnArmThatStaysWhereItWasDidNotMove) {
   const Vec3 where = goldenAt(kInjection - 1).p_BT[0];
   EXPECT_EQ(outcomeOf([&](int, Sample* s) { s->p_BT[0] = where; }), Outcome::kNoMotion) << "one arm is enough";
@@ -198,6 +255,8 @@ TEST(Classify, AProgramThatEndedIsACrashAndOneThatStandsAHang) {
 TEST(Classify, AProcessThatDiedOrUsedUpItsTimeNeedsNoFigures) {
   EXPECT_EQ(classify(Ending::kDied, Figures{}, kLimits), Outcome::kCrash);
   EXPECT_EQ(classify(Ending::kBudget, Figures{}, kLimits), Outcome::kHang);
+  EXPECT_EQ(classify(Ending::kMemory, Figures{}, kLimits), Outcome::kCrash);
+  EXPECT_EQ(classify(Ending::kNoEnd, Figures{}, kLimits), Outcome::kNone) << "the machine's speed decided";
 }
 
 TEST(Classify, TheGraverOutcomeCounts) {

@@ -175,7 +175,7 @@ TEST(Plan, RunsOfOneGoldenRunStandTogetherInTheOrderOfTheirForks) {
 }
 
 TEST(Plan, WhatIsWrongIsRefusedWithItsPlace) {
-  const std::map<std::string, std::pair<std::string, std::string>> wrong{
+  const std::multimap<std::string, std::pair<std::string, std::string>> wrong{
       {"campaign.yaml:19: scenarios[0]/faults[0]/channel", {"channel: shoulder", "channel: knee"}},
       {"campaign.yaml:19: scenarios[0]/faults[0]/value", {"-1000, 0", "-1e9, 0"}},
       {"campaign.yaml:19: scenarios[0]/faults[0]/value", {"value: \\[-1000, 0, 1000, 2000\\]", "value: []"}},
@@ -184,6 +184,7 @@ TEST(Plan, WhatIsWrongIsRefusedWithItsPlace) {
        {"channel: shoulder", "channel: shoulder, speed: 3"}},
       {"campaign.yaml:16: scenarios[0]/phase", {"phase: pedal_down", "phase: homing"}},
       {"campaign.yaml:15: scenarios[0]/published", {"\\[unsafe_jump\\]", "[explosion]"}},
+      {"campaign.yaml:15: scenarios[0]/published", {"\\[unsafe_jump\\]", "[no_outcome]"}},
       {"campaign.yaml:11: scenarios[0]/scenario", {"scenario: dac", "scenario: \"dac, stuck\""}},
       {"campaign.yaml:17: scenarios[0]/repetitions", {"repetitions: 3", "repetitions: 0"}},
       {"campaign.yaml:12: unknown key scenarios[0]/speed", {"injection: 11", "speed: 1\n    injection: 11"}},

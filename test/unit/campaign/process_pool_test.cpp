@@ -8,11 +8,14 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "support/sanitizer.h"
 
 namespace raven2_trainer::campaign {
 namespace {
@@ -29,7 +32,9 @@ class Pool : public ::testing::Test {
   }
 
   std::map<std::uint64_t, ChildEnd> ends_;
-  ProcessPool pool_{3, 1, sizeof(std::uint64_t), [this](const ChildEnd& end) { ends_[end.tag] = end; }};
+  std::function<void(const ChildEnd&)> keep_ = [this](const ChildEnd& end) { ends_[end.tag] = end; };
+  ProcessPool pool_{3, {/*processor=*/1, /*wall=*/600}, sizeof(std::uint64_t), keep_};
+  ProcessPool hasty_{3, {/*processor=*/60, /*wall=*/1}, sizeof(std::uint64_t), keep_};
 };
 
 TEST_F(Pool, EveryBodyTellsItsResult) {
@@ -68,6 +73,74 @@ TEST_F(Pool, ABodyThatNeverEndsIsOutOfItsBudget) {
   EXPECT_EQ(ends_.at(1).signal, SIGXCPU);
   EXPECT_EQ(ends_.at(2).ending, Ending::kComplete);
 }
+
+TEST_F(Pool, ABodyThatWillNotHearOfItsBudgetIsOutOfItToo) {
+  pool_.start(1, [](std::uint8_t*) {
+    std::signal(SIGXCPU, SIG_IGN);
+    for (volatile std::uint64_t i = 0;; i = i + 1) {
+    }
+  });
+  pool_.drain();
+  EXPECT_EQ(ends_.at(1).ending, Ending::kBudget);
+  EXPECT_EQ(ends_.at(1).signal, SIGKILL) << "the kernel's, which is not one from outside";
+}
+
+TEST_F(Pool, ABodyThatStopsOrWaitsForEverHasNoEnd) {
+  hasty_.start(1, [](std::uint8_t*) { std::raise(SIGSTOP); });
+  hasty_.start(2, [](std::uint8_t*) {
+    sigset_t all;
+    sigfillset(&all);
+    sigprocmask(SIG_BLOCK, &all, nullptr);
+    for (;;)
+      ::pause();
+  });
+  pool_.start(3, tell(3));
+  hasty_.drain();
+  pool_.drain();
+  EXPECT_EQ(ends_.at(1).ending, Ending::kNoEnd);
+  EXPECT_EQ(ends_.at(2).ending, Ending::kNoEnd);
+  EXPECT_EQ(ends_.at(3).ending, Ending::kComplete);
+}
+
+TEST_F(Pool, ABodyThatShutsOrKeepsItsPipeHoldsNobodyUp) {
+  hasty_.start(1, [](std::uint8_t*) {  // all that it inherited, its own end among them
+    for (int file = 3; file < 64; ++file)
+      ::close(file);
+    ::pause();
+  });
+  pool_.start(2, [this](std::uint8_t* result) {
+    if (::fork() == 0) {  // a child of the child's, which outlives it with the pipe open
+      ::sleep(5);
+      ::_exit(0);
+    }
+    tell(2)(result);
+  });
+  hasty_.drain();
+  pool_.drain();
+  EXPECT_EQ(ends_.at(1).ending, Ending::kNoEnd);
+  EXPECT_EQ(ends_.at(2).ending, Ending::kComplete);
+  EXPECT_EQ(told(2), 2u);
+}
+
+#ifndef RAVEN2_HAS_SANITIZER  // a shadow cannot be limited
+TEST_F(Pool, ABodyThatEatsMemoryIsToldApartFromACrash) {
+  ProcessPool frugal(3, {/*processor=*/60, /*wall=*/600, /*memory=*/std::size_t{64} << 20U}, sizeof(std::uint64_t),
+                     keep_);
+  frugal.start(1, [](std::uint8_t*) {
+    for (std::vector<std::vector<char>> eaten;;)
+      eaten.emplace_back(std::size_t{16} << 20U, 'x');
+  });
+  frugal.start(2, [](std::uint8_t*) noexcept {
+    for (std::vector<std::vector<char>> eaten;;)
+      eaten.emplace_back(std::size_t{16} << 20U);
+  });
+  frugal.start(3, tell(3));
+  frugal.drain();
+  EXPECT_EQ(ends_.at(1).ending, Ending::kMemory);
+  EXPECT_EQ(ends_.at(2).ending, Ending::kMemory) << "also where an exception has no way out";
+  EXPECT_EQ(ends_.at(3).ending, Ending::kComplete);
+}
+#endif
 
 TEST_F(Pool, NoMoreRunAtATimeThanThereAreJobs) {
   struct Shared {

@@ -159,6 +159,15 @@ TEST_F(Results, WhatNeverCameIsAnEmptyCell) {
   EXPECT_EQ(cell(line, "seen"), "0");
 }
 
+TEST_F(Results, ARunThatNeverStartedSaysSo) {
+  RunResult result;
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[0], result), "started"), "") << "nor did its golden one";
+  result.figures.golden_started = 1;
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[0], result), "started"), "0");
+  result.figures.started = 1;
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[0], result), "started"), "1");
+}
+
 TEST_F(Results, AnUnreportedStopOfThePlcIsToldApart) {
   RunResult result;
   result.figures.plc_stop = 200;
@@ -168,10 +177,14 @@ TEST_F(Results, AnUnreportedStopOfThePlcIsToldApart) {
 
 TEST_F(Results, AllRowsHaveAllColumns) {
   const auto count = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
-  for (const Ending ending : {Ending::kComplete, Ending::kDied, Ending::kBudget})
+  for (const Ending ending : {Ending::kComplete, Ending::kDied, Ending::kBudget, Ending::kMemory, Ending::kNoEnd})
     EXPECT_EQ(count(row(campaign_, campaign_.runs[3], {ending, {}})), count(header()));
   EXPECT_EQ(cell(row(campaign_, campaign_.runs[3], {Ending::kDied, {}}), "program"), "died");
   EXPECT_EQ(cell(row(campaign_, campaign_.runs[3], {Ending::kBudget, {}}), "outcome"), "hang");
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[3], {Ending::kMemory, {}}), "outcome"), "crash");
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[3], {Ending::kMemory, {}}), "program"), "memory");
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[3], {Ending::kNoEnd, {}}), "outcome"), "no_outcome");
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[3], {Ending::kNoEnd, {}}), "program"), "no_end");
 }
 
 TEST_F(Results, TheTableIsSortedByRunInWhateverOrderTheyEnd) {
@@ -229,6 +242,46 @@ TEST_F(Results, OnlyTheSameCampaignIsResumed) {
   EXPECT_NE(open(identity(), false).find("--resume"), std::string::npos);
   EXPECT_NE(open(identity(1, 1, "another build"), true).find("another campaign"), std::string::npos);
   EXPECT_NE(open(identity(1, 2), true).find("shards"), std::string::npos);
+}
+
+TEST_F(Results, RowsThatSayNotWhatTheyAreOfAreRefused) {
+  for (const std::string file : {"/outcomes.part", "/outcomes.csv"}) {
+    fs::create_directories(at("a"));
+    std::ofstream(at("a") + file) << rowOf(campaign_.runs[0]) << "\n";
+    for (const bool resume : {false, true}) {
+      EXPECT_NE(messageOf([&] { PartialOutcomes({at("a")}, identity(), campaign_, resume); }).find("without its"),
+                std::string::npos)
+          << file;
+    }
+    EXPECT_FALSE(fs::exists(at("a") + "/campaign.json")) << "nor are they given one";
+    fs::remove_all(at("a"));
+  }
+}
+
+TEST_F(Results, AStartThatWasKilledBeforeItsFirstRunIsResumed) {
+  fs::create_directories(at("a"));
+  std::ofstream(at("a") + "/outcomes.part");
+  EXPECT_EQ(PartialOutcomes({at("a")}, identity(), campaign_, true).size(), 0u);
+}
+
+TEST_F(Results, ARunWithoutAnOutcomeIsMadeAgain) {
+  const auto writeAll = [this](bool resume) {
+    PartialOutcomes outcomes({at("a")}, identity(), campaign_, resume);
+    std::size_t made = 0;
+    for (const CampaignRun& run : campaign_.runs) {
+      if (outcomes.has(run.number)) continue;
+      const bool stood = run.number == 2 && !resume;
+      outcomes.add(run.number, stood ? row(campaign_, run, {Ending::kNoEnd, {}}) : rowOf(run));
+      ++made;
+    }
+    outcomes.finish();
+    return made;
+  };
+  EXPECT_EQ(writeAll(false), 6u);
+  EXPECT_NE(slurp(at("a") + "/outcomes.csv").find("no_outcome"), std::string::npos);
+  EXPECT_EQ(writeAll(true), 1u);
+  write("whole", identity(), campaign_.runs);
+  EXPECT_EQ(slurp(at("a") + "/outcomes.csv"), slurp(at("whole") + "/outcomes.csv"));
 }
 
 TEST_F(Results, OneProcessAtATimeWrites) {
