@@ -212,7 +212,7 @@ struct Layout<HapticState> {
     v.field("cue_B", s.cue_B, "N", "what eqs. (5) and (6) ask for");
     v.field("guidance_B", s.guidance_B, "N", "what the guidance along a path asks for");
     v.field("edge_B", s.edge_B, "N", "what the edge of the master's workspace asks for");
-    v.field("gain", s.gain, "", "share of them that the passivity controller lets through");
+    v.field("gain", s.gain, "", "share of the cue that the passivity controller lets through");
     v.field("energy", s.energy, "J", "given to the hand, less what the force takes back where it began");
     v.field("allowance", s.allowance, "J", "what that may be");
     v.field("guidance_fade", s.guidance_fade, "", "0 no guidance to 1 the whole");
