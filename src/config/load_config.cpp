@@ -162,9 +162,11 @@ void checkExposure(const Section& root, const NetworkConfig& c) {
                         "allow_plaintext_remote: true if whoever reaches the port may move the arms");
 }
 
+constexpr double kAgeError = 0.004;  // [s] by which a state may be older than it is taken for (wire::FrameDelay)
+
 /** Longest [s] a state may count as fresh: then a tick passes, the force falls, and a tick passes before it is sent. */
 double longestFresh(const HapticGains& haptics) {
-  return kLastFelt - haptics.max_force / haptics.max_slew - 2.0 * kTickSeconds;
+  return kLastFelt - kAgeError - haptics.max_force / haptics.max_slew - 2.0 * kTickSeconds;
 }
 
 void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {

@@ -9,7 +9,7 @@ namespace {
 bool isSame(const Fault& a, const Fault& b) noexcept {
   return a.id == b.id && a.host == b.host && a.variable == b.variable && a.kind == b.kind && a.trigger == b.trigger &&
          a.arm == b.arm && a.channel == b.channel && a.first_tick == b.first_tick && a.value == b.value &&
-         a.low == b.low && a.high == b.high && a.seed == b.seed && a.row == b.row;
+         a.low == b.low && a.high == b.high && a.seed == b.seed && a.row == b.row && a.arming == b.arming;
 }
 
 bool isDue(const Fault& fault, std::int64_t next, std::int64_t times, std::int64_t clock) noexcept {
@@ -88,7 +88,7 @@ void FaultEngine::takeOver(const FaultPlan& plan) noexcept {
     goes_on[was] = true;
   }
   for (std::size_t i = 0; armed_ && i < old.count; ++i) {
-    if (former[i].active && !goes_on[i]) tell(old.faults[i], false);
+    if (former[i].active && !goes_on[i]) tell(old.faults[i], old.session, false);
   }
 }
 
@@ -100,16 +100,19 @@ void FaultEngine::rearm() noexcept {
   if (arms == armed_) return;
   armed_ = arms;
   for (std::size_t i = 0; i < plan_.count; ++i) {
-    if (progress_[i].active) tell(plan_.faults[i], arms);
+    if (progress_[i].active) tell(plan_.faults[i], plan_.session, arms);
+    for (Element& element : progress_[i].elements)
+      element.seen = false;  // values of before are of no account now
   }
 }
 
-void FaultEngine::tell(const Fault& fault, bool acts) noexcept {
+void FaultEngine::tell(const Fault& fault, std::uint32_t session, bool acts) noexcept {
   if (fault.host != host_) return;
   ++number_;
   if (changes_begun_ - changes_told_ == kMaxChanges) return;
   FaultChange change;
   change.number = number_;
+  change.session = session;
   change.id = fault.id;
   change.host = host_;
   change.row = fault.row;
@@ -175,7 +178,7 @@ void FaultEngine::advance(const Fault& fault, Progress* progress, bool may_start
   progress->active = true;
   progress->age = 0;
   ++progress->activations;
-  if (armed_) tell(fault, true);
+  if (armed_) tell(fault, plan_.session, true);
 }
 
 /** One that began late and ran over its next time does not come again at once. */
@@ -184,7 +187,7 @@ void FaultEngine::end(const Fault& fault, Progress* progress) noexcept {
   const std::int64_t missed = progress->clock - progress->next;
   if (fault.period_ticks > 0 && missed > 0)
     progress->next += (missed + fault.period_ticks - 1) / fault.period_ticks * fault.period_ticks;
-  if (armed_) tell(fault, false);
+  if (armed_) tell(fault, plan_.session, false);
 }
 
 bool FaultEngine::concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept {

@@ -88,7 +88,7 @@ DiagnosticStatus robotStatus(const RobotState& robot,
   if (!up && refused_version != 0) s.message = wire::refusalText("robot", refused_version);
   if (up && plan_refused) {
     s.level = DiagnosticStatus::WARN;
-    s.message += "; it refuses our fault plan: another reader's is armed";
+    s.message += "; it refuses our fault plan (its own words say why)";
   }
   s.values = {value("cycle", robot.cycle), value("virtual", static_cast<int>(robot.is_virtual)),
               value("homed", static_cast<int>(robot.homed)), value("active_fault", robot.active_fault)};

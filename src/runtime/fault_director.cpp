@@ -10,34 +10,21 @@ FaultDirector::FaultDirector(const TrainerConfig& config, SharedState* shared)
 }
 
 void FaultDirector::tick() {
-  if (waiting_.start != 0) add(waiting_.fault_id);
-  waiting_ = FaultRequest{};
   FaultRequest request;
-  while (waiting_.start == 0 && shared_.fault_requests.tryPop(&request))
-    apply(request);
-}
-
-/** What is armed anew begins anew: engines know a row that stays by its looks, so it is first seen to be gone. */
-void FaultDirector::apply(const FaultRequest& request) {
-  const bool was_armed = remove(request.fault_id);
-  if (request.start == 0) return;
-  if (was_armed) {
-    waiting_ = request;
-  } else {
-    add(request.fault_id);
+  while (shared_.fault_requests.tryPop(&request)) {
+    remove(request.fault_id);
+    if (request.start != 0) add(request.fault_id);
   }
 }
 
-bool FaultDirector::remove(std::uint32_t id) {
+void FaultDirector::remove(std::uint32_t id) {
   FaultPlan next = plan_;
   next.count = 0;
   for (std::size_t i = 0; i < plan_.count; ++i) {
     const bool goes = id == 0 || plan_.faults[i].id == id;
     if (!goes) next.faults[next.count++] = plan_.faults[i];
   }
-  if (next.count == plan_.count) return false;
-  publish(next);
-  return true;
+  if (next.count != plan_.count) publish(next);
 }
 
 /** A scenario is armed whole or not at all. */
@@ -45,8 +32,11 @@ void FaultDirector::add(std::uint32_t id) {
   const FaultPlan added = config::planFor(config_, id, 0);
   if (added.count == 0 || !fits(plan_, added)) return;
   FaultPlan next = plan_;
-  for (std::size_t i = 0; i < added.count; ++i)
-    next.faults[next.count++] = added.faults[i];
+  ++armings_;
+  for (std::size_t i = 0; i < added.count; ++i) {
+    next.faults[next.count] = added.faults[i];
+    next.faults[next.count++].arming = armings_;
+  }
   publish(next);
 }
 

@@ -151,7 +151,7 @@ void HapticLoop::computeArm(Arm arm, const Inputs& in, HapticState* out) const n
   at(out->energy, arm) = at(guards_, arm).energy();
   at(out->allowance, arm) = at(guards_, arm).allowance();
   Vector3 wanted = haptics::shortened(cue_B, at(out->gain, arm), gains_.min_force);
-  if (has_fixtures_) wanted += fixtures(arm, *out, in.seconds);
+  if (has_fixtures_ && out->active != 0) wanted += fixtures(arm, *out, in.seconds);  // else all falls to nothing
   if (in.model.faults.console != 0 && out->active != 0)  // size and slew stay limited whatever a fault does
     wanted = at(in.model.faults.force_gain, arm) * wanted + toEigen(at(in.model.faults.force_offset_B, arm));
   haptics::ForceLimiter limiter = at(limiters_, arm);

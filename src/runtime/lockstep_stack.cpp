@@ -106,16 +106,21 @@ struct LockstepStack::Impl {
     relay_channel.flush(now_ns, send);
     shared->relay_network.store(relay_channel.counts());
     plant.step(software.cycle(plant.read()));
+    tellFaultChanges();
     receiveFaultPlan();
     returnState();
   }
 
-  void returnState() {
+  /** Ahead of the state, and before the next plan: of the cycle that was. */
+  void tellFaultChanges() {
     FaultChange change;
     while (software.nextFaultChange(&change)) {
       const std::size_t size = wire::encodeFaultChange(++frame_sequence, change, buffer.data());
       link.receive(buffer.data(), size, now_ns);
     }
+  }
+
+  void returnState() {
     software.returnState(now_ns);
     RobotState state;
     while (software.nextReturned(&state)) {

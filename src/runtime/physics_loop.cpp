@@ -159,10 +159,10 @@ void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
   }
 }
 
-/** Into what a real robot is sent, only with the second key; also while its state does not reach us, for our packets
- *  may still reach it. */
+/** Into what a real robot is sent, only with the second key. Once a robot was there and no virtual one is now, our
+ *  packets may reach a real one, whether its state reaches us or not. */
 bool PhysicsLoop::mayInject() const noexcept {
-  return config_.injection.real_robot || robot_.is_virtual != 0 || !relay_started_;
+  return config_.injection.real_robot || !relay_started_ || (hasRobot() && robot_.is_virtual != 0);
 }
 
 void PhysicsLoop::holdFaults() noexcept {
@@ -185,11 +185,14 @@ void PhysicsLoop::tellFaultChanges() noexcept {
       shared_.change_records.tryPush({state_.tick, change});
     }
   }
+  const std::uint64_t untold =
+      relay_faults_.changesUntold() + master_faults_.changesUntold() + console_faults_.changesUntold();
+  if (untold > changes_untold_) shared_.fault_changes_untold.add(untold - changes_untold_);
+  changes_untold_ = untold;
 }
 
 /** What faults made of packets. */
 void PhysicsLoop::countFaultedPackets() noexcept {
-  if (shared_.faults.version() < 2) return;  // nothing was ever armed
   shared_.master_faults.store(master_stream_.counts());
   shared_.relay_faults.store(relay_stream_.counts());
 }
@@ -481,6 +484,7 @@ void PhysicsLoop::relay() noexcept {
 void PhysicsLoop::sendToRobot(const RelayPacket& packet) noexcept {
   const auto network = relay_faults_.acting(FaultVariable::kPacket, FaultKind::kImpair);
   RelayPacket sent = packet;
+  sent.is_held = relay_faults_.isHeld() ? 1 : 0;
   sent.impairment = network ? 1 + static_cast<std::uint32_t>(network.fault->value) : 0;
   shared_.relay_packets.tryPush(sent);
 }

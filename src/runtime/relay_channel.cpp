@@ -10,6 +10,7 @@ constexpr std::uint64_t kStream = 2;  // 0 and 1 are the directions between cons
 }  // namespace
 
 void RelayChannel::pass(const RelayPacket& packet, std::int64_t now_ns, const Send& send) {
+  if (packet.is_held != 0) end();
   const bool is_known = packet.impairment <= config_.impairments.size();
   if (packet.impairment != impairment_ && packet.impairment != 0 && is_known) {
     flush(now_ns, send);
@@ -26,12 +27,17 @@ void RelayChannel::pass(const RelayPacket& packet, std::int64_t now_ns, const Se
   flush(now_ns, send);
 }
 
-/** What the channel before it still holds is lost. */
 void RelayChannel::begin(std::uint32_t impairment, std::int64_t now_ns) {
+  end();
+  channel_.emplace(config_.impairments[impairment - 1], config_.seed, kStream, now_ns);
+}
+
+/** What the channel still holds is lost. */
+void RelayChannel::end() {
   before_ = counts();
   before_.lost += std::exchange(before_.held, 0);
   cut_ = 0;
-  channel_.emplace(config_.impairments[impairment - 1], config_.seed, kStream, now_ns);
+  channel_.reset();
 }
 
 FaultedPackets RelayChannel::counts() const {

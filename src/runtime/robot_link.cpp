@@ -1,5 +1,8 @@
 #include "raven2_trainer/runtime/robot_link.h"
 
+#include <cstring>
+#include <utility>
+
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::runtime {
@@ -50,9 +53,10 @@ void RobotLink::count(Reject reason) noexcept {
 }
 
 Reject RobotLink::apply(const wire::Frame& frame, std::int64_t now_ns) noexcept {
+  const bool is_first = std::exchange(is_first_, false);
   switch (frame.type) {
     case wire::FrameType::kHello:
-      return applyHello(frame);
+      return is_first ? applyHello(frame) : Reject::kOutOfOrder;
     case wire::FrameType::kState:
       return applyState(frame, now_ns);
     case wire::FrameType::kFaultChange:
@@ -66,8 +70,6 @@ Reject RobotLink::apply(const wire::Frame& frame, std::int64_t now_ns) noexcept 
 
 // A robot must not turn virtual under way, so a hello counts only as the first frame; without one the robot is real.
 Reject RobotLink::applyHello(const wire::Frame& frame) noexcept {
-  if (!is_first_) return Reject::kOutOfOrder;
-  is_first_ = false;
   state_.is_virtual = wire::saysVirtual(frame) ? 1 : 0;
   return Reject::kNone;
 }
@@ -79,6 +81,7 @@ Reject RobotLink::applyChange(const wire::Frame& frame) noexcept {
   if (change.number <= change_number_) return Reject::kOutOfOrder;
   if (change_number_ != 0) shared_.fault_changes_lost.add(change.number - change_number_ - 1);
   change_number_ = change.number;
+  if (change.session != session_) return Reject::kNone;  // of another daemon's plan
   return shared_.fault_changes.tryPush(change) ? Reject::kNone : Reject::kQueueFull;
 }
 
@@ -96,7 +99,6 @@ Reject RobotLink::checkOrder(const RobotState& next) const noexcept {
 }
 
 Reject RobotLink::applyState(const wire::Frame& frame, std::int64_t now_ns) noexcept {
-  is_first_ = false;
   RobotState next = state_;
   Reject reason = wire::decodeState(frame, &next);
   if (reason == Reject::kNone) reason = checkOrder(next);
@@ -141,7 +143,8 @@ std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
 
 std::size_t RobotLink::pendingSignals(std::uint8_t* out) noexcept {
   ModelState model;
-  if (!shared_.model.tryLoad(&model) || model.faults.signals == sent_signals_) return 0;
+  if (!shared_.model.tryLoad(&model)) return 0;
+  if (std::memcmp(&model.faults.signals, &sent_signals_, sizeof(sent_signals_)) == 0) return 0;  // NaN is NaN here
   sent_signals_ = model.faults.signals;
   return wire::encodeFaultSignals(++sequence_, model.faults.signals, out);
 }

@@ -247,7 +247,7 @@ struct Simulator::Impl {
   /** Each time that it begins. */
   void reportRefusal(bool is_refused) {
     if (is_refused && !reported_refusal)
-      std::fprintf(stderr, "robot: it refuses our fault plan: another reader's is armed\n");
+      std::fprintf(stderr, "robot: it refuses our fault plan (its own words say why)\n");
     reported_refusal = is_refused;
   }
 

@@ -50,6 +50,7 @@ void StateServer::push(const RobotState& state) noexcept {
 
 void StateServer::push(const FaultChange& change) noexcept {
   changes_.tryPush(change);
+  state_ready_.signal();
 }
 
 void StateServer::serve(std::int64_t now_ns) {
@@ -99,11 +100,13 @@ void StateServer::receive(ClientId client, const std::uint8_t* bytes, std::size_
 
 void StateServer::handle(ClientId client, Reader* reader, const wire::Frame& frame) {
   if (wire::decodeFaultSignals(frame, &reader->signals) && plan_owner_ == client) signals_.store(reader->signals);
+  if (frame.type != wire::FrameType::kFaultPlan) return;
   FaultPlan plan;
-  if (!wire::decodeFaultPlan(frame, &plan)) return;
-  const bool may_arm = is_virtual_ && (plan_owner_ == 0 || plan_owner_ == client);
+  const bool is_sound = wire::decodeFaultPlan(frame, &plan);
+  const bool may_arm = is_sound && is_virtual_ && (plan_owner_ == 0 || plan_owner_ == client);
   server_.send(client, buffer_.data(), wire::encodePlanAnswer(++sequence_, may_arm, buffer_.data()));
-  if (!may_arm) return refuse(client, reader);
+  if (!is_sound) return refuse(client, reader, "there is a fault in it that it does not know or cannot make");
+  if (!may_arm) return refuse(client, reader, is_virtual_ ? "another reader's is armed" : "this is a real robot");
   const wire::FrameBytes sent(frame.payload, frame.payload + frame.size);
   if (plan_owner_ == client && owners_plan_ == sent) return;  // again
   plan_owner_ = client;
@@ -113,12 +116,11 @@ void StateServer::handle(ClientId client, Reader* reader, const wire::Frame& fra
   arm(plan);
 }
 
-void StateServer::refuse(ClientId client, Reader* reader) {
+void StateServer::refuse(ClientId client, Reader* reader, const char* why) {
   plans_refused_.fetch_add(1, std::memory_order_relaxed);
   if (reader->was_refused) return;
   reader->was_refused = true;
-  tell("fault plan of reader " + toString(server_.reader(client).peer) +
-       (is_virtual_ ? " refused: another reader's is armed" : " refused: this is a real robot"));
+  tell("fault plan of reader " + toString(server_.reader(client).peer) + " refused: " + why);
 }
 
 /** At most a line a second, however often somebody comes and goes. */

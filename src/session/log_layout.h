@@ -286,6 +286,7 @@ struct Layout<Fault> {
     v.field("arm", s.arm, "", "0 gold, 1 green, -1 both");
     v.field("channel", s.channel, "", "element of the variable; -1 all");
     v.field("row", s.row, "", "of its scenario");
+    v.field("arming", s.arming, "", "counts what was armed");
     v.field("first_tick", s.first_tick, "ms, packets", "earliest start");
     v.field("duration_ticks", s.duration_ticks, "ms, packets", "length; 0 until cleared");
     v.field("period_ticks", s.period_ticks, "ms, packets", "repeated every; 0 once");
@@ -498,7 +499,7 @@ struct Layout<SessionCounts> {
     v.field("master_faults", s.master_faults, "", "by faults, between ingest and model");
     v.field("relay_faults", s.relay_faults, "", "by faults, between physics loop and sender");
     v.field("relay_network", s.relay_network, "", "by the bad network of a fault, behind the sender");
-    v.field("fault_changes_lost", s.fault_changes_lost, "", "beginnings and ends of the robot's faults not received");
+    v.field("fault_changes_lost", s.fault_changes_lost, "", "beginnings and ends of faults not told");
     v.field("frames", s.frames, "frames", "live camera frames rendered");
     v.field("ik_clamped", s.ik_clamped, "ms", "ticks in which a joint limit clamped the desired pose");
     v.field("realtime", s.realtime, "", "1 if real-time scheduling was granted");

@@ -195,7 +195,7 @@ Json describeInjection(const Injection& injection) {
           {"value", fault.value},
           {"inject", {{"tick", injection.inject_tick}, {"cycle", injection.inject_cycle}}},
           {"observe", {{"tick", orNull(injection.observe_tick)}}},
-          {"clear", {{"tick", orNull(injection.clear_tick)}, {"cycle", robot_clear}}}};
+          {"clear", {{"tick", orNull(injection.clear_tick)}, {"cycle", robot_clear}, {"assumed", injection.is_assumed}}}};
 }
 
 void writeFaults(const std::string& path, const SessionMetrics& metrics) {
@@ -213,6 +213,7 @@ void writeFaults(const std::string& path, const SessionMetrics& metrics) {
                      {"robot", "ms, the robot's own control cycles"}}},
                    {"faults", events},
                    {"injections", injections},
+                   {"injections_beyond", metrics.injections_beyond},
                    {"changes_lost", metrics.counts.fault_changes_lost}});
 }
 

@@ -69,42 +69,79 @@ void MetricsAccumulator::add(const FaultChangeRecord& record) {
 }
 
 void MetricsAccumulator::followChanges(const TickRecord& record) {
-  for (; !changes_.empty() && changes_.front().tick <= record.model.tick; changes_.pop_front()) {
-    const FaultChange& change = changes_.front().change;
-    for (Span& span : spans_) {
-      const bool is_same = span.begin.host == change.host && span.begin.id == change.id && span.begin.row == change.row;
-      if (is_same && span.is_open) close(&span, change.cycle, record);
-    }
-    if (change.acts != 0) open(change, record);
-  }
-  if (record.robot.connected != 0) return;
-  for (Span& span : spans_) {  // with its reader a robot loses the reader's faults
-    if (span.is_open && span.begin.host == FaultHost::kRobot) close(&span, record.robot.cycle, record);
-  }
+  for (; !changes_.empty() && changes_.front().tick <= record.model.tick; changes_.pop_front())
+    take(changes_.front().change, record);
+  const bool is_connected = record.robot.connected != 0;
+  if (was_connected_ && !is_connected) loseRobot(record);
+  was_connected_ = is_connected;
+}
+
+void MetricsAccumulator::take(const FaultChange& change, const TickRecord& record) {
+  close(change, record);
+  if (change.acts != 0) open(change, record);
 }
 
 void MetricsAccumulator::open(const FaultChange& change, const TickRecord& record) {
+  if (spans_.size() >= kMaxInjections) {
+    ++metrics_.injections_beyond;
+    return;
+  }
   Span span;
   span.begin = change;
   span.model_tick = record.model.tick;
   span.injection.inject_tick = record.model.session_tick;
   span.injection.inject_cycle = change.host == FaultHost::kRobot ? change.cycle : record.robot.cycle;
+  open_.push_back(spans_.size());
   spans_.push_back(span);
 }
 
-void MetricsAccumulator::close(Span* span, std::uint64_t cycle, const TickRecord& record) {
-  span->is_open = false;
+void MetricsAccumulator::close(const FaultChange& change, const TickRecord& record) {
+  Span* span = spanOf(change);
+  if (span == nullptr) return;
+  span->injection.is_assumed = false;
   span->injection.clear_tick = record.model.session_tick;
-  span->injection.clear_cycle = span->begin.host == FaultHost::kRobot ? cycle : record.robot.cycle;
+  span->injection.clear_cycle = change.host == FaultHost::kRobot ? change.cycle : record.robot.cycle;
+}
+
+/** What a change ends: the row's span that acts; for an end also the newest that was given up with its link. */
+MetricsAccumulator::Span* MetricsAccumulator::spanOf(const FaultChange& change) {
+  const auto is_of = [&](const Span& span) {
+    return span.begin.host == change.host && span.begin.id == change.id && span.begin.row == change.row;
+  };
+  const auto acting = std::find_if(open_.begin(), open_.end(), [&](std::size_t i) { return is_of(spans_[i]); });
+  if (acting != open_.end()) {
+    Span* span = &spans_[*acting];
+    open_.erase(acting);
+    return span;
+  }
+  if (change.acts != 0) return nullptr;
+  const auto newest = std::find_if(spans_.rbegin(), spans_.rend(), is_of);
+  return newest != spans_.rend() && newest->injection.is_assumed ? &*newest : nullptr;
+}
+
+/** With its reader a robot loses the reader's faults, as soon as it notices. */
+void MetricsAccumulator::loseRobot(const TickRecord& record) {
+  const auto is_robots = [&](std::size_t i) { return spans_[i].begin.host == FaultHost::kRobot; };
+  for (const std::size_t i : open_) {
+    if (!is_robots(i)) continue;
+    Injection& injection = spans_[i].injection;
+    injection.is_assumed = true;
+    injection.clear_tick = record.model.session_tick;
+    injection.clear_cycle = record.robot.cycle;
+  }
+  open_.erase(std::remove_if(open_.begin(), open_.end(), is_robots), open_.end());
 }
 
 /** Of all that act, or began and ended within this tick: the robot's first, then by host and age. */
 std::uint32_t MetricsAccumulator::actingFault(Tick model_tick) const {
   const Span* first = nullptr;
-  for (const Span& span : spans_) {
-    const bool acts = span.is_open || span.model_tick == model_tick;
-    if (acts && (first == nullptr || span.begin.host < first->begin.host)) first = &span;
-  }
+  const auto look = [&](const Span& span) {
+    if (first == nullptr || span.begin.host < first->begin.host) first = &span;
+  };
+  for (const std::size_t i : open_)
+    look(spans_[i]);
+  for (auto span = spans_.rbegin(); span != spans_.rend() && span->model_tick == model_tick; ++span)
+    look(*span);
   return first == nullptr ? 0 : first->begin.id;
 }
 
@@ -121,17 +158,27 @@ Fault MetricsAccumulator::faultOf(const Span& span) const {
   return fault;
 }
 
+/** The first crossing from its beginning on, in the events that it has a part in. */
+Tick MetricsAccumulator::onsetOf(const Injection& injection) const {
+  const bool ends = injection.clear_cycle != 0;
+  const auto is_before = [&](const FaultEvent& event) {
+    return event.end_tick >= 0 && event.end_tick < injection.inject_tick;
+  };
+  for (auto event = std::partition_point(metrics_.faults.begin(), metrics_.faults.end(), is_before);
+       event != metrics_.faults.end(); ++event) {
+    if (ends && event->first_tick > injection.clear_tick) break;
+    if (event->onset_tick >= 0 && event->onset_tick >= injection.inject_tick) return event->onset_tick;
+  }
+  return -1;
+}
+
 std::vector<Injection> MetricsAccumulator::injections() const {
   std::vector<Injection> all;
   for (const Span& span : spans_) {
     Injection injection = span.injection;
     injection.fault = faultOf(span);
     injection.name = nameOf(span.begin.id);
-    for (const FaultEvent& event : metrics_.faults) {
-      const bool within =
-          injection.inject_tick >= event.first_tick && (event.end_tick < 0 || injection.inject_tick <= event.end_tick);
-      if (within && event.onset_tick >= injection.inject_tick) injection.observe_tick = event.onset_tick;
-    }
+    injection.observe_tick = onsetOf(injection);
     all.push_back(injection);
   }
   return all;

@@ -24,10 +24,10 @@ static_assert(kStateSize == 619, "the layout of doc/wire.md; another size needs 
 constexpr std::size_t kSignalsSize = 2 * sizeof(double) + 2 * sizeof(std::uint32_t);
 
 constexpr std::size_t kFaultPlanHead = 4 + 4 + 4;
-constexpr std::size_t kChangeSize = 8 + 8 + 4 + 3;
+constexpr std::size_t kChangeSize = 8 + 8 + 4 + 4 + 3;
 constexpr std::size_t kAnswerSize = 1;
-constexpr std::size_t kFaultSize = 4 + 8 + 8 + 6 * sizeof(std::int64_t) + 5 * sizeof(double);
-static_assert(kFaultSize == 108, "the layout of doc/wire.md; another size needs another version");
+constexpr std::size_t kFaultSize = 4 + 8 + 4 + 8 + 6 * sizeof(std::int64_t) + 5 * sizeof(double);
+static_assert(kFaultSize == 112, "the layout of doc/wire.md; another size needs another version");
 static_assert(kFaultPlanHead + kMaxFaults * kFaultSize <= kMaxPayload && kStateSize <= kMaxPayload, "fits a frame");
 
 /** Far more than a drained parser ever holds; more means a caller that feeds and never takes. */
@@ -205,6 +205,7 @@ void putFault(ByteWriter& out, const Fault& fault) noexcept {
   out.put(fault.arm);
   out.put(fault.channel);
   out.put(fault.row);
+  out.put(fault.arming);
   out.put(fault.seed);
   forEachTime(fault, [&](std::int64_t ticks) { out.put(ticks); });
   forEachNumber(fault, [&](double number) { out.put(number); });
@@ -228,6 +229,7 @@ bool getFault(ByteReader& in, Fault* fault) noexcept {
   fault->arm = in.get<std::int8_t>();
   fault->channel = in.get<std::int8_t>();
   fault->row = in.get<std::uint8_t>();
+  fault->arming = in.get<std::uint32_t>();
   fault->seed = in.get<std::uint64_t>();
   forEachTime(*fault, [&](std::int64_t& ticks) { ticks = in.get<std::int64_t>(); });
   forEachNumber(*fault, [&](double& number) { number = in.get<double>(); });
@@ -282,6 +284,7 @@ std::size_t encodeFaultChange(std::uint32_t sequence, const FaultChange& change,
   ByteWriter payload(out + kFrameHeaderSize, kMaxPayload);
   payload.put(change.number);
   payload.put(change.cycle);
+  payload.put(change.session);
   payload.put(change.id);
   payload.put(static_cast<std::uint8_t>(change.host));
   payload.put(change.row);
@@ -358,6 +361,7 @@ bool decodeFaultChange(const Frame& frame, FaultChange* change) noexcept {
   FaultChange decoded;
   decoded.number = in.get<std::uint64_t>();
   decoded.cycle = in.get<std::uint64_t>();
+  decoded.session = in.get<std::uint32_t>();
   decoded.id = in.get<std::uint32_t>();
   const bool is_robots = getEnum(in, kFaultHostCount, &decoded.host) && decoded.host == FaultHost::kRobot;
   decoded.row = in.get<std::uint8_t>();

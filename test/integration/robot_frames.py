@@ -21,7 +21,7 @@ gc.disable()
 
 HEADER = struct.Struct("<4sHHII")
 PLAN_HEAD = struct.Struct("<III")  # generation, session, rows
-VERSION = 0x301
+VERSION = 0x400
 HELLO, STATE_TYPE, PLAN = 1, 2, 3
 
 
@@ -91,7 +91,7 @@ class FrameReader:
     def send_plan(self, fault_id=1):
         """A plan of one fault that never begins (first tick in the far future)."""
         payload = PLAN_HEAD.pack(1, 1, 1) + struct.pack(
-            "<I5B2bBQ6q5d", fault_id, 0, 13, 34, 1, 0, 0, 0, 0, 0, 10**12, 300, 0, 1, 0, 0, 0.0, 1.0, 0.0, 0.0, 0.0)
+            "<I5B2bBIQ6q5d", fault_id, 0, 13, 34, 1, 0, 0, 0, 0, 1, 0, 10**12, 300, 0, 1, 0, 0, 0.0, 1.0, 0.0, 0.0, 0.0)
         self._sequence += 1
         head = HEADER.pack(b"RV2T", VERSION, PLAN, len(payload), self._sequence)
         self._socket.sendall(head + struct.pack("<I", zlib.crc32(payload, zlib.crc32(head))) + payload)

@@ -236,7 +236,7 @@ def test_a_broken_network_is_found_out_and_heals_without_motion(space):
 class Loris(threading.Thread):
     """Clients that each begin a frame, send a byte of it now and then and never finish; how long each lived."""
 
-    FRAME = struct.pack("<4sHHII", b"RV2T", 0x301, 3, 12, 1)
+    FRAME = struct.pack("<4sHHII", b"RV2T", 0x400, 3, 12, 1)
 
     def __init__(self, port, count):
         super().__init__(daemon=True)
@@ -385,7 +385,7 @@ def test_bad_frames_close_the_connection_and_are_counted():
 
 
 def frame(kind, payload, sequence):
-    head = struct.pack("<4sHHII", b"RV2T", 0x301, kind, len(payload), sequence)
+    head = struct.pack("<4sHHII", b"RV2T", 0x400, kind, len(payload), sequence)
     return head + struct.pack("<I", zlib.crc32(payload, zlib.crc32(head))) + payload
 
 

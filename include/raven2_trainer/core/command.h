@@ -24,6 +24,7 @@ struct RelayPacket {
   Tick tick{};
   MasterCommand command{};     ///< sequence is the relay's own
   std::uint32_t impairment{};  ///< 1 + position of the bad network it goes through, 0 none
+  std::uint8_t is_held{};      ///< 1: no fault may touch what is sent, and nothing that one held back may come after it
 };
 
 /** Force for the console, one a haptic tick. */

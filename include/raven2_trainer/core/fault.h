@@ -198,6 +198,7 @@ struct Fault {
   std::int8_t arm{-1};               ///< 0 gold, 1 green, -1 both
   std::int8_t channel{-1};           ///< of the variable; -1 all
   std::uint8_t row{};                ///< which of its scenario's rows
+  std::uint32_t arming{};            ///< counts what was armed: the same scenario armed anew begins anew
   std::int64_t first_tick{};         ///< [ticks] earliest start, on the trigger's clock
   std::int64_t duration_ticks{};     ///< [ticks] length: 300 means 300 cycles; 0 = until cleared
   std::int64_t period_ticks{};       ///< [ticks] repeat every; 0 = once
@@ -227,7 +228,8 @@ struct FaultPlan {
 struct FaultChange {
   std::uint64_t number{};  ///< counts the changes of its host from 1; one that is missing was lost
   std::uint64_t cycle{};   ///< [1 ms] on its host's clock: first that it acts in, or first that it no longer acts in
-  std::uint32_t id{};      ///< Fault::id
+  std::uint32_t session{};  ///< FaultPlan::session; not on record
+  std::uint32_t id{};       ///< Fault::id
   FaultHost host{FaultHost::kRobot};
   std::uint8_t row{};   ///< Fault::row
   std::uint8_t acts{};  ///< 1 began, 0 ended

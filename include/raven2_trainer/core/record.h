@@ -196,7 +196,7 @@ struct SessionCounts {
   FaultedPackets master_faults{};      ///< between ingest and model
   FaultedPackets relay_faults{};       ///< between physics loop and sender
   FaultedPackets relay_network{};      ///< between sender and socket: the bad network of a fault
-  std::uint64_t fault_changes_lost{};  ///< beginnings and ends of the robot's faults that did not reach us
+  std::uint64_t fault_changes_lost{};  ///< beginnings and ends of faults that were not told
 };
 static_assert(std::is_trivially_copyable<SessionCounts>::value, "travels in the log");
 

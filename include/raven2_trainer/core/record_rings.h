@@ -25,7 +25,7 @@ struct RecordRings {
   // physics -> recorder
   RecordRing<ContactRecord, 8192> contacts;
   // physics -> recorder
-  RecordRing<FaultChangeRecord, 256> changes;
+  RecordRing<FaultChangeRecord, 2048> changes;
 
   /** call(RecordKind, ring) for each, in the order in which they are written to the log. */
   template <typename Call>

@@ -97,7 +97,7 @@ struct SharedState {
   RecordRing<PlanRecord, 8>& plan_records;
   RecordRing<FaultRecord, 16>& fault_records;
   RecordRing<ContactRecord, 8192>& contact_records;
-  RecordRing<FaultChangeRecord, 256>& change_records;
+  RecordRing<FaultChangeRecord, 2048>& change_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;  // physics
@@ -107,7 +107,8 @@ struct SharedState {
   Counter frames;       // render
 
   Counter contacts_dropped;    // physics: beyond the longest list
-  Counter fault_changes_lost;  // robot_link: missing between those that came
+  Counter fault_changes_lost;    // robot_link: missing between those that came
+  Counter fault_changes_untold;  // physics: more in a tick than its engines keep
   Counter relay_failed;      // sender: the system did not take it
   Counter relay_released;    // sender: pedal-up packets of its own
   Counter force_failed;      // sender
@@ -143,7 +144,7 @@ inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   c.master_faults = s.master_faults.load();
   c.relay_faults = s.relay_faults.load();
   c.relay_network = s.relay_network.load();
-  c.fault_changes_lost = s.fault_changes_lost.value();
+  c.fault_changes_lost = s.fault_changes_lost.value() + s.fault_changes_untold.value();
   c.rings = ringCounts(s);
   for (std::size_t i = static_cast<std::size_t>(RingId::kTickRecords); i < kRingCount; ++i)
     c.records_dropped += c.rings[i].dropped;

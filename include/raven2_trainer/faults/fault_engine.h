@@ -55,6 +55,8 @@ class FaultEngine {
   /** The oldest beginning or end not told yet; `cycle` is left to the host, whose clock it is. @return false if there
    * is none. Whoever never asks loses the newest. */
   bool nextChange(FaultChange* change) noexcept;
+  /** Those lost so, since the start. */
+  std::uint64_t changesUntold() const noexcept { return number_ - changes_begun_; }
 
   /** One element of a variable after its faults. `arm` is of no account where a variable has none. */
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
@@ -120,7 +122,7 @@ class FaultEngine {
   void start(const Fault& fault, Progress* progress) const noexcept;
   void takeOver(const FaultPlan& plan) noexcept;
   void rearm() noexcept;
-  void tell(const Fault& fault, bool acts) noexcept;
+  void tell(const Fault& fault, std::uint32_t session, bool acts) noexcept;
   double corrupt(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept;
   double corrupted(const Fault& fault, Progress* progress, const Element& element, double value) noexcept;
   bool concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept;

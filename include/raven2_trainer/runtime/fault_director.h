@@ -16,15 +16,14 @@ class FaultDirector {
   static bool fits(const FaultPlan& armed, const FaultPlan& added);
 
  private:
-  void apply(const FaultRequest& request);
-  bool remove(std::uint32_t id);
+  void remove(std::uint32_t id);
   void add(std::uint32_t id);
   void publish(FaultPlan next);
 
   const TrainerConfig& config_;
   SharedState& shared_;
   FaultPlan plan_{};
-  FaultRequest waiting_{};  ///< to be armed anew in the next tick
+  std::uint32_t armings_{0};
 };
 
 }  // namespace raven2_trainer::runtime

@@ -128,6 +128,7 @@ class PhysicsLoop {
   std::uint64_t last_cycle_{0};
   std::atomic<bool> pause_requested_{false};
   std::uint64_t fault_generation_{~std::uint64_t{0}};  ///< of the plan in force
+  std::uint64_t changes_untold_{0};
   bool slipped_{false};                                ///< since the last tick
 };
 

@@ -84,7 +84,7 @@ class StateServer {
   void greet(ClientId client);
   void receive(ClientId client, const std::uint8_t* bytes, std::size_t size);
   void handle(ClientId client, Reader* reader, const wire::Frame& frame);
-  void refuse(ClientId client, Reader* reader);
+  void refuse(ClientId client, Reader* reader, const char* why);
   void tell(const std::string& words);
   void arm(const FaultPlan& plan);
   void forget(ClientId client);

@@ -48,8 +48,11 @@ struct Injection {
   Tick clear_tick{-1};           ///< in which it knew the end, or lost the robot; -1 it lasts to the end
   std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock; a robot's own fault: exactly the first cycle with it
   std::uint64_t clear_cycle{};   ///< exactly the first without it; 0: it lasts to the end
+  bool is_assumed{};             ///< the end is only the loss of the robot's link
   Tick observe_tick{-1};         ///< first session tick with the tips parted by more than the tolerance; -1 never
 };
+
+constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
 
 struct SessionMetrics {
   double duration{};         ///< [s] from the first pedal down
@@ -63,7 +66,8 @@ struct SessionMetrics {
   PlanResult plan{};   ///< newest, status kNone if none was asked for
   SessionCounts counts{};
   std::uint64_t frames{};  ///< of video.mp4; 0 before it is rendered
-  bool complete{};         ///< the log has its last record, the counters
+  std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
+  bool complete{};                    ///< the log has its last record, the counters
 };
 
 /**
@@ -98,15 +102,18 @@ class MetricsAccumulator {
   struct Span {
     FaultChange begin{};
     Tick model_tick{};
-    bool is_open{true};
     Injection injection;
   };
 
   void followChanges(const TickRecord& record);
   void open(const FaultChange& change, const TickRecord& record);
-  void close(Span* span, std::uint64_t cycle, const TickRecord& record);
+  void take(const FaultChange& change, const TickRecord& record);
+  void close(const FaultChange& change, const TickRecord& record);
+  Span* spanOf(const FaultChange& change);
+  void loseRobot(const TickRecord& record);
   std::uint32_t actingFault(Tick model_tick) const;
   Fault faultOf(const Span& span) const;
+  Tick onsetOf(const Injection& injection) const;
   std::vector<Injection> injections() const;
   void followFault(const TickRecord& record);
   std::string nameOf(std::uint32_t id) const;
@@ -123,6 +130,8 @@ class MetricsAccumulator {
   std::vector<FaultRecord> plans_;
   std::deque<FaultChangeRecord> changes_;  ///< that wait for their tick
   std::vector<Span> spans_;
+  std::vector<std::size_t> open_;  ///< of them, those that act
+  bool was_connected_{false};
   Tick first_{-1};      ///< session tick of the first tick seen in the session; -1 before
   Tick now_{-1};        ///< session tick being looked at
   Tick model_now_{-1};  ///< its model tick

@@ -17,8 +17,8 @@ namespace raven2_trainer::wire {
 
 constexpr std::uint32_t kFrameMagic = 0x54325652;  ///< "RV2T" in memory
 // Another major version is refused. A newer minor one may only append to payloads and add types: both are passed over.
-constexpr std::uint8_t kFrameMajor = 3;
-constexpr std::uint8_t kFrameMinor = 1;
+constexpr std::uint8_t kFrameMajor = 4;
+constexpr std::uint8_t kFrameMinor = 0;
 constexpr std::size_t kFrameHeaderSize = 20;
 constexpr std::size_t kMaxPayload = 4096;
 

@@ -266,12 +266,27 @@ TEST(FaultSessions, WhatIsArmedAnewWithinOneBeginsAnew) {
   engine.setPlan(planOf(fault, 1, 7));
   for (int i = 0; i < 10; ++i)
     engine.beginCycle({});
-  FaultPlan nothing;
-  nothing.generation = 2;
-  nothing.session = 7;
-  engine.setPlan(nothing);
-  engine.setPlan(planOf(fault, 3, 7));
+  Fault again = fault;
+  again.arming = 1;  // nobody saw that it was gone in between
+  engine.setPlan(planOf(again, 3, 7));
   EXPECT_EQ(actingCycles(engine, 10, [](int) { return FaultCycle{}; }), (std::vector<int>{0, 1, 2}));
+}
+
+TEST(FaultHold, WhatIsFrozenAfterItIsOfAfterIt) {
+  Fault frozen = stuck(FaultTrigger::kPowerOn, 2);
+  frozen.kind = FaultKind::kHoldLast;
+  frozen.duration_ticks = 0;
+  FaultEngine engine = armed(frozen);
+  const auto apply = [&](double value) { return engine.apply(FaultVariable::kDac, Arm::kGold, kShoulder, value); };
+  engine.beginCycle({});
+  EXPECT_EQ(apply(5.0), 5.0);
+  engine.hold(true);
+  for (int i = 0; i < 10; ++i)
+    engine.beginCycle({});
+  engine.hold(false);
+  engine.beginCycle({});
+  EXPECT_EQ(apply(9.0), 9.0) << "not the 5 of long ago";
+  EXPECT_EQ(apply(11.0), 9.0);
 }
 
 TEST(FaultHold, LetsNothingActUntilItIsOver) {

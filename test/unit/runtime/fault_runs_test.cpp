@@ -260,6 +260,42 @@ TEST(FaultRuns, NoLostLinkHeldPacketOrConsoleFaultGoesAroundTheSecondKey) {
   EXPECT_EQ(rig.model().faults.console, 0);
 }
 
+TEST(FaultRuns, OnceTheVirtualRobotIsGoneNothingIsForgedForWhoeverTakesItsPlace) {
+  raven2_trainer::testing::Rig rig(faultConfig());
+  ASSERT_TRUE(rig.home());
+  FaultPlan plan;
+  plan.generation = 98;
+  plan.count = 1;
+  plan.faults[0] = byHand(FaultHost::kRelay, FaultVariable::kPedal, FaultKind::kStuckAt, 1);
+  rig.shared->faults.store(plan);
+  for (int i = 0; i < 5; ++i)
+    rig.tick(false);
+  ASSERT_EQ(rig.last_relay.command.pedal, 1) << "the virtual one is deceived";
+  rig.link.disconnected();
+  rig.robot_connected = false;
+  for (int i = 0; i < 20; ++i) {
+    rig.tick(false);
+    EXPECT_EQ(rig.last_relay.command.pedal, 0) << i;
+    EXPECT_EQ(rig.last_relay.is_held, 1) << i;
+  }
+}
+
+TEST(FaultRuns, PacketsThatTheSessionsOwnHazardLosesAreCounted) {
+  TrainerConfig config = faultConfig();
+  config.hazard = "sudden_jump";
+  Fault& lost = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");
+  const std::uint32_t id = lost.id;
+  lost = byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDrop, 1.0);
+  lost.id = id;
+  lost.trigger = FaultTrigger::kPowerOn;
+  lost.first_tick = 100;
+  lost.duration_ticks = 50;
+  raven2_trainer::testing::Rig rig(config);
+  for (int i = 0; i < 300; ++i)
+    rig.tick(false);
+  EXPECT_EQ(rig.counts().relay_faults.lost, 50U);
+}
+
 TEST(FaultRuns, WhatIsArmedAnewComesAnew) {
   TrainerConfig config = faultConfig();
   Fault& jump = raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump");

@@ -115,6 +115,24 @@ TEST_F(HapticParts, APathGuidesItsOwnArmWithThePedalDownAndFadesIn) {
   EXPECT_EQ(ticks(50).force_B[0], Vec3{});
 }
 
+TEST_F(HapticParts, OpposedOnesLeaveNoForceWhenTheyEndTogether) {
+  putTips(Arm::kGold, {0.05, 0.008, 0.0});
+  at(robot.arms, Arm::kGold).p_BT[1] -= 0.8 / 150.0;
+  shared.guide_path.store(path);
+  model.guide_plan = 4;
+  const HapticState both = ticks(800);
+  ASSERT_NEAR(both.cue_B[0][1], 0.8, 1e-9);
+  ASSERT_NEAR(both.guidance_B[0][1], -0.8, 1e-9);
+  double before = toEigen(both.force_B[0]).norm();
+  ASSERT_LT(before, 0.01);
+  model.linked = 0;
+  for (int i = 0; i < 50; ++i) {
+    const double force = toEigen(tick().force_B[0]).norm();
+    EXPECT_LE(force, before + kRounding) << i;
+    before = force;
+  }
+}
+
 TEST_F(HapticParts, PedalDownIsTheMiddleOfTheWorkspace) {
   const Matrix3 toBase = control::itpToBase(Arm::kGold);
   tick();

@@ -74,5 +74,25 @@ TEST_F(RelayChannelTest, AccountsForEveryPacketWhateverHappensOnTheWay) {
   EXPECT_TRUE(addsUp());
 }
 
+TEST_F(RelayChannelTest, LetsNothingOfABadNetworkComeBehindAPacketThatIsHeldClean) {
+  Impairment slow;
+  slow.delay.constant_ns = 400 * kMillisecond;
+  pass(100, impair(slow));
+  EXPECT_TRUE(came.empty());
+  RelayPacket clean;
+  clean.command.sequence = ++passed;
+  clean.is_held = 1;
+  for (int i = 0; i < 500; ++i) {
+    now_ns += kMillisecond;
+    const auto take = [this](const wire::ItpPacket& sent) { came.push_back(sent); };
+    if (i == 0) channel.pass(clean, now_ns, take);
+    channel.flush(now_ns, take);
+  }
+  ASSERT_EQ(came.size(), 1U);
+  EXPECT_EQ(came[0].sequence, 101U);
+  EXPECT_EQ(channel.counts().lost, 100U);
+  EXPECT_TRUE(addsUp());
+}
+
 }  // namespace
 }  // namespace raven2_trainer::runtime

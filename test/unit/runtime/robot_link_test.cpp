@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -281,6 +282,47 @@ TEST_F(RobotLinkTest, HandsOnWhatTheRobotSaysOfItsFaultsAndCountsWhatIsMissing) 
   tell(30);
   EXPECT_EQ(shared->fault_changes_lost.value(), 3U);
   EXPECT_TRUE(link.counts().addsUp());
+}
+
+TEST_F(RobotLinkTest, PassesOverWhatTheRobotSaysOfAnothersFaults) {
+  link.connected();
+  hello(true);
+  for (std::uint64_t number = 1; number <= 2; ++number) {
+    FaultChange change;
+    change.number = number;
+    change.session = number == 1 ? 55 : 0;  // this link's is 0
+    link.receive(buffer.data(), wire::encodeFaultChange(3, change, buffer.data()), 5);
+  }
+  FaultChange change;
+  ASSERT_TRUE(shared->fault_changes.tryPop(&change));
+  EXPECT_EQ(change.number, 2U);
+  EXPECT_FALSE(shared->fault_changes.tryPop(&change));
+  EXPECT_EQ(shared->fault_changes_lost.value(), 0U);
+}
+
+TEST_F(RobotLinkTest, AHelloBehindAnyOtherFrameIsNone) {
+  for (int first = 0; first < 2; ++first) {
+    link.connected();
+    const std::size_t size = first == 0 ? wire::encodeFaultChange(1, FaultChange{1, 0, 0, 0}, buffer.data())
+                                        : wire::encodePlanAnswer(1, true, buffer.data());
+    link.receive(buffer.data(), size, 5);
+    hello(true);
+    state(RobotState{}, 1);
+    EXPECT_EQ(shared->robot.load().is_virtual, 0);
+  }
+}
+
+TEST_F(RobotLinkTest, ASignalThatIsNoNumberIsSentOnce) {
+  FaultDirector director(config, shared.get());
+  ModelState model;
+  model.faults.signals.tissue_distance = std::numeric_limits<double>::quiet_NaN();
+  shared->model.store(model);
+  link.connected();
+  hello(true);
+  int frames = 0;
+  while (frames < 10 && link.pendingFrame(buffer.data()) > 0)
+    ++frames;
+  EXPECT_EQ(frames, 2) << "signals and plan";
 }
 
 TEST_F(RobotLinkTest, KnowsWhetherItsPlanIsRefused) {

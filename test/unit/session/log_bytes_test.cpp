@@ -163,11 +163,11 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
   EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 12 * 8 + 3 * 3 * 8 + 2 * sizeof(LoopTiming) +
                                        kRingCount * sizeof(RingCounts) + 2 + /*padding*/ 6u);
-  EXPECT_EQ(sizeof(Fault), 4 + 8 + /*padding*/ 4 + 12 * 8u);
+  EXPECT_EQ(sizeof(Fault), 4 + 8 + 4 + 12 * 8u);
   EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + 4 + 1 + /*padding*/ 7 + 8 * sizeof(Fault));
-  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + 8 + /*count*/ 4 + 8 * (sizeof(Fault) - 4));
-  EXPECT_EQ(sizeof(FaultChange), 2 * 8 + 4 + 3 + /*padding*/ 1u);
-  EXPECT_EQ(payloadSize<FaultChangeRecord>(), 8 + sizeof(FaultChange) - 1);
+  EXPECT_EQ(payloadSize<FaultRecord>(), 8 + /*generation, count*/ 8 + 4 + 8 * sizeof(Fault));
+  EXPECT_EQ(sizeof(FaultChange), 2 * 8 + 2 * 4 + 3 + /*padding*/ 5u);
+  EXPECT_EQ(payloadSize<FaultChangeRecord>(), 8 + sizeof(FaultChange) - 5 - /*session*/ 4);
   EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 + sizeof(RobotState) - 1 - 2 * 5 + 1);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 2);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);

@@ -373,8 +373,48 @@ TEST(Injections, EndWithTheLink) {
   feed(&metrics, 0, 9, 0.0, 2);
   TickRecord lost = makeTick(10, 0.0, 2);
   lost.robot.connected = 0;
+  lost.robot.cycle = 70009;
   metrics.add(lost);
-  EXPECT_EQ(metrics.result().injections.at(0).clear_tick, 10);
+  Injection injection = metrics.result().injections.at(0);
+  EXPECT_EQ(injection.clear_tick, 10);
+  EXPECT_EQ(injection.clear_cycle, 70009U);
+  EXPECT_TRUE(injection.is_assumed);
+  // The robot is back and tells the true end.
+  TickRecord back = makeTick(900, 0.0);
+  FaultChangeRecord end = makeChange(back, 2, false);
+  end.change.cycle = 70700;
+  metrics.add(end);
+  static_cast<MetricsAccumulator&>(metrics).add(back);
+  injection = metrics.result().injections.at(0);
+  EXPECT_EQ(injection.clear_tick, 900);
+  EXPECT_EQ(injection.clear_cycle, 70700U);
+  EXPECT_FALSE(injection.is_assumed);
+}
+
+TEST(Injections, OfBeforeThePedalKnowTheCrossingAfterIt) {
+  Accumulator metrics(makeHeader());
+  TickRecord before = makeTick(-1, 0.0, 2);
+  metrics.add(before);
+  feed(&metrics, 0, 99, 0.001, 2);
+  feed(&metrics, 100, 199, 0.005, 2);
+  const Injection injection = metrics.result().injections.at(0);
+  EXPECT_EQ(injection.inject_tick, -1);
+  EXPECT_EQ(injection.observe_tick, 100);
+}
+
+TEST(Injections, AHundredThousandAreListedAndTheRestCounted) {
+  MetricsAccumulator metrics(makeHeader());
+  TickRecord record = makeTick(0, 0.0);
+  for (std::uint64_t i = 0; i < kMaxInjections + 5; ++i) {
+    record.model.tick = kOrigin + static_cast<Tick>(i);
+    record.model.session_tick = static_cast<Tick>(i);
+    metrics.add(makeChange(record, 2, true));
+    metrics.add(makeChange(record, 2, false));
+    metrics.add(record);
+  }
+  const SessionMetrics result = metrics.result();
+  EXPECT_EQ(result.injections.size(), kMaxInjections);
+  EXPECT_EQ(result.injections_beyond, 5U);
 }
 
 TEST(SessionMetrics, SumsAFourJumpSession) {

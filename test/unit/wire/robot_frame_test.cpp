@@ -75,6 +75,7 @@ FaultPlan patternPlan() {
   value.faults[0].arm = 0;
   value.faults[0].channel = 2;
   value.faults[0].row = 5;
+  value.faults[0].arming = 6;
   value.faults[0].first_tick = 2000;
   value.faults[0].duration_ticks = 300;
   value.faults[0].period_ticks = 8000;
@@ -103,6 +104,7 @@ FaultChange patternChange() {
   FaultChange value;
   value.number = 7;
   value.cycle = 70006;
+  value.session = 34;
   value.id = 4;
   value.row = 5;
   value.acts = 1;
@@ -147,39 +149,40 @@ FrameBytes payloadOf(const FrameBytes& frame) {
 // ---- bytes ----------------------------------------------------------------------------------------------------------
 
 TEST(FrameBytesOnTheWire, HelloIsWhatPythonPacks) {
-  // h = struct.pack('<4sHHII', b'RV2T', 0x301, 1, 8, 5); p = b'virtual\0'
+  // h = struct.pack('<4sHHII', b'RV2T', 0x400, 1, 8, 5); p = b'virtual\0'
   // h + struct.pack('<I', zlib.crc32(h + p)) + p
-  EXPECT_EQ(hello(5), fromHex("52563254010301000800000005000000a2693d487669727475616c00"));
+  EXPECT_EQ(hello(5), fromHex("52563254000401000800000005000000afd964677669727475616c00"));
 }
 
 TEST(FrameBytesOnTheWire, FaultPlanIsWhatPythonPacks) {
-  // struct.pack('<III', 12, 34, 1) + struct.pack('<I5B2bBQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 5, 99, 2000, 300, 8000, 3,
+  // struct.pack('<III', 12, 34, 1) + struct.pack('<I5B2bBIQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 5, 6, 99, 2000, 300, 8000, 3,
   // 30,
   //                                          40, 2.0, 0.25, -1234.5, -0.5, 0.75)
   EXPECT_EQ(payloadOf(plan(1, patternPlan())),
-            fromHex("0c000000220000000100000004000000000d2201040002056300000000000000"
-                    "d0070000000000002c01000000000000401f0000000000000300000000000000"
-                    "1e0000000000000028000000000000000000000000000040000000000000d03f"
-                    "00000000004a93c0000000000000e0bf000000000000e83f"));
+            fromHex("0c000000220000000100000004000000000d2201040002050600000063000000"
+                    "00000000d0070000000000002c01000000000000401f00000000000003000000"
+                    "000000001e000000000000002800000000000000000000000000004000000000"
+                    "0000d03f00000000004a93c0000000000000e0bf000000000000e83f"));
 }
 
 TEST(FrameBytesOnTheWire, FaultChangeAndPlanAnswerAreWhatPythonPacks) {
-  // struct.pack('<QQI3B', 7, 70006, 4, 0, 5, 1)
+  // struct.pack('<QQ2I3B', 7, 70006, 34, 4, 0, 5, 1)
   FrameBytes bytes(kMaxFrame);
   bytes.resize(encodeFaultChange(1, patternChange(), bytes.data()));
-  EXPECT_EQ(payloadOf(bytes), fromHex("0700000000000000761101000000000004000000000501"));
+  EXPECT_EQ(payloadOf(bytes), fromHex("070000000000000076110100000000002200000004000000000501"));
   bytes.resize(kMaxFrame);
   bytes.resize(encodePlanAnswer(1, true, bytes.data()));
   EXPECT_EQ(payloadOf(bytes), fromHex("01"));
 }
 
 TEST(FaultChangeFrame, RoundTripsAndRefusesWhatCannotBe) {
-  const FrameBytes good = fromHex("0700000000000000761101000000000004000000000501");
+  const FrameBytes good = fromHex("070000000000000076110100000000002200000004000000000501");
   FrameParser parser;
   FaultChange got;
   ASSERT_TRUE(decodeFaultChange(only(&parser, rawFrame(5, good)), &got));
   EXPECT_EQ(got.number, 7U);
   EXPECT_EQ(got.cycle, 70006U);
+  EXPECT_EQ(got.session, 34U);
   EXPECT_EQ(got.id, 4U);
   EXPECT_EQ(got.row, 5);
   EXPECT_EQ(got.acts, 1);
@@ -187,7 +190,7 @@ TEST(FaultChangeFrame, RoundTripsAndRefusesWhatCannotBe) {
     std::size_t at;
     std::uint8_t value;
   };
-  for (const Wrong wrong : {Wrong{0, 0}, Wrong{20, 1}, Wrong{20, 200}, Wrong{21, 8}, Wrong{22, 2}}) {
+  for (const Wrong wrong : {Wrong{0, 0}, Wrong{24, 1}, Wrong{24, 200}, Wrong{25, 8}, Wrong{26, 2}}) {
     FrameBytes bad = good;
     bad[wrong.at] = wrong.value;
     FaultChange untouched;
@@ -215,13 +218,13 @@ TEST(FrameBytesOnTheWire, StateHasTheSizeAndCrcThatPythonComputes) {
   // for a in 0, 1: for b in 0, 10, 20: s += struct.pack('<7d', *[(100*a + b + j) / 8 for j in range(7)])
   //                s += struct.pack('<7i', *[(-1)**j * (1000*a + j) for j in range(7)])
   //                s += bytes(range(7)) if a == 0 else b'\xff' * 7
-  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x301, 2, len(s), 6)
+  // s += struct.pack('<23Q', *range(200, 223)); h = struct.pack('<4sHHII', b'RV2T', 0x400, 2, len(s), 6)
   // len(s), hex(zlib.crc32(h + s))
   const FrameBytes bytes = state(6, patternState());
   ASSERT_EQ(bytes.size(), kFrameHeaderSize + 619);
   std::uint32_t crc = 0;
   std::memcpy(&crc, bytes.data() + 16, sizeof(crc));
-  EXPECT_EQ(crc, 0x2c0d10ebU);
+  EXPECT_EQ(crc, 0xb507bbfcU);
 }
 
 // ---- round trips ----------------------------------------------------------------------------------------------------
@@ -368,7 +371,7 @@ TEST(Version, AnotherMajorOneIsRefusedAndNamed) {
     parser.reset();
     EXPECT_EQ(parser.refusedVersion(), 0U);
   }
-  EXPECT_EQ(refusalText("robot", 4 << 8 | 4), "robot refused: it speaks frame version 4.4, this program 3.1");
+  EXPECT_EQ(refusalText("robot", 5 << 8 | 4), "robot refused: it speaks frame version 5.4, this program 4.0");
 }
 
 TEST(Version, AStreamBrokenOtherwiseNamesNone) {
