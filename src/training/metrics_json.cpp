@@ -184,18 +184,19 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
 Json describeInjection(const Injection& injection) {
   const Fault& fault = injection.fault;
   const Json robot_clear = injection.clear_cycle == 0 ? Json(nullptr) : Json(injection.clear_cycle);
-  return {{"name", injection.name},
-          {"host", kFaultHostNames[static_cast<std::size_t>(fault.host)]},
-          {"row", fault.row},
-          {"site", kFaultSiteNames[static_cast<std::size_t>(fault.site)]},
-          {"variable", infoOf(fault.variable).name},
-          {"arm", fault.arm < 0 ? "both" : kArmNames[static_cast<std::size_t>(fault.arm)]},
-          {"channel", fault.channel < 0 ? Json("all") : Json(fault.channel)},
-          {"kind", kFaultKindNames[static_cast<std::size_t>(fault.kind)]},
-          {"value", fault.value},
-          {"inject", {{"tick", injection.inject_tick}, {"cycle", injection.inject_cycle}}},
-          {"observe", {{"tick", orNull(injection.observe_tick)}}},
-          {"clear", {{"tick", orNull(injection.clear_tick)}, {"cycle", robot_clear}, {"assumed", injection.is_assumed}}}};
+  return {
+      {"name", injection.name},
+      {"host", kFaultHostNames[static_cast<std::size_t>(fault.host)]},
+      {"row", fault.row},
+      {"site", kFaultSiteNames[static_cast<std::size_t>(fault.site)]},
+      {"variable", infoOf(fault.variable).name},
+      {"arm", fault.arm < 0 ? "both" : kArmNames[static_cast<std::size_t>(fault.arm)]},
+      {"channel", fault.channel < 0 ? Json("all") : Json(fault.channel)},
+      {"kind", kFaultKindNames[static_cast<std::size_t>(fault.kind)]},
+      {"value", fault.value},
+      {"inject", {{"tick", injection.inject_tick}, {"cycle", injection.inject_cycle}}},
+      {"observe", {{"tick", orNull(injection.observe_tick)}}},
+      {"clear", {{"tick", orNull(injection.clear_tick)}, {"cycle", robot_clear}, {"assumed", injection.is_assumed}}}};
 }
 
 void writeFaults(const std::string& path, const SessionMetrics& metrics) {

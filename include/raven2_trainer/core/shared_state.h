@@ -107,7 +107,7 @@ struct SharedState {
   Counter frames;       // render
 
   Counter contacts_dropped;    // physics: beyond the longest list
-  Counter fault_changes_lost;    // robot_link: missing between those that came
+  Counter fault_changes_lost;  // robot_link: missing between those that came
   Counter fault_changes_untold;  // physics: more in a tick than its engines keep
   Counter relay_failed;      // sender: the system did not take it
   Counter relay_released;    // sender: pedal-up packets of its own

@@ -136,8 +136,8 @@ TEST_F(LoadConfig, AForceEndsFiftyMillisecondsAfterTheLastStateAtTheLatest) {
   replace("network.yaml", "stale_after: 0.02", "stale_after: 0.0204");
   EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.0204);
   replace("network.yaml", "stale_after: 0.0204", "stale_after: 0.05");
-  EXPECT_TRUE(std::regex_search(
-      message(), std::regex("network.yaml:10: stale_after is 0.05, expected \\[0.002, 0.0204[0-9]*\\]")))
+  EXPECT_TRUE(std::regex_search(message(),
+                                std::regex("network.yaml:10: stale_after is 0.05, expected \\[0.002, 0.0204[0-9]*\\]")))
       << message();
   // a slower fall leaves less, a faster one more
   SetUp();

@@ -155,8 +155,8 @@ TEST(FrameBytesOnTheWire, HelloIsWhatPythonPacks) {
 }
 
 TEST(FrameBytesOnTheWire, FaultPlanIsWhatPythonPacks) {
-  // struct.pack('<III', 12, 34, 1) + struct.pack('<I5B2bBIQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 5, 6, 99, 2000, 300, 8000, 3,
-  // 30,
+  // struct.pack('<III', 12, 34, 1) + struct.pack('<I5B2bBIQ6q5d', 4, 0, 13, 34, 1, 4, 0, 2, 5, 6, 99, 2000, 300, 8000,
+  // 3, 30,
   //                                          40, 2.0, 0.25, -1234.5, -0.5, 0.75)
   EXPECT_EQ(payloadOf(plan(1, patternPlan())),
             fromHex("0c000000220000000100000004000000000d2201040002050600000063000000"
