@@ -73,17 +73,16 @@ class FlightRecorder:
     """
 
     HEAD = struct.Struct("<8sQQQ")  # magic, size of the description, device and inode of the log
-    QUEUES = 7
-    WORDS = 3 + 2 * QUEUES  # of a checkpoint: sequence, log size, next number, heads and losses of the queues
     LAYOUT = 64 + 2 * 192  # where the description begins: head and two checkpoints, each aligned to 64 bytes
 
     def __init__(self, data):
         self._data = data
         _, size, _, _ = self.HEAD.unpack_from(data)
         self._layout = json.loads(data[self.LAYOUT : self.LAYOUT + size].decode())
-        newest = max(self._checkpoints(), key=lambda words: words[0])
+        queues = len(self._layout["queues"])
+        newest = max(self._checkpoints(queues), key=lambda words: words[0])
         self.log_size = int(newest[1])
-        self._heads, self._told = newest[3 : 3 + self.QUEUES], newest[3 + self.QUEUES :]
+        self._heads, self._told = newest[3 : 3 + queues], newest[3 + queues :]
 
     @classmethod
     def open_for(cls, log_path):
@@ -100,10 +99,11 @@ class FlightRecorder:
         except (OSError, ValueError, struct.error, KeyError):
             return None
 
-    def _checkpoints(self):
+    def _checkpoints(self, queues):
+        count = 3 + 2 * queues  # sequence, log size, next number, heads and losses of the queues
         for offset in self._layout["checkpoints"]:
-            words = np.frombuffer(self._data, "<u8", self.WORDS + 1, offset)
-            if words[0] and _checksums(words[None, : self.WORDS], np.zeros(1))[0] == words[self.WORDS]:
+            words = np.frombuffer(self._data, "<u8", count + 1, offset)
+            if words[0] and _checksums(words[None, :count], np.zeros(1))[0] == words[count]:
                 yield words
 
     def records(self, types):
