@@ -13,6 +13,7 @@
 #include "raven2_trainer/campaign/judgement.h"
 #include "raven2_trainer/campaign/run_campaign.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/runtime/build_identity.h"
 #include "raven2_trainer/session/session_directory.h"
@@ -35,6 +36,8 @@ std::string campaignFile(const std::string& name) {
   return apps::shareFolder() + "/config/campaigns/" + name + ".yaml";
 }
 
+constexpr int kLockWait = 120;  // [s] leases of network file systems are shorter
+
 /** "I/N". */
 void parseShard(const std::string& text, std::size_t* shard, std::size_t* shards) {
   char rest = 0;
@@ -48,8 +51,11 @@ std::map<std::string, std::string> ingredients(const TrainerConfig& config, cons
   std::size_t n = 0;
   for (const std::string& file : config.files)
     all["configuration " + std::to_string(n++)] = session::fileHash(file);
-  all["urdf robot"] = session::fileHash(config.robot_urdf);
-  all["urdf scene"] = session::fileHash(config.scene_urdf);
+  for (const std::string& urdf : {config.robot_urdf, config.scene_urdf}) {
+    all["urdf " + std::to_string(n++)] = session::fileHash(urdf);
+    for (const std::string& mesh : model::meshFiles(urdf))
+      all["mesh " + std::to_string(n++)] = session::fileHash(mesh);
+  }
   all["campaign"] = session::fileHash(campaign.file);
   return all;
 }
@@ -125,12 +131,13 @@ int run(const Options& options) {
   campaign::Identity identity = campaign::identify(campaign, ingredients(config, campaign));
   parseShard(options.shard, &identity.shard, &identity.shards);
   const campaign::OutputPaths paths{options.output};
-  campaign::PartialOutcomes outcomes(paths, identity, campaign, options.resume);
+  campaign::PartialOutcomes outcomes(paths, identity, campaign, options.resume, options.resume ? kLockWait : 0);
   const std::vector<campaign::CampaignRun> runs = runsToMake(campaign, identity, outcomes);
   physics::initialiseOde();
   const Clock::time_point start = Clock::now();
   makeRuns(config, campaign, runs, options.jobs, &outcomes);
   outcomes.finish();
+  campaign::keepExplanations(campaign, paths);
   writeTiming(paths, runs.size(), options.jobs, std::chrono::duration<double>(Clock::now() - start).count());
   std::fprintf(stderr, "%s\n", paths.outcomes().c_str());
   const campaign::Judgement judgement = campaign::judge(campaign, explanations, outcomes.rows());

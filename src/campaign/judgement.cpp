@@ -46,6 +46,16 @@ std::string line(const std::string& what, const std::vector<std::uint32_t>& runs
   return text + (runs.size() > kNamedRuns ? " ...\n" : "\n");
 }
 
+bool isMaskedAlone(const std::vector<std::string>& outcomes) {
+  return outcomes.size() == 1 && outcomes.front() == "masked";
+}
+
+/** Of one scenario in one phase. */
+struct Entry {
+  bool expects_masked{true};  ///< nothing but masked was published, or nothing was
+  bool is_masked{true};       ///< every run
+};
+
 }  // namespace
 
 std::string explanationsOf(const std::string& campaign_file) {
@@ -68,14 +78,25 @@ Explanations loadExplanations(const std::string& path, const Campaign& campaign)
   return explanations;
 }
 
+void keepExplanations(const Campaign& campaign, const OutputPaths& paths) {
+  const std::string kept = paths.explanations(campaign.name);
+  fs::remove(kept);
+  const std::string given = explanationsOf(campaign.file);
+  if (fs::exists(given)) fs::copy_file(given, kept);
+}
+
 Judgement judge(const Campaign& campaign,
                 const Explanations& explanations,
                 const std::map<std::uint32_t, std::string>& rows) {
   Judgement judgement;
+  std::map<std::string, Entry> entries;
   for (const auto& [number, row] : rows) {
     const CampaignRun& run = campaign.runs.at(number - 1);
     const std::vector<std::string>& published = campaign.experiments[run.experiment].published;
     const std::string outcome = outcomeOf(row), key = keyOf(campaign, run);
+    Entry& entry = entries[key];
+    entry.is_masked = entry.is_masked && outcome == "masked";
+    entry.expects_masked = entry.expects_masked && (published.empty() || isMaskedAlone(published));
     if (neverActed(row)) judgement.never_acted.push_back(number);
     if (!hasOutcome(row)) {
       judgement.without_outcome.push_back(number);
@@ -83,12 +104,21 @@ Judgement judge(const Campaign& campaign,
       judgement.unexplained[key + ": " + outcome].push_back(number);
     }
   }
+  const bool is_whole = rows.size() == campaign.runs.size();  // a shard may hold those that are masked alone
+  for (const auto& [key, entry] : entries) {
+    const auto found = explanations.find(key);
+    const bool is_explained = found != explanations.end() && isMaskedAlone(found->second.allowed);
+    if (entry.is_masked && !entry.expects_masked && !is_explained && is_whole)
+      judgement.inert.push_back(key);
+  }
   return judgement;
 }
 
 std::string inWords(const Judgement& judgement) {
   std::string text = line("in which the fault never acted", judgement.never_acted) +
                      line("without an outcome", judgement.without_outcome);
+  for (const std::string& key : judgement.inert)
+    text += "every run masked, though more is expected: " + key + "\n";
   for (const auto& [what, runs] : judgement.unexplained)
     text += line("neither as published nor explained, " + what, runs);
   return text;

@@ -87,7 +87,8 @@ std::size_t readAll(int pipe, std::uint8_t* bytes, std::size_t size) {
 /** Status of a child that has ended or is about to. */
 int waitStatus(pid_t pid, rusage* usage) {
   int status = 0;
-  while (::wait4(pid, &status, 0, usage) < 0 && errno == EINTR) {
+  while (::wait4(pid, &status, 0, usage) < 0) {
+    if (errno != EINTR) refuse("wait4");
   }
   return status;
 }
@@ -112,14 +113,14 @@ ProcessPool::ProcessPool(std::size_t jobs,
                          std::size_t result_size,
                          std::function<void(const ChildEnd&)> report)
     : jobs_(std::max<std::size_t>(1, jobs)), limits_(limits), result_size_(result_size), report_(std::move(report)) {
+  std::signal(SIGCHLD, SIG_DFL);  // ignored, as a parent may hand it down, it would take the children's ends from us
   if (result_size_ > kMaxResult) throw Exception("a result of " + std::to_string(result_size_) + " bytes is too large");
 }
 
 ProcessPool::~ProcessPool() {
   for (const Child& child : children_) {
     ::kill(child.pid, SIGKILL);
-    rusage usage{};
-    waitStatus(child.pid, &usage);
+    ::waitpid(child.pid, nullptr, 0);
     ::close(child.pipe);
     ::close(child.process);
   }

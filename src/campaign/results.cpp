@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include "campaign/csv_row.h"
 #include "raven2_trainer/core/exceptions.h"
@@ -141,7 +143,8 @@ Identity identify(const Campaign& campaign, const std::map<std::string, std::str
 PartialOutcomes::PartialOutcomes(const OutputPaths& paths,
                                  const Identity& identity,
                                  const Campaign& campaign,
-                                 bool resume)
+                                 bool resume,
+                                 int lock_wait)
     : paths_(paths), identity_(identity) {
   std::error_code error;
   fs::create_directories(paths_.directory, error);
@@ -159,7 +162,7 @@ PartialOutcomes::PartialOutcomes(const OutputPaths& paths,
   }
   file_ = ::open(paths_.part().c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail(paths_.part(), std::strerror(errno));
-  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) fail(paths_.part(), "is being written by another process");
+  lock(lock_wait);
   if (is_new) replaceFile(paths_.identity(), textOf(identity_));
   takeOver(campaign);
 }
@@ -168,18 +171,35 @@ PartialOutcomes::~PartialOutcomes() {
   if (file_ >= 0) ::close(file_);
 }
 
-/** A finished shard is taken over from its table. What has no outcome is made again. */
+/** What is in the table of a finished shard, then what was made since. What has no outcome is made again. */
 void PartialOutcomes::takeOver(const Campaign& campaign) {
-  const bool is_done = fs::exists(paths_.outcomes());
-  const std::string text = readText(is_done ? paths_.outcomes() : paths_.part());
+  if (fs::exists(paths_.outcomes())) {
+    const std::vector<std::string> lines = wholeLines(readText(paths_.outcomes()));
+    for (std::size_t i = 1; i < lines.size() && takeRow(lines[i], campaign); ++i) {
+    }
+  }
   std::size_t good = 0;
-  for (const std::string& line : wholeLines(text)) {
-    const std::uint32_t run = runOf(line, campaign);
-    if (run == 0 && !(is_done && good == 0)) break;  // the table's header is no run
-    if (run != 0 && hasOutcome(line)) rows_[run] = line;
+  for (const std::string& line : wholeLines(readText(paths_.part()))) {
+    if (!takeRow(line, campaign)) break;
     good += line.size() + 1;
   }
-  if (!is_done && ::ftruncate(file_, static_cast<off_t>(good)) != 0) fail(paths_.part(), std::strerror(errno));
+  if (::ftruncate(file_, static_cast<off_t>(good)) != 0) fail(paths_.part(), std::strerror(errno));
+}
+
+/** @return false: it is no row of this campaign. */
+bool PartialOutcomes::takeRow(const std::string& line, const Campaign& campaign) {
+  const std::uint32_t run = runOf(line, campaign);
+  if (run != 0 && hasOutcome(line)) rows_[run] = line;
+  return run != 0;
+}
+
+/** The lock of a node that was lost lives on until its file server notices. */
+void PartialOutcomes::lock(int wait) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(wait);
+  while (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    if (std::chrono::steady_clock::now() >= end) fail(paths_.part(), "is being written by another process");
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
 }
 
 void PartialOutcomes::add(std::uint32_t run, const std::string& row) {
@@ -231,10 +251,12 @@ void mergeShards(const std::vector<std::string>& directories, const std::string&
   }
   demandAll("shards", shards.size(), first.shards);
   demandAll("runs", rows.size(), first.total);
-  const OutputPaths paths{output};
+  const OutputPaths paths{output}, one{directories.front()};
   fs::create_directories(output);
   if (fs::exists(paths.identity())) fail(output, "already holds a campaign");
   first.shard = first.shards = 1;
+  if (fs::exists(one.explanations(first.name)))
+    fs::copy_file(one.explanations(first.name), paths.explanations(first.name));
   replaceFile(paths.outcomes(), table(rows));
   replaceFile(paths.identity(), textOf(first));
 }

@@ -101,8 +101,10 @@ void FaultEngine::rearm() noexcept {
   armed_ = arms;
   for (std::size_t i = 0; i < plan_.count; ++i) {
     if (progress_[i].active) tell(plan_.faults[i], plan_.session, arms);
-    for (Element& element : progress_[i].elements)
+    for (Element& element : progress_[i].elements) {
       element.seen = false;  // values of before are of no account now
+      element.of = -1;
+    }
   }
 }
 
@@ -216,7 +218,10 @@ double FaultEngine::corrupt(FaultVariable variable, Arm arm, std::size_t channel
     if (element.of != progress.activations) {
       element.of = progress.activations;
       element.onset = value;
-      if (fault.kind == FaultKind::kRandomOnce) element.drawn = progress.random.uniform(fault.low, fault.high);
+      if (fault.kind == FaultKind::kRandomOnce && element.drawn_of != progress.activations) {
+        element.drawn = progress.random.uniform(fault.low, fault.high);
+        element.drawn_of = progress.activations;
+      }
       if (!element.seen) element.last = value;
     }
     if (isActing(fault, progress)) value = corrupted(fault, &progress, element, value);

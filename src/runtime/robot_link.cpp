@@ -82,7 +82,9 @@ Reject RobotLink::applyChange(const wire::Frame& frame) noexcept {
   if (change_number_ != 0) shared_.fault_changes_lost.add(change.number - change_number_ - 1);
   change_number_ = change.number;
   if (change.session != session_) return Reject::kNone;  // of another daemon's plan
-  return shared_.fault_changes.tryPush(change) ? Reject::kNone : Reject::kQueueFull;
+  if (shared_.fault_changes.tryPush(change)) return Reject::kNone;
+  shared_.fault_changes_lost.add();
+  return Reject::kQueueFull;
 }
 
 Reject RobotLink::applyAnswer(const wire::Frame& frame) noexcept {

@@ -279,7 +279,7 @@ struct Simulator::Impl {
 
   /** A robot left with the pedal down would wait for its own time-out, seconds in a real Raven, ready to move. */
   void releasePedal() {
-    if (last_relay.command.pedal == 0) return;
+    if (!pedal_sent) return;  // what was sent, not what was given out: a fault's bad network may still hold the rest
     MasterCommand release;
     release.sequence = last_relay.command.sequence + 1;
     shared->relay_released.add();
@@ -299,6 +299,7 @@ struct Simulator::Impl {
 
   void sendRelay(const wire::ItpPacket& packet) {
     const bool taken = to_robot.send(packet, net::monotonicNow());
+    pedal_sent = packet.surgeon_mode != 0;
     (taken ? shared->relay_sent : shared->relay_failed).add();
   }
 
@@ -463,6 +464,7 @@ struct Simulator::Impl {
   ImageSink sink;
   ForcePacket last_force{};  // the sender's own, as the next
   RelayPacket last_relay{};
+  bool pedal_sent{false};  // in the last packet to the robot
   RelayChannel relay_channel{config};
   std::atomic<bool> haptic_ended{false};
   MemoryLock memory;

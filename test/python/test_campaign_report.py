@@ -110,7 +110,7 @@ def test_scenarios_of_one_row_of_the_library_are_one_grid(tmp_path):
 def test_counts_are_those_of_the_table(tmp_path):
     two_scenarios(tmp_path)
     _, _, page = report(tmp_path)
-    assert "<b>5</b><span>runs, each with a recorded outcome" in page
+    assert "<b>5</b><span>runs with a recorded outcome" in page
     assert "<b>3</b><span>stopped, after 200 ms (median)" in page
     assert "<b>3</b><span>stops of the PLC that the software never showed" in page
     assert "Toy &amp; co" in page and "seen &lt;so&gt;" in page
@@ -131,6 +131,32 @@ def test_a_run_without_an_outcome_fails_the_campaign(tmp_path):
                                                  "estop": "", "injected_ms": "", "program": "no_end"}])
     code, said, _ = report(tmp_path)
     assert code == 1 and "1 runs without an outcome: 1" in said and "never acted" not in said
+
+
+def test_a_scenario_that_is_masked_throughout_needs_that_to_be_all_that_is_allowed(tmp_path):
+    rows = [{"scenario": "a", "injection": 0, "outcome": "masked"}] * 3
+    write(tmp_path, [scenario("a", 0, 3, ["masked", "estop"])], rows)
+    code, said, _ = report(tmp_path)
+    assert code == 1 and "every run masked, though more is expected: a/pedal_down" in said
+    explained = tmp_path / "why.yaml"
+    explained.write_text("a/pedal_down: {allowed: [masked, small_deviation], why: short}\n")
+    assert report(tmp_path, "--explained", str(explained))[0] == 1
+    explained.write_text("a/pedal_down: {allowed: [masked], why: never looked at}\n")
+    assert report(tmp_path, "--explained", str(explained))[0] == 0
+
+
+def test_a_table_that_lost_or_doubled_rows_is_refused(tmp_path):
+    two_scenarios(tmp_path)
+    table = tmp_path / "outcomes.csv"
+    lines = table.read_text().splitlines(keepends=True)
+    for wrong in (lines[:-1], lines[:-1] + lines[1:2], lines + lines[1:2]):
+        table.write_text("".join(wrong))
+        code, said, _ = report(tmp_path)
+        assert code == 1 and "rows, expected 5" in said
+    identity = json.loads((tmp_path / "campaign.json").read_text())
+    (tmp_path / "campaign.json").write_text(json.dumps(identity | {"shards": 2, "runs": 8}))
+    table.write_text("".join(lines))
+    assert "expected" not in report(tmp_path)[1], "a shard has a part of them"
 
 
 def test_rows_of_the_library_are_compared_where_the_published_table_has_none(tmp_path):

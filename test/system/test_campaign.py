@@ -142,7 +142,12 @@ def test_an_outcome_that_nobody_expects_fails_what_is_written_all_the_same(tmp_p
 def test_another_seed_gives_other_outcomes(tmp_path):
     for seed in (3, 4):
         assert run(tmp_path, f"seed{seed}", "--seed", seed, "--shard", "1/4", "--jobs", 2)[0] == 0
-    assert digest(tmp_path, "seed3") != digest(tmp_path, "seed4")
+    tables = []
+    for seed in (3, 4):
+        with open(tmp_path / f"seed{seed}" / "outcomes.csv", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        tables.append([{k: v for k, v in row.items() if k not in ("seed", "motion_seed")} for row in rows])
+    assert tables[0] != tables[1], "what the seeds are for: motions and faults, not their own columns"
 
 
 def test_what_cannot_be_run_is_refused_with_its_reason(tmp_path):

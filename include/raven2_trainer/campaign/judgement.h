@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "raven2_trainer/campaign/plan.h"
+#include "raven2_trainer/campaign/results.h"
 
 // What a finished campaign is held to: that every fault acted, every run came to an end, and every outcome is one that
 // was published for its scenario or one that NAME_explained.yaml gives a reason for. Looks at the table alone: no
@@ -30,14 +31,22 @@ std::string explanationsOf(const std::string& campaign_file);
  *  @throw ConfigException with FILE:LINE, also for a scenario that the campaign has not in that phase. */
 Explanations loadExplanations(const std::string& path, const Campaign& campaign);
 
+/** Leaves the explanations with the results, as NAME_explained.yaml: whoever reports goes by the same. */
+void keepExplanations(const Campaign& campaign, const OutputPaths& paths);
+
 /** What is wrong with a table; all empty if nothing is. */
 struct Judgement {
   std::vector<std::uint32_t> never_acted;      ///< runs whose fault did nothing until the horizon
   std::vector<std::uint32_t> without_outcome;  ///< runs that came to no end
   /** Runs by "SCENARIO/PHASE: OUTCOME" that was neither published nor explained. */
   std::map<std::string, std::vector<std::uint32_t>> unexplained;
+  /** "SCENARIO/PHASE" of which every run is masked, though that is neither all that was published nor all that is
+   *  allowed: its fault does nothing. Of whole tables only. */
+  std::vector<std::string> inert;
 
-  bool isGood() const { return never_acted.empty() && without_outcome.empty() && unexplained.empty(); }
+  bool isGood() const {
+    return never_acted.empty() && without_outcome.empty() && unexplained.empty() && inert.empty();
+  }
 };
 
 /** @param[in] rows of outcomes.csv by run. Scenarios for which nothing was published are not compared. */

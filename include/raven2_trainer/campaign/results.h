@@ -45,6 +45,7 @@ struct OutputPaths {
   std::string part() const { return directory + "/outcomes.part"; }
   std::string identity() const { return directory + "/campaign.json"; }
   std::string timing() const { return directory + "/timing.json"; }
+  std::string explanations(const std::string& name) const { return directory + "/" + name + "_explained.yaml"; }
 };
 
 /**
@@ -59,7 +60,8 @@ class PartialOutcomes {
    * that says what they are of; if it is of another campaign, seed,
    * build or shard, if another process writes it, or if it cannot be written.
    */
-  PartialOutcomes(const OutputPaths& paths, const Identity& identity, const Campaign& campaign, bool resume);
+  PartialOutcomes(const OutputPaths& paths, const Identity& identity, const Campaign& campaign, bool resume,
+                  int lock_wait = 0);
   ~PartialOutcomes();
   PartialOutcomes(const PartialOutcomes&) = delete;
   PartialOutcomes& operator=(const PartialOutcomes&) = delete;
@@ -75,7 +77,9 @@ class PartialOutcomes {
   void finish();
 
  private:
+  void lock(int wait);
   void takeOver(const Campaign& campaign);
+  bool takeRow(const std::string& line, const Campaign& campaign);
 
   OutputPaths paths_;
   Identity identity_;

@@ -100,7 +100,8 @@ class FaultEngine {
     double last{};        ///< before the activation
     double onset{};       ///< at its first tick
     double drawn{};       ///< for the activation
-    std::int64_t of{-1};  ///< activation that `onset` belongs to
+    std::int64_t of{-1};        ///< activation that `onset` belongs to
+    std::int64_t drawn_of{-1};  ///< that `drawn` belongs to
     bool seen{};
   };
 

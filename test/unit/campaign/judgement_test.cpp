@@ -79,6 +79,17 @@ TEST_F(Judging, AnOutcomeThatWasNotPublishedNeedsAnExplanation) {
   EXPECT_FALSE(judged({{"jumps/homing", {{"masked"}, "another phase"}}}).isGood());
 }
 
+TEST_F(Judging, AScenarioOfWhichEveryRunIsMaskedDoesNothingUnlessThatIsAllThatIsAllowed) {
+  for (const std::uint32_t run : {1, 2, 3})
+    set(run, {Ending::kComplete, acted()});
+  const Explanations wide{{"jumps/pedal_down", {{"masked", "small_deviation"}, "too short to be seen"}}};
+  EXPECT_EQ(inWords(judged(wide)), "every run masked, though more is expected: jumps/pedal_down\n");
+  EXPECT_FALSE(judged(wide).isGood());
+  EXPECT_TRUE(judged({{"jumps/pedal_down", {{"masked"}, "a weak motor"}}}).isGood());
+  rows_.erase(6);
+  EXPECT_TRUE(judged(wide).isGood()) << "a part of a campaign may hold the masked ones alone";
+}
+
 TEST_F(Judging, WhatNothingWasPublishedOfIsNotCompared) {
   set(5, {Ending::kDied, {}});
   EXPECT_TRUE(judged().isGood());

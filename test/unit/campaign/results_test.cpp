@@ -284,6 +284,23 @@ TEST_F(Results, ARunWithoutAnOutcomeIsMadeAgain) {
   EXPECT_EQ(slurp(at("a") + "/outcomes.csv"), slurp(at("whole") + "/outcomes.csv"));
 }
 
+TEST_F(Results, ARunThatWasMadeAgainIsKeptThoughTheRestWasNot) {
+  {
+    PartialOutcomes outcomes({at("a")}, identity(), campaign_, false);
+    for (const CampaignRun& run : campaign_.runs)
+      outcomes.add(run.number, run.number <= 2 ? row(campaign_, run, {Ending::kNoEnd, {}}) : rowOf(run));
+    outcomes.finish();
+  }
+  {
+    PartialOutcomes outcomes({at("a")}, identity(), campaign_, true);
+    EXPECT_EQ(outcomes.size(), 4u);
+    outcomes.add(1, rowOf(campaign_.runs[0]));  // and then it is killed
+  }
+  PartialOutcomes outcomes({at("a")}, identity(), campaign_, true);
+  EXPECT_TRUE(outcomes.has(1));
+  EXPECT_FALSE(outcomes.has(2));
+}
+
 TEST_F(Results, OneProcessAtATimeWrites) {
   PartialOutcomes first({at("a")}, identity(), campaign_, false);
   EXPECT_NE(messageOf([this] { PartialOutcomes({at("a")}, identity(), campaign_, true); }).find("another process"),

@@ -289,6 +289,41 @@ TEST(FaultHold, WhatIsFrozenAfterItIsOfAfterIt) {
   EXPECT_EQ(apply(11.0), 9.0);
 }
 
+TEST(FaultHold, SoItIsForOneThatActedBeforeIt) {
+  Fault frozen = stuck(FaultTrigger::kPowerOn, 1);
+  frozen.kind = FaultKind::kHoldLast;
+  frozen.duration_ticks = 0;
+  FaultEngine engine = armed(frozen);
+  const auto apply = [&](double value) { return engine.apply(FaultVariable::kDac, Arm::kGold, kShoulder, value); };
+  engine.beginCycle({});
+  EXPECT_EQ(apply(5.0), 5.0);
+  engine.beginCycle({});
+  EXPECT_EQ(apply(7.0), 5.0);
+  engine.hold(true);
+  engine.beginCycle({});
+  engine.hold(false);
+  engine.beginCycle({});
+  EXPECT_EQ(apply(9.0), 9.0);
+  EXPECT_EQ(apply(11.0), 9.0);
+}
+
+TEST(FaultHold, KeepsWhatWasDrawnOnce) {
+  Fault drawn = stuck(FaultTrigger::kPowerOn, 0);
+  drawn.kind = FaultKind::kRandomOnce;
+  drawn.low = 0.0;
+  drawn.high = 1.0;
+  drawn.duration_ticks = 0;
+  FaultEngine engine = armed(drawn);
+  const auto apply = [&] { return engine.apply(FaultVariable::kDac, Arm::kGold, kShoulder, 5.0); };
+  engine.beginCycle({});
+  const double before = apply();
+  engine.hold(true);
+  engine.beginCycle({});
+  engine.hold(false);
+  engine.beginCycle({});
+  EXPECT_EQ(apply(), before);
+}
+
 TEST(FaultHold, LetsNothingActUntilItIsOver) {
   FaultEngine engine = armed(stuck(FaultTrigger::kPowerOn, 0));
   engine.hold(true);
