@@ -46,12 +46,14 @@ std::size_t threadsOfThisProcess() {
   throw Exception(std::string(call) + ": " + std::strerror(errno));
 }
 
+#ifndef RAVEN2_HAS_SHADOW
 /** [bytes] of address space that this process has. */
 std::size_t addressSpace() {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
+#endif
 
 /** One that eats memory is to end itself, before the machine ends somebody else. */
 void limitMemory([[maybe_unused]] std::size_t more) {
