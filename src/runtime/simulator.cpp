@@ -279,9 +279,9 @@ struct Simulator::Impl {
 
   /** A robot left with the pedal down would wait for its own time-out, seconds in a real Raven, ready to move. */
   void releasePedal() {
-    if (!pedal_sent) return;  // what was sent, not what was given out: a fault's bad network may still hold the rest
+    if (last_sent.surgeon_mode == 0) return;  // not what was given out: a fault's bad network may still hold the rest
     MasterCommand release;
-    release.sequence = last_relay.command.sequence + 1;
+    release.sequence = last_sent.sequence + 1;  // in order for the robot, which drops what comes behind a gap
     shared->relay_released.add();
     sendRelay(wire::fromCommand(release));
   }
@@ -289,8 +289,9 @@ struct Simulator::Impl {
   void sendWaiting() {
     const std::int64_t now = net::monotonicNow();
     const auto send = [this](const wire::ItpPacket& sent) { sendRelay(sent); };
-    while (shared->relay_packets.tryPop(&last_relay))
-      relay_channel.pass(last_relay, now, send);
+    RelayPacket packet;
+    while (shared->relay_packets.tryPop(&packet))
+      relay_channel.pass(packet, now, send);
     relay_channel.flush(now, send);
     shared->relay_network.store(relay_channel.counts());
     while (shared->force_packets.tryPop(&last_force))
@@ -299,7 +300,7 @@ struct Simulator::Impl {
 
   void sendRelay(const wire::ItpPacket& packet) {
     const bool taken = to_robot.send(packet, net::monotonicNow());
-    pedal_sent = packet.surgeon_mode != 0;
+    last_sent = packet;
     (taken ? shared->relay_sent : shared->relay_failed).add();
   }
 
@@ -463,8 +464,7 @@ struct Simulator::Impl {
   std::mutex sink_mutex;  // of the render thread and whoever sets the sink; never of a 1 kHz thread
   ImageSink sink;
   ForcePacket last_force{};  // the sender's own, as the next
-  RelayPacket last_relay{};
-  bool pedal_sent{false};  // in the last packet to the robot
+  wire::ItpPacket last_sent{};  // to the robot
   RelayChannel relay_channel{config};
   std::atomic<bool> haptic_ended{false};
   MemoryLock memory;

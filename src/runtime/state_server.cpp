@@ -55,8 +55,8 @@ void StateServer::push(const FaultChange& change) noexcept {
 
 void StateServer::serve(std::int64_t now_ns) {
   now_ns_ = now_ns;
-  const std::uint64_t pushed =
-      states_.counts().pushed;  // taken first: the changes of all these cycles are in their ring
+  // Taken first: the changes of all these cycles are in their ring by then.
+  const std::uint64_t pushed = states_.counts().pushed;
   FaultChange change;
   while (changes_.tryPop(&change))
     server_.broadcast(buffer_.data(), wire::encodeFaultChange(++sequence_, change, buffer_.data()));

@@ -202,3 +202,14 @@ def thread_exists(pid, name):
             if file.read().strip() == name:
                 return True
     return False
+
+
+def lifts_the_pedal(_, surgeon):
+    surgeon.pedal = False
+    time.sleep(0.1)  # on its way through 406 ms at least
+    return True
+
+
+def test_the_robot_is_told_pedal_up_though_a_bad_network_still_holds_it():
+    with Bench() as bench:
+        bench.run([[signal.SIGTERM]], lifts_the_pedal, hazard="net_delay_3")
