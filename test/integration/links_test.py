@@ -27,7 +27,7 @@ from robot_frames import FrameReader, Master, connect
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-ROBOT_PORT, STATE_PORT = 37141, 37143
+ROBOT_PORT, STATE_PORT = 27141, 27143  # below those of outgoing connections, which any could have taken
 # Published check sums (raven2.md 5.2, 5.3).
 STATE_MD5 = "ce9e7f4969049d8bb365de3c98461a01"
 FORK_MD5 = "1156a31ded2ee54c003e39e2268ee9c7"
@@ -92,9 +92,9 @@ class Bridge:
         self._process = subprocess.Popen(
             ["rosrun", "raven2_trainer", "raven_state_bridge", "--topic", topic, "--state-port", str(port),
              f"__name:=bridge_{port}"], stderr=subprocess.PIPE, text=True)
-        self._changed = threading.Condition()
+        self._changed, self._ended = threading.Condition(), False
         threading.Thread(target=self._listen, daemon=True).start()
-        assert self.hears("waiting for")
+        assert self.hears("waiting for"), self.said
         self.reader = FrameReader(port)
 
     def _listen(self):
@@ -102,15 +102,19 @@ class Bridge:
             with self._changed:
                 self.said += line
                 self._changed.notify_all()
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
 
     def hears(self, words, seconds=20):
         with self._changed:
-            return self._changed.wait_for(lambda: words in self.said, seconds)
+            self._changed.wait_for(lambda: words in self.said or self._ended, seconds)
+            return words in self.said
 
     def stop(self):
         self._process.send_signal(signal.SIGTERM)
         code = self._process.wait(20)
-        assert self.hears("fault plans refused")
+        assert self.hears("fault plans refused"), self.said
         self.reader.close()
         return code
 
@@ -233,7 +237,7 @@ class Links(unittest.TestCase):
 
     def test_07_the_bridge_serves_what_the_robot_itself_serves_and_rosbag_records_it(self):
         self.ready()
-        bridge = Bridge("/ravenstate", 37145)
+        bridge = Bridge("/ravenstate", 27145)
         self.assertIsNotNone(bridge.reader.wait(lambda s: True))
         self.assertEqual(bridge.reader.hello, b"real\0\0\0\0")
         begin = len(self.robot.states)
@@ -284,7 +288,7 @@ class Links(unittest.TestCase):
             info = bag.get_type_and_topic_info()[1]["/ravenstate"]
         self.assertEqual(info.msg_type, "raven_2/raven_state")
         self.assertGreater(len(messages), 1000)
-        bridge = Bridge("/replay", 37146)
+        bridge = Bridge("/replay", 27146)
         run("rosbag", "play", "-q", "--queue=5000", "--rate=0.5", "--wait-for-subscribers", self.bag, "/ravenstate:=/replay")
         self.assertIsNotNone(bridge.reader.wait(lambda s: s.last_sequence == messages[-1].last_seq))
         self.assertTrue(bridge.hears("the state is stale"), "the topic ended")
@@ -315,7 +319,7 @@ class Links(unittest.TestCase):
                 message.dt = rospy.Duration(0.001)
                 message.hdr.stamp = rospy.Time(100, 1000000 * k)
                 bag.write("/fork", message, message.hdr.stamp)
-        bridge = Bridge("/fork", 37147)
+        bridge = Bridge("/fork", 27147)
         run("rosbag", "play", "-q", "--wait-for-subscribers", path)
         state = bridge.reader.wait(lambda s: s.last_sequence == 1499)
         self.assertIsNotNone(state)
@@ -327,7 +331,7 @@ class Links(unittest.TestCase):
         self.assertAlmostEqual(state.dq[0][0], 100 * DEGREE / 136.19625551, delta=3e-4)
 
     def test_10_the_bridge_refuses_another_type_and_names_those_it_knows(self):
-        bridge = Bridge("/joint_states", 37148)
+        bridge = Bridge("/joint_states", 27148)
         self.assertTrue(bridge.hears("refused: sensor_msgs/JointState"), bridge.said)
         self.assertIn(STATE_MD5, bridge.said)
         self.assertIn(FORK_MD5, bridge.said)

@@ -11,7 +11,7 @@ import rospy
 import rostest
 from robot_frames import Master, connect, kill_robot
 
-MASTER_PORT, STATE_PORT = 37150, 37153
+MASTER_PORT, STATE_PORT = 27150, 27153
 PEDAL_UP, PEDAL_DN = 2, 3
 SILENCE = 0.15  # s; of 0.2 the daemon makes a pedal that was lifted, and of what comes next one that is pressed
 ATTEMPTS = 4

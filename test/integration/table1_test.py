@@ -18,7 +18,7 @@ from robot_frames import Master, connect, kill_robot
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-MASTER_PORT, STATE_PORT = 37160, 37163
+MASTER_PORT, STATE_PORT = 27160, 27163
 E_STOP, PEDAL_UP, PEDAL_DN = 0, 2, 3
 WAIT = 8.0  # [s] of the scenarios, after the first pedal-down of the robot's process
 

@@ -4,6 +4,7 @@ Used by the system tests and by scripts that measure the running system."""
 
 import json
 import os
+import random
 import shutil
 import signal
 import socket
@@ -30,18 +31,25 @@ def effort(quick, full):
     return full if FULL else quick
 
 
+# Below the range from which the system takes ports for outgoing connections (from 32768 on): there a connection of anybody
+# could take a port between its choice here and its use.
+PORTS = range(20000, 32000)
+
+
 def free_ports(count):
     """[count] ports free for UDP and TCP alike on the loopback interface."""
     held, ports = [], []
-    while len(ports) < count:
+    for port in random.sample(PORTS, len(PORTS)):
         tcp, udp = socket.socket(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         held += [tcp, udp]
-        tcp.bind(("127.0.0.1", 0))
         try:
-            udp.bind(tcp.getsockname())
+            tcp.bind(("127.0.0.1", port))
+            udp.bind(("127.0.0.1", port))
         except OSError:
             continue
-        ports.append(tcp.getsockname()[1])
+        ports.append(port)
+        if len(ports) == count:
+            break
     for each in held:
         each.close()
     return ports
