@@ -421,6 +421,8 @@ void readDetector(Section& root, DetectorConfig* c) {
   c->braking_time = root.number("braking_time", 0.001, 1);
   c->asked = root.number("asked", 0, 1);
   c->persistence = root.number("persistence", 0, 1);
+  c->suspicion = root.number("suspicion", 0.01, 100);
+  c->suspicion_time = root.number("suspicion_time", 0, 1);
   c->excursion = root.number("excursion", 0, 0.1);
   for (const Arm arm : kArms) {
     Section axes = root.section(name(arm));

@@ -45,15 +45,36 @@ double acceleration(const DetectorAxis& axis, double torque, double velocity, co
   return opposed(net, axis.coulomb) / axis.inertia;
 }
 
+Suspicion::Suspicion(const DetectorConfig& config) noexcept
+    : threshold_(config.suspicion),
+      longest_(static_cast<int>(std::lround(config.suspicion_time / kTickSeconds))),
+      memory_(static_cast<int>(std::lround(config.memory / kTickSeconds))) {}
+
+void Suspicion::step(double size, double departs, bool is_beyond_clip) noexcept {
+  const bool is_suspicious = size > threshold_;
+  if (is_beyond_clip) {
+    age_ = 0;
+  } else if (age_ > 0) {
+    age_ = departs > threshold_ && age_ < longest_ ? age_ + 1 : 0;
+  } else if (is_suspicious && calm_ >= memory_ && longest_ > 0) {
+    age_ = 1;
+  }
+  calm_ = is_beyond_clip || is_suspicious ? 0 : std::min(calm_ + 1, memory_);
+}
+
 AnomalyDetector::AnomalyDetector(const DetectorConfig& config, const Drives& drives) noexcept
-    : config_(config), drives_(drives), forgetting_(1.0 - std::exp(-kTickSeconds / config.memory)) {}
+    : config_(config),
+      drives_(drives),
+      forgetting_(1.0 - std::exp(-kTickSeconds / config.memory)),
+      suspicion_{Suspicion(config), Suspicion(config)} {}
 
 void AnomalyDetector::forget(const Observation& now) noexcept {
   for (const Arm arm : kArms) {
     for (std::size_t i = 0; i < kAxes; ++i)
       at(last_motor_, arm)[i] = at(now.motor, arm)[i];
-    at(velocity_, arm) = at(mean_velocity_, arm) = at(travelled_, arm) = Vec3{};
+    at(velocity_, arm) = at(mean_velocity_, arm) = at(surgeons_, arm) = at(travelled_, arm) = Vec3{};
     at(was_beyond_, arm).fill(false);
+    at(suspicion_, arm).forget();
   }
   warm_ = now.engaged;
 }
@@ -73,17 +94,22 @@ const Verdict& AnomalyDetector::step(const Observation& now) noexcept {
   return verdict_;
 }
 
-/** The velocity is the difference of encoder positions, as the robot takes it (raven2.md 3.7). What moves under a command
- *  beyond the clip is not the surgeon's motion: the mean waits. */
+/** The velocity is the difference of encoder positions, as the robot takes it (raven2.md 3.7). What moves under a
+ * command beyond the clip, or under suspicion, is not the surgeon's motion: the mean waits. */
 void AnomalyDetector::observe(Arm arm, const Observation& now) noexcept {
+  const bool is_suspected = at(suspicion_, arm).holds();
   for (std::size_t i = 0; i < kAxes; ++i) {
+    const bool was_beyond = at(was_beyond_, arm)[i];
     const double motor = at(now.motor, arm)[i];
+    double& velocity = at(velocity_, arm)[i];
     double& mean = at(mean_velocity_, arm)[i];
-    if (!at(was_beyond_, arm)[i]) mean += forgetting_ * (at(velocity_, arm)[i] - mean);
-    at(velocity_, arm)[i] = (motor - at(last_motor_, arm)[i]) / kTickSeconds;
-    at(last_motor_, arm)[i] = motor;
+    double& surgeons = at(surgeons_, arm)[i];
     double& travelled = at(travelled_, arm)[i];
-    travelled = at(was_beyond_, arm)[i] ? travelled + (at(velocity_, arm)[i] - mean) * kTickSeconds : 0.0;
+    if (!was_beyond) mean += forgetting_ * (velocity - mean);
+    if (!is_suspected) surgeons = mean;
+    velocity = (motor - at(last_motor_, arm)[i]) / kTickSeconds;
+    at(last_motor_, arm)[i] = motor;
+    travelled = was_beyond || is_suspected ? travelled + (velocity - surgeons) * kTickSeconds : 0.0;
     at(was_beyond_, arm)[i] = isBeyondClip(i, at(now.dac, arm)[i]);
   }
 }
@@ -96,9 +122,8 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
     const double velocity = at(velocity_, arm)[i];
     const double torque = at(drives_.torque_per_count, arm)[i] * dac;
     axes[i].acceleration = acceleration(at(config_.axes, arm)[i], torque, velocity, at(now.q, arm));
-    const bool published = config_.rule == DetectorRule::kPublished;
     motors[i] =
-        published ? velocity + axes[i].acceleration * kTickSeconds : departure(arm, i, now) / config_.braking_time;
+        isPublished() ? velocity + axes[i].acceleration * kTickSeconds : departure(arm, i, now) / config_.braking_time;
     axes[i].motor_velocity = motors[i];
   }
   const Vec3 joints = jointOf(drives_.joint_per_motor, motors);
@@ -108,14 +133,14 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
   at(excursion_, arm) = config_.braking_time * (J.topLeftCorner<3, 3>() * toEigen(joints)).norm();
 }
 
-/** [rad] of the motor: what it has travelled since its command left the clip, and as far as the velocity gained carries
- * it. Beyond the clip that velocity has what the command adds to it while it is taken to last. Within the clip, if it
- * is more, where the command leads: it stands for a position error that the control law will close, but for what dry
- *  friction holds. */
+/** [rad] of the motor: what it has travelled since its command left the clip or roused suspicion, and as far as the
+ * velocity gained carries it. Beyond the clip that velocity has what the command adds to it while it is taken to last.
+ * Within the clip, if it is more, where the command leads: it stands for a position error that the control law will
+ * close, but for what dry friction holds. */
 double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
   const DetectorAxis& axis = at(config_.axes, arm)[i];
   const double velocity = at(velocity_, arm)[i];
-  const double gained = velocity - at(mean_velocity_, arm)[i];
+  const double gained = velocity - at(surgeons_, arm)[i];
   const double carried = at(travelled_, arm)[i] + config_.braking_time * gained;
   const std::int32_t dac = at(now.dac, arm)[i];
   if (isBeyondClip(i, dac))
@@ -131,25 +156,33 @@ bool AnomalyDetector::isBeyondClip(std::size_t axis, std::int32_t dac) const noe
 }
 
 void AnomalyDetector::judge(Arm arm) noexcept {
-  const bool published = config_.rule == DetectorRule::kPublished;
-  const double departs = ratio(at(excursion_, arm), published ? 0.0 : config_.excursion);
+  const double departs = ratio(at(excursion_, arm), isPublished() ? 0.0 : config_.excursion);
+  double largest = 0.0;
+  bool is_beyond = false;
   for (std::size_t i = 0; i < kAxes; ++i) {
-    const Prediction& p = at(predictions_, arm)[i];
-    const DetectorAxis& axis = at(config_.axes, arm)[i];
-    const DetectorThresholds& limits = published ? axis.published : axis.departure;
-    const double a = ratio(p.acceleration, limits.acceleration);
-    const double v = ratio(p.motor_velocity, limits.motor_velocity);
-    const double w = ratio(p.joint_velocity, limits.joint_velocity);
-    const double size = std::min({a, v, w, departs});
-    if (!(size > verdict_.size)) continue;
-    const auto beyond = [this](double r, std::uint8_t bit) { return r > config_.factor ? bit : std::uint8_t{0}; };
-    verdict_.agreeing = static_cast<std::uint8_t>(
-        beyond(a, agreeing::kAcceleration) | beyond(v, agreeing::kMotorVelocity) | beyond(w, agreeing::kJointVelocity));
-    verdict_.size = size;
-    verdict_.arm = arm;
-    verdict_.joint = static_cast<std::uint8_t>(i);
-    verdict_.excursion = at(excursion_, arm);
+    largest = std::max(largest, judgeAxis(arm, i, departs));
+    is_beyond = is_beyond || at(was_beyond_, arm)[i];
   }
+  at(suspicion_, arm).step(largest, departs, is_beyond);
+}
+
+double AnomalyDetector::judgeAxis(Arm arm, std::size_t i, double departs) noexcept {
+  const Prediction& p = at(predictions_, arm)[i];
+  const DetectorAxis& axis = at(config_.axes, arm)[i];
+  const DetectorThresholds& limits = isPublished() ? axis.published : axis.departure;
+  const double a = ratio(p.acceleration, limits.acceleration);
+  const double v = ratio(p.motor_velocity, limits.motor_velocity);
+  const double w = ratio(p.joint_velocity, limits.joint_velocity);
+  const double size = std::min({a, v, w, departs});
+  if (!(size > verdict_.size)) return size;
+  const auto beyond = [this](double r, std::uint8_t bit) { return r > config_.factor ? bit : std::uint8_t{0}; };
+  verdict_.agreeing = static_cast<std::uint8_t>(
+      beyond(a, agreeing::kAcceleration) | beyond(v, agreeing::kMotorVelocity) | beyond(w, agreeing::kJointVelocity));
+  verdict_.size = size;
+  verdict_.arm = arm;
+  verdict_.joint = static_cast<std::uint8_t>(i);
+  verdict_.excursion = at(excursion_, arm);
+  return size;
 }
 
 }  // namespace raven2_trainer::detector

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include "raven2_trainer/detector/identify.h"
@@ -49,6 +50,7 @@ class ThresholdLearner {
  private:
   static DetectorConfig withRule(DetectorConfig config, DetectorRule rule) {
     config.rule = rule;
+    config.suspicion = std::numeric_limits<double>::infinity();  // asks for the thresholds that are learnt here
     return config;
   }
 
@@ -192,6 +194,11 @@ std::string detectorYaml(const Learned& learned, const std::string& source) {
       "asked: %-16g # [-] [0, 1] weight of a position error that a command within the clip asks for; tuned\n", c.asked);
   text += format("persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last; tuned\n",
                  c.persistence);
+  text += format(
+      "suspicion: %-12g # [-] [0.01, 100] of an alarm's size, from which on an arm's motion is not the surgeon's; "
+      "tuned\n",
+      c.suspicion);
+  text += format("suspicion_time: %-7g # [s] [0, 1] for which, at most; tuned\n", c.suspicion_time);
   text +=
       format("excursion: %-12g # [m] [0, 0.1] predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any\n",
              c.excursion);

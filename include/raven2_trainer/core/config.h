@@ -315,11 +315,11 @@ struct DetectorThresholds {
 
 /** What the detector believes of one motor axis, identified from commands and encoders alone. */
 struct DetectorAxis {
-  double inertia{};   ///< [kg m2] capstan torque by acceleration of the motor shaft, link included
-  double viscous{};   ///< [Nms/rad]
-  double coulomb{};   ///< [Nm]
-  double offset{};    ///< [Nm] that the axis needs at joints 0
-  Vec3 gravity{};     ///< [Nm/rad, Nm/rad, Nm/m] by which that changes with the joints
+  double inertia{};  ///< [kg m2] capstan torque by acceleration of the motor shaft, link included
+  double viscous{};  ///< [Nms/rad]
+  double coulomb{};  ///< [Nm]
+  double offset{};   ///< [Nm] that the axis needs at joints 0
+  Vec3 gravity{};    ///< [Nm/rad, Nm/rad, Nm/m] by which that changes with the joints
   DetectorThresholds published{}, departure{};  ///< for each rule
 };
 
@@ -342,12 +342,14 @@ constexpr std::array<const char*, 3> kMitigationNames{"off", "hold", "stop"};
 struct DetectorConfig {
   Mitigation mitigate{Mitigation::kOff};
   DetectorRule rule{DetectorRule::kDeparture};
-  double factor{};        ///< [-] on all thresholds
-  double memory{};        ///< [s] over which a motor's mean velocity is taken
-  double braking_time{};  ///< [s] for which velocity gained carries on
-  double asked{};         ///< [-] weight of a position error that a command within the clip stands for
-  double persistence{};   ///< [s] that a command beyond the clip is taken to last
-  double excursion{};     ///< [m] predicted departure of the tip
+  double factor{};          ///< [-] on all thresholds
+  double memory{};          ///< [s] over which a motor's mean velocity is taken
+  double braking_time{};    ///< [s] for which velocity gained carries on
+  double asked{};           ///< [-] weight of a position error that a command within the clip stands for
+  double persistence{};     ///< [s] that a command beyond the clip is taken to last
+  double suspicion{};       ///< [-] of an alarm's size, from which on an arm's motion is not taken to be the surgeon's
+  double suspicion_time{};  ///< [s] for which, at most
+  double excursion{};       ///< [m] predicted departure of the tip
   PerArm<std::array<DetectorAxis, kDetectorAxes>> axes{};
 };
 

@@ -51,6 +51,27 @@ struct Verdict {
 };
 
 /**
+ * Whether an arm's motion is taken to be a fault's. It begins with a suspicious command in the range of the control law
+ * after a calm `memory`, and lasts as long as the tip is predicted to be off, at most `suspicion_time`: the control law
+ * soon fights the fault, which hides it. Commands beyond the clip have a rule of their own and end it. Real-time safe.
+ */
+class Suspicion {
+ public:
+  explicit Suspicion(const DetectorConfig& config) noexcept;
+
+  bool holds() const noexcept { return age_ > 0; }
+  /** @param[in] size of the arm's last verdict. @param[in] departs predicted departure of the tip over `excursion`. */
+  void step(double size, double departs, bool is_beyond_clip) noexcept;
+  void forget() noexcept { age_ = calm_ = 0; }
+
+ private:
+  double threshold_;
+  int longest_, memory_;  // [ticks]
+  int age_{0};            // [ticks] it has lasted
+  int calm_{0};           // [ticks] since the last suspicious command or one beyond the clip, at most memory_
+};
+
+/**
  * Detector of unsafe commands after Alemzadeh et al., DSN 2016: a model of each motor axis predicts, from the measured
  * state and the command about to be written, what the command will do; an alarm needs motor acceleration, motor
  * velocity and joint velocity of one of the first three joints to be beyond thresholds learnt from fault-free runs, all
@@ -80,17 +101,22 @@ class AnomalyDetector {
   void observe(Arm arm, const Observation& now) noexcept;
   double departure(Arm arm, std::size_t axis, const Observation& now) const noexcept;
   bool isBeyondClip(std::size_t axis, std::int32_t dac) const noexcept;
+  bool isPublished() const noexcept { return config_.rule == DetectorRule::kPublished; }
   void judge(Arm arm) noexcept;
+  double judgeAxis(Arm arm, std::size_t axis, double departs) noexcept;  // the size of its part
   void forget(const Observation& now) noexcept;
 
   DetectorConfig config_;
   Drives drives_;
   double forgetting_;  ///< [-] share of the mean velocity that a step replaces
   bool warm_{false};
-  PerArm<Vec3> last_motor_{};                  // [rad]
-  PerArm<Vec3> velocity_{}, mean_velocity_{};  // [rad/s]
-  PerArm<Vec3> travelled_{};                   // [rad] since the command left the clip
+  PerArm<Vec3> last_motor_{};     // [rad]
+  PerArm<Vec3> velocity_{};       // [rad/s]
+  PerArm<Vec3> mean_velocity_{};  // [rad/s] of `memory`, without what moved under commands beyond the clip
+  PerArm<Vec3> surgeons_{};       // [rad/s] the same, but that it waits under suspicion
+  PerArm<Vec3> travelled_{};      // [rad] against the surgeon's, as long as the motion is a fault's
   PerArm<std::array<bool, kAxes>> was_beyond_{};
+  PerArm<Suspicion> suspicion_;
   PerArm<std::array<Prediction, kAxes>> predictions_{};
   PerArm<double> excursion_{};  // [m]
   Verdict verdict_{};

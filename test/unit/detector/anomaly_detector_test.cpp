@@ -31,6 +31,8 @@ DetectorConfig plainConfig(DetectorRule rule) {
   config.braking_time = 0.03;
   config.asked = 0.7;
   config.persistence = 0.001;
+  config.suspicion = 0.3;
+  config.suspicion_time = 0.07;
   config.excursion = 0.001;
   for (auto& arm : config.axes)
     arm.fill(plainAxis());
@@ -95,6 +97,76 @@ TEST(Acceleration, GravityIsLinearInTheJoints) {
   // offset and gravity need 0.01 + 0.05 - 0.02 + 0.2 = 0.24 Nm
   EXPECT_NEAR(acceleration(axis, 0.24, 0.0, q), 0.0, 1e-9);
   EXPECT_NEAR(acceleration(axis, 0.24 + 0.09, 0.0, q), 100.0, 1e-9);
+}
+
+/** Steps of one after as many calm ones as the memory has. */
+Suspicion roused(const DetectorConfig& config) {
+  Suspicion suspicion(config);
+  for (int k = 0; k < 200; ++k)
+    suspicion.step(0.1, 0.1, false);
+  suspicion.step(0.5, 0.6, false);
+  return suspicion;
+}
+
+TEST(Suspicion, BeginsWithASuspiciousCommandAfterACalmMemoryOnly) {
+  const DetectorConfig config = plainConfig(DetectorRule::kDeparture);  // 0.3, 70 ms, memory 200 ms
+  Suspicion suspicion(config);
+  for (int k = 0; k < 199; ++k)
+    suspicion.step(0.1, 0.1, false);
+  suspicion.step(0.5, 0.6, false);
+  EXPECT_FALSE(suspicion.holds()) << "199 ms of calm";
+  EXPECT_TRUE(roused(config).holds());
+  suspicion = roused(config);
+  suspicion.forget();
+  suspicion.step(0.5, 0.6, false);
+  EXPECT_FALSE(suspicion.holds());
+}
+
+TEST(Suspicion, LastsWhileTheTipIsOffThoughTheCommandIsNoLongerSuspiciousAndAtMostItsTime) {
+  const DetectorConfig config = plainConfig(DetectorRule::kDeparture);
+  Suspicion suspicion = roused(config);
+  int lasted = 1;
+  for (; suspicion.holds() && lasted < 1000; ++lasted)
+    suspicion.step(0.0, 0.6, false);
+  EXPECT_EQ(lasted - 1, 70);
+  suspicion = roused(config);
+  suspicion.step(0.0, 0.2, false);
+  EXPECT_FALSE(suspicion.holds()) << "the tip is where it should be";
+}
+
+TEST(Suspicion, EndsWithACommandBeyondTheClipAndNeedsCalmAgain) {
+  const DetectorConfig config = plainConfig(DetectorRule::kDeparture);
+  Suspicion suspicion = roused(config);
+  suspicion.step(0.5, 0.6, true);
+  EXPECT_FALSE(suspicion.holds());
+  suspicion.step(0.5, 0.6, false);
+  EXPECT_FALSE(suspicion.holds()) << "1 ms after";
+}
+
+TEST(AnomalyDetector, UnderSuspicionWhatTheMotorTravelsCountsThoughItStandsStillAtLast) {
+  // GIVEN a command in the range of the control law that moves the shoulder by 600 counts in 60 ms, and then rests
+  const auto excursionAfter = [](double suspicion) {
+    DetectorConfig config = plainConfig(DetectorRule::kDeparture);
+    config.suspicion = suspicion;
+    AnomalyDetector detector(config, plainDrives());
+    Observation now = atHome();
+    for (int k = 0; k < 300; ++k)
+      detector.step(now);
+    for (int k = 0; k < 60; ++k) {
+      now.dac[0][kShoulder] = 2400 - 40 * k;  // the law gives way as it sees the motion: 40 at last, less than friction
+      detector.step(now);
+      now.motor[0][kShoulder] += 10 * kCount;
+    }
+    now.dac[0][kShoulder] = 0;
+    detector.step(now);
+    detector.step(now);  // at rest
+    return detector.excursion(Arm::kGold);
+  };
+  const double radius = std::hypot(0.077947, 0.025266);  // as above
+  // THEN the tip is taken to be off by all 600 counts
+  EXPECT_NEAR(excursionAfter(0.3), 600 * kCount / 136.19625551 * radius, 1e-6);
+  // and without suspicion by what the mean has forgotten of it alone
+  EXPECT_LT(excursionAfter(100.0), 100 * kCount / 136.19625551 * radius);
 }
 
 TEST(AnomalyDetector, PublishedRulePredictsOneStepAhead) {
