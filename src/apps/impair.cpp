@@ -11,11 +11,14 @@
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/runtime/cyclic_thread.h"
 #include "raven2_trainer/runtime/impairment_proxy.h"
+#include "raven2_trainer/runtime/realtime_check.h"
 
 namespace raven2_trainer {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::size_t kHeap =
+    8 << 20;  // [bytes] of what a TCP link holds at most: its windows of 0.5 MiB, twice, each way
 constexpr ThreadConfig kScheduling{60, -1};  // below the loops of the trainer: it must delay nothing but its packets
 
 struct Options {
@@ -27,6 +30,7 @@ struct Options {
 int run(const Options& options) {
   runtime::ProxyOptions proxy_options = options.links.load();
   proxy_options.log = options.log;
+  runtime::takeHeap(kHeap);
   runtime::ImpairmentProxy proxy(proxy_options);
   runtime::applyThreadOptions({"impair", kScheduling});
   std::fprintf(stderr, "impair: ready\n");

@@ -64,6 +64,15 @@ void append(const std::vector<std::string>& more, std::vector<std::string>* reas
 
 }  // namespace
 
+void takeHeap(std::size_t bytes) {
+  keepHeap();
+  mallopt(M_MMAP_MAX, 0);
+  void* all = std::malloc(bytes);
+  if (all == nullptr) return;
+  explicit_bzero(all, bytes);  // a memset before a free may be left out
+  std::free(all);
+}
+
 MemoryLock lockMemory() {
   keepHeap();
   rlimit limit{};

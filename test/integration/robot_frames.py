@@ -109,7 +109,7 @@ def connect(port):
             reader = FrameReader(port)
             if reader.wait(lambda s: True, 1.0):
                 return reader
-        except ConnectionRefusedError:
+        except OSError:  # nobody is there, or one who dies resets the connection
             time.sleep(0.02)
     raise AssertionError("no robot")
 

@@ -15,6 +15,7 @@ from surgeon import LatestState, Surgeon
 
 E_STOP, PEDAL_UP, PEDAL_DOWN = 0, 2, 3
 ROUNDS = effort(1, 10)  # of every way to end
+JUMPS = 4  # that one robot is made to do
 WITHIN = 1.0  # [s] from the signal to the end of the process
 ENDLESS_PLAN = {"runtime": {"plan_at": 0.3}, "planner": {"samples": 100000, "time_limit": 3600.0}}
 
@@ -97,7 +98,9 @@ class Bench:
         robot = LatestState(self.stack.state_port)
         wait_until(lambda: robot.runlevel() == PEDAL_UP, 20, "homed")
         for number in range(ROUNDS * len(ways)):
-            if robot.runlevel() != PEDAL_UP:  # a jump may end in the robot's own emergency stop
+            # A jump may end in the robot's own emergency stop, and each pushes the shoulder by 0.08 rad: the seventh found it at
+            # its stop, where it moves no more.
+            if robot.runlevel() != PEDAL_UP or number % JUMPS == JUMPS - 1:
                 self.stack.stop("virtual_raven")
                 self.stack.start_robot()
             self.stack.output = os.path.join(self.stack.folder, f"session{number}")

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,12 @@ struct MemoryLock {
  * what comes later when it is touched. Keeps the heap's pages from being given back.
  */
 MemoryLock lockMemory();
+
+/**
+ * Takes so much heap at once and keeps it: what grows into it later waits for no page, and the process's memory stays
+ * what it was at its start. Blocks of any size come from it. Before other threads allocate.
+ */
+void takeHeap(std::size_t bytes);
 
 /** Libraries put before ours (Alemzadeh et al., DSN 2016, took a Raven over that way).
  *  @param[in] ld_preload value of LD_PRELOAD, null if not set; preload_file usually /etc/ld.so.preload. */
