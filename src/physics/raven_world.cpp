@@ -13,6 +13,7 @@
 #include "physics/ode_handles.h"
 #include "physics/ode_maths.h"
 #include "physics/rigid_links.h"
+#include "physics/solver_memory.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
@@ -23,8 +24,6 @@ namespace {
 constexpr double kContactLayer = 1.0e-4;
 // Bodies that overlap (after setJointState) are parted at most this fast. [m/s]
 constexpr double kPartingSpeed = 0.5;
-// The solver's arena is reserved for the largest number of contacts once, not grown in the loop. [bytes]
-constexpr unsigned kSolverMemory = 8U << 20U;
 constexpr unsigned long kSeed = 1;
 
 /** Where a leak checker finds what is given up on purpose. Any thread. */
@@ -50,8 +49,7 @@ World createWorld(const ModelConfig& config) {
   dWorldSetCFM(world.get(), config.cfm);
   dWorldSetContactSurfaceLayer(world.get(), kContactLayer);
   dWorldSetContactMaxCorrectingVel(world.get(), kPartingSpeed);
-  const dWorldStepReserveInfo reserve{sizeof(dWorldStepReserveInfo), 1.2F, kSolverMemory};
-  dWorldSetStepMemoryReservationPolicy(world.get(), &reserve);
+  reserveSolverMemory(world.get());
   dRandSetSeed(kSeed);
   return world;
 }

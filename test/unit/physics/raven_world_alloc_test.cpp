@@ -1,4 +1,8 @@
+#include <algorithm>
+#include <array>
+
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "raven2_trainer/physics/raven_world.h"
 #include "support/allocation_counter.h"
@@ -11,6 +15,19 @@ namespace raven2_trainer::physics {
 namespace {
 
 using raven2_trainer::testing::allocatorCalls;
+
+/** The stack that a test's warm-up did not reach would count as well. */
+void touchStack() {
+  std::array<volatile char, 256 * 1024> bytes;
+  for (std::size_t at = 0; at < bytes.size(); at += 1024)
+    bytes[at] = 1;
+}
+
+long pageFaults() {
+  rusage used{};
+  getrusage(RUSAGE_THREAD, &used);
+  return used.ru_minflt;
+}
 
 TEST(RavenWorldAlloc, TheCounterCounts) {
   EXPECT_EQ(allocatorCalls([] { delete new volatile int(1); }), 2);
@@ -37,6 +54,25 @@ TEST(RavenWorldAlloc, StepsWithContactsDoNotTouchTheHeap) {
   });
   EXPECT_EQ(count, 0);
   EXPECT_GT(contacts, 1000U);
+}
+
+TEST(RavenWorldAlloc, StepsWithMoreContactsThanBeforeTouchNoNewPage) {
+  // GIVEN a warm-up above the floor in which one ring lies on it, and every path of the code has run
+  const model::RavenModel raven = testing::makeCrossedArms();
+  RavenWorld world(raven, testing::makeFloorAndRing(), testing::modelConfig());
+  const JointArray home = raven.arms.geometry.home;
+  touchStack();
+  for (int i = 0; i < 1000; ++i)
+    testing::driveStep(&world, {home, home});
+  // WHEN both arms are pressed into the floor and the ring
+  const long before = pageFaults();
+  std::uint32_t most = 0;
+  for (int i = 0; i < 4000; ++i) {
+    testing::driveStep(&world, testing::stirringTarget(home, i));
+    most = std::max(most, world.contacts(Arm::kGold));
+  }
+  EXPECT_EQ(pageFaults() - before, 0);
+  EXPECT_GT(most, 3U);
 }
 
 TEST(RavenWorldAlloc, ReadingAndSettingStatesDoNotTouchTheHeap) {
