@@ -85,12 +85,17 @@ Recorder::Recorder(const TrainerConfig& config,
   flight_->checkpoint({log_.position(), {}, {}});
 }
 
+void Recorder::takeMemory() {
+  log_.reserve(sizeof(RecordRings) * 5 / 4);  // full queues; the frames around short records take more than a slot's
+}
+
 /** Adds what is waiting to the log's batch. */
 Recorder::Batch Recorder::collect() {
   Batch batch;
   batch.tick = tick_;
   batch.dropped = shared_.records.dropped();  // first: these are missing behind what is in the queues, not before
-  // The loops push what a tick consumed before the tick, so with the ticks' end taken first all of it stands before them.
+  // The loops push what a tick consumed before the tick, so with the ticks' end taken first all of it stands before
+  // them.
   const std::uint64_t last_tick = shared_.tick_records.tail();
   shared_.records.forEach([&](RecordKind kind, const auto& ring) {
     const std::uint64_t tail = kind == RecordKind::kTick ? last_tick : ring.tail();

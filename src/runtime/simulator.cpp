@@ -311,6 +311,7 @@ struct Simulator::Impl {
   }
 
   void recorderLoop() {
+    recorder.takeMemory();
     while (!stopping()) {
       recorder.drain(net::monotonicNow());
       sleepFor(config.runtime.recorder_period);

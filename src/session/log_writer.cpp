@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include <array>
 #include <cerrno>
@@ -163,6 +164,12 @@ void LogWriter::write(const ContactRecord& record) {
 
 void LogWriter::write(const GapRecord& record) {
   impl_->write(record);
+}
+
+void LogWriter::reserve(std::size_t bytes) {
+  const std::vector<std::uint8_t> held = impl_->batch;
+  impl_->batch.resize(std::max(bytes, held.size()));  // writes every byte
+  impl_->batch = held;                                // keeps the room
 }
 
 bool LogWriter::commit() noexcept {

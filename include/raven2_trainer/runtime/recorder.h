@@ -32,6 +32,10 @@ class Recorder {
            SharedState* shared,
            session::FlightRecorder* flight = nullptr);
 
+  /** For a recorder beside threads: takes all the memory that a batch can need, so that its size shows no stall of the
+   *  recorder. */
+  void takeMemory();
+
   /** Writes all that is waiting. @throw SessionException if the disk refuses. */
   void drain();
 

@@ -68,6 +68,8 @@ class LogWriter {
   void write(const FaultChangeRecord& record);
   void write(const ContactRecord& record);
   void write(const GapRecord& record);
+  /** Takes memory for a batch of so many bytes now, every page of it touched: none so large takes more later. */
+  void reserve(std::size_t bytes);
   /**
    * Writes the batch. @return false if the disk refuses: then nothing of it is in the file, it is forgotten, and
    * error() says why. The next commit() tries the disk anew.

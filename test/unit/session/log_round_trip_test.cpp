@@ -2,6 +2,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
 #include "record_values.h"
+#include "support/allocation_counter.h"
 
 namespace raven2_trainer::session {
 namespace {
@@ -73,6 +74,28 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   log.finish(counts);
   return expected;
 }
+
+#ifdef RAVEN2_COUNTS_ALLOCATIONS
+TEST(SessionLog, TakesNoMemoryForABatchThatRoomWasTakenFor) {
+  const std::string path = scratchPath("reserved.rlog");
+  LogWriter log(path, LogHeader{});
+  log.write(CommandRecord{});  // what waits is kept
+  log.reserve(400000);
+  EXPECT_EQ(raven2_trainer::testing::allocatorCalls([&] {
+              for (int i = 0; i < 200; ++i)
+                log.write(TickRecord{});
+            }),
+            0);
+  EXPECT_GT(raven2_trainer::testing::allocatorCalls([&] {
+              for (int i = 0; i < 200; ++i)
+                log.write(TickRecord{});
+            }),
+            0)
+      << "or the batch was smaller than it says";
+  ASSERT_TRUE(log.commit());
+  EXPECT_EQ(readLog(path, {}).records, 401U);
+}
+#endif
 
 TEST(SessionLog, GivesBackEveryRecordBitForBit) {
   const std::string path = scratchPath("round_trip.rlog");
