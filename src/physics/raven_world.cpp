@@ -42,8 +42,9 @@ bool isFinite(const dReal* values, int count) noexcept {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
-World createWorld(const ModelConfig& config) {
+World createWorld(const ModelConfig& config, dxThreadingImplementation* threading) {
   World world(dWorldCreate());
+  dWorldSetStepThreadingImplementation(world.get(), dThreadingImplementationGetFunctions(threading), threading);
   dWorldSetGravity(world.get(), 0.0, 0.0, -config.gravity);
   dWorldSetERP(world.get(), config.erp);
   dWorldSetCFM(world.get(), config.cfm);
@@ -131,13 +132,11 @@ RavenWorld::Impl::Impl(const model::RavenModel& raven, const model::SceneModel& 
     : sub_steps(config.sub_steps),
       step_time(kTickSeconds / config.sub_steps),
       threading(dThreadingAllocateSelfThreadedImplementation()),
-      world(createWorld(config)),
+      world(createWorld(config, threading.get())),
       carriers(findCarriers(raven.description)),
       arms{ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGold, config, step_time),
            ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGreen, config, step_time)},
       collider(world.get(), forSubSteps(config)) {
-  dWorldSetStepThreadingImplementation(world.get(), dThreadingImplementationGetFunctions(threading.get()),
-                                       threading.get());
   addArmShapes(raven);
   addJawStops(raven, config);
   addScene(scene);

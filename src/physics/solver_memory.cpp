@@ -1,7 +1,9 @@
 #include "physics/solver_memory.h"
 
 #include <cstdlib>
+#include <string>
 
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::physics {
@@ -30,12 +32,13 @@ void give(void* block, dsizeint) {
 
 }  // namespace
 
-void reserveSolverMemory(dWorldID world) noexcept {
+void reserveSolverMemory(dWorldID world) {
   const dWorldStepReserveInfo reserve{sizeof(dWorldStepReserveInfo), 1.2F, kSolverMemory};
   dWorldSetStepMemoryReservationPolicy(world, &reserve);
   const dWorldStepMemoryFunctionsInfo functions{sizeof(dWorldStepMemoryFunctionsInfo), takeTouched, shrink, give};
   dWorldSetStepMemoryManager(world, &functions);
-  dWorldStep(world, kTickSeconds);  // moves nothing, and takes the memory
+  const bool taken = dWorldStep(world, kTickSeconds) != 0;  // moves nothing
+  if (!taken) throw ModelException("no memory for ODE's solver: 2 x " + std::to_string(kSolverMemory) + " bytes");
 }
 
 }  // namespace raven2_trainer::physics

@@ -94,8 +94,7 @@ Recorder::Batch Recorder::collect() {
   Batch batch;
   batch.tick = tick_;
   batch.dropped = shared_.records.dropped();  // first: these are missing behind what is in the queues, not before
-  // The loops push what a tick consumed before the tick, so with the ticks' end taken first all of it stands before
-  // them.
+  // The loops push what a tick consumed before the tick: with the ticks' end taken first all of it stands before them.
   const std::uint64_t last_tick = shared_.tick_records.tail();
   shared_.records.forEach([&](RecordKind kind, const auto& ring) {
     const std::uint64_t tail = kind == RecordKind::kTick ? last_tick : ring.tail();

@@ -146,6 +146,7 @@ struct Simulator::Impl {
     const auto background = [this](const char* name) {
       return ThreadOptions{name, ThreadConfig{0, -1}, config.runtime.background_nice, kBackgroundStack};
     };
+    recorder.takeMemory();
     // Not nice: beside other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
     recorder_thread.start({"recorder", ThreadConfig{0, -1}}, [this] { recorderLoop(); });
     recovery_thread.start(background("recovery"), [this] { recoveryLoop(); });
@@ -311,7 +312,6 @@ struct Simulator::Impl {
   }
 
   void recorderLoop() {
-    recorder.takeMemory();
     while (!stopping()) {
       recorder.drain(net::monotonicNow());
       sleepFor(config.runtime.recorder_period);

@@ -32,8 +32,8 @@ class Recorder {
            SharedState* shared,
            session::FlightRecorder* flight = nullptr);
 
-  /** For a recorder beside threads: takes all the memory that a batch can need, so that its size shows no stall of the
-   *  recorder. */
+  /** Takes the memory for a batch of all that the queues hold, some 7 MiB: a recorder that comes late needs no more
+   *  then. For one that has a thread of its own; in lockstep no batch is large. @throw std::bad_alloc. */
   void takeMemory();
 
   /** Writes all that is waiting. @throw SessionException if the disk refuses. */
