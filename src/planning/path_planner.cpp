@@ -67,7 +67,7 @@ void PathPlanner::Impl::solve(const PlanRequest& request,
   result->status = PlanStatus::kStartInCollision;  // or outside the limits, or not a number: no place to start from
   if (!isFinite(request.other) || !space.contains(start, kStartSlack) || !is_free(clampToCube(start))) return;
 
-  const Vec3& goal_W = request.has_goal != 0 ? request.goal_W : config.goal_W;
+  const Vec3& goal_W = request.goal == GoalKind::kTip ? request.goal_W : config.goal_W;
   const Vector3 goal_B = at(raven.X_WB, request.arm).inverse() * toEigen(goal_W);
   const GoalChoice choice = findGoal(geometry(), request.arm, space, request.start, goal_B, is_free, stop);
   result->status = choice.status;

@@ -127,7 +127,7 @@ bool Services::plan(PlanPath::Request& message, PlanPath::Response& response) {
   request.kind = RequestKind::kPlan;
   request.id = next_id_++;
   request.arm = message.arm == "green" ? Arm::kGreen : Arm::kGold;
-  request.has_goal = message.default_goal ? 0 : 1;
+  request.goal = message.default_goal ? GoalKind::kDefault : GoalKind::kTip;
   std::copy(message.goal.begin(), message.goal.end(), request.goal_W.begin());
   const bool is_known = message.arm.empty() || message.arm == "gold" || message.arm == "green";
   PlanResult result;

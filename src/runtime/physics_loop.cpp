@@ -264,8 +264,10 @@ void PhysicsLoop::requestPlan(const Request& request) noexcept {
   plan.arm = request.arm;
   plan.start = at(state_.arms, request.arm).q;
   plan.other = state_.arms[1 - index(request.arm)].q;
-  plan.has_goal = request.has_goal;
+  plan.choose_arm = request.choose_arm;
+  plan.goal = request.goal;
   plan.goal_W = request.goal_W;
+  plan.goal_q = request.goal_q;
   awaited_plan_ = request.id;
   shared_.plan_requests.tryPush(plan);
   ++plans_under_way_;

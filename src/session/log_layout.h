@@ -37,6 +37,11 @@ struct EnumNames<RequestKind> {
 };
 
 template <>
+struct EnumNames<GoalKind> {
+  static constexpr const auto& kNames = kGoalKindNames;
+};
+
+template <>
 struct EnumNames<PlanStatus> {
   static constexpr const auto& kNames = kPlanStatusNames;
 };
@@ -242,9 +247,11 @@ struct Layout<Request> {
   static void visit(Visitor& v, Order& s) {
     v.field("kind", s.kind, "", "what was asked for");
     v.field("arm", s.arm, "", "of which arm");
-    v.field("has_goal", s.has_goal, "", "0: the goal of planner.yaml");
+    v.field("choose_arm", s.choose_arm, "", "plan: 1 the planner chooses the arm");
+    v.field("goal", s.goal, "", "plan: where it shall lead");
     v.field("enabled", s.enabled, "", "set_collisions: 1 the arm meets scene and other arm");
-    v.field("goal_W", s.goal_W, "m", "tip position to reach, in the world frame W");
+    v.field("goal_W", s.goal_W, "m", "goal tip: position to reach, in the world frame W");
+    v.field("goal_q", s.goal_q, "rad, [2] m", "goal joints: positions to reach");
     v.field("id", s.id, "", "chosen by the sender, comes back in the plan");
   }
 };
@@ -261,6 +268,8 @@ struct Layout<PlanResult> {
     v.field("arrival", s.arrival, "s", "time of each from the start of the motion");
     v.field("cost", s.cost, "", "eq. (1) of Li et al. 2017");
     v.field("planning_time", s.planning_time, "s", "wall clock; in lockstep the fixed simulated delay");
+    v.field("clearance", s.clearance, "m", "least distance kept in the roll-out of the path");
+    v.field("tracking_error", s.tracking_error, "m", "greatest distance of the tip from the path in it");
     v.field("samples", s.samples, "", "samples used");
   }
 };

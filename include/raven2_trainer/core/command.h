@@ -41,13 +41,24 @@ constexpr std::size_t kRequestKindCount = 6;
 constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{"none", "engage",      "disengage",
                                                                        "plan", "cancel_plan", "set_collisions"};
 
+/** Where a plan shall lead. */
+enum class GoalKind : std::uint8_t {
+  kDefault,  ///< the goal of planner.yaml, a tip position
+  kTip,      ///< a tip position, orientation free
+  kJoints,   ///< joint positions
+};
+constexpr std::size_t kGoalKindCount = 3;
+constexpr std::array<const char*, kGoalKindCount> kGoalKindNames{"default", "tip", "joints"};
+
 struct Request {
   RequestKind kind{RequestKind::kNone};
   Arm arm{Arm::kGold};
-  std::uint8_t has_goal{};  ///< 0: the goal of planner.yaml
-  std::uint8_t enabled{};   ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through
-  Vec3 goal_W{};            ///< [m] [@frame W] tip position to reach, orientation free
-  std::uint32_t id{};       ///< chosen by the sender, comes back in PlanResult::id
+  std::uint8_t choose_arm{};  ///< kPlan: 1 the planner chooses the arm from the goal, `arm` does not count
+  std::uint8_t enabled{};     ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through
+  GoalKind goal{GoalKind::kDefault};
+  Vec3 goal_W{};        ///< [m] [@frame W] kTip
+  JointArray goal_q{};  ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
+  std::uint32_t id{};   ///< chosen by the sender, comes back in PlanResult::id
 };
 
 /** Orders to the fault director. */
@@ -61,10 +72,12 @@ struct PlanRequest {
   std::uint32_t id{};
   Tick requested_tick{};
   Arm arm{Arm::kGold};
-  JointArray start{};  ///< [rad, m] where the arm stands
-  JointArray other{};  ///< [rad, m] where the other arm stands
-  std::uint8_t has_goal{};
-  Vec3 goal_W{};  ///< [m]
+  JointArray start{};         ///< [rad, m] where the arm stands
+  JointArray other{};         ///< [rad, m] where the other arm stands
+  std::uint8_t choose_arm{};  ///< 1: `arm` and `other` change places if the other one suits the goal better
+  GoalKind goal{GoalKind::kDefault};
+  Vec3 goal_W{};        ///< [m] kTip
+  JointArray goal_q{};  ///< [rad, m] kJoints
 };
 
 enum class PlanStatus : std::uint8_t {
@@ -73,12 +86,18 @@ enum class PlanStatus : std::uint8_t {
   kStartInCollision,
   kGoalUnreachable,
   kGoalInCollision,
-  kNoPath,
-  kCancelled,
+  kNoPath,              ///< none through the samples, however many were added
+  kCancelled,           ///< by request, by the pedal, or refused
+  kDynamicsInfeasible,  ///< paths were found, but the arm touches something when it follows them
+  kTimeLimit,           ///< the time was up before there was an answer
+  kInvalidStart,        ///< outside the joint limits or not finite
+  kFailed,              ///< a library or the heap gave up
 };
-constexpr std::size_t kPlanStatusCount = 7;
+constexpr std::size_t kPlanStatusCount = 11;
 constexpr std::array<const char*, kPlanStatusCount> kPlanStatusNames{
-    "none", "success", "start_in_collision", "goal_unreachable", "goal_in_collision", "no_path", "cancelled"};
+    "none",    "success",   "start_in_collision",  "goal_unreachable", "goal_in_collision",
+    "no_path", "cancelled", "dynamics_infeasible", "time_limit",       "invalid_start",
+    "failed"};
 
 constexpr std::size_t kMaxWaypoints = 64;
 
@@ -92,7 +111,9 @@ struct PlanResult {
   std::array<double, kMaxWaypoints> arrival{};        ///< [s] time of each from the start of the motion
   double cost{};                                      ///< eq. (1) of the paper
   double planning_time{};                             ///< [s] wall clock; in lockstep the fixed simulated delay
-  std::uint32_t samples{};
+  double clearance{};       ///< [m] least distance to the scene, the other arm and itself in the roll-out of the path
+  double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path in that roll-out
+  std::uint32_t samples{};  ///< used, those added after a failure included
 };
 static_assert(std::is_trivially_copyable<PlanResult>::value, "travels in a ring");
 

@@ -94,7 +94,7 @@ TEST(FrsScene, TheStandIsAnObstacleTheRingIsNot) {
   PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
   PlanRequest request = insideTheDome();
   request.start = geometry().home;
-  request.has_goal = 1;
+  request.goal = GoalKind::kTip;
   request.goal_W = {0.012, 0.0, 0.010};  // [m] inside the peg
   EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalInCollision);
   request.goal_W = {0.012 - 0.009, 0.009, 0.022};  // [m] jaws about the ring's corner

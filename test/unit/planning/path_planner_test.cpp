@@ -82,7 +82,7 @@ class PathPlannerTest : public ::testing::Test {
     request.id = 17;
     request.start = kHome;
     request.other = kHome;
-    request.has_goal = 1;
+    request.goal = GoalKind::kTip;
     request.goal_W = {-0.015, 0.055, 0.04};
     return request;
   }
@@ -218,7 +218,7 @@ TEST_F(PathPlannerTest, LockstepChangesNothingButTheClock) {
 
 TEST_F(PathPlannerTest, TakesTheGoalOfTheConfigurationIfNoneIsAsked) {
   PlanRequest request = overTheWall();
-  request.has_goal = 0;
+  request.goal = GoalKind::kDefault;
   config_.goal_W = {-0.01, 0.06, 0.045};
   const PlanResult result = plan(wall(), request);
   ASSERT_EQ(result.status, PlanStatus::kSuccess);

@@ -41,9 +41,11 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   record.tick = 4660;
   record.request.kind = RequestKind::kPlan;
   record.request.arm = Arm::kGreen;
-  record.request.has_goal = 1;
+  record.request.choose_arm = 1;
+  record.request.goal = GoalKind::kJoints;
   record.request.enabled = 1;
   record.request.goal_W = {1.0, -2.0, 0.5};
+  record.request.goal_q[6] = -2.0;
   record.request.id = 0xA1B2C3D4U;
   const std::string path = scratchPath("golden.rlog");
   {
@@ -52,17 +54,21 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 6, 2);                      // version
-  append(&expected, 8 + 4 + 24 + 4, 4);         // payload length
+  append(&expected, 7, 2);                      // version
+  append(&expected, 8 + 5 + 24 + 56 + 4, 4);    // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
   append(&expected, 3, 1);                      // kPlan
   append(&expected, 1, 1);                      // green
-  append(&expected, 1, 1);                      // has_goal
+  append(&expected, 1, 1);                      // choose_arm
+  append(&expected, 2, 1);                      // joints
   append(&expected, 1, 1);                      // enabled
   append(&expected, 0x3FF0000000000000ULL, 8);  // 1.0 in IEEE 754
   append(&expected, 0xC000000000000000ULL, 8);  // -2.0
   append(&expected, 0x3FE0000000000000ULL, 8);  // 0.5
+  for (int j = 0; j < 6; ++j)
+    append(&expected, 0, 8);
+  append(&expected, 0xC000000000000000ULL, 8);  // -2.0 of the last joint
   append(&expected, 0xA1B2C3D4ULL, 4);          // id
   append(&expected, slowCrc32(expected), 4);
   EXPECT_EQ(bytesBehindHeader(path), expected);
@@ -75,7 +81,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 6, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 7, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
