@@ -28,15 +28,13 @@ bool isStill(const JointArray& dq) noexcept {
 }
 
 void check(const std::vector<JointArray>& waypoints, const std::vector<double>& arrival) {
-  const bool rising = std::is_sorted(arrival.begin(), arrival.end());
-  if (!waypoints.empty() && arrival.size() == waypoints.size() && rising && arrival.front() == 0.0 &&
-      std::isfinite(arrival.back())) {
-    return;
-  }
+  bool right = !waypoints.empty() && arrival.size() == waypoints.size() && arrival.front() == 0.0;
+  for (std::size_t i = 1; right && i < arrival.size(); ++i)
+    right = std::isfinite(arrival[i]) && arrival[i] >= arrival[i - 1];
+  if (right) return;
   throw std::invalid_argument("RollOut: " + std::to_string(waypoints.size()) + " waypoints and " +
                               std::to_string(arrival.size()) +
-                              " times, expected as many, at least one, from 0 s on, "
-                              "rising");
+                              " times, expected as many, at least one, rising from 0 s and finite");
 }
 
 /** A roll-out at some tick: what the rest of it depends on, and what is known so far. */
