@@ -9,9 +9,9 @@
 namespace raven2_trainer::planning {
 
 /**
- * All that a plan asks about what one arm touches. States and edges are free if they keep the clearance. Start and goal, once
- * allowed, need only not touch: the arm may stand nearer than the clearance, and then the edges there
- * are let off it near that end.
+ * All that a plan asks about what one arm touches. States and edges are free if they keep the clearance. Start and
+ * goal, once allowed, need only not touch: the arm may stand nearer than the clearance, and then the edges there are
+ * let off it near that end.
  *
  * Keeps scratch space: one thread at a time.
  */

@@ -17,9 +17,10 @@ struct RollOutReport {
   bool free{};                ///< it came to rest at the end and touched nothing on the way
   bool stopped{};             ///< given up half-way because `stop` said so: nothing is known of the rest
   std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched
-  double clearance{};         ///< [m] least distance to scene, other arm and itself, to 0.5 mm or a quarter of it; at most 50 mm
-  double tracking_error{};    ///< [m] greatest distance of the tip from its place on the path at that time
-  double duration{};          ///< [s] of what was followed; to rest at the end where it is free
+  double
+      clearance{};  ///< [m] least distance to scene, other arm and itself, to 0.5 mm or a quarter of it; at most 50 mm
+  double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path at that time
+  double duration{};        ///< [s] of what was followed; to rest at the end where it is free
 };
 
 /**

@@ -154,7 +154,7 @@ Followed follow(const PlanResult& plan, const JointArray& other) {
 
 TEST(FollowedPaths, NoPathThatIsReturnedTouchesAnything) {
   physics::initialiseOde();
-  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
   const auto problems = static_cast<std::uint64_t>(testing::effort(20, 200));
   int returned = 0, edges = 0;
   double astray = 0.0;
