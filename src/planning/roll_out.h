@@ -12,14 +12,22 @@
 
 namespace raven2_trainer::planning {
 
+/** What the law is asked for: it damps velocity, so that what is asked for is followed with a lag. */
+enum class Asking {
+  kLeading,  ///< what leads the path, so that the arm is on it (control::ArmController): as the live model follows
+             ///< plans
+  kPlain,    ///< the path itself: followed with the robot's lag of 25 to 99 ms, another one for each joint
+};
+
 /** What became of an arm that followed a path. */
 struct RollOutReport {
   bool free{};                ///< it came to rest at the end and touched nothing on the way
   bool stopped{};             ///< given up half-way because `stop` said so: nothing is known of the rest
   std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched
-  double clearance{};         ///< [m] least distance to scene, other arm and itself, to 0.5 mm or a quarter of it; at most 50 mm
-  double tracking_error{};    ///< [m] greatest distance of the tip from its place on the path at that time
-  double duration{};          ///< [s] of what was followed; to rest at the end where it is free
+  double
+      clearance{};  ///< [m] least distance to scene, other arm and itself, to 0.5 mm or a quarter of it; at most 50 mm
+  double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path at that time
+  double duration{};        ///< [s] of what was followed; to rest at the end where it is free
 };
 
 /**
@@ -38,7 +46,11 @@ class RollOut {
   using Clearance = std::function<double(const JointArray& q)>;
 
   /** `raven` and `scene` must outlive this. @throw ModelException if the model cannot be turned into bodies. */
-  RollOut(const model::RavenModel& raven, const SceneObstacles& scene, const ModelConfig& config, Arm arm);
+  RollOut(const model::RavenModel& raven,
+          const SceneObstacles& scene,
+          const ModelConfig& config,
+          Arm arm,
+          Asking asking = Asking::kLeading);
   ~RollOut();
 
   /** Instead of FCL's distance, which is exact and slow. Must stand for the other arm as given to follow(). */

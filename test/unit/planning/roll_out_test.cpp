@@ -143,6 +143,18 @@ TEST(RollOut, AFreePathIsFreeAndTheArmComesToRestAtItsEnd) {
   EXPECT_LT(report.duration, times(path).back() + 0.3);
 }
 
+TEST(RollOut, AskedForThePathItselfTheArmLags) {
+  // GIVEN an insertion of 40 mm at 0.05 m/s at most, whose lag is (kd + friction) / kp = 99 ms
+  const Path path{home(), fromHome(0.0, 0.0, 0.04)};
+  const std::vector<double> arrival{0.0, 15.0 / 8.0 * 0.04 / 0.05};
+  const SceneObstacles nothing(test::scene({}));
+  RollOut plain(raven(), nothing, config().model, Arm::kGold, Asking::kPlain);
+  RollOut leading(raven(), nothing, config().model, Arm::kGold);
+  const double lag = plain.follow(path, arrival, home()).tracking_error;
+  EXPECT_NEAR(lag, 0.05 * (4564.0 + 1080.0) / 57055.0, 0.0006);  // the rest is dry friction and the lag's own lag
+  EXPECT_LT(leading.follow(path, arrival, home()).tracking_error, 0.2 * lag);
+}
+
 TEST(RollOut, FindsTheEdgeOnWhichTheArmTouches) {
   const Path path = threeEdges();
   for (std::size_t edge = 0; edge < 3; ++edge) {
