@@ -92,7 +92,8 @@ def test_the_scene_is_where_the_urdf_says(tmp_path):
     scene.write_text("""<robot name="s"><link name="world"/><link name="a"/>
       <link name="peg">
       <collision><origin xyz="0 0 0.1" rpy="0 1.570796326794897 0"/>
-      <geometry><cylinder radius="0.01" length="0.2"/></geometry></collision><collision><geometry><box size="2 4 6"/></geometry></collision></link>
+      <geometry><cylinder radius="0.01" length="0.2"/></geometry></collision>
+      <collision><geometry><box size="2 4 6"/></geometry></collision></link>
       <joint name="j" type="fixed"><parent link="world"/><child link="a"/><origin xyz="1 0 0"/></joint>
       <joint name="k" type="fixed"><parent link="a"/><child link="peg"/>
       <origin xyz="0 2 0" rpy="0 0 1.570796326794897"/></joint></robot>""")
