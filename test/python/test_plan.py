@@ -53,8 +53,8 @@ def test_planners_are_compared_over_time(tmp_path):
                "--output", tmp_path / "c")
     assert got.returncode == 0, got.stderr
     table = rows(tmp_path / "c" / "comparison.csv")
-    assert [(row["planner"], row["time_s"]) for row in table] == [("FMTstar", "1"), ("FMTstar", "2"), ("RRTConnect", "1"),
-                                                                  ("RRTConnect", "2")]
+    assert [(row["planner"], row["time_s"]) for row in table] == [("FMTstar", "1"), ("FMTstar", "2"),
+                                                                  ("RRTConnect", "1"), ("RRTConnect", "2")]
     assert all(float(row["success_percent"]) == 100 for row in table)
     assert not (tmp_path / "c" / "table.csv").exists()
 
@@ -104,4 +104,5 @@ def test_a_problem_of_ones_own_is_read_strictly(tmp_path):
     assert got.returncode == 1
     assert f"mine.yaml:{text.count(chr(10)) + 1}: unknown key speed" in got.stderr
     problem.write_text(text)
-    assert plan(problem, "--runs", 1, "--samples", 40, "--eta", "0.1,0.5,0", "--output", tmp_path / "good").returncode == 0
+    got = plan(problem, "--runs", 1, "--samples", 40, "--eta", "0.1,0.5,0", "--output", tmp_path / "good")
+    assert got.returncode == 0, got.stderr
