@@ -30,6 +30,27 @@ double quinticBlend(double s) noexcept {
   return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
 }
 
+double quinticBlendRate(double s) noexcept {
+  const double x = std::clamp(s, 0.0, 1.0);
+  return 30.0 * x * x * (1.0 - x) * (1.0 - x);
+}
+
+JointTarget quinticTarget(const JointArray& from,
+                          const JointArray& to,
+                          double departure,
+                          double arrival,
+                          double t) noexcept {
+  const double duration = arrival - departure;
+  const double s = duration > 0.0 ? (t - departure) / duration : 0.0;
+  const double blend = quinticBlend(s), rate = duration > 0.0 ? quinticBlendRate(s) / duration : 0.0;
+  JointTarget target;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    target.q[j] = from[j] + blend * (to[j] - from[j]);
+    target.dq[j] = rate * (to[j] - from[j]);
+  }
+  return target;
+}
+
 void PathFollower::start(const PlanResult& plan) noexcept {
   plan_ = plan;
   active_ = plan.status == PlanStatus::kSuccess && plan.waypoint_count > 0 && plan.waypoint_count <= kMaxWaypoints;
@@ -39,27 +60,22 @@ void PathFollower::start(const PlanResult& plan) noexcept {
 }
 
 JointArray PathFollower::tick() noexcept {
-  if (!active_) return position();
+  if (!active_) return target().q;
   ++elapsed_;
   const std::uint32_t last = plan_.waypoint_count - 1;
   while (segment_ < last && seconds() >= plan_.arrival[segment_ + 1])
     ++segment_;
   active_ = segment_ < last;
-  return position();
+  return target().q;
 }
 
-JointArray PathFollower::position() const noexcept {
-  if (segment_ + 1 >= plan_.waypoint_count) return plan_.waypoints[segment_];
-  const JointArray& from = plan_.waypoints[segment_];
-  const JointArray& to = plan_.waypoints[segment_ + 1];
-  const double departure = plan_.arrival[segment_];
-  // Positive: tick() has left every segment that is over, and the first one cannot be over before it began.
-  const double duration = plan_.arrival[segment_ + 1] - departure;
-  const double blend = duration > 0.0 ? quinticBlend((seconds() - departure) / duration) : 0.0;
-  JointArray q{};
-  for (std::size_t j = 0; j < kJointCount; ++j)
-    q[j] = from[j] + blend * (to[j] - from[j]);
-  return q;
+JointTarget PathFollower::target() const noexcept {
+  if (segment_ + 1 >= plan_.waypoint_count) return {plan_.waypoints[segment_], JointArray{}};
+  // tick() has left every segment that is over, and the first one cannot be over before it began.
+  JointTarget target = quinticTarget(plan_.waypoints[segment_], plan_.waypoints[segment_ + 1], plan_.arrival[segment_],
+                                     plan_.arrival[segment_ + 1], seconds());
+  if (!active_) target.dq = JointArray{};
+  return target;
 }
 
 }  // namespace raven2_trainer::control

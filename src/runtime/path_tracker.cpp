@@ -25,13 +25,6 @@ bool isStill(const JointArray& dq) {
   return std::all_of(dq.begin(), dq.end(), [](double rate) { return std::abs(rate) < kStill; });
 }
 
-JointArray rate(const JointArray& before, const JointArray& now) {
-  JointArray dq{};
-  for (std::size_t j = 0; j < kJointCount; ++j)
-    dq[j] = (now[j] - before[j]) / kTickSeconds;
-  return dq;
-}
-
 /** [m] Tip in W. */
 Vector3 tipOf(const model::RavenModel& raven, Arm arm, const JointArray& q) {
   return at(raven.X_WB, arm) * kinematics::forward(raven.arms.geometry, arm, q).p;
@@ -76,10 +69,9 @@ class Tracker {
 
   void step() {
     ++tick_;
-    const JointArray before = wanted_;
     wanted_ = follower_.tick();
     if (follower_.active()) end_ = tick_;
-    at(q_d_, plan_.arm) = driver_.leading(plan_.arm, wanted_, rate(before, wanted_));
+    at(q_d_, plan_.arm) = driver_.leading(plan_.arm, follower_.target());
     driver_.step(q_d_);
     JointArray q{}, dq{};
     world_.jointState(plan_.arm, &q, &dq);

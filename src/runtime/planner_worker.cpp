@@ -8,7 +8,7 @@ PlannerWorker::PlannerWorker(const TrainerConfig& config,
                              const model::RavenModel& raven,
                              const model::SceneModel& scene,
                              SharedState* shared)
-    : planner_(raven, scene, config.planner), arms_(config.arms), shared_(*shared), seed_(config.seed) {}
+    : planner_(raven, scene, config.planner, config.model), arms_(config.arms), shared_(*shared), seed_(config.seed) {}
 
 bool PlannerWorker::serve() {
   PlanRequest request;

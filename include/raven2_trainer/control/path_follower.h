@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/types.h"
 
@@ -14,6 +15,17 @@ double quinticDuration(const JointArray& delta,
 /** 10s^3 - 15s^4 + 6s^5 at s clamped to [0, 1]. */
 double quinticBlend(double s) noexcept;
 
+/** Derivative of quinticBlend at s, 0 outside of [0, 1]. */
+double quinticBlendRate(double s) noexcept;
+
+/** At time `t` [s] on the rest-to-rest quintic that leaves `from` at `departure` and is at `to` at `arrival`: there
+ *  before and after. Real-time safe. */
+JointTarget quinticTarget(const JointArray& from,
+                          const JointArray& to,
+                          double departure,
+                          double arrival,
+                          double t) noexcept;
+
 /** Plays a PlanResult: rest-to-rest quintics between its waypoints, at the times in `arrival`. Real-time safe. */
 class PathFollower {
  public:
@@ -26,10 +38,11 @@ class PathFollower {
    *  active: at the end, or where stop() left it; zeros if no plan was ever started. */
   JointArray tick() noexcept;
 
+  /** What tick() said last, and how fast it moves: not at all while not active. */
+  JointTarget target() const noexcept;
+
  private:
   double seconds() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
-  JointArray position() const noexcept;
-
   PlanResult plan_{};
   bool active_{false};
   std::int64_t elapsed_{0};

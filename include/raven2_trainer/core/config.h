@@ -184,6 +184,7 @@ struct PlannerConfig {
   std::uint32_t volume_samples{};    ///< of the estimate of the free volume
   double volume_confidence{};        ///< [-] that the bound of the free volume holds
   std::uint32_t improve_attempts{};  ///< [-] of the local improvement; 0 leaves FMT*'s path as it is
+  std::uint32_t max_rollouts{};      ///< [-] paths that may fail in the roll-out before the plan does
   double time_limit{};               ///< [s]
   double edge_step{};                ///< [-] largest step between checks along an edge, in the unit cube
   double clearance{};                ///< [m] kept from obstacles

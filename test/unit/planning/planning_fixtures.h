@@ -34,6 +34,7 @@ inline PlannerConfig plannerConfig() {
   c.volume_samples = 2000;
   c.volume_confidence = 0.99;
   c.improve_attempts = 100;
+  c.max_rollouts = 50;
   c.time_limit = 60.0;
   c.edge_step = 0.01;
   c.clearance = 0.002;
