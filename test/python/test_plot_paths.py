@@ -70,6 +70,19 @@ def test_pictures_come_of_a_study(tmp_path, capsys):
         assert pathlib.Path(picture).stat().st_size > 20000
 
 
+def test_several_studies_make_one_picture(tmp_path, capsys):
+    folders = []
+    for name in ("easy", "hard", "impossible"):
+        folders.append(tmp_path / name)
+        folders[-1].mkdir()
+        write(folders[-1], "runs.csv", [run(200, 1, 9.0, success=int(name != "impossible"))])
+    picture = tmp_path / "all.png"
+    assert plot.main([*map(str, folders), "--together", str(picture)]) == 0
+    assert capsys.readouterr().out.splitlines() == [str(picture)]
+    assert picture.stat().st_size > 20000
+    assert not list(folders[0].glob("*.png"))
+
+
 def test_a_study_without_success_is_told_and_no_error(tmp_path, capsys):
     write(tmp_path, "runs.csv", [run(200, 1, 0.0, success=0)])
     assert plot.main([str(tmp_path)]) == 0
