@@ -1,0 +1,183 @@
+// Plans one problem again and again and tracks each path on the model: the paper's Table 2, Figures 7 and 8, and the
+// comparison of planners.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "apps/common/command_line.h"
+#include "apps/common/paths.h"
+#include "apps/common/run_script.h"
+#include "apps/common/study_bar.h"
+#include "raven2_trainer/config/load_problem.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/plan_files.h"
+#include "raven2_trainer/runtime/plan_study.h"
+#include "raven2_trainer/runtime/plan_tables.h"
+
+namespace raven2_trainer {
+namespace {
+
+struct Options {
+  apps::CommonOptions common;
+  runtime::PlanChoice choice;
+  std::string problem{"paper"}, output;
+  int runs{20}, threads{1};
+  bool plot{false};
+};
+
+using Cases = std::vector<planning::PlanOptions>;
+
+std::string newFolder(const std::string& problem) {
+  char stamp[32];
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  std::strftime(stamp, sizeof(stamp), "%Y-%m-%dT%H-%M-%SZ", gmtime_r(&now, &utc));
+  return "plans/" + problem + "_" + stamp;
+}
+
+/** What CLI11 lets through: CLI::Range knows no NaN within a list. */
+void check(const Options& options) {
+  for (const auto* list : {&options.choice.eta, &options.choice.times}) {
+    if (!std::all_of(list->begin(), list->end(), [](double x) { return std::isfinite(x); }))
+      throw ConfigException("--eta, --times: NaN is not a value");
+  }
+  // OMPL draws from one generator a process: side by side its planners would neither repeat nor be fair.
+  for (const std::string& planner : options.choice.planners) {
+    if (planner != "FMTstar" && options.threads > 1)
+      throw ConfigException("--threads is " + std::to_string(options.threads) + ", expected 1 with --planner " +
+                            planner);
+  }
+}
+
+/** Runs and writes; the tracks themselves are only in the files. */
+std::vector<runtime::PlanRun> study(const TrainerConfig& config,
+                                    const PlanProblem& problem,
+                                    const runtime::PlanStudyOptions& options,
+                                    const std::string& label,
+                                    runtime::PlanFiles* files) {
+  apps::StudyBar bar(label);
+  std::vector<runtime::PlanRun> runs;
+  const auto all = static_cast<double>(options.cases.size()) * options.runs;
+  runtime::runPlanStudy(config, problem, options, [&](runtime::PlanRun run) {
+    files->add(options.cases[run.case_index], run);
+    run.track.samples = {};
+    runs.push_back(std::move(run));
+    bar.update(static_cast<double>(runs.size()) / all);
+  });
+  files->close();
+  bar.done(std::to_string(runs.size()) + " plans, " + files->directory());
+  return runs;
+}
+
+/** The table and, with several planners or times, the comparison: on the terminal and as CSV. */
+void report(const std::string& directory,
+            const Cases& cases,
+            const std::vector<runtime::PlanRun>& runs,
+            bool over_time) {
+  const std::vector<runtime::PlanTableRow> rows = runtime::tableRows(cases, runs);
+  std::string csv = over_time ? runtime::comparisonHeader() : runtime::tableHeader();
+  for (const runtime::PlanTableRow& row : rows)
+    csv += over_time ? runtime::comparisonLine(row) : runtime::tableLine(row);
+  runtime::writeFile(directory + (over_time ? "/comparison.csv" : "/table.csv"), csv);
+  std::printf("%s", (over_time ? comparisonText(rows) : tableText(rows)).c_str());
+  const std::string reasons = runtime::reasonsText(runs);
+  if (!reasons.empty()) std::printf("without success: %s\n", reasons.c_str());
+}
+
+/** What Figure 7 needs besides: two paths, and the straight motion that stands for the user's. */
+void addFigureRuns(const TrainerConfig& config,
+                   const PlanProblem& problem,
+                   runtime::PlanStudyOptions options,
+                   const std::string& directory,
+                   const runtime::PlanChoice& choice) {
+  options.cases = figureCases(config.planner, choice);
+  options.runs = 1;
+  runtime::PlanFiles files(directory, "figure7.csv");
+  for (const runtime::PlanRun& run : study(config, problem, options, "figure 7", &files)) {
+    if (run.result.status != PlanStatus::kSuccess) continue;
+    const runtime::TrackedPath straight =
+        runtime::straightMotion(model::loadRavenModel(config), config.planner, run.result);
+    runtime::writeFile(directory + "/paths/straight.csv", runtime::trackCsv(straight));
+    break;
+  }
+}
+
+int plan(Options options) {
+  check(options);
+  const TrainerConfig config = options.common.load();
+  const PlanProblem problem =
+      config::findProblem(apps::shareFolder() + "/config/problems", options.problem, config.arms.geometry);
+  const bool over_time = !options.choice.times.empty();
+  runtime::PlanStudyOptions study_options;
+  study_options.cases =
+      over_time ? comparisonCases(config.planner, options.choice) : tableCases(config.planner, options.choice);
+  study_options.runs = options.runs;
+  study_options.seed = config.seed;
+  study_options.threads = options.threads;
+  runtime::PlanFiles files(options.output.empty() ? newFolder(problem.name) : options.output, "runs.csv");
+  std::printf("%s: %s\n", problem.name.c_str(), problem.description.c_str());
+  if (options.threads > 1)
+    std::printf("%d plans side by side: planning times are longer than alone\n", options.threads);
+  report(files.directory(), study_options.cases, study(config, problem, study_options, "plan", &files), over_time);
+  if (!options.plot) return 0;
+  addFigureRuns(config, problem, study_options, files.directory(), options.choice);
+  return apps::runScript("plot_paths", {files.directory(), "--scene", config.scene_urdf});
+}
+
+void addChoice(CLI::App* app, runtime::PlanChoice* choice) {
+  app->add_option("--samples", choice->samples, "Free samples n")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::Range(10, 100000));
+  app->add_option(
+         "--eta", choice->eta,
+         "eta1,eta2[,eta3] of length, acceleration and clearance (default: the configuration's, without and with "
+         "eta3)")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->check(CLI::Range(0.0, 1e6));
+  const std::vector<std::string> names(planning::kPlannerNames.begin(), planning::kPlannerNames.end());
+  app->add_option("--planner", choice->planners, "FMTstar is ours, the others are OMPL's")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::IsMember(names));
+  app->add_option("--times", choice->times, "Compares success and cost after so many seconds, instead of the table [s]")
+      ->delimiter(',')
+      ->check(CLI::Range(0.01, 3600.0));
+  app->add_option("--time-limit", choice->time_limit, "Of one plan [s] (default: the configuration's)")
+      ->check(CLI::Range(0.01, 3600.0));
+  app->add_option("--improve", choice->improve_attempts,
+                  "Attempts to improve a path locally; 0: plain FMT* (default: the configuration's)")
+      ->check(CLI::Range(0, 100000));
+  app->add_flag("--exact", choice->is_exact, "Add no samples after a failure");
+}
+
+}  // namespace
+}  // namespace raven2_trainer
+
+int main(int argc, char** argv) {
+  using namespace raven2_trainer;
+  Options options;
+  CLI::App app{"Plans one problem again and again, tracks each path on the model, and tells what came of it."};
+  app.footer(
+      "Writes runs.csv, table.csv or comparison.csv, and each path into the output folder (doc/planning.md).\n"
+      "Exit status: 0 the study is written, whatever the plans came to; 1 it is not. Lists: 200,500,1000.");
+  app.add_option("problem", options.problem, "Name in config/problems, or FILE.yaml")->capture_default_str();
+  app.add_option("--runs", options.runs, "Plans of each case; the seed of each is one higher")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  addChoice(&app, &options.choice);
+  app.add_option("--threads", options.threads, "Plans side by side")->capture_default_str()->check(CLI::Range(1, 64));
+  app.add_option("--output", options.output, "New folder (default: plans/<problem>_<UTC stamp>)");
+  app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of the paper into the folder");
+  app.add_option("--config", options.common.config,
+                 "Root configuration file (default: the packaged config/trainer.yaml)");
+  app.add_option("--seed", options.common.seed, "Of the first run (default: the configuration's)")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
+  return apps::runProgram(&app, argc, argv, [&] { return plan(options); });
+}

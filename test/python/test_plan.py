@@ -1,0 +1,108 @@
+"""The program plan from its command line. Needs the built program; skipped where it is not built."""
+
+import csv
+import os
+import subprocess
+
+import pytest
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+PLAN = os.path.join(os.environ.get("RAVEN2_TRAINER_BUILD", os.path.join(ROOT, "build")), "devel", "lib",
+                    "raven2_trainer", "plan")
+
+pytestmark = pytest.mark.skipif(not os.path.exists(PLAN), reason="plan is not built")
+
+
+def plan(*arguments):
+    return subprocess.run([PLAN, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+def rows(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_study_is_printed_written_and_drawn(tmp_path):
+    folder = tmp_path / "study"
+    got = plan("short_move", "--samples", "40,80", "--runs", 2, "--seed", 5, "--output", folder, "--plot")
+    assert got.returncode == 0, got.stderr
+    assert got.stdout.startswith("short_move: ")
+    assert got.stdout.count("planning time [s]") == 2, "a table without and one with the clearance term"
+    runs = rows(folder / "runs.csv")
+    assert [(r["samples"], r["run"], r["seed"]) for r in runs] == [(n, i, s) for n in ("40", "80") for i, s in
+                                                                  (("1", "5"), ("2", "6"))] * 2
+    for run in runs:
+        assert (run["success"], run["reason"]) == ("1", "success")
+        assert float(run["planning_time_s"]) > 0 and float(run["clearance_m"]) > 0
+        track, waypoints = (rows(folder / "paths" / (run["path"] + end + ".csv")) for end in ("", "_waypoints"))
+        assert len(waypoints) == int(run["waypoints"])
+        # the tracked tip ends where it is wanted, and the time is the file's last, to a row
+        assert float(track[-1]["x_m"]) == pytest.approx(float(track[-1]["x_desired_m"]), abs=1e-3)
+        assert float(track[-1]["time_s"]) == pytest.approx(float(run["tracking_time_s"]), abs=0.0021)
+    table = rows(folder / "table.csv")
+    assert [row["samples"] for row in table] == ["40", "80"] * 2
+    for row in table:
+        chosen = [r for r in runs if (r["samples"], r["eta_clearance"]) == (row["samples"], row["eta_clearance"])]
+        assert float(row["cost_mean"]) == pytest.approx(sum(float(r["cost"]) for r in chosen) / 2)
+    for picture in ("figure7.png", "figure8.png"):
+        assert (folder / picture).stat().st_size > 20000
+
+
+def test_planners_are_compared_over_time(tmp_path):
+    got = plan("short_move", "--planner", "FMTstar,RRTConnect", "--samples", 50, "--times", "1,2", "--runs", 1,
+               "--output", tmp_path / "c")
+    assert got.returncode == 0, got.stderr
+    table = rows(tmp_path / "c" / "comparison.csv")
+    assert [(row["planner"], row["time_s"]) for row in table] == [("FMTstar", "1"), ("FMTstar", "2"),
+                                                                  ("RRTConnect", "1"), ("RRTConnect", "2")]
+    assert all(float(row["success_percent"]) == 100 for row in table)
+    assert not (tmp_path / "c" / "table.csv").exists()
+
+
+def test_what_has_no_path_is_told_and_no_error(tmp_path):
+    got = plan("impossible", "--samples", 50, "--runs", 1, "--exact", "--eta", "0.1,0.5,0", "--output", tmp_path / "i")
+    assert got.returncode == 0, got.stderr
+    assert "without success: no_path 1" in got.stdout
+    [run] = rows(tmp_path / "i" / "runs.csv")
+    assert (run["success"], run["reason"], run["cost"], run["path"]) == ("0", "no_path", "", "")
+    assert not list((tmp_path / "i" / "paths").iterdir())
+
+
+def test_a_folder_is_used_once(tmp_path):
+    (tmp_path / "runs.csv").write_text("mine\n")
+    got = plan("short_move", "--runs", 1, "--output", tmp_path)
+    assert got.returncode == 1
+    assert "is there already" in got.stderr
+    assert (tmp_path / "runs.csv").read_text() == "mine\n"
+
+
+@pytest.mark.parametrize("arguments,says", [
+    (["nowhere"], "there are: impossible, into_dome, paper"),
+    (["missing.yaml"], "missing.yaml:1: cannot be opened"),
+    (["paper", "--planner", "FMTstar,Dijkstra"], "--planner"),
+    (["paper", "--planner", "BITstar", "--threads", "2"], "--threads is 2, expected 1"),
+    (["paper", "--samples", "5"], "--samples"),
+    (["paper", "--eta", "0.1"], "--eta"),
+    (["paper", "--eta", "0.1,0.5,0.1,0.2"], "--eta"),
+    (["paper", "--eta", "0.1,nan"], "NaN is not a value"),
+    (["paper", "--times", "0"], "--times"),
+    (["paper", "--runs", "0"], "--runs"),
+])
+def test_what_makes_no_sense_is_refused(tmp_path, arguments, says):
+    got = plan(*arguments, "--output", tmp_path / "none")
+    assert got.returncode != 0
+    assert says in got.stderr
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_problem_of_ones_own_is_read_strictly(tmp_path):
+    with open(os.path.join(ROOT, "config", "problems", "short_move.yaml"), encoding="utf-8") as file:
+        text = file.read()
+    problem = tmp_path / "mine.yaml"
+    problem.write_text(text + "speed: 3\n")
+    got = plan(problem, "--output", tmp_path / "none")
+    assert got.returncode == 1
+    assert f"mine.yaml:{text.count(chr(10)) + 1}: unknown key speed" in got.stderr
+    problem.write_text(text)
+    got = plan(problem, "--runs", 1, "--samples", 40, "--eta", "0.1,0.5,0", "--output", tmp_path / "good")
+    assert got.returncode == 0, got.stderr
