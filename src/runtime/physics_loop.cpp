@@ -29,8 +29,6 @@ constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  /
 
 constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
 
-constexpr std::uint32_t kMaxPlansUnderWay = 4;  // capacity of plan_requests and of plan_results
-
 bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
   for (std::size_t j = 0; j < kFollowReach.size(); ++j) {
     if (std::abs(q[j] - target[j]) > kFollowReach[j]) return false;

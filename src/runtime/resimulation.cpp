@@ -164,6 +164,7 @@ struct Resimulation::Impl {
     discard(&shared->plan_records);
     discard(&shared->fault_records);
     discard(&shared->change_records);
+    discard(&shared->execution_records);
     discard(&shared->contact_records);
   }
 
