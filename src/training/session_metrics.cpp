@@ -270,6 +270,14 @@ void MetricsAccumulator::add(const PlanRecord& record) {
   metrics_.plan = record.result;
 }
 
+void MetricsAccumulator::add(const ExecutionRecord& record) {
+  if (metrics_.executions.size() < kMaxExecutions) {
+    metrics_.executions.push_back(record.report);
+  } else {
+    ++metrics_.executions_beyond;
+  }
+}
+
 void MetricsAccumulator::add(const SessionCounts& counts) {
   metrics_.counts = counts;
   metrics_.complete = true;
@@ -293,6 +301,7 @@ SessionMetrics computeMetrics(const std::string& log_path) {
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
   visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
   visitor.fault_change = [&](const FaultChangeRecord& record) { accumulator.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
   return accumulator.result();

@@ -53,6 +53,7 @@ struct Injection {
 };
 
 constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
+constexpr std::size_t kMaxExecutions = 10'000;   ///< of a session, a second each for three hours: 1 MB
 
 struct SessionMetrics {
   double duration{};         ///< [s] from the first pedal down
@@ -64,8 +65,10 @@ struct SessionMetrics {
   double max_force{};  ///< [N]
   double tolerance{};  ///< [m]
   PlanResult plan{};   ///< newest, status kNone if none was asked for
+  std::vector<ExecutionReport> executions;
+  std::uint64_t executions_beyond{};  ///< beyond the longest list, kMaxExecutions
   SessionCounts counts{};
-  std::uint64_t frames{};  ///< of video.mp4; 0 before it is rendered
+  std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
   std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
   bool complete{};                    ///< the log has its last record, the counters
 };
@@ -87,6 +90,7 @@ class MetricsAccumulator {
   void add(const PlanRecord& record);
   void add(const FaultRecord& record);
   void add(const FaultChangeRecord& record);
+  void add(const ExecutionRecord& record);
   void add(const SessionCounts& counts);
   SessionMetrics result() const;
 
