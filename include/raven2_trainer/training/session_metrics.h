@@ -76,8 +76,8 @@ struct SessionMetrics {
 /**
  * Feeds on the records of a session and gives the metrics. The aftermath of a fault belongs to it: from its first
  * tick until the error has stayed below the tolerance for 500 ms after its last. The error is looked at while model and
- * robot follow the surgeon from a common pose (mode teleoperating, `linked`) and the robot's state is fresh. A stale
- * robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
+ * robot follow the surgeon, or a plan, from a common pose (mode teleoperating or executing, `linked`) and the robot's
+ * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
  *
  * Records of one kind come in order, changes of faults before the tick that they belong to; haptic records may come
  * before or after theirs (two threads write them), so each waits for its tick.
