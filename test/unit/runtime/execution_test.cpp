@@ -567,21 +567,23 @@ TEST_F(Execution, FromTheChosenGoalToTheExecutedPathWithThePlannerItself) {
   EXPECT_LT(apart(modelTip(), chosen), rig->config.execution.settle_tolerance + 1e-6);
 }
 
-TEST_F(Execution, APlanThatNobodyWaitsForIsGivenUp) {
+TEST_F(Execution, APlanThatNobodyWaitsForIsGivenUpAndTheNextIsNot) {
   PlannerWorker planner(rig->config, rig->raven, rig->scene, rig->shared.get());
+  PlanRequest first, second;
   ask(RequestKind::kPlan);
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&first));
   ask(RequestKind::kCancelPlan);
   EXPECT_EQ(rig->model().mode, Mode::kPedalUp);
-  ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted) << "the next one is not";
-  ASSERT_TRUE(planner.serve());
-  PlanResult result;
-  ASSERT_TRUE(rig->shared->plan_results.tryPop(&result));
-  EXPECT_EQ(result.status, PlanStatus::kCancelled) << "by the planner itself";
-  ASSERT_TRUE(rig->shared->plan_results.tryPush(result));
-  ASSERT_TRUE(planner.serve());
+  ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&second));
+  const PlanResult given_up = planner.planNow(first), answer = planner.planNow(second);
+  EXPECT_EQ(given_up.status, PlanStatus::kCancelled) << "by the planner itself";
+  EXPECT_NE(answer.status, PlanStatus::kCancelled);
+  ASSERT_TRUE(rig->shared->plan_results.tryPush(given_up));
+  ASSERT_TRUE(rig->shared->plan_results.tryPush(answer));
   rest(false, 1);
-  EXPECT_NE(rig->shared->last_plan.load().status, PlanStatus::kCancelled);
   EXPECT_EQ(rig->shared->last_plan.load().id, last_id);
+  EXPECT_EQ(rig->shared->last_plan.load().status, answer.status);
 }
 
 TEST_F(Execution, ThePedalGivesUpThePlanUnderWay) {
