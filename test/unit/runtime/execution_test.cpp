@@ -124,23 +124,29 @@ class Execution : public ::testing::Test {
     return ticks;
   }
 
-  /** Frames of a robot that is where it was, at this run level; ours do not reach it. */
-  void robotSays(RunLevel level, int ticks, bool pedal) {
+  /** A millisecond in which the robot's frame says this, whatever it does; our packets do not reach it any more. */
+  void tickWith(RobotState* state, bool pedal) {
     rig->robot_connected = false;
+    const std::int64_t now_ns = rig->model().time_ns + kTickNanoseconds;
+    state->time_ns = now_ns;
+    ++state->cycle;
+    std::array<std::uint8_t, wire::kMaxFrame> frame;
+    rig->link.receive(frame.data(), wire::encodeState(++frames, *state, frame.data()), now_ns);
+    rig->tick(pedal);
+  }
+
+  /** A robot that is where it was, at this run level. */
+  void robotSays(RunLevel level, int ticks, bool pedal) {
     RobotState state = rig->software.state();
     state.runlevel = level;
-    std::array<std::uint8_t, wire::kMaxFrame> frame;
-    for (int i = 0; i < ticks; ++i) {
-      ++state.cycle;
-      const std::size_t size = wire::encodeState(1000000 + i, state, frame.data());
-      rig->link.receive(frame.data(), size, rig->model().time_ns + kTickNanoseconds);
-      rig->tick(pedal);
-    }
+    for (int i = 0; i < ticks; ++i)
+      tickWith(&state, pedal);
   }
 
   std::unique_ptr<Rig> rig;
   PlanResult planned;
   std::uint32_t last_id{40};
+  std::uint32_t frames{1000000};
 };
 
 TEST_F(Execution, ReachesTheGoalOnModelAndRobotFromACommonPose) {
@@ -396,12 +402,7 @@ TEST_F(Execution, IsRefusedAtThePedalIfAnArmMovedSinceItWasArmed) {
   arm(true);
   RobotState elsewhere = rig->software.state();
   elsewhere.arms[1].q[kElbow] += 0.05;
-  rig->robot_connected = false;
-  std::array<std::uint8_t, wire::kMaxFrame> frame;
-  ++elsewhere.cycle;
-  rig->link.receive(frame.data(), wire::encodeState(1000000, elsewhere, frame.data()),
-                    rig->model().time_ns + kTickNanoseconds);
-  rest(true, 1);
+  tickWith(&elsewhere, true);
   EXPECT_EQ(report().end, ExecutionEnd::kMoved);
   EXPECT_EQ(report().started, -1);
   EXPECT_EQ(rig->model().mode, Mode::kPedalUp);
@@ -451,16 +452,9 @@ TEST_F(Execution, ARobotHeldBackEndsItOffThePath) {
   arm(true);
   rest(true, 100);
   // GIVEN a robot whose state is heard but whom our packets no longer reach
-  rig->robot_connected = false;
   RobotState state = rig->software.state();
-  state.runlevel = RunLevel::kPedalDown;
-  std::array<std::uint8_t, wire::kMaxFrame> frame;
-  for (int i = 0; i < 3000 && rig->model().mode == Mode::kExecuting; ++i) {
-    ++state.cycle;
-    const std::size_t size = wire::encodeState(1000000 + i, state, frame.data());
-    rig->link.receive(frame.data(), size, rig->model().time_ns + kTickNanoseconds);
-    rig->tick(true);
-  }
+  for (int i = 0; i < 3000 && rig->model().mode == Mode::kExecuting; ++i)
+    tickWith(&state, true);
   EXPECT_EQ(report().end, ExecutionEnd::kOffPath);
   EXPECT_NEAR(report().robot.largest, rig->config.execution.deviation_limit, 1e-3);
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
@@ -573,21 +567,23 @@ TEST_F(Execution, FromTheChosenGoalToTheExecutedPathWithThePlannerItself) {
   EXPECT_LT(apart(modelTip(), chosen), rig->config.execution.settle_tolerance + 1e-6);
 }
 
-TEST_F(Execution, APlanThatNobodyWaitsForIsGivenUp) {
+TEST_F(Execution, APlanThatNobodyWaitsForIsGivenUpAndTheNextIsNot) {
   PlannerWorker planner(rig->config, rig->raven, rig->scene, rig->shared.get());
+  PlanRequest first, second;
   ask(RequestKind::kPlan);
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&first));
   ask(RequestKind::kCancelPlan);
   EXPECT_EQ(rig->model().mode, Mode::kPedalUp);
-  ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted) << "the next one is not";
-  ASSERT_TRUE(planner.serve());
-  PlanResult result;
-  ASSERT_TRUE(rig->shared->plan_results.tryPop(&result));
-  EXPECT_EQ(result.status, PlanStatus::kCancelled) << "by the planner itself";
-  ASSERT_TRUE(rig->shared->plan_results.tryPush(result));
-  ASSERT_TRUE(planner.serve());
+  ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&second));
+  const PlanResult given_up = planner.planNow(first), answer = planner.planNow(second);
+  EXPECT_EQ(given_up.status, PlanStatus::kCancelled) << "by the planner itself";
+  EXPECT_NE(answer.status, PlanStatus::kCancelled);
+  ASSERT_TRUE(rig->shared->plan_results.tryPush(given_up));
+  ASSERT_TRUE(rig->shared->plan_results.tryPush(answer));
   rest(false, 1);
-  EXPECT_NE(rig->shared->last_plan.load().status, PlanStatus::kCancelled);
   EXPECT_EQ(rig->shared->last_plan.load().id, last_id);
+  EXPECT_EQ(rig->shared->last_plan.load().status, answer.status);
 }
 
 TEST_F(Execution, ThePedalGivesUpThePlanUnderWay) {
