@@ -28,10 +28,10 @@ PEDAL_UP, PEDAL_DN = 2, 3
 AWAY = (0.12, 0.08, 0.015, 0.3, 0.2, 0.0, 0.0)  # from home, out of the scene's way
 RELEASES = 5
 LIMIT = 0.020  # s from the release, as sent, to the robot's PEDAL_UP and to its last motion
-# What counts as motion, and what still counts as rest: a few steps of the encoders, which in 1 ms of the path at full speed are tens of these. A
-# tool 0.1 m below the remote centre moves 0.03 mm at the tip.
 MOVING = 0.05  # rad/s, a tenth of the planner's limit
-REST = (3e-4, 3e-4, 3e-5)  # rad, rad, m
+# rad, rad, m that still are rest: 1 ms of the path at full speed is 5e-4 rad and 1e-4 m. A tip 0.1 m below the remote
+# centre is moved by 0.03 mm.
+REST = (3e-4, 3e-4, 3e-5)
 
 
 def error_message(response):
