@@ -30,6 +30,27 @@ double quinticBlend(double s) noexcept {
   return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
 }
 
+double quinticBlendRate(double s) noexcept {
+  const double x = std::clamp(s, 0.0, 1.0);
+  return 30.0 * x * x * (1.0 - x) * (1.0 - x);
+}
+
+JointTarget quinticTarget(const JointArray& from,
+                          const JointArray& to,
+                          double departure,
+                          double arrival,
+                          double t) noexcept {
+  const double duration = arrival - departure;
+  const double s = duration > 0.0 ? (t - departure) / duration : 0.0;
+  const double blend = quinticBlend(s), rate = duration > 0.0 ? quinticBlendRate(s) / duration : 0.0;
+  JointTarget target;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    target.q[j] = from[j] + blend * (to[j] - from[j]);
+    target.dq[j] = rate * (to[j] - from[j]);
+  }
+  return target;
+}
+
 void PathFollower::start(const PlanResult& plan) noexcept {
   plan_ = plan;
   active_ = plan.status == PlanStatus::kSuccess && plan.waypoint_count > 0 && plan.waypoint_count <= kMaxWaypoints;
@@ -39,31 +60,30 @@ void PathFollower::start(const PlanResult& plan) noexcept {
 }
 
 JointArray PathFollower::tick() noexcept {
-  if (!active_) return position();
+  if (!active_) return target().q;
   ++elapsed_;
-  const JointArray q = position();
+  const JointArray q = pathJoints(plan_, seconds(), &segment_);
   active_ = segment_ + 1 < plan_.waypoint_count;
   return q;
 }
 
-JointArray PathFollower::position() noexcept {
-  return pathJoints(plan_, seconds(), &segment_);
+JointTarget PathFollower::target() const noexcept {
+  if (segment_ + 1 >= plan_.waypoint_count) return {plan_.waypoints[segment_], JointArray{}};
+  // tick() has left every segment that is over, and the first one cannot be over before it began.
+  JointTarget target = quinticTarget(plan_.waypoints[segment_], plan_.waypoints[segment_ + 1], plan_.arrival[segment_],
+                                     plan_.arrival[segment_ + 1], seconds());
+  if (!active_) target.dq = JointArray{};
+  return target;
 }
 
 JointArray pathJoints(const PlanResult& plan, double seconds, std::uint32_t* segment) noexcept {
   while (*segment + 1 < plan.waypoint_count && seconds >= plan.arrival[*segment + 1])
     ++*segment;
   if (*segment + 1 >= plan.waypoint_count) return plan.waypoints[*segment];
-  const JointArray& from = plan.waypoints[*segment];
-  const JointArray& to = plan.waypoints[*segment + 1];
-  const double departure = plan.arrival[*segment];
-  // Positive: every segment that is over was left, and the first one cannot be over before it began.
-  const double duration = plan.arrival[*segment + 1] - departure;
-  const double blend = duration > 0.0 ? quinticBlend((seconds - departure) / duration) : 0.0;
-  JointArray q{};
-  for (std::size_t j = 0; j < kJointCount; ++j)
-    q[j] = from[j] + blend * (to[j] - from[j]);
-  return q;
+  const std::uint32_t from = *segment;
+  return quinticTarget(plan.waypoints[from], plan.waypoints[from + 1], plan.arrival[from], plan.arrival[from + 1],
+                       seconds)
+      .q;
 }
 
 }  // namespace raven2_trainer::control

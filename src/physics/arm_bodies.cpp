@@ -179,6 +179,19 @@ void ArmBodies::setState(const JointArray& q, const JointArray& dq) noexcept {
   placeBodies();
 }
 
+ArmMotion ArmBodies::motion() const noexcept {
+  return {q_, dq_, toJoints(urdf_q_), toJoints(urdf_dq_), toJoints(acceleration_)};
+}
+
+void ArmBodies::restore(const ArmMotion& motion) noexcept {
+  q_ = motion.q;
+  dq_ = motion.dq;
+  urdf_q_ = toVector(motion.urdf_q);
+  urdf_dq_ = toVector(motion.urdf_dq);
+  acceleration_ = toVector(motion.acceleration);
+  placeBodies();
+}
+
 /** Where they are in the middle of the coming step, with the velocities of its beginning. */
 void ArmBodies::placeBodies() noexcept {
   placed_ = recursion_.place(urdf_q_ + 0.5 * step_ * urdf_dq_);

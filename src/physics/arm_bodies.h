@@ -8,6 +8,7 @@
 #include "physics/arm_recursion.h"
 #include "physics/rigid_links.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/arm_world.h"
 
 namespace raven2_trainer::physics {
 
@@ -50,6 +51,10 @@ class ArmBodies {
 
   /** The arm at `q`, moving with `dq`; forgets the past. */
   void setState(const JointArray& q, const JointArray& dq) noexcept;
+
+  /** All of the past that the future depends on. */
+  ArmMotion motion() const noexcept;
+  void restore(const ArmMotion& motion) noexcept;
 
   /** Of the last step, for the point of link `joint` that was at `point` [m, in W] when it began (or h v further: that
    *  makes no difference of second order). */

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "physics/ode_maths.h"
+
 namespace raven2_trainer::physics {
 namespace {
 
@@ -22,6 +24,12 @@ void JawStop::update(double opening, bool enabled) noexcept {
   dJointSetAMotorParam(motor_, dParamLoStop, enabled ? 0.0 : -dInfinity);
   // Jaws that were put past each other part at erp x this in a step, not with what would throw them.
   dJointSetAMotorAngle(motor_, 0, std::max(opening, -kDeepest));
+}
+
+JawStop makeJawStop(dWorldID world, const model::RavenModel& raven, Arm arm, const ArmBodies& bodies, double erp) {
+  const dBodyID jaw1 = bodies.body(kGrasp1), jaw2 = bodies.body(kGrasp2);
+  const Vector3 axis = raven.description.links[static_cast<std::size_t>(at(raven.links, arm)[kGrasp1])].axis;
+  return {world, jaw1, jaw2, bodyPose(jaw1).R * axis.normalized(), erp};
 }
 
 }  // namespace raven2_trainer::physics

@@ -2,7 +2,7 @@
 
 #include <ode/ode.h>
 
-#include "raven2_trainer/kinematics/eigen.h"
+#include "physics/arm_bodies.h"
 
 namespace raven2_trainer::physics {
 
@@ -23,5 +23,8 @@ class JawStop {
  private:
   dJointID motor_;
 };
+
+/** That of an arm, whose bodies are where they were made. @param[in] erp [-] of ODE's joints. */
+JawStop makeJawStop(dWorldID world, const model::RavenModel& raven, Arm arm, const ArmBodies& bodies, double erp);
 
 }  // namespace raven2_trainer::physics

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "physics/arm_bodies.h"
 #include "physics/collider.h"
+#include "physics/finite.h"
 #include "physics/jaw_stop.h"
 #include "physics/ode_handles.h"
 #include "physics/ode_maths.h"
+#include "physics/ode_world.h"
 #include "physics/rigid_links.h"
-#include "physics/solver_memory.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
@@ -25,34 +24,12 @@ constexpr double kContactLayer = 1.0e-4;
 // Bodies that overlap (after setJointState) are parted at most this fast. [m/s]
 constexpr double kPartingSpeed = 0.5;
 constexpr unsigned long kSeed = 1;
-
-/** Where a leak checker finds what is given up on purpose. Any thread. */
-void keepForever(dxWorld* world, dxThreadingImplementation* threading) {
-  static std::mutex mutex;
-  static auto& kept = *new std::vector<std::pair<dxWorld*, dxThreadingImplementation*>>;  // outlives the checker
-  const std::lock_guard<std::mutex> lock(mutex);
-  kept.emplace_back(world, threading);
-}
-
-bool isFinite(const JointArray& values) noexcept {
-  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-}
+// As many contacts as are kept (48 pairs of 4 points with friction) and the joints are some 680 rows, and two matrices
+// of that size 7 MiB. Ten minutes with a hazard every 8 s came to 0.2 MiB. [bytes]
+constexpr std::size_t kSolverMemory = 8U << 20U;
 
 bool isFinite(const dReal* values, int count) noexcept {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
-}
-
-World createWorld(const ModelConfig& config, dxThreadingImplementation* threading) {
-  World world(dWorldCreate());
-  dWorldSetStepThreadingImplementation(world.get(), dThreadingImplementationGetFunctions(threading), threading);
-  dWorldSetGravity(world.get(), 0.0, 0.0, -config.gravity);
-  dWorldSetERP(world.get(), config.erp);
-  dWorldSetCFM(world.get(), config.cfm);
-  dWorldSetContactSurfaceLayer(world.get(), kContactLayer);
-  dWorldSetContactMaxCorrectingVel(world.get(), kPartingSpeed);
-  reserveSolverMemory(world.get());
-  dRandSetSeed(kSeed);
-  return world;
 }
 
 /** The same springs and dampers of contacts for steps shorter than a tick: with k h = erp / cfm and d = (1 - erp) / cfm
@@ -63,13 +40,6 @@ ModelConfig forSubSteps(ModelConfig config) {
   config.contact_cfm /= total;
   config.contact_erp = spring / total;
   return config;
-}
-
-std::vector<Pose> fixedPoses(const model::RavenModel& raven) {
-  std::vector<double> positions(raven.description.links.size());
-  std::vector<Pose> poses(raven.description.links.size());
-  raven.linkPosesInWorld({raven.arms.geometry.home, raven.arms.geometry.home}, &positions, &poses);
-  return poses;
 }
 
 /** ODE collides meshes incompletely, and not at all from two threads (performance.md section 0). */
@@ -100,7 +70,6 @@ struct FreeBody {
 
 struct RavenWorld::Impl {
   Impl(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config);
-  ~Impl();
 
   int newId(const model::Description& description, int link);
   void addArmShapes(const model::RavenModel& raven);
@@ -115,8 +84,7 @@ struct RavenWorld::Impl {
 
   int sub_steps;
   double step_time;  // [s] of a sub-step
-  Threading threading;
-  World world;
+  OdeWorld world;
   std::vector<Carrier> carriers;
   PerArm<ArmBodies> arms;
   Collider collider;
@@ -125,26 +93,22 @@ struct RavenWorld::Impl {
   ContactList list{};
   std::vector<std::string> names;  // of bodies, by the numbers the collider reports
   bool healthy{true};
-  bool cut_off{false};  // ODE reported an error in the midst of a step
 };
 
 RavenWorld::Impl::Impl(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config)
     : sub_steps(config.sub_steps),
       step_time(kTickSeconds / config.sub_steps),
-      threading(dThreadingAllocateSelfThreadedImplementation()),
-      world(createWorld(config, threading.get())),
+      world(config, kSolverMemory),
       carriers(findCarriers(raven.description)),
       arms{ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGold, config, step_time),
            ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGreen, config, step_time)},
       collider(world.get(), forSubSteps(config)) {
+  dWorldSetContactSurfaceLayer(world.get(), kContactLayer);
+  dWorldSetContactMaxCorrectingVel(world.get(), kPartingSpeed);
+  dRandSetSeed(kSeed);
   addArmShapes(raven);
   addJawStops(raven, config);
   addScene(scene);
-}
-
-/** A step that was cut off leaves jobs behind that ODE asserts against when freed: that world is kept to the end. */
-RavenWorld::Impl::~Impl() {
-  if (cut_off) keepForever(world.release(), threading.release());
 }
 
 int RavenWorld::Impl::newId(const model::Description& description, int link) {
@@ -154,9 +118,7 @@ int RavenWorld::Impl::newId(const model::Description& description, int link) {
 
 void RavenWorld::Impl::addJawStops(const model::RavenModel& raven, const ModelConfig& config) {
   for (const Arm arm : kArms) {
-    const dBodyID jaw1 = at(arms, arm).body(kGrasp1), jaw2 = at(arms, arm).body(kGrasp2);
-    const Vector3 axis = raven.description.links[static_cast<std::size_t>(at(raven.links, arm)[kGrasp1])].axis;
-    jaw_stops.emplace_back(world.get(), jaw1, jaw2, bodyPose(jaw1).R * axis.normalized(), config.erp);
+    jaw_stops.push_back(makeJawStop(world.get(), raven, arm, at(arms, arm), config.erp));
   }
 }
 
@@ -229,7 +191,7 @@ bool RavenWorld::Impl::subStep(const PerArm<JointArray>& tau) {
     at(arms, arm).applyTorque(at(tau, arm));
     jaw_stops[index(arm)].update(kinematics::jawOpening(at(arms, arm).q()), collider.collisions(arm));
   }
-  if (dWorldStep(world.get(), step_time) == 0) throw ModelException("ODE: no memory for a step");
+  world.step(step_time);
   collider.readForces();
   if (!measure()) return false;
   carryFreeBodies();
@@ -282,10 +244,8 @@ void RavenWorld::Impl::freeze() noexcept {
   }
 }
 
-RavenWorld::RavenWorld(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config) {
-  initialiseOde();
-  impl_ = std::make_unique<Impl>(raven, scene, config);
-}
+RavenWorld::RavenWorld(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config)
+    : impl_(std::make_unique<Impl>(raven, scene, config)) {}
 
 RavenWorld::~RavenWorld() = default;
 
@@ -316,7 +276,6 @@ void RavenWorld::step(const PerArm<JointArray>& tau) noexcept {
   try {
     impl_->step(tau);
   } catch (...) {  // thrown by ODE's handlers, which must not return
-    impl_->cut_off = true;
     impl_->freeze();
   }
 }

@@ -30,6 +30,13 @@ void check(const model::Description& description, int link, const model::Inertia
 
 }  // namespace
 
+std::vector<Pose> fixedPoses(const model::RavenModel& raven) {
+  std::vector<double> positions(raven.description.links.size());
+  std::vector<Pose> poses(raven.description.links.size());
+  raven.linkPosesInWorld({raven.arms.geometry.home, raven.arms.geometry.home}, &positions, &poses);
+  return poses;
+}
+
 std::vector<Carrier> findCarriers(const model::Description& description) {
   std::vector<Carrier> carriers;
   carriers.reserve(description.links.size());

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "raven2_trainer/model/robot_model.h"
+#include "raven2_trainer/model/raven_model.h"
 
 // Links joined by fixed joints are one body.
 
@@ -13,6 +13,9 @@ struct Carrier {
   int link{-1};  ///< index of the link on a moving joint; -1: fixed to the world
   Pose X_KL;     ///< pose of the carried link in the carrier's frame; where fixed to the world, in the URDF's root
 };
+
+/** Poses in W of all links with the arms at home: true of the links that nothing moves. */
+std::vector<Pose> fixedPoses(const model::RavenModel& raven);
 
 /** Carrier of every link, by link index. */
 std::vector<Carrier> findCarriers(const model::Description& description);

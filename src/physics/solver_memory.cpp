@@ -9,9 +9,6 @@
 namespace raven2_trainer::physics {
 namespace {
 
-// As many contacts as are kept (48 pairs of 4 points with friction) and the joints are some 680 rows, and two matrices
-// of that size 7 MiB. Ten minutes with a hazard every 8 s came to 0.2 MiB. [bytes]
-constexpr unsigned kSolverMemory = 8U << 20U;
 constexpr dsizeint kPage = 4096;
 
 void* takeTouched(dsizeint size) {
@@ -32,13 +29,13 @@ void give(void* block, dsizeint) {
 
 }  // namespace
 
-void reserveSolverMemory(dWorldID world) {
-  const dWorldStepReserveInfo reserve{sizeof(dWorldStepReserveInfo), 1.2F, kSolverMemory};
+void reserveSolverMemory(dWorldID world, std::size_t bytes) {
+  const dWorldStepReserveInfo reserve{sizeof(dWorldStepReserveInfo), 1.2F, static_cast<unsigned>(bytes)};
   dWorldSetStepMemoryReservationPolicy(world, &reserve);
   const dWorldStepMemoryFunctionsInfo functions{sizeof(dWorldStepMemoryFunctionsInfo), takeTouched, shrink, give};
   dWorldSetStepMemoryManager(world, &functions);
   const bool taken = dWorldStep(world, kTickSeconds) != 0;  // moves nothing
-  if (!taken) throw ModelException("no memory for ODE's solver: 2 x " + std::to_string(kSolverMemory) + " bytes");
+  if (!taken) throw ModelException("no memory for ODE's solver: 2 x " + std::to_string(bytes) + " bytes");
 }
 
 }  // namespace raven2_trainer::physics

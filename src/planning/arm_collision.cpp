@@ -4,8 +4,10 @@
 #include <fcl/geometry/shape/capsule.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -93,6 +95,18 @@ bool Body::overlaps(const Body& other) const {
   return fcl::collide(&object_, &other.object_, request, result) > 0;
 }
 
+double Body::gap(const Body& other) const {
+  return std::sqrt(squaredDistance(axis_W_, other.axis_W_)) - radius_ - other.radius_;
+}
+
+double Body::distance(const Body& other) const {
+  if (round_ && other.round_) return std::max(0.0, gap(other));
+  const fcl::DistanceRequestd request;
+  fcl::DistanceResultd result;
+  fcl::distance(&object_, &other.object_, request, result);
+  return std::max(0.0, result.min_distance);  // -1 where they overlap
+}
+
 SceneObstacles::SceneObstacles(const model::SceneModel& scene) {
   const auto& links = scene.description.links;
   std::vector<fcl::CollisionObjectd*> registered;
@@ -113,6 +127,14 @@ bool SceneObstacles::touches(Body* body) const {
   bool hit = false;
   if (!tree_.empty()) tree_.collide(body->object(), &hit, stopAtFirst);
   return hit;
+}
+
+double SceneObstacles::distance(const Body& body, double cap) const {
+  double least = cap;
+  for (const std::unique_ptr<Body>& obstacle : bodies_) {
+    if (body.gap(*obstacle) < least) least = std::min(least, body.distance(*obstacle));
+  }
+  return least;
 }
 
 ArmCollision::ArmCollision(const model::RavenModel& raven, const SceneObstacles& scene, Arm arm, double clearance)
@@ -198,14 +220,30 @@ void ArmCollision::placeOther(const JointArray& other) {
   place(others_);
 }
 
-bool ArmCollision::touches(const JointArray& q) {
+void ArmCollision::placeArm(const JointArray& q) {
   at(q_, arm_) = q;
   updatePoses();
   place(grown_);
+}
+
+bool ArmCollision::touches(const JointArray& q) {
+  placeArm(q);
   const auto hits_scene = [this](const Shape& shape) { return scene_.touches(shape.body.get()); };
   if (std::any_of(grown_.begin(), grown_.end(), hits_scene)) return true;
   place(own_);
   return touchesRobot();
+}
+
+double ArmCollision::distance(const JointArray& q, double cap) {
+  placeArm(q);
+  place(own_);
+  double least = cap;
+  for (const Shape& shape : grown_)
+    least = scene_.distance(*shape.body, least);
+  for (const auto& [mine, against] : pairs_) {
+    if (mine->gap(*against) < least) least = std::min(least, mine->distance(*against));
+  }
+  return least;
 }
 
 bool ArmCollision::touchesRobot() const {

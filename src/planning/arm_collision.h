@@ -25,6 +25,10 @@ class Body {
 
   void place(const Pose& X_WL);
   bool overlaps(const Body& other) const;
+  /** [m] Lower bound of the distance: that of the capsules around. */
+  double gap(const Body& other) const;
+  /** [m] Exact; 0 where they overlap. Slow where a box is involved. */
+  double distance(const Body& other) const;
   fcl::CollisionObjectd* object() { return &object_; }
 
  private:
@@ -45,6 +49,8 @@ class SceneObstacles {
   explicit SceneObstacles(const model::SceneModel& scene);
 
   bool touches(Body* body) const;
+  /** [m] Of a body to the nearest obstacle, at most `cap`. */
+  double distance(const Body& body, double cap) const;
 
  private:
   std::vector<std::unique_ptr<Body>> bodies_;
@@ -68,6 +74,8 @@ class ArmCollision {
 
   void placeOther(const JointArray& other);
   bool touches(const JointArray& q);
+  /** [m] Least distance at `q` of all that touches() judges, at most `cap`. Not for searching: 0.1 ms or more. */
+  double distance(const JointArray& q, double cap);
 
  private:
   struct Shape {
@@ -81,6 +89,7 @@ class ArmCollision {
   void addPairs();
   bool areNeighbours(int a, int b) const;
   void updatePoses();
+  void placeArm(const JointArray& q);
   void place(const std::vector<Shape>& shapes);
   bool touchesRobot() const;
 

@@ -385,6 +385,8 @@ void PhysicsLoop::moveModel() noexcept {
     for (const Arm arm : kArms)
       at(target, arm) = followRobot(arm);
   }
+  if (state_.mode == Mode::kTracking && follower_.active())
+    at(target, follower_.arm()) = driver_.leading(follower_.arm(), follower_.target());
   driveModel(target);
 }
 
@@ -404,7 +406,7 @@ JointArray PhysicsLoop::followRobot(Arm arm) noexcept {
   for (std::size_t j = 0; j < kFollowReach.size(); ++j)
     dq[j] = (wanted[j] - q[j]) / kFollowTime;
   world_.setJointState(arm, q, dq);
-  JointArray target = driver_.leading(arm, q, dq);
+  JointArray target = driver_.leading(arm, {q, dq});
   std::copy(wanted.begin() + kGrasp1, wanted.end(), target.begin() + kGrasp1);
   return target;
 }

@@ -9,7 +9,7 @@ PlannerWorker::PlannerWorker(const TrainerConfig& config,
                              const model::RavenModel& raven,
                              const model::SceneModel& scene,
                              SharedState* shared)
-    : planner_(raven, scene, config.planner),
+    : planner_(raven, scene, config.planner, config.model),
       arms_(config.arms),
       limits_{static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation},
       shared_(*shared),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/types.h"
 
@@ -13,6 +14,17 @@ double quinticDuration(const JointArray& delta,
 
 /** 10s^3 - 15s^4 + 6s^5 at s clamped to [0, 1]. */
 double quinticBlend(double s) noexcept;
+
+/** Derivative of quinticBlend at s, 0 outside of [0, 1]. */
+double quinticBlendRate(double s) noexcept;
+
+/** At time `t` [s] on the rest-to-rest quintic that leaves `from` at `departure` and is at `to` at `arrival`: there
+ *  before and after. Real-time safe. */
+JointTarget quinticTarget(const JointArray& from,
+                          const JointArray& to,
+                          double departure,
+                          double arrival,
+                          double t) noexcept;
 
 /** Desired joints `seconds` after the start of a plan's motion: the first waypoint before it, the last one after its
  * end.
@@ -31,10 +43,11 @@ class PathFollower {
    *  active: at the end, or where stop() left it; zeros if no plan was ever started. */
   JointArray tick() noexcept;
 
+  /** What tick() said last, and how fast it moves: not at all while not active. */
+  JointTarget target() const noexcept;
+
  private:
   double seconds() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
-  JointArray position() noexcept;
-
   PlanResult plan_{};
   bool active_{false};
   std::int64_t elapsed_{0};

@@ -173,16 +173,24 @@ struct RuntimeConfig {
 
 /** config/planner.yaml */
 struct PlannerConfig {
-  std::uint32_t samples{};
-  double eta_length{};              ///< eta1 of eq. (1)
-  double eta_acceleration{};        ///< eta2 of eq. (1)
-  double radius_multiplier{};       ///< [-] times the smallest radius that keeps FMT* optimal
-  double time_limit{};              ///< [s]
-  double edge_step{};               ///< [-] largest step between checks along an edge, in the unit cube
-  double clearance{};               ///< [m] kept from obstacles
-  JointArray velocity_limit{};      ///< [rad/s, m/s]
-  JointArray acceleration_limit{};  ///< [rad/s2, m/s2]
-  Vec3 goal_W{};                    ///< [m] default goal of the tip: at the ring
+  std::string planner;               ///< one of planning::kPlannerNames
+  std::uint32_t samples{};           ///< n of the paper
+  std::uint32_t max_samples{};       ///< most, those added after failures included
+  double eta_length{};               ///< eta1 of eq. (1)
+  double eta_acceleration{};         ///< eta2 of eq. (1)
+  double eta_clearance{};            ///< weight of the clearance term
+  double clearance_range{};          ///< [m] nearer than this an obstacle costs
+  double radius_multiplier{};        ///< [-] times the smallest radius that keeps FMT* optimal
+  std::uint32_t volume_samples{};    ///< of the estimate of the free volume
+  double volume_confidence{};        ///< [-] that the bound of the free volume holds
+  std::uint32_t improve_attempts{};  ///< [-] of the local improvement; 0 leaves FMT*'s path as it is
+  std::uint32_t max_rollouts{};      ///< [-] paths that may fail in the roll-out before the plan does
+  double time_limit{};               ///< [s]
+  double edge_step{};                ///< [-] largest step between checks along an edge, in the unit cube
+  double clearance{};                ///< [m] kept from obstacles
+  JointArray velocity_limit{};       ///< [rad/s, m/s]
+  JointArray acceleration_limit{};   ///< [rad/s2, m/s2]
+  Vec3 goal_W{};                     ///< [m] default goal of the tip: at the ring
 };
 
 /** config/execution.yaml */

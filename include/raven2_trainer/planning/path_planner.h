@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstdint>
 #include <memory>
+#include <string>
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/config.h"
@@ -10,27 +13,106 @@
 namespace raven2_trainer::planning {
 
 /**
+ * Planners that solve the same problem: the same cube, checks, cost and samples' seed. FMTstar is ours
+ * (planning/fmt_star.h), the others are OMPL's; FMT is OMPL's own, which takes the cost for a distance.
+ */
+constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
+                                                   "BITstar", "ABITstar", "RRTConnect"};
+
+/** What one plan does otherwise than config/planner.yaml says. */
+struct PlanOptions {
+  std::string planner;               ///< one of kPlannerNames
+  std::uint32_t samples{};           ///< n of the paper: free samples to begin with
+  std::uint32_t max_samples{};       ///< most after failures; equal to `samples`: none are added (success at exactly n)
+  std::uint32_t improve_attempts{};  ///< [-] of the local improvement of the path found; 0: plain FMT*
+  double eta_length{};               ///< eta1 of eq. (1)
+  double eta_acceleration{};         ///< eta2 of eq. (1)
+  double eta_clearance{};            ///< eta3, of the clearance term
+  double time_limit{};               ///< [s]
+  bool until_time_limit{};  ///< anytime planners (RRTstar, PRMstar, BITstar, ABITstar) use all the time there is
+};
+
+/** The options that config/planner.yaml stands for. */
+PlanOptions defaultOptions(const PlannerConfig& config);
+
+/** How far the plan under way has come; any thread may read it while another one plans. Zero before the first. */
+struct PlanProgress {
+  std::atomic<std::uint32_t> samples{0};   ///< free samples drawn
+  std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
+  std::atomic<std::uint32_t> rollouts{0};  ///< paths followed by the dynamics
+  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: none yet
+};
+
+/** What a plan cost, for tables. Times are wall clock; in lockstep they stay 0. */
+struct PlanStatistics {
+  std::uint32_t samples{};              ///< free samples used, those added after failures included
+  std::uint64_t draws{};                ///< samples drawn, free or not
+  std::uint64_t state_checks{};         ///< states checked for collision, those within edges left aside
+  std::uint64_t edge_checks{};          ///< edges checked for collision
+  std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
+  std::uint64_t clearance_integrals{};  ///< edges whose clearance term was integrated
+  std::uint32_t rollouts{};             ///< paths followed by the dynamics
+  std::uint32_t failed_rollouts{};      ///< of these, paths on which the arm touched something
+  std::uint32_t rounds{};               ///< times that samples were added after a failure
+  double plain_cost{};                  ///< eq. (1) before the local improvement
+  double improved_cost{};               ///< eq. (1) of the path returned
+  double clearance_cost{};              ///< the eta3 term of the path returned
+  double goal_time{};                   ///< [s] check of start, search of the goal, choice of the arm
+  double sampling_time{};               ///< [s]
+  double neighbour_time{};              ///< [s]
+  double search_time{};                 ///< [s] the rest of the search: costs and edge checks
+  double improvement_time{};            ///< [s]
+  double rollout_time{};                ///< [s]
+};
+
+/**
  * FMT* path planner for one arm, six joints at a fixed jaw opening (paper, 2.3). State space normalised to the unit
- * cube; cost eq. (1); FCL judges collisions on the shapes of the URDFs. Own OMPL problem per plan(); never the live
- * ODE world. Allocates and keeps scratch space: one thread at a time, the planner thread or lockstep.
+ * cube; cost eq. (1) and a term for clearance. Each path is followed by the dynamics of the model before it is
+ * returned, and judged by FCL on the shapes of the URDFs. Own OMPL problem per plan(); never the live ODE world.
+ * Allocates and keeps scratch space: one thread at a time, the planner thread or lockstep; several planners may work
+ * side by side.
  *
- * Deviation from the paper: edges are tested on the straight line in joint space with a clearance, not by a rollout
- * of the dynamics. The free bodies of the scene (the ring) are no obstacles: the goal is at the ring.
+ * The free bodies of the scene (the ring) are no obstacles: the goal is at the ring.
+ *
+ * The constructor works out what belongs to the scene alone: the grid of distances, and the free volume of eq. (2).
  */
 class PathPlanner {
  public:
-  /** `raven` must outlive this. @throw ModelException if a collision shape is a mesh. */
+  /**
+   * A planner that does not follow its paths: they are free along straight edges in joint space, with the clearance.
+   * @param[in] raven must outlive this. @throw ModelException if a collision shape is a mesh.
+   */
   PathPlanner(const model::RavenModel& raven, const model::SceneModel& scene, const PlannerConfig& config);
+  /** A planner that returns no path which the arm, moved by the dynamics of `model`, touches something on. */
+  PathPlanner(const model::RavenModel& raven,
+              const model::SceneModel& scene,
+              const PlannerConfig& config,
+              const ModelConfig& model);
   ~PathPlanner();
 
   /**
-   * Plans. Never throws for what is asked: every failure is a status. Stops on `samples` and, unless `lockstep`, on
-   * the time limit (then kNoPath); the same request and seed give the same path.
-   * kStartInCollision also stands for a start outside the limits or not finite; kNoPath for a path of more than
-   * kMaxWaypoints. planning_time is measured here unless `lockstep`, which leaves it 0.
+   * Plans. Never throws for what is asked: every failure is a status, and comes in finite time. Stops on samples
+   * and, unless `lockstep`, on the time limit; the same request, options and seed give the same path (of OMPL's
+   * planners only one at a time in a process, and in lockstep).
+   * A path of more than kMaxWaypoints counts as none. planning_time is measured here unless `lockstep`, which
+   * leaves it 0.
    * @param[in] cancel set from another thread to give up within 100 ms.
    */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);
+
+  /**
+   * The same with other options. A planner that is not known gives kFailed.
+   * @param[out] statistics may be null.
+   */
+  PlanResult plan(const PlanRequest& request,
+                  std::uint64_t seed,
+                  bool lockstep,
+                  const std::atomic<bool>& cancel,
+                  const PlanOptions& options,
+                  PlanStatistics* statistics = nullptr);
+
+  /** Of the plan under way, or of the last one. Lives as long as the planner. Any thread. */
+  const PlanProgress& progress() const noexcept;
 
   /** True if the arm at `q` touches the scene, itself or the other arm at `other`, or is nearer than the clearance. */
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) const;

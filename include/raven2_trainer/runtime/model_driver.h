@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raven2_trainer/control/joint_pid.h"
+#include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/physics/raven_world.h"
 
@@ -14,20 +14,20 @@ class ModelDriver {
   ModelDriver(const ModelConfig& config, physics::RavenWorld* world) noexcept;
 
   /** Forgets the integral of an arm: it starts anew from where it is. */
-  void reset(Arm arm) noexcept { at(pids_, arm).reset(); }
+  void reset(Arm arm) noexcept { at(controllers_, arm).reset(); }
 
-  /** [rad; m] What to ask for so that a joint at `q` moving with `dq` is where it should be: the law damps velocity,
-   *  so a plain `q` would be followed with a lag of (kd + viscous friction) / kp. The jaws are left at `q`. */
-  JointArray leading(Arm arm, const JointArray& q, const JointArray& dq) const noexcept;
+  /** [rad; m] What to ask for so that an arm in motion is where it should be: the law damps velocity,
+   *  so a plain `q` would be followed with a lag (control::ArmController). */
+  JointArray leading(Arm arm, const control::JointTarget& target) const noexcept {
+    return at(controllers_, arm).leading(target);
+  }
 
   /** One step of 1 ms towards `q_d` [rad; m], robot joint coordinates. @return the torques applied [Nm; N]. */
   PerArm<JointArray> step(const PerArm<JointArray>& q_d) noexcept;
 
  private:
   physics::RavenWorld& world_;
-  PerArm<control::JointPid> pids_;
-  PerArm<JointArray> lag_{};  ///< [s]
-  bool gravity_compensation_;
+  PerArm<control::ArmController> controllers_;
 };
 
 }  // namespace raven2_trainer::runtime

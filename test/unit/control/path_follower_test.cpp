@@ -121,6 +121,44 @@ TEST(PathFollower, MovesOnAStraightLineBetweenWaypoints) {
   }
 }
 
+TEST(QuinticTarget, MovesAsFastAsItsPositionSays) {
+  const JointArray from{0.1, 1.0, 0.40, 0.0, 0.0, 0.2, 0.2}, to{0.3, 0.9, 0.42, 0.5, 0.0, 0.1, 0.3};
+  constexpr double kStep = 1e-5;
+  for (double t = 0.3; t < 1.2; t += 0.05) {
+    const JointTarget before = quinticTarget(from, to, 0.5, 1.0, t - kStep);
+    const JointTarget now = quinticTarget(from, to, 0.5, 1.0, t), after = quinticTarget(from, to, 0.5, 1.0, t + kStep);
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      EXPECT_NEAR(now.dq[j], (after.q[j] - before.q[j]) / (2 * kStep), 1e-7) << t << " " << kJointNames[j];
+  }
+}
+
+TEST(QuinticTarget, RestsBeforeAndAfter) {
+  const JointArray from{0.1}, to{0.3};
+  EXPECT_EQ(quinticTarget(from, to, 0.5, 1.0, 0.2).q, from);
+  EXPECT_EQ(quinticTarget(from, to, 0.5, 1.0, 0.2).dq, JointArray{});
+  expectNear(quinticTarget(from, to, 0.5, 1.0, 1.7).q, to, 1e-15);
+  EXPECT_EQ(quinticTarget(from, to, 0.5, 1.0, 1.7).dq, JointArray{});
+  EXPECT_EQ(quinticTarget(from, to, 0.5, 0.5, 0.5).dq, JointArray{}) << "no duration is no jump of the rate";
+}
+
+TEST(PathFollower, TellsHowFastItsTargetMoves) {
+  PathFollower follower;
+  follower.start(threeWaypoints());
+  JointArray before = follower.tick(), now = follower.tick();
+  for (int tick = 2; tick < 699; ++tick) {
+    const JointTarget target = follower.target();
+    EXPECT_EQ(target.q, now);
+    const JointArray after = follower.tick();
+    for (std::size_t j = 0; j < kJointCount; ++j)  // the central difference misses a sixth of the third derivative
+      EXPECT_NEAR(target.dq[j], (after[j] - before[j]) / (2 * kTickSeconds), 1e-3) << tick;
+    before = now;
+    now = after;
+  }
+  follower.stop();
+  EXPECT_EQ(follower.target().q, now);
+  EXPECT_EQ(follower.target().dq, JointArray{});
+}
+
 TEST(PathFollower, HoldsWhereItWasStopped) {
   PathFollower follower;
   follower.start(threeWaypoints());

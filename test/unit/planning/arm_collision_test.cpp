@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "planning_fixtures.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -71,6 +73,35 @@ TEST_F(ArmCollisionTest, JudgesTheClearanceFromTheSurface) {
     EXPECT_EQ(touches(scene, home_, 0.002), gap < 0.002) << gap;
     EXPECT_EQ(touches(scene, home_, 0.0), gap < 0.0) << gap;
   }
+}
+
+TEST_F(ArmCollisionTest, MeasuresTheDistanceToTheSurface) {
+  // GIVEN the shaft alone: a ball, a box with a face towards it, and one whose edge is nearest
+  std::vector<double> positions(raven_.description.links.size());
+  std::vector<Pose> poses(raven_.description.links.size());
+  raven_.linkPosesInWorld({home_, home_}, &positions, &poses);
+  const Pose& shaft = poses[static_cast<std::size_t>(at(raven_.links, Arm::kGold)[kToolRotation])];
+  const auto beside = [&shaft](double x) { return shaft * Pose{Matrix3::Identity(), {x, 0.0, 0.060}}; };
+  const double radius = 0.004;
+  Pose turned = beside(radius + 0.007 + 0.005 * std::sqrt(2.0));
+  turned.R *= Eigen::AngleAxisd(kPi / 4, Vector3::UnitZ()).toRotationMatrix();
+  for (const model::CollisionShape& shape :
+       {test::sphere(0.003, beside(radius + 0.007 + 0.003)),
+        test::box({0.01, 0.01, 0.01}, beside(radius + 0.007 + 0.005)), test::box({0.01, 0.01, 0.01}, turned)}) {
+    const SceneObstacles obstacles(test::scene({shape}));
+    ArmCollision arm(raven_, obstacles, Arm::kGold, 0.0);
+    arm.placeOther(home_);
+    EXPECT_NEAR(arm.distance(home_, 1.0), 0.007, 1e-5) << static_cast<int>(shape.kind);
+    EXPECT_EQ(arm.distance(home_, 0.002), 0.002) << "no more is asked";
+  }
+}
+
+TEST_F(ArmCollisionTest, HasNoDistanceToWhatItTouches) {
+  const SceneObstacles obstacles(test::scene({test::box({0.01, 0.01, 0.01}, {Matrix3::Identity(), wrist()})}));
+  ArmCollision arm(raven_, obstacles, Arm::kGold, 0.0);
+  arm.placeOther(home_);
+  ASSERT_TRUE(arm.touches(home_));
+  EXPECT_EQ(arm.distance(home_, 1.0), 0.0);
 }
 
 TEST_F(ArmCollisionTest, FreeBodiesAreNoObstacles) {

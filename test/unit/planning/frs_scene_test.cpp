@@ -66,13 +66,16 @@ TEST(FrsScene, TheStartLiesInsideTheDome) {
 TEST(FrsScene, TwentySeedsOfTwentyFindTheWayToTheRing) {
   PlannerConfig bare = trainer().config.planner;
   bare.clearance = 0.0;
-  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
   const PathPlanner judge(trainer().raven, trainer().scene, bare);
   const PlanRequest request = insideTheDome();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const PlanResult result = planner.plan(request, seed, true, kGoOn);
     ASSERT_EQ(result.status, PlanStatus::kSuccess) << "seed " << seed;
     EXPECT_GT(result.waypoint_count, 2u) << "something stands in the straight way";
+    EXPECT_GT(result.clearance, 0.0) << "followed by the dynamics, seed " << seed;
+    EXPECT_GT(result.tracking_error, 0.0);
+    EXPECT_LT(result.tracking_error, 0.005);
     const JointArray& last = result.waypoints[result.waypoint_count - 1];
     EXPECT_LT((tip(Arm::kGold, last) - toEigen(trainer().config.planner.goal_W)).norm(), 1e-9);
     for (std::size_t i = 1; i < result.waypoint_count; ++i)

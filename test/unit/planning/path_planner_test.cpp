@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <thread>
 
@@ -183,7 +185,7 @@ TEST_F(PathPlannerTest, CostAndArrivalAddUpOverTheEdges) {
     }
   }
   EXPECT_NEAR(result.cost, cost, 1e-9);
-  EXPECT_EQ(result.samples, config_.samples);
+  EXPECT_GE(result.samples, config_.samples);
 }
 
 TEST_F(PathPlannerTest, TheSameSeedGivesTheSameBytes) {
@@ -237,13 +239,13 @@ TEST_F(PathPlannerTest, RefusesAStartThatTouches) {
 TEST_F(PathPlannerTest, RefusesAStartOutsideTheLimitsOrNotANumber) {
   PlanRequest request = overTheWall();
   request.start[kInsertion] = 0.60;
-  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kStartInCollision);
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kInvalidStart);
   request = overTheWall();
   request.start[kGrasp1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kStartInCollision);
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kInvalidStart);
   request = overTheWall();
   request.other[kElbow] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kStartInCollision);
+  EXPECT_EQ(plan(wall(), request).status, PlanStatus::kInvalidStart);
 }
 
 TEST_F(PathPlannerTest, RefusesAGoalOutOfReach) {
@@ -278,12 +280,12 @@ TEST_F(PathPlannerTest, SaysSoWhenThereIsNoWay) {
   EXPECT_EQ(PathPlanner(raven, pit, config_).plan(request, 1, true, kGoOn).status, PlanStatus::kNoPath);
 }
 
-TEST_F(PathPlannerTest, APathTooHardForTheTimeLimitIsNone) {
-  config_.samples = 20000;
+TEST_F(PathPlannerTest, SaysSoWhenTheTimeIsUp) {
+  config_.samples = 100000;
   config_.time_limit = 0.01;
   const model::SceneModel scene = wall();
   const PlanResult result = PathPlanner(raven_, scene, config_).plan(overTheWall(), 1, false, kGoOn);
-  EXPECT_EQ(result.status, PlanStatus::kNoPath);
+  EXPECT_EQ(result.status, PlanStatus::kTimeLimit);
   EXPECT_EQ(result.waypoint_count, 0u);
 }
 
@@ -353,11 +355,198 @@ TEST_F(PathPlannerTest, AnImpossibleGoalFailsAtTheTimeLimitAndInBoundedMemory) {
     const double before = peakMemory(), begin = ownCpuSeconds();
     const PlanResult result = PathPlanner(raven, pit, config_).plan(request, 1, false, kGoOn);
     const double work = ownCpuSeconds() - begin, grown = peakMemory() - before;
-    EXPECT_EQ(result.status, PlanStatus::kNoPath);
+    EXPECT_TRUE(result.status == PlanStatus::kNoPath || result.status == PlanStatus::kTimeLimit);
     EXPECT_LT(work, config_.time_limit + 0.1) << "work done, setting up included";
     EXPECT_LT(grown, 256.0) << "MiB";
     std::printf("%u samples, limit %.1f s: %.2f s of work, %.1f MiB\n", samples, config_.time_limit, work, grown);
   }
+}
+
+TEST_F(PathPlannerTest, GoesToJointsAtTheOpeningItHas) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  const PlanResult there = planner.plan(overTheWall(), 1, true, kGoOn);
+  ASSERT_EQ(there.status, PlanStatus::kSuccess);
+  PlanRequest request = overTheWall();
+  request.goal = GoalKind::kJoints;
+  request.goal_q = there.waypoints[there.waypoint_count - 1];
+  const double midline = kinematics::jawMidline(request.goal_q);
+  kinematics::setJaws(midline, 0.1, &request.goal_q);
+  const PlanResult result = planner.plan(request, 1, true, kGoOn);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  const JointArray& last = result.waypoints[result.waypoint_count - 1];
+  for (std::size_t j = kShoulder; j <= kWrist; ++j)
+    EXPECT_NEAR(last[j], request.goal_q[j], 1e-12);
+  EXPECT_NEAR(kinematics::jawMidline(last), midline, 1e-12);
+  EXPECT_NEAR(kinematics::jawOpening(last), kinematics::jawOpening(kHome), 1e-12);
+}
+
+TEST_F(PathPlannerTest, RefusesJointsOutsideTheLimitsNotANumberOrInTheWall) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  PlanRequest request = overTheWall();
+  request.goal = GoalKind::kJoints;
+  request.goal_q = kHome;
+  request.goal_q[kInsertion] = 0.60;
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalUnreachable);
+  request.goal_q[kInsertion] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalUnreachable);
+  request.goal_q = kHome;
+  request.goal_q[kGrasp2] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalUnreachable);
+  // Home stands at x = 25 mm, the wall at 12 mm: some elbow between home and the far side puts the tool into it.
+  bool found = false;
+  for (double turn = 0.0; turn < 0.5 && !found; turn += 0.005) {
+    request.goal_q = kHome;
+    request.goal_q[kElbow] += turn;
+    found = planner.inCollision(Arm::kGold, request.goal_q, kHome);
+    if (!found) continue;
+    request.goal_q[kElbow] += 0.02;  // well inside
+    EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalInCollision);
+  }
+  for (double turn = 0.0; turn < 0.5 && !found; turn += 0.005) {
+    request.goal_q = kHome;
+    request.goal_q[kElbow] -= turn;
+    found = planner.inCollision(Arm::kGold, request.goal_q, kHome);
+    if (!found) continue;
+    request.goal_q[kElbow] -= 0.02;
+    EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalInCollision);
+  }
+  EXPECT_TRUE(found) << "no elbow found that meets the wall";
+}
+
+TEST_F(PathPlannerTest, ChoosesTheArmThatStandsNearerToTheGoal) {
+  // GIVEN a goal on the left, where gold works, and one on the right
+  const model::SceneModel scene = test::scene({});
+  PathPlanner planner(raven_, scene, config_);
+  PlanRequest request = overTheWall();
+  request.choose_arm = 1;
+  for (const Arm asked : kArms) {
+    request.arm = asked;
+    request.goal_W = {0.0, 0.06, 0.045};
+    const PlanResult left = planner.plan(request, 1, true, kGoOn);
+    EXPECT_EQ(left.status, PlanStatus::kSuccess);
+    EXPECT_EQ(left.arm, Arm::kGold);
+    request.goal_W = {0.0, -0.06, 0.045};
+    const PlanResult right = planner.plan(request, 1, true, kGoOn);
+    EXPECT_EQ(right.status, PlanStatus::kSuccess);
+    EXPECT_EQ(right.arm, Arm::kGreen);
+    EXPECT_LT((tip(raven_, Arm::kGreen, right.waypoints[right.waypoint_count - 1]) - toEigen(request.goal_W)).norm(),
+              1e-9);
+  }
+  // AND where nobody was to choose, the arm that was asked for goes
+  request.choose_arm = 0;
+  request.arm = Arm::kGold;
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).arm, Arm::kGold);
+}
+
+TEST_F(PathPlannerTest, SaysWhyNeitherArmCanGo) {
+  const model::SceneModel scene = test::scene({});
+  PathPlanner planner(raven_, scene, config_);
+  PlanRequest request = overTheWall();
+  request.choose_arm = 1;
+  request.goal_W = {0.0, 0.0, 1.0};
+  EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalUnreachable);
+}
+
+TEST_F(PathPlannerTest, LeavesAPlaceThatIsNearerThanTheClearance) {
+  // GIVEN an obstacle 1 mm from the tool's bar at home, half of what is kept from others
+  const Vector3 home = tip(raven_, Arm::kGold, kHome);
+  model::SceneModel scene = test::scene({test::sphere(0.004, {Matrix3::Identity(), home})});
+  PlannerConfig bare = config_;
+  bare.clearance = 0.0;
+  for (double x = 0.0; x < 0.05; x += 0.0005) {
+    scene.X_WL[0].p = Vector3(x, 0.0, 0.0);
+    if (!PathPlanner(raven_, scene, bare).inCollision(Arm::kGold, kHome, kHome)) break;
+  }
+  ASSERT_TRUE(PathPlanner(raven_, scene, config_).inCollision(Arm::kGold, kHome, kHome));
+  PlanRequest request = overTheWall();
+  request.goal_W = {-0.01, 0.055, 0.05};
+  const PlanResult result = plan(scene, request);
+  EXPECT_EQ(result.status, PlanStatus::kSuccess);
+}
+
+TEST_F(PathPlannerTest, TheOptionsOfOnePlanChangeNoOther) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  const PlanResult usual = planner.plan(overTheWall(), 5, true, kGoOn);
+  PlanOptions options = defaultOptions(config_);
+  PlanStatistics statistics;
+  options.samples = options.max_samples = 900;
+  options.eta_acceleration = 0.0;
+  options.improve_attempts = 0;
+  const PlanResult other = planner.plan(overTheWall(), 5, true, kGoOn, options, &statistics);
+  ASSERT_EQ(other.status, PlanStatus::kSuccess);
+  EXPECT_EQ(other.samples, 900u);
+  EXPECT_EQ(statistics.samples, 900u);
+  EXPECT_EQ(statistics.plain_cost, statistics.improved_cost);
+  EXPECT_EQ(planner.plan(overTheWall(), 5, true, kGoOn).waypoints, usual.waypoints);
+}
+
+TEST_F(PathPlannerTest, TellsHowFarItCameAndWhatItCost) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  EXPECT_EQ(planner.progress().samples.load(), 0u);
+  PlanStatistics s;
+  const PlanResult result = planner.plan(overTheWall(), 5, false, kGoOn, defaultOptions(config_), &s);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  EXPECT_GE(planner.progress().samples.load(), result.samples);
+  EXPECT_GT(planner.progress().edges.load(), 0u);
+  EXPECT_EQ(planner.progress().best_cost.load(), s.improved_cost);
+  EXPECT_NEAR(s.improved_cost, result.cost, 1e-12);
+  EXPECT_GE(s.draws, s.samples);
+  EXPECT_GT(s.edge_checks, 0u);
+  EXPECT_GT(s.cost_evaluations, 0u);
+  const double parts =
+      s.goal_time + s.sampling_time + s.neighbour_time + s.search_time + s.improvement_time + s.rollout_time;
+  EXPECT_NEAR(parts, result.planning_time, 1e-9);
+  // In lockstep nothing tells one machine from another.
+  planner.plan(overTheWall(), 5, true, kGoOn, defaultOptions(config_), &s);
+  EXPECT_EQ(s.goal_time + s.sampling_time + s.neighbour_time + s.search_time + s.improvement_time, 0.0);
+}
+
+TEST_F(PathPlannerTest, AddsSamplesWhereTheFirstDoNotDo) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  PlanOptions options = defaultOptions(config_);
+  options.samples = 10;
+  int failed = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    options.max_samples = 10;
+    if (planner.plan(overTheWall(), seed, true, kGoOn, options).status == PlanStatus::kSuccess) continue;
+    ++failed;
+    options.max_samples = 4000;
+    const PlanResult result = planner.plan(overTheWall(), seed, true, kGoOn, options);
+    EXPECT_EQ(result.status, PlanStatus::kSuccess) << "seed " << seed;
+    EXPECT_GT(result.samples, 10u) << "seed " << seed;
+  }
+  RecordProperty("failed_at_ten", failed);
+}
+
+TEST_F(PathPlannerTest, EveryPlannerSolvesIt) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  for (const char* name : kPlannerNames) {
+    PlanOptions options = defaultOptions(config_);
+    options.planner = name;
+    options.eta_clearance = 0.0;  // OMPL's ask for more costs, and each would take a walk along its edge
+    options.samples = std::string(name).find("FMT") == 0 ? 200 : 20000;
+    const PlanResult result = planner.plan(overTheWall(), 3, true, kGoOn, options);
+    EXPECT_EQ(result.status, PlanStatus::kSuccess) << name;
+  }
+  PlanOptions options = defaultOptions(config_);
+  options.planner = "A*";
+  EXPECT_EQ(planner.plan(overTheWall(), 3, true, kGoOn, options).status, PlanStatus::kFailed);
+}
+
+TEST_F(PathPlannerTest, TheConfigurationKnowsTheSamePlanners) {
+  // config/load_config.cpp lists the names: the layer below this one.
+  std::ifstream file(RAVEN2_TRAINER_SOURCE_DIR "/src/config/load_config.cpp");
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  std::string list;
+  for (const char* name : kPlannerNames)
+    list += (list.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+  EXPECT_NE(text.find("{" + list + "}"), std::string::npos);
 }
 
 TEST_F(PathPlannerTest, ThePlannedArmGivesWayToTheOther) {

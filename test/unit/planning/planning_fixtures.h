@@ -23,10 +23,18 @@ inline ArmGeometry geometry() {
 
 inline PlannerConfig plannerConfig() {
   PlannerConfig c;
+  c.planner = "FMTstar";
   c.samples = 500;
+  c.max_samples = 4000;
   c.eta_length = 0.1;
   c.eta_acceleration = 0.5;
+  c.eta_clearance = 0.1;
+  c.clearance_range = 0.02;
   c.radius_multiplier = 1.4;
+  c.volume_samples = 2000;
+  c.volume_confidence = 0.99;
+  c.improve_attempts = 100;
+  c.max_rollouts = 50;
   c.time_limit = 60.0;
   c.edge_step = 0.01;
   c.clearance = 0.002;

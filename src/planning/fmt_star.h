@@ -1,0 +1,136 @@
+#pragma once
+
+#include <ompl/base/Planner.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "planning/edge_costs.h"
+#include "planning/edge_memory.h"
+#include "planning/unit_cloud.h"
+
+namespace raven2_trainer::planning {
+
+/** What came of following a path. */
+struct PathVerdict {
+  bool accepted{true};
+  std::size_t failed_edge{};  ///< of a refused path: from waypoint i to i + 1
+};
+
+/** Judges a whole path from start to goal, by the dynamics of the arm for instance. */
+using PathJudge = std::function<PathVerdict(const std::vector<UnitState>&)>;
+
+struct FmtSettings {
+  std::uint32_t samples{};       ///< n to begin with
+  std::uint32_t max_samples{};   ///< most after additions; `samples` or less: none are added
+  std::uint32_t max_refusals{};  ///< paths that the judge may refuse before the search gives up
+  double radius_multiplier{};    ///< [-] times the least radius that keeps FMT* optimal
+  double free_volume{1.0};       ///< [-] of the unit cube: an upper bound keeps the radius conservative
+};
+
+/** Why the search ended. */
+enum class FmtEnd : std::uint8_t { kNone, kSolved, kInvalidStart, kInvalidGoal, kNoPath, kAllRefused, kStopped };
+
+/** What the search did. Times by the wall. */
+struct FmtCounts {
+  std::uint32_t samples{};   ///< free ones, start and goal left aside
+  std::uint32_t rounds{};    ///< times that samples were added
+  std::uint32_t refusals{};  ///< paths that the judge refused
+  std::uint32_t detached{};  ///< points cut off with refused edges and searched again
+  std::uint32_t expanded{};  ///< points whose neighbours were connected; a search from scratch starts from none
+  double sampling_time{}, neighbour_time{}, judge_time{};  ///< [s]
+};
+
+/**
+ * FMT* (Janson, Schmerling, Clark, Pavone, IJRR 2015; Li et al. 2017, Algorithm 1) in the unit cube, as a planner of
+ * OMPL's: it knows space, samples, validity, edges and cost by OMPL's interfaces only.
+ *
+ * What it does otherwise than the FMT of OMPL 1.5.2: neighbours are near in the space, not in cost, which the radius
+ * of eq. (2) is no measure of; costs are refined only as far as the choice of a parent asks (a bound, the cost but
+ * for the clearance term, the full cost), and kept; an edge found blocked is not chosen again; points are expanded in
+ * order of cost so far plus a bound of the cost to go, so that what lies away from the goal waits; an invalid
+ * goal is an answer, not a crash.
+ *
+ * A path found is shown to the judge. The edge on which it is refused is dropped with all that hangs on it, the closed
+ * neighbours of that are opened again, and the search goes on from the tree as it stands. When nothing is open any
+ * more half as many samples again are added to the same tree.
+ */
+class FmtStar : public ompl::base::Planner {
+ public:
+  FmtStar(const ompl::base::SpaceInformationPtr& si, const FmtSettings& settings, PathJudge judge = {});
+  ~FmtStar() override;
+
+  ompl::base::PlannerStatus solve(const ompl::base::PlannerTerminationCondition& stop) override;
+  void clear() override;
+  void getPlannerData(ompl::base::PlannerData& data) const override;
+
+  FmtEnd end() const { return end_; }
+  const FmtCounts& counts() const { return counts_; }
+
+ private:
+  using Id = std::uint32_t;
+  using Stop = ompl::base::PlannerTerminationCondition;
+  enum class Place : std::uint8_t { kUnvisited, kFresh, kOpen, kClosed };  // kFresh: open after this expansion
+  static constexpr Id kStart = 0, kGoal = 1, kNobody = ~Id{0};
+
+  struct Candidate {
+    double cost;
+    Id from;
+    CostStage stage;
+  };
+  struct Waiting {
+    double key, cost;
+    Id id;
+  };
+
+  FmtEnd search(const Stop& stop);
+  FmtEnd takeEnds();
+  bool isValid(const UnitState& point) const;
+  void addPoint(const UnitState& point);
+  bool drawSamples(std::uint32_t count, const Stop& stop);
+  bool addSamples(const Stop& stop);
+  double radius() const;
+  const std::vector<Id>& near(Id id);
+  void findNear(Id id, Id first);
+  bool grow(const Stop& stop);
+  void expand(Id z, const Stop& stop);
+  void connect(Id x);
+  Candidate cheapest(Id x);
+  void refine(Id x, Candidate* candidate);
+  bool isEdgeFree(Id a, Id b) const;
+  void open(Id id);
+  Id nextOpen();
+  void dropEdge(Id parent, Id child);
+  bool hangsOn(Id id, Id root) const;
+  void reopenAround(Id unvisited);
+  std::vector<Id> pathToGoal() const;
+  bool isAccepted();
+  void setSolution(const std::vector<UnitState>& path);
+
+  const FmtSettings settings_;
+  const PathJudge judge_;
+  FmtEnd end_{FmtEnd::kNone};
+  FmtCounts counts_;
+  ompl::base::StateSamplerPtr sampler_;
+  ompl::base::State *scratch_a_, *scratch_b_;
+
+  std::unique_ptr<EdgeCosts> costs_;
+  EdgeMemory memory_;
+  UnitCloud cloud_;
+  std::vector<UnitState> points_;
+  std::vector<Place> places_;
+  std::vector<Id> parents_;
+  std::vector<double> to_come_;
+  std::vector<std::vector<Id>> near_;  // of a point; empty until asked for
+  std::vector<bool> near_known_;
+  std::vector<Waiting> queue_;
+  std::vector<Id> fresh_, found_;
+  std::vector<Candidate> candidates_;
+};
+
+/** [-] radius of eq. (2): multiplier x 2 (1/d)^(1/d) (volume/zeta_d)^(1/d) (log n / n)^(1/d), d = 6. */
+double fmtRadius(double multiplier, double free_volume, std::uint32_t samples) noexcept;
+
+}  // namespace raven2_trainer::planning

@@ -1,0 +1,86 @@
+#include "planning/path_improvement.h"
+
+#include <gtest/gtest.h>
+
+#include "planning/planning_problem.h"
+#include "planning_fixtures.h"
+
+namespace raven2_trainer::planning {
+namespace {
+
+using Path = std::vector<UnitState>;
+
+class PathImprovement : public ::testing::Test {
+ protected:
+  PathImprovement() {
+    task_.cost = &length_;
+    task_.is_edge_free = [this](const UnitState& a, const UnitState& b) {
+      return isEdgeFree(a, b, 0.005, [this](const UnitState& x) { return is_free_(x); });
+    };
+    task_.stop = [] { return false; };
+    task_.attempts = 500;
+    task_.seed = 1;
+  }
+
+  static double lengthOf(const Path& path) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < path.size(); ++i)
+      sum += distance(path[i - 1], path[i]);
+    return sum;
+  }
+
+  bool isFree(const Path& path) const {
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (!isEdgeFree(path[i - 1], path[i], 0.001, is_free_)) return false;
+    }
+    return true;
+  }
+
+  const MotionCost length_{test::geometry(),      Arm::kGold,           JointSpace(test::geometry(), 0.5),
+                           test::plannerConfig(), {1.0, 0.0, 0.0, 1.0}, ClearanceFunction{}};
+  std::function<bool(const UnitState&)> is_free_ = [](const UnitState&) { return true; };
+  ImprovementTask task_;
+  const Path zigzag_{{0.1, 0.5, 0.5, 0.5, 0.5, 0.5},
+                     {0.3, 0.9, 0.2, 0.5, 0.5, 0.5},
+                     {0.6, 0.8, 0.5, 0.1, 0.5, 0.5},
+                     {0.9, 0.5, 0.5, 0.5, 0.5, 0.5}};
+};
+
+TEST_F(PathImprovement, MakesTheStraightLineWhereNothingIsInTheWay) {
+  EXPECT_EQ(improvePath(zigzag_, task_), (Path{zigzag_.front(), zigzag_.back()}));
+}
+
+TEST_F(PathImprovement, ComesNearTheShortestWayRoundACorner) {
+  // GIVEN a wall at x0 = 0.5 that ends at x1 = 0.7: the shortest way bends there and nowhere else
+  is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
+  ASSERT_TRUE(isFree(zigzag_));
+  const double shortest = 2 * std::hypot(0.39, 0.2) + 0.02;
+  const Path improved = improvePath(zigzag_, task_);
+  EXPECT_TRUE(isFree(improved));
+  EXPECT_GE(lengthOf(improved), shortest - 1e-3);
+  EXPECT_LT(lengthOf(improved), 1.03 * shortest);
+  EXPECT_EQ(improved.front(), zigzag_.front());
+  EXPECT_EQ(improved.back(), zigzag_.back());
+}
+
+TEST_F(PathImprovement, LeavesThePathAloneWithoutAttemptsAndWhenStopped) {
+  task_.attempts = 0;
+  EXPECT_EQ(improvePath(zigzag_, task_), zigzag_);
+  const Path edge{zigzag_.front(), zigzag_.back()};
+  task_.attempts = 100;
+  EXPECT_EQ(improvePath(edge, task_), edge);
+  is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
+  task_.stop = [] { return true; };
+  EXPECT_TRUE(isFree(improvePath(zigzag_, task_)));
+}
+
+TEST_F(PathImprovement, GivesTheSameForTheSameSeed) {
+  is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
+  const Path first = improvePath(zigzag_, task_);
+  EXPECT_EQ(improvePath(zigzag_, task_), first);
+  task_.seed = 2;
+  EXPECT_NE(improvePath(zigzag_, task_), first);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::planning

@@ -1,0 +1,354 @@
+#include "planning/roll_out.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "planning_fixtures.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/control/path_follower.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/physics/arm_world.h"
+#include "raven2_trainer/physics/raven_world.h"
+
+// The packaged robot among balls put where a test needs them.
+
+namespace raven2_trainer::planning {
+namespace {
+
+using Path = std::vector<JointArray>;
+
+const TrainerConfig& config() {
+  static const TrainerConfig loaded = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+  return loaded;
+}
+
+const model::RavenModel& raven() {
+  static const model::RavenModel loaded = model::loadRavenModel(config());
+  return loaded;
+}
+
+JointArray home() {
+  return raven().arms.geometry.home;
+}
+
+JointArray fromHome(double shoulder, double elbow, double insertion, double rotation = 0.0, double wrist = 0.0) {
+  JointArray q = home();
+  q[kShoulder] += shoulder;
+  q[kElbow] += elbow;
+  q[kInsertion] += insertion;
+  q[kToolRotation] += rotation;
+  q[kWrist] += wrist;
+  return q;
+}
+
+/** A path of three edges that ends away from home. */
+Path threeEdges() {
+  return {home(), fromHome(0.2, 0.1, 0.02, 0.5), fromHome(0.2, -0.1, 0.03, 0.2, 0.3), fromHome(-0.1, -0.1, 0.01)};
+}
+
+/** [s] at the limits of planner.yaml. @param[in] speed times as fast. */
+std::vector<double> times(const Path& path, double speed = 1.0) {
+  std::vector<double> arrival(path.size(), 0.0);
+  const PlannerConfig& planner = config().planner;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    JointArray delta{};
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      delta[j] = path[i][j] - path[i - 1][j];
+    arrival[i] =
+        arrival[i - 1] + control::quinticDuration(delta, planner.velocity_limit, planner.acceleration_limit) / speed;
+  }
+  return arrival;
+}
+
+JointArray between(const JointArray& a, const JointArray& b, double share) {
+  JointArray q{};
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    q[j] = a[j] + share * (b[j] - a[j]);
+  return q;
+}
+
+Vector3 tip_W(const JointArray& q) {
+  return at(raven().X_WB, Arm::kGold) * kinematics::forward(raven().arms.geometry, Arm::kGold, q).p;
+}
+
+model::CollisionShape ball(const Vector3& centre_W, double radius) {
+  return test::sphere(radius, {Matrix3::Identity(), centre_W});
+}
+
+/** Obstacles and the roll-out of the gold arm among them. */
+struct Scene {
+  explicit Scene(const std::vector<model::CollisionShape>& shapes, const ModelConfig& model = config().model)
+      : obstacles(test::scene(shapes)), roll_out(raven(), obstacles, model, Arm::kGold) {}
+
+  RollOutReport follow(const Path& path, double speed = 1.0) {
+    return roll_out.follow(path, times(path, speed), home());
+  }
+
+  SceneObstacles obstacles;
+  RollOut roll_out;
+};
+
+void expectEqual(const RollOutReport& a, const RollOutReport& b) {
+  EXPECT_EQ(a.free, b.free);
+  EXPECT_EQ(a.stopped, b.stopped);
+  EXPECT_EQ(a.failed_edge, b.failed_edge);
+  EXPECT_EQ(a.clearance, b.clearance);
+  EXPECT_EQ(a.tracking_error, b.tracking_error);
+  EXPECT_EQ(a.duration, b.duration);
+}
+
+/** True if a straight path touches nothing, every millisecond of it. */
+bool isFreeUntracked(const SceneObstacles& obstacles, const Path& path) {
+  ArmCollision judge(raven(), obstacles, Arm::kGold, 0.0);
+  judge.placeOther(home());
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    for (double s = 0.0; s <= 1.0; s += 1e-3) {
+      if (judge.touches(between(path[i - 1], path[i], s))) return false;
+    }
+  }
+  return true;
+}
+
+/** Where the arm is at every tick, rolled out here with nothing but a world and the law. */
+std::vector<JointArray> tracked(const Path& path, const std::vector<double>& arrival, const ModelConfig& model) {
+  physics::initialiseOde();
+  physics::ArmWorld world(raven(), Arm::kGold, model);
+  control::ArmController controller(model, Arm::kGold);
+  world.setState(path.front(), JointArray{});
+  std::vector<JointArray> states;
+  for (double t = kTickSeconds; t < arrival.back() + 0.3; t += kTickSeconds) {
+    control::JointTarget target{path.back(), {}};
+    for (std::size_t i = path.size() - 1; i > 0; --i) {
+      if (t < arrival[i]) target = control::quinticTarget(path[i - 1], path[i], arrival[i - 1], arrival[i], t);
+    }
+    world.step(controller.torque(controller.leading(target), world.q(), world.dq(), world.gravityTorque()));
+    states.push_back(world.q());
+  }
+  return states;
+}
+
+TEST(RollOut, AFreePathIsFreeAndTheArmComesToRestAtItsEnd) {
+  Scene empty({});
+  const Path path = threeEdges();
+  const RollOutReport report = empty.follow(path);
+  EXPECT_TRUE(report.free);
+  EXPECT_FALSE(report.stopped);
+  EXPECT_GT(report.clearance, 0.0);
+  EXPECT_LT(report.tracking_error, 0.003);
+  EXPECT_GT(report.tracking_error, 1e-5) << "an arm that tracks without any error is none";
+  EXPECT_GE(report.duration, times(path).back());
+  EXPECT_LT(report.duration, times(path).back() + 0.3);
+}
+
+TEST(RollOut, FindsTheEdgeOnWhichTheArmTouches) {
+  const Path path = threeEdges();
+  for (std::size_t edge = 0; edge < 3; ++edge) {
+    Scene scene({ball(tip_W(between(path[edge], path[edge + 1], 0.5)), 0.004)});
+    const RollOutReport report = scene.follow(path);
+    EXPECT_FALSE(report.free);
+    EXPECT_EQ(report.failed_edge, edge);
+    EXPECT_EQ(report.clearance, 0.0);
+    EXPECT_GT(report.duration, times(path)[edge]);
+    EXPECT_LT(report.duration, times(path)[edge + 1]);
+  }
+}
+
+TEST(RollOut, APathThatIsFreeButForItsTrackingIsFound) {
+  // GIVEN a path in which the insertion cannot keep up with the shoulder at three times the limits, and a ball where
+  // that leads the tip off the straight line
+  const Path path{home(), fromHome(0.25, 0.0, 0.08)};
+  constexpr double kFast = 3.0;
+  Vector3 astray = Vector3::Zero();
+  double farthest = 0.0;
+  for (const JointArray& q : tracked(path, times(path, kFast), config().model)) {
+    double distance = 1.0;
+    for (double s = 0.0; s <= 1.0; s += 1e-3)
+      distance = std::min(distance, (tip_W(q) - tip_W(between(path[0], path[1], s))).norm());
+    if (distance > farthest) astray = tip_W(q);
+    farthest = std::max(farthest, distance);
+  }
+  ASSERT_GT(farthest, 0.008) << "the arm must leave its path";
+  Scene scene({ball(astray, 0.001)});
+  // THEN the straight path is free, followed slowly it is free, and followed fast it is not
+  ASSERT_TRUE(isFreeUntracked(scene.obstacles, path));
+  EXPECT_TRUE(scene.follow(path, 0.5).free);
+  EXPECT_FALSE(scene.follow(path, kFast).free);
+}
+
+TEST(RollOut, AnArmThatSagsTouchesWhatItsPathPasses) {
+  // GIVEN soft gains without gravity compensation, and a ball below the end of the path
+  ModelConfig soft = config().model;
+  soft.gravity_compensation = false;
+  for (JointGains& gains : soft.gains)
+    gains.kp *= 0.1;
+  const Path path{home(), fromHome(0.1, 0.0, 0.0)};
+  const JointArray sagged = tracked(path, times(path), soft).back();
+  ASSERT_GT((tip_W(sagged) - tip_W(path[1])).norm(), 0.01);
+  const model::CollisionShape below = ball(tip_W(sagged), 0.001);
+  Scene stiff({below}), yielding({below}, soft);
+  EXPECT_TRUE(stiff.follow(path).free);
+  const RollOutReport report = yielding.follow(path);
+  EXPECT_FALSE(report.free);
+  EXPECT_EQ(report.failed_edge, 0U);
+}
+
+TEST(RollOut, JudgesEveryStateAsIfItHadBeenAsked) {
+  // GIVEN balls along the way, some of them touched: the verdict is that of FCL at every single tick
+  const Path path = threeEdges();
+  const std::vector<JointArray> states = tracked(path, times(path), config().model);
+  int free = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const Vector3 aside(0.0, 0.0, -0.0005 * trial);
+    Scene scene({ball(tip_W(between(path[trial % 3], path[trial % 3 + 1], 0.5)) + aside, 0.004)});
+    ArmCollision judge(raven(), scene.obstacles, Arm::kGold, 0.0);
+    judge.placeOther(home());
+    double least = 1.0;
+    for (const JointArray& q : states)
+      least = std::min(least, judge.touches(q) ? 0.0 : judge.distance(q, 0.05));
+    const RollOutReport report = scene.follow(path);
+    EXPECT_EQ(report.free, least > 0.0) << trial;
+    if (!report.free) continue;
+    ++free;
+    EXPECT_GE(report.clearance, least - 1e-6) << trial;
+    EXPECT_LE(report.clearance, least + std::max(5e-4, 0.3 * least)) << trial;
+  }
+  EXPECT_GT(free, 3);
+  EXPECT_LT(free, 27);
+}
+
+TEST(RollOut, TheOtherArmIsAnObstacle) {
+  // GIVEN the green tool leaning over to where the gold one goes
+  const Path path{home(), fromHome(-0.4, 0.3, 0.05)};
+  Scene scene({});
+  JointArray in_the_way = home();
+  ArmCollision judge(raven(), scene.obstacles, Arm::kGold, 0.0);
+  bool found = false;
+  for (double shoulder = -0.5; shoulder < 0.5 && !found; shoulder += 0.05) {
+    for (double elbow = -0.5; elbow < 0.5 && !found; elbow += 0.05) {
+      in_the_way = fromHome(shoulder, elbow, 0.05);
+      judge.placeOther(in_the_way);
+      found = !judge.touches(path[0]) && judge.touches(between(path[0], path[1], 0.9));
+    }
+  }
+  ASSERT_TRUE(found) << "no place for the green arm";
+  EXPECT_TRUE(scene.follow(path).free);
+  EXPECT_FALSE(scene.roll_out.follow(path, times(path), in_the_way).free);
+  EXPECT_TRUE(scene.follow(path).free);
+}
+
+TEST(RollOut, NothingOfOneRollOutIsLeftInTheNext) {
+  const Path first = threeEdges(), second{fromHome(0.1, 0.1, 0.0), home(), fromHome(0.0, 0.2, 0.02)};
+  const std::vector<model::CollisionShape> shapes{ball(tip_W(between(first[1], first[2], 0.5)), 0.004)};
+  Scene used(shapes);
+  const RollOutReport once = used.follow(first);
+  EXPECT_FALSE(once.free);
+  used.follow(second);
+  expectEqual(used.follow(first), once);
+  expectEqual(used.follow(second), Scene(shapes).follow(second));
+}
+
+/** Counts how often the distance is asked for: the work that a roll-out does. */
+struct Counted : Scene {
+  using Scene::Scene;
+  explicit Counted(const std::vector<model::CollisionShape>& shapes) : Scene(shapes) {
+    roll_out.useClearance([this](const JointArray& q) {
+      ++calls;
+      collision.placeOther(home());
+      return collision.distance(q, 0.05);
+    });
+  }
+  int calls{0};
+  ArmCollision collision{raven(), obstacles, Arm::kGold, 0.0};
+};
+
+TEST(RollOut, ABeginningThatIsKnownIsNotRolledOutAgain) {
+  const Path path = threeEdges();
+  Path repaired = path;
+  repaired[3] = fromHome(0.1, 0.2, 0.0, 0.3);
+  Path longer = path;
+  longer.push_back(fromHome(0.0, 0.0, 0.02));
+  const Path shorter(path.begin(), path.begin() + 3);
+  for (const Path& next : {repaired, longer, shorter, path}) {
+    Counted fresh({}), used({});
+    const RollOutReport wanted = fresh.follow(next);
+    used.follow(path);
+    used.calls = 0;
+    expectEqual(used.follow(next), wanted);
+    EXPECT_LT(used.calls, fresh.calls);
+  }
+}
+
+TEST(RollOut, ARepairedPathIsTakenUpWhereTheOldOneFailed) {
+  const Path path = threeEdges();
+  const std::vector<model::CollisionShape> shapes{ball(tip_W(between(path[1], path[2], 0.5)), 0.004)};
+  Path detour = path;
+  detour[2] = fromHome(0.35, 0.1, 0.0);
+  Counted fresh(shapes), used(shapes);
+  ASSERT_EQ(used.follow(path).failed_edge, 1U);
+  used.calls = 0;
+  const RollOutReport wanted = fresh.follow(detour);
+  EXPECT_TRUE(wanted.free);
+  expectEqual(used.follow(detour), wanted);
+  EXPECT_LT(used.calls, fresh.calls);
+}
+
+TEST(RollOut, StopsWhenTold) {
+  Scene scene({});
+  const Path path = threeEdges();
+  int polls = 0;
+  const RollOutReport stopped = scene.roll_out.follow(path, times(path), home(), [&polls] { return ++polls == 3; });
+  EXPECT_TRUE(stopped.stopped);
+  EXPECT_FALSE(stopped.free);
+  EXPECT_EQ(polls, 3);
+  EXPECT_NEAR(stopped.duration, 0.040, 1e-9);
+  expectEqual(scene.follow(path), Scene({}).follow(path));
+}
+
+TEST(RollOut, AStartThatTouchesFailsAtOnce) {
+  const Path path = threeEdges();
+  Scene scene({ball(tip_W(path[0]), 0.004)});
+  const RollOutReport report = scene.follow(path);
+  EXPECT_FALSE(report.free);
+  EXPECT_EQ(report.failed_edge, 0U);
+  EXPECT_EQ(report.duration, 0.0);
+}
+
+TEST(RollOut, OneWaypointIsAnArmThatStands) {
+  Scene scene({});
+  const RollOutReport report = scene.follow({home()});
+  EXPECT_TRUE(report.free);
+  EXPECT_LT(report.tracking_error, 1e-6);
+  EXPECT_LT(report.duration, 0.1);
+}
+
+TEST(RollOut, AStateThatIsNotFiniteIsNotFree) {
+  Scene scene({});
+  Path path = threeEdges();
+  path[0][kWrist] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(scene.roll_out.follow(path, times(threeEdges()), home()).free);
+  path = threeEdges();
+  path[2][kElbow] = std::numeric_limits<double>::infinity();
+  const RollOutReport report = scene.roll_out.follow(path, times(threeEdges()), home());
+  EXPECT_FALSE(report.free);
+  EXPECT_EQ(report.failed_edge, 1U);
+  EXPECT_TRUE(scene.follow(threeEdges()).free) << "and does no harm to the next one";
+}
+
+TEST(RollOut, TimesThatAreNoneAreRefused) {
+  Scene scene({});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Path path{home(), fromHome(0.1, 0.0, 0.0), fromHome(0.2, 0.0, 0.0)};
+  for (const std::vector<double>& arrival : {std::vector<double>{0.0, 1.0},
+                                             {0.0, 2.0, 1.0},
+                                             {0.5, 1.0, 2.0},
+                                             {0.0, 1.0, std::numeric_limits<double>::infinity()},
+                                             {0.0, nan, 1.0}})
+    EXPECT_THROW(scene.roll_out.follow(path, arrival, home()), std::invalid_argument);
+  EXPECT_THROW(scene.roll_out.follow({}, {}, home()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::planning
