@@ -28,11 +28,8 @@ MoveArmResult moveArmResult(const MoveArmTask::Outcome& outcome, const ros::Time
   return result;
 }
 
-MoveArmServer::MoveArmServer(const ros::NodeHandle& node,
-                             const TrainerConfig& config,
-                             const SharedState& shared,
-                             PlanningClient* client)
-    : config_(config), shared_(shared), task_(client), server_(node, "move_arm", kStartsLater) {
+MoveArmServer::MoveArmServer(const ros::NodeHandle& node, const runtime::Simulator& simulator, PlanningClient* client)
+    : simulator_(simulator), task_(client), server_(node, "move_arm", kStartsLater) {
   server_.start();
   thread_.start(kLookPeriod, [this] { look(); });
 }
@@ -57,7 +54,7 @@ void MoveArmServer::look() {
 void MoveArmServer::begin() {
   const MoveArmGoalConstPtr goal = server_.acceptNewGoal();
   if (!goal) return;  // taken back in between
-  const ReadRequest read = planRequest(wantedPlan(*goal), config_.arms.geometry.d4);
+  const ReadRequest read = planRequest(wantedPlan(*goal), simulator_.config().arms.geometry.d4);
   if (!read.isGood()) return server_.setAborted(refusal(read), read.status);
   task_.begin(read.request, goal->on_robot != 0);
 }
@@ -71,11 +68,11 @@ void MoveArmServer::end() {
 }
 
 void MoveArmServer::tell() {
-  const ModelState model = shared_.model.load();
-  const TipErrors errors = tipErrors(model, shared_.robot.load(), config_.arms.geometry);
+  const ModelState model = simulator_.shared().model.load();
+  const TipErrors errors = tipErrors(model, simulator_.shared().robot.load(), simulator_.config().arms.geometry);
   clock_.look(model);
   MoveArmFeedback feedback;
-  feedback.progress = planningProgress(model.planning, clock_.elapsed(), ros::Time::now());
+  feedback.progress = planningProgress(model.planning, simulator_.planCounts(), clock_.elapsed(), ros::Time::now());
   feedback.model_error = errors.model;
   feedback.robot_error = errors.robot;
   server_.publishFeedback(feedback);

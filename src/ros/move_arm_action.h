@@ -4,8 +4,7 @@
 #include <ros/node_handle.h>
 
 #include "raven2_trainer/MoveArmAction.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/runtime/simulator.h"
 #include "ros/move_arm_task.h"
 #include "ros/periodic_thread.h"
 #include "ros/planning_client.h"
@@ -21,11 +20,8 @@ MoveArmResult moveArmResult(const MoveArmTask::Outcome& outcome, const ros::Time
  */
 class MoveArmServer {
  public:
-  /** What is pointed to or referred to must outlive this. */
-  MoveArmServer(const ros::NodeHandle& node,
-                const TrainerConfig& config,
-                const SharedState& shared,
-                PlanningClient* client);
+  /** `simulator`, `client` must outlive this. */
+  MoveArmServer(const ros::NodeHandle& node, const runtime::Simulator& simulator, PlanningClient* client);
 
   /** Ends the thread; a goal under way is aborted. After PlanningClient::stop(), or it waits for answers. */
   void stop();
@@ -36,8 +32,7 @@ class MoveArmServer {
   void end();
   void tell();
 
-  const TrainerConfig& config_;
-  const SharedState& shared_;
+  const runtime::Simulator& simulator_;
   MoveArmTask task_;
   StatusClock clock_;
   int looks_{0};

@@ -137,7 +137,10 @@ bool StatusClock::look(const ModelState& model) {
   return is_new;
 }
 
-PlanningProgress planningProgress(const PlanningState& state, double elapsed, const ros::Time& stamp) {
+PlanningProgress planningProgress(const PlanningState& state,
+                                  const PlanCounts& counts,
+                                  double elapsed,
+                                  const ros::Time& stamp) {
   PlanningProgress message;
   message.header.stamp = stamp;
   message.status = nameOf(kPlanningStatusNames, state.status);
@@ -146,6 +149,10 @@ PlanningProgress planningProgress(const PlanningState& state, double elapsed, co
   message.on_robot = state.on_robot != 0;
   message.progress = state.progress;
   message.elapsed = elapsed;
+  message.samples = counts.samples;
+  message.edges = counts.edges;
+  message.rollouts = counts.rollouts;
+  message.best_cost = counts.best_cost;
   return message;
 }
 

@@ -13,6 +13,7 @@
 #include "raven2_trainer/PlanningProgress.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/plan_counts.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "ros/error_codes.h"
@@ -74,7 +75,10 @@ class StatusClock {
 };
 
 /** @param[in] elapsed [s] since the status was this one. */
-PlanningProgress planningProgress(const PlanningState& state, double elapsed, const ros::Time& stamp);
+PlanningProgress planningProgress(const PlanningState& state,
+                                  const PlanCounts& counts,
+                                  double elapsed,
+                                  const ros::Time& stamp);
 
 PlanExecution planExecution(const ExecutionReport& report, const ros::Time& stamp);
 

@@ -14,13 +14,8 @@ bool isUnderWay(PlanningStatus status) {
 
 }  // namespace
 
-PlanningTopics::PlanningTopics(ros::NodeHandle* node,
-                               const TrainerConfig& config,
-                               const model::RavenModel& raven,
-                               const SharedState& shared)
-    : config_(config),
-      raven_(raven),
-      shared_(shared),
+PlanningTopics::PlanningTopics(ros::NodeHandle* node, const runtime::Simulator& simulator)
+    : simulator_(simulator),
       trajectory_(node->advertise<trajectory_msgs::JointTrajectory>("plan/trajectory", kQueue, kLatched)),
       tip_path_(node->advertise<nav_msgs::Path>("plan/tip_path", kQueue, kLatched)),
       progress_(node->advertise<PlanningProgress>("plan/progress", kQueue, kLatched)),
@@ -33,20 +28,23 @@ void PlanningTopics::publish(const ModelState& model, const ros::Time& stamp) {
 }
 
 void PlanningTopics::publishPlan(const ros::Time& stamp) {
-  const std::uint64_t version = shared_.last_plan.version();
+  const SharedState& shared = simulator_.shared();
+  const std::uint64_t version = shared.last_plan.version();
   if (version == plans_seen_) return;
   plans_seen_ = version;
-  const PlanResult plan = shared_.last_plan.load();
+  const PlanResult plan = shared.last_plan.load();
   if (plan.status != PlanStatus::kSuccess) return;
-  trajectory_.publish(trajectory(plan, config_.arms.geometry.d4));  // stamp 0: to be begun when it arrives
-  tip_path_.publish(tipPath(plan, config_.arms.geometry, at(raven_.X_WB, plan.arm), stamp));
+  const ArmGeometry& geometry = simulator_.config().arms.geometry;
+  trajectory_.publish(trajectory(plan, geometry.d4));  // stamp 0: to be begun when it arrives
+  tip_path_.publish(tipPath(plan, geometry, at(simulator_.raven().X_WB, plan.arm), stamp));
 }
 
 void PlanningTopics::publishExecution(const ros::Time& stamp) {
-  const std::uint64_t version = shared_.last_execution.version();
+  const SharedState& shared = simulator_.shared();
+  const std::uint64_t version = shared.last_execution.version();
   if (version == executions_seen_) return;
   executions_seen_ = version;
-  execution_.publish(planExecution(shared_.last_execution.load(), stamp));
+  execution_.publish(planExecution(shared.last_execution.load(), stamp));
 }
 
 void PlanningTopics::publishProgress(const ModelState& model, const ros::Time& stamp) {
@@ -54,7 +52,7 @@ void PlanningTopics::publishProgress(const ModelState& model, const ros::Time& s
   const bool is_due = isUnderWay(model.planning.status) && model.tick - published_ >= kProgressPeriod;
   if (!is_new && !is_due) return;
   published_ = model.tick;
-  progress_.publish(planningProgress(model.planning, clock_.elapsed(), stamp));
+  progress_.publish(planningProgress(model.planning, simulator_.planCounts(), clock_.elapsed(), stamp));
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -5,9 +5,7 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
-#include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/runtime/simulator.h"
 #include "ros/planning_messages.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -18,11 +16,8 @@ namespace raven2_trainer::ros_bridge {
  */
 class PlanningTopics {
  public:
-  /** What is pointed to or referred to must outlive this. */
-  PlanningTopics(ros::NodeHandle* node,
-                 const TrainerConfig& config,
-                 const model::RavenModel& raven,
-                 const SharedState& shared);
+  /** `simulator` must outlive this. */
+  PlanningTopics(ros::NodeHandle* node, const runtime::Simulator& simulator);
 
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
@@ -32,9 +27,7 @@ class PlanningTopics {
   void publishExecution(const ros::Time& stamp);
   void publishProgress(const ModelState& model, const ros::Time& stamp);
 
-  const TrainerConfig& config_;
-  const model::RavenModel& raven_;
-  const SharedState& shared_;
+  const runtime::Simulator& simulator_;
   ros::Publisher trajectory_, tip_path_, progress_, execution_;
   std::uint64_t plans_seen_{0}, executions_seen_{0};  ///< versions of the cells
   StatusClock clock_;

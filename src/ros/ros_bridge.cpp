@@ -39,7 +39,7 @@ struct RosBridge::Impl {
         client(&daemon->shared()),
         services(&node, daemon, &client, may_command),
         planning_services(node, daemon->config(), &client, may_command),
-        planning_topics(&node, daemon->config(), daemon->raven(), daemon->shared()),
+        planning_topics(&node, *daemon),
         model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
         robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
         forces{node.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", kQueue),
@@ -51,7 +51,7 @@ struct RosBridge::Impl {
         spinner(1) {
     positions.resize(simulator.raven().description.links.size());
     poses.resize(positions.size());
-    if (may_command) move_arm = std::make_unique<MoveArmServer>(node, daemon->config(), daemon->shared(), &client);
+    if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
     simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });

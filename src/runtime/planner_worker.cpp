@@ -22,6 +22,11 @@ void PlannerWorker::cancel() noexcept {
     flag.store(true);
 }
 
+PlanCounts PlannerWorker::counts() const noexcept {
+  const planning::PlanProgress& progress = planner_.progress();
+  return {progress.samples.load(), progress.edges.load(), progress.rollouts.load(), progress.best_cost.load()};
+}
+
 PlanResult PlannerWorker::plan(const PlanRequest& request, bool lockstep) {
   const std::atomic<bool>& cancelled = ended_.load() ? ended_ : planCancelled(&shared_, request.serial);
   PlanResult result = planner_.plan(request, seed_, lockstep, cancelled);

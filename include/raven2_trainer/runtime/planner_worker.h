@@ -4,6 +4,7 @@
 
 #include "raven2_trainer/control/path_relay.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/plan_counts.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/planning/path_planner.h"
 
@@ -22,6 +23,8 @@ class PlannerWorker {
   /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. A single plan that
    *  nobody waits for any more is given up by its flag in SharedState::plan_cancelled, as fast. */
   void cancel() noexcept;
+  /** Any thread. */
+  PlanCounts counts() const noexcept;
 
   /** Lockstep: plans at once; the caller delivers the result a fixed number of ticks later. */
   PlanResult planNow(const PlanRequest& request);

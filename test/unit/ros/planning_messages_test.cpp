@@ -217,13 +217,17 @@ TEST(ProgressMessages, SayWhatIsUnderWay) {
   state.on_robot = 1;
   state.plan = 12;
   state.progress = 0.75;
-  const PlanningProgress message = planningProgress(state, 1.5, ros::Time(3.0));
+  const PlanningProgress message = planningProgress(state, {100, 200, 3, 4.5}, 1.5, ros::Time(3.0));
   EXPECT_EQ(message.status, "executing");
   EXPECT_EQ(message.arm, "green");
   EXPECT_TRUE(message.on_robot);
   EXPECT_EQ(message.plan, 12U);
   EXPECT_EQ(message.progress, 0.75);
   EXPECT_EQ(message.elapsed, 1.5);
+  EXPECT_EQ(message.samples, 100U);
+  EXPECT_EQ(message.edges, 200U);
+  EXPECT_EQ(message.rollouts, 3U);
+  EXPECT_EQ(message.best_cost, 4.5);
   EXPECT_EQ(message.header.stamp, ros::Time(3.0));
 }
 
