@@ -18,7 +18,7 @@ from stack import Stack  # noqa: E402
 
 LIMIT = 0.1  # s
 AFTER = (0.05, 0.2, 0.5, 1.0, 2.0)  # s that the planner was at work
-PATIENT = {"samples": 100000, "time_limit": 600.0}
+PATIENT = {"samples": 100000, "max_samples": 100000, "time_limit": 600.0}
 
 
 class CancelPlan(unittest.TestCase):
