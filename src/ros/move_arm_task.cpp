@@ -24,10 +24,12 @@ void MoveArmTask::begin(const Request& request, bool on_robot) {
   if (asked.answer != PlanningAnswer::kAccepted) end(errorCode(asked.answer), word(asked.answer));
 }
 
+/** A plan that came meanwhile is not executed any more; how far an execution came is reported. */
 void MoveArmTask::cancel() {
   if (isOver()) return;
   if (client_.state().plan == plan_) client_.cancel();
-  look();  // what was reported of it
+  if (const std::optional<PlanResult> plan = client_.plan(plan_)) outcome_.plan = *plan;
+  if (phase_ == Phase::kExecuting) lookForReport();
   if (!isOver()) end(ErrorCode::kPreempted, "cancelled");
   outcome_.was_cancelled = outcome_.code != ErrorCode::kSuccess;
 }

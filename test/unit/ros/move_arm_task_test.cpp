@@ -134,6 +134,28 @@ TEST_F(MoveArmTaskTest, CancellingWhilePlanningAndWhileArmed) {
   EXPECT_EQ(loop.count(RequestKind::kCancelPlan), 2);
 }
 
+TEST_F(MoveArmTaskTest, APlanThatCameTogetherWithTheCancellationIsNotExecuted) {
+  begin();
+  planEnds(PlanStatus::kSuccess);
+  task.cancel();
+  ASSERT_TRUE(task.isOver());
+  EXPECT_EQ(task.outcome().code, ErrorCode::kPreempted);
+  EXPECT_TRUE(task.outcome().was_cancelled);
+  EXPECT_NE(task.outcome().plan.id, 0U);
+  EXPECT_EQ(loop.count(RequestKind::kExecutePlan), 0);
+  EXPECT_EQ(loop.planning.status, PlanningStatus::kIdle);
+}
+
+TEST_F(MoveArmTaskTest, AnExecutionThatFinishedTogetherWithTheCancellationIsASuccess) {
+  begin();
+  planEnds(PlanStatus::kSuccess);
+  task.look();
+  executionEnds(ExecutionEnd::kFinished);
+  task.cancel();
+  EXPECT_EQ(task.outcome().code, ErrorCode::kSuccess);
+  EXPECT_FALSE(task.outcome().was_cancelled);
+}
+
 TEST_F(MoveArmTaskTest, CancellingLeavesTheOrderOfSomebodyElseAlone) {
   begin();
   set(PlanningStatus::kPlanning, 4711);  // a newer request
