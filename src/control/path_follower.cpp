@@ -62,11 +62,9 @@ void PathFollower::start(const PlanResult& plan) noexcept {
 JointArray PathFollower::tick() noexcept {
   if (!active_) return target().q;
   ++elapsed_;
-  const std::uint32_t last = plan_.waypoint_count - 1;
-  while (segment_ < last && seconds() >= plan_.arrival[segment_ + 1])
-    ++segment_;
-  active_ = segment_ < last;
-  return target().q;
+  const JointArray q = pathJoints(plan_, seconds(), &segment_);
+  active_ = segment_ + 1 < plan_.waypoint_count;
+  return q;
 }
 
 JointTarget PathFollower::target() const noexcept {
@@ -76,6 +74,16 @@ JointTarget PathFollower::target() const noexcept {
                                      plan_.arrival[segment_ + 1], seconds());
   if (!active_) target.dq = JointArray{};
   return target;
+}
+
+JointArray pathJoints(const PlanResult& plan, double seconds, std::uint32_t* segment) noexcept {
+  while (*segment + 1 < plan.waypoint_count && seconds >= plan.arrival[*segment + 1])
+    ++*segment;
+  if (*segment + 1 >= plan.waypoint_count) return plan.waypoints[*segment];
+  const std::uint32_t from = *segment;
+  return quinticTarget(plan.waypoints[from], plan.waypoints[from + 1], plan.arrival[from], plan.arrival[from + 1],
+                       seconds)
+      .q;
 }
 
 }  // namespace raven2_trainer::control

@@ -187,21 +187,6 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time&
   return info;
 }
 
-trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4) {
-  trajectory_msgs::JointTrajectory message;
-  const auto& names = kinematics::urdfJointNames(plan.arm);
-  message.joint_names.assign(names.begin(), names.end());
-  for (std::uint32_t i = 0; i < plan.waypoint_count; ++i) {
-    const JointArray position = kinematics::toUrdf(plan.arm, d4, plan.waypoints[i]);
-    trajectory_msgs::JointTrajectoryPoint point;
-    point.positions.assign(position.begin(), position.end());
-    point.velocities.assign(kJointCount, 0.0);  // rest to rest
-    point.time_from_start = ros::Duration(plan.arrival[i]);
-    message.points.push_back(point);
-  }
-  return message;
-}
-
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
@@ -219,7 +204,8 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
   array.status.push_back(robotStatus(robot, now_ns, refused_version, plan_refused));
   array.status.push_back(status("real time", true, realtime));
-  if (realtime.rfind("DEGRADED_RT", 0) == 0) array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
+  if (realtime.rfind("DEGRADED_RT", 0) == 0)
+    array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
   array.status.push_back(recorderStatus(recorder, counts.records_dropped));
   array.status.push_back(queueStatus(counts));
   return array;

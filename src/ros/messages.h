@@ -7,7 +7,6 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/JointState.h>
-#include <trajectory_msgs/JointTrajectory.h>
 
 #include <string>
 
@@ -32,8 +31,6 @@ geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& f
 
 sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp);
 sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time& stamp);
-
-trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4);
 
 /** `now_ns`: monotonic, for the age of the robot's state. `refused_version`: SharedState::robot_version_refused;
  * `plan_refused`: SharedState::plan_refused. One

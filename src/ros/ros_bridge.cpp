@@ -11,7 +11,11 @@
 #include "raven2_trainer/net/clock.h"
 #include "ros/exposure.h"
 #include "ros/messages.h"
+#include "ros/move_arm_action.h"
 #include "ros/periodic_thread.h"
+#include "ros/planning_client.h"
+#include "ros/planning_services.h"
+#include "ros/planning_topics.h"
 #include "ros/services.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -31,7 +35,11 @@ int every(double period, double base) {
 struct RosBridge::Impl {
   explicit Impl(runtime::Simulator* daemon)
       : simulator(*daemon),
-        services(&node, daemon, mayCommand(daemon->config().runtime.enable_remote_control)),
+        may_command(mayCommand(daemon->config().runtime.enable_remote_control)),
+        client(&daemon->shared()),
+        services(&node, daemon, &client, may_command),
+        planning_services(node, daemon->config(), &client, may_command),
+        planning_topics(&node, *daemon),
         model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
         robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
         forces{node.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", kQueue),
@@ -43,6 +51,7 @@ struct RosBridge::Impl {
         spinner(1) {
     positions.resize(simulator.raven().description.links.size());
     poses.resize(positions.size());
+    if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
     simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
@@ -50,7 +59,8 @@ struct RosBridge::Impl {
 
   ~Impl() {
     simulator.setImageSink({});
-    services.stop();
+    planning_services.stop();
+    if (move_arm) move_arm->stop();
     publisher.stop();
     spinner.stop();
   }
@@ -65,6 +75,7 @@ struct RosBridge::Impl {
     if (robot.frame > 0 && robot.connected != 0) robot_joints.publish(jointState(robot, d4, stamp));
     for (const Arm arm : kArms)
       at(forces, arm).publish(wrench(haptic, arm, stamp));
+    planning_topics.publish(model, stamp);
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
     if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
@@ -80,9 +91,9 @@ struct RosBridge::Impl {
   bool isNews() {
     const SharedState& shared = simulator.shared();
     const LinkCounts master = shared.master_link.load();
-    const std::array<std::uint64_t, 4> news{
-        master.rejected[static_cast<std::size_t>(Reject::kForeignSource)], shared.recorder.load().failing,
-        shared.physics_timing.load().late_runs, shared.haptic_timing.load().late_runs};
+    const std::array<std::uint64_t, 4> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
+                                            shared.recorder.load().failing, shared.physics_timing.load().late_runs,
+                                            shared.haptic_timing.load().late_runs};
     return std::exchange(told, news) != news;
   }
 
@@ -116,7 +127,12 @@ struct RosBridge::Impl {
 
   runtime::Simulator& simulator;
   ros::NodeHandle node;
+  const bool may_command;
+  PlanningClient client;
   Services services;
+  PlanningServices planning_services;
+  PlanningTopics planning_topics;
+  std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
   ros::Publisher model_joints, robot_joints;
   PerArm<ros::Publisher> forces;
   ros::Publisher images, camera_infos, transforms, diagnostic_arrays;
@@ -143,7 +159,11 @@ void RosBridge::stop() {
 }
 
 std::vector<std::string> RosBridge::services() const {
-  return impl_ ? impl_->services.names() : std::vector<std::string>{};
+  if (!impl_) return {};
+  std::vector<std::string> names = impl_->services.names();
+  for (const std::string& planning : impl_->planning_services.names())
+    names.push_back(planning);
+  return names;
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -545,6 +545,10 @@ SessionCounts Simulator::counts() const {
   return impl_->counts();
 }
 
+PlanCounts Simulator::planCounts() const noexcept {
+  return impl_->planner.counts();
+}
+
 std::string Simulator::realtimeStatus() const {
   return impl_->realtimeStatus();
 }

@@ -26,9 +26,9 @@ Json describeRecords() {
   return Json::array({describeRecord<TickRecord>("tick"), describeRecord<HapticRecord>("haptic"),
                       describeRecord<CommandRecord>("command"), describeRecord<RequestRecord>("request"),
                       describeRecord<PlanRecord>("plan"), describeRecord<FaultRecord>("faults"),
-                      describeRecord<FaultChangeRecord>("fault_change"), describeRecord<ContactRecord>("contact"),
-                      describeRecord<SessionCounts>("counts"), describeRecord<GapRecord>("gap"),
-                      describeRecord<RecoveryRecord>("recovery")});
+                      describeRecord<FaultChangeRecord>("fault_change"), describeRecord<ExecutionRecord>("execution"),
+                      describeRecord<ContactRecord>("contact"), describeRecord<SessionCounts>("counts"),
+                      describeRecord<GapRecord>("gap"), describeRecord<RecoveryRecord>("recovery")});
 }
 
 /** What decides over bytes: names, types and shapes; units and meanings may be reworded. */

@@ -47,6 +47,21 @@ struct EnumNames<PlanStatus> {
 };
 
 template <>
+struct EnumNames<PlanningStatus> {
+  static constexpr const auto& kNames = kPlanningStatusNames;
+};
+
+template <>
+struct EnumNames<PlanningAnswer> {
+  static constexpr const auto& kNames = kPlanningAnswerNames;
+};
+
+template <>
+struct EnumNames<ExecutionEnd> {
+  static constexpr const auto& kNames = kExecutionEndNames;
+};
+
+template <>
 struct EnumNames<FaultSite> {
   static constexpr const auto& kNames = kFaultSiteNames;
 };
@@ -143,6 +158,20 @@ struct Layout<DaemonFaults> {
 };
 
 template <>
+struct Layout<PlanningState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("status", s.status, "", "how far planning and executing are");
+    v.field("arm", s.arm, "", "that chooses, or that the plan moves");
+    v.field("on_robot", s.on_robot, "", "1: armed or executing, and the robot moves too");
+    v.field("answer", s.answer, "", "to the request `answered`");
+    v.field("answered", s.answered, "", "id of the newest request for planning or executing that was answered");
+    v.field("plan", s.plan, "", "id of the plan, from planning on; 0 none");
+    v.field("progress", s.progress, "", "executing: share of the path's time gone, 0 to 1");
+  }
+};
+
+template <>
 struct Layout<ModelState> {
   template <typename Visitor, typename State>
   static void visit(Visitor& v, State& s) {
@@ -157,6 +186,7 @@ struct Layout<ModelState> {
     v.field("commands_used", s.commands_used, "packets", "master commands that moved the model in this tick");
     v.field("guide_plan", s.guide_plan, "", "id of the plan along whose path the hand may be guided; 0 none");
     v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent, in master (ITP) axes");
+    v.field("planning", s.planning, "", "how far planning and executing are");
     v.field("faults", s.faults, "", "what faults do in the daemon");
     v.field("arms", s.arms, "", "gold, green");
     v.field("bodies", s.bodies, "", "free bodies of the scene in the world frame W");
@@ -250,9 +280,11 @@ struct Layout<Request> {
     v.field("choose_arm", s.choose_arm, "", "plan: 1 the planner chooses the arm");
     v.field("goal", s.goal, "", "plan: where it shall lead");
     v.field("enabled", s.enabled, "", "set_collisions: 1 the arm meets scene and other arm");
+    v.field("on_robot", s.on_robot, "", "execute_plan: 1 the robot moves too");
     v.field("goal_W", s.goal_W, "m", "goal tip: position to reach, in the world frame W");
     v.field("goal_q", s.goal_q, "rad, [2] m", "goal joints: positions to reach");
-    v.field("id", s.id, "", "chosen by the sender, comes back in the plan");
+    v.field("id", s.id, "", "chosen by the sender, comes back in plan, answer and report");
+    v.field("plan", s.plan, "", "execute_plan: id of the plan that is meant; 0 whichever is there");
   }
 };
 
@@ -271,6 +303,38 @@ struct Layout<PlanResult> {
     v.field("clearance", s.clearance, "m", "least distance kept in the roll-out of the path");
     v.field("tracking_error", s.tracking_error, "m", "greatest distance of the tip from the path in it");
     v.field("samples", s.samples, "", "samples used");
+    v.field("robot_follows", s.robot_follows, "", "1: the robot's own inverse kinematics keeps to the path");
+  }
+};
+
+template <>
+struct Layout<TrackingError> {
+  template <typename Visitor, typename Error>
+  static void visit(Visitor& v, Error& s) {
+    v.field("mean", s.mean, "m", "over the ticks from pedal-down to the end");
+    v.field("largest", s.largest, "m", "of those ticks");
+    v.field("at_end", s.at_end, "m", "from where the path ends, in the last tick");
+  }
+};
+
+template <>
+struct Layout<ExecutionReport> {
+  template <typename Visitor, typename Report>
+  static void visit(Visitor& v, Report& s) {
+    v.field("id", s.id, "", "of the request to execute");
+    v.field("plan", s.plan, "", "id of the plan");
+    v.field("arm", s.arm, "", "that it moves");
+    v.field("on_robot", s.on_robot, "", "1: the robot moved too");
+    v.field("end", s.end, "", "why it ended");
+    v.field("started", s.started, "ms", "tick of the pedal-down; -1 the pedal never came");
+    v.field("ended", s.ended, "ms", "first tick that no longer moved anything");
+    v.field("path_time", s.path_time, "s", "that the path takes at full speed");
+    v.field("progress", s.progress, "", "share of the path's time gone at the end, 0 to 1");
+    v.field("planned_clearance", s.planned_clearance, "m", "least distance kept in the roll-out of the plan");
+    v.field("model", s.model, "", "distance of the model's tip from its place on the path");
+    v.field("robot", s.robot, "", "the same of the robot's tip; 0 if it did not move");
+    v.field("contact_ticks", s.contact_ticks, "ms", "in which the model's arm touched something");
+    v.field("contact_points", s.contact_points, "points", "most of them in one tick");
   }
 };
 
@@ -446,6 +510,16 @@ struct Layout<FaultChangeRecord> {
   static void visit(Visitor& v, Record& s) {
     v.field("tick", s.tick, "ms", "physics tick that learned of it");
     v.field("change", s.change, "", "as its host told it");
+  }
+};
+
+template <>
+struct Layout<ExecutionRecord> {
+  static constexpr const char* kMeaning = "how the execution of a plan went";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick that ended it");
+    v.field("report", s.report, "", "tracking errors, contacts, why it ended");
   }
 };
 

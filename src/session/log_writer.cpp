@@ -158,6 +158,10 @@ void LogWriter::write(const FaultChangeRecord& record) {
   impl_->write(record);
 }
 
+void LogWriter::write(const ExecutionRecord& record) {
+  impl_->write(record);
+}
+
 void LogWriter::write(const ContactRecord& record) {
   impl_->write(record);
 }

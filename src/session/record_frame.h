@@ -31,7 +31,8 @@ enum class RecordType : std::uint16_t {
   kFaults,
   kGap,
   kRecovery,
-  kFaultChange
+  kFaultChange,
+  kExecution
 };
 
 /** Type number of each record struct. */
@@ -68,6 +69,10 @@ struct RecordTypeOf<FaultRecord> {
 template <>
 struct RecordTypeOf<FaultChangeRecord> {
   static constexpr RecordType kType = RecordType::kFaultChange;
+};
+template <>
+struct RecordTypeOf<ExecutionRecord> {
+  static constexpr RecordType kType = RecordType::kExecution;
 };
 template <>
 struct RecordTypeOf<GapRecord> {

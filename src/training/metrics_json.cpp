@@ -111,6 +111,38 @@ Json describePlan(const PlanResult& plan) {
           {"samples", plan.samples}};
 }
 
+Json describeTracking(const TrackingError& error) {
+  return {{"mean", error.mean * kMillimetres},
+          {"max", error.largest * kMillimetres},
+          {"at_end", error.at_end * kMillimetres}};
+}
+
+/** Times and errors of one whose pedal never came would be figures of nothing. */
+Json describeExecution(const ExecutionReport& report) {
+  const bool began = report.started >= 0;
+  const Tick ticks = began ? report.ended - report.started : -1;
+  const bool robot_moved = began && report.on_robot != 0;
+  return {{"plan", report.plan},
+          {"arm", name(report.arm)},
+          {"on_robot", report.on_robot != 0},
+          {"end", kExecutionEndNames[static_cast<std::size_t>(report.end)]},
+          {"duration_s", began ? Json(static_cast<double>(ticks) * kTickSeconds) : Json(nullptr)},
+          {"path_time_s", report.path_time},
+          {"progress", report.progress},
+          {"planned_clearance_mm", report.planned_clearance * kMillimetres},
+          {"model_error_mm", began ? describeTracking(report.model) : Json(nullptr)},
+          {"robot_error_mm", robot_moved ? describeTracking(report.robot) : Json(nullptr)},
+          {"contact_ticks", report.contact_ticks},
+          {"contact_points", report.contact_points}};
+}
+
+Json describeExecutions(const SessionMetrics& metrics) {
+  Json executions = Json::array();
+  for (const ExecutionReport& report : metrics.executions)
+    executions.push_back(describeExecution(report));
+  return executions;
+}
+
 Json describeHistogram(const Histogram& histogram) {
   const auto quantile = [&](double p) { return static_cast<double>(histogram.quantile(p)) / 1000.0; };
   return {{"p50", quantile(0.5)}, {"p99", quantile(0.99)}, {"p999", quantile(0.999)}};
@@ -171,6 +203,8 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"faults", describeFaults(metrics)},
              {"haptic", describeHaptic(metrics)},
              {"plan", describePlan(metrics.plan)},
+             {"executions", describeExecutions(metrics)},
+             {"executions_beyond", metrics.executions_beyond},
              {"frames", metrics.frames},
              {"live_frames", counts.frames},
              {"timing", describeTiming(counts)},

@@ -196,7 +196,8 @@ void MetricsAccumulator::followFault(const TickRecord& record) {
     metrics_.faults.back().last_tick = now_;
     metrics_.faults.back().last_cycle = record.robot.cycle;
   }
-  const bool follows = record.model.mode == Mode::kTeleoperating && record.model.linked != 0;
+  const bool moves = record.model.mode == Mode::kTeleoperating || record.model.mode == Mode::kExecuting;
+  const bool follows = moves && record.model.linked != 0;
   const bool comparable = follows && record.model.robot_fresh != 0 && record.robot.frame > 0;
   const double error = comparable ? tipError(record) : 0.0;
   if (inFault()) {
@@ -270,6 +271,14 @@ void MetricsAccumulator::add(const PlanRecord& record) {
   metrics_.plan = record.result;
 }
 
+void MetricsAccumulator::add(const ExecutionRecord& record) {
+  if (metrics_.executions.size() < kMaxExecutions) {
+    metrics_.executions.push_back(record.report);
+  } else {
+    ++metrics_.executions_beyond;
+  }
+}
+
 void MetricsAccumulator::add(const SessionCounts& counts) {
   metrics_.counts = counts;
   metrics_.complete = true;
@@ -293,6 +302,7 @@ SessionMetrics computeMetrics(const std::string& log_path) {
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
   visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
   visitor.fault_change = [&](const FaultChangeRecord& record) { accumulator.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
   return accumulator.result();

@@ -171,6 +171,7 @@ class Rig {
     discard(&shared->plan_records);
     discard(&shared->fault_records);
     discard(&shared->change_records);
+    discard(&shared->execution_records);
     discard(&shared->contact_records);
   }
 

@@ -13,9 +13,13 @@ PEDAL_UP, PEDAL_DOWN = 2, 3
 WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
 DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
-                 "/camera/image_raw", "/camera/camera_info", "/tf", "/diagnostics"}
-DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/gold/set_collisions",
-                   "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
+                 "/camera/image_raw", "/camera/camera_info", "/tf", "/diagnostics", "/plan/trajectory",
+                 "/plan/tip_path", "/plan/progress", "/plan/execution", "/move_arm/status", "/move_arm/feedback",
+                 "/move_arm/result"}
+DAEMON_ACTION = {"/move_arm/goal", "/move_arm/cancel"}
+DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
+                   "/cancel_plan", "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers",
+                   "/raven2_simulator/set_logger_level"}
 
 
 class Session:
@@ -62,6 +66,7 @@ def known(master):
 def is_complete(seen):
     daemon, robot, bridge = (seen[node] for node in NODES)
     return (daemon["published"] == DAEMON_TOPICS and daemon["services"] == DAEMON_SERVICES and
+            daemon["subscribed"] == DAEMON_ACTION and
             robot["published"] == {"/ravenstate", "/joint_states"} and robot["subscribed"] == {"/raven_automove"} and
             "/virtual_raven/press_start" in robot["services"] and bridge["subscribed"] == {"/ravenstate"})
 

@@ -26,6 +26,11 @@ JointTarget quinticTarget(const JointArray& from,
                           double arrival,
                           double t) noexcept;
 
+/** Desired joints `seconds` after the start of a plan's motion: the first waypoint before it, the last one after its
+ * end.
+ *  @param[in,out] segment edge where the search begins; where it ended. 0 before the first call. Real-time safe. */
+JointArray pathJoints(const PlanResult& plan, double seconds, std::uint32_t* segment) noexcept;
+
 /** Plays a PlanResult: rest-to-rest quintics between its waypoints, at the times in `arrival`. Real-time safe. */
 class PathFollower {
  public:

@@ -36,10 +36,22 @@ struct ForcePacket {
 };
 
 /** Orders from operators (ROS services, schedules) to the physics loop. */
-enum class RequestKind : std::uint8_t { kNone, kEngage, kDisengage, kPlan, kCancelPlan, kSetCollisions };
-constexpr std::size_t kRequestKindCount = 6;
-constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{"none", "engage",      "disengage",
-                                                                       "plan", "cancel_plan", "set_collisions"};
+enum class RequestKind : std::uint8_t {
+  kNone,
+  kEngage,
+  kDisengage,
+  kPlan,
+  kCancelPlan,  ///< gives up choosing, planning and executing, and forgets the plan
+  kSetCollisions,
+  kBeginPlanning,  ///< planning mode: the masters move `arm` of the model alone, until the next two
+  kRecordGoal,     ///< where that arm is now is the goal: it goes back to where it was, and a plan is made
+  kEndPlanning,    ///< it goes back to where it was, and no plan is made
+  kExecutePlan,    ///< the plan that is there, from the next pedal-down on while the pedal is held
+};
+constexpr std::size_t kRequestKindCount = 10;
+constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
+    "none",           "engage",         "disengage",   "plan",         "cancel_plan",
+    "set_collisions", "begin_planning", "record_goal", "end_planning", "execute_plan"};
 
 /** Where a plan shall lead. */
 enum class GoalKind : std::uint8_t {
@@ -56,9 +68,11 @@ struct Request {
   std::uint8_t choose_arm{};  ///< kPlan: 1 the planner chooses the arm from the goal, `arm` does not count
   std::uint8_t enabled{};     ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through
   GoalKind goal{GoalKind::kDefault};
-  Vec3 goal_W{};        ///< [m] [@frame W] kTip
-  JointArray goal_q{};  ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
-  std::uint32_t id{};   ///< chosen by the sender, comes back in PlanResult::id
+  std::uint8_t on_robot{};  ///< kExecutePlan: 1 the robot moves too
+  Vec3 goal_W{};            ///< [m] [@frame W] kTip
+  JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
+  std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id
+  std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there
 };
 
 /** Orders to the fault director. */
@@ -70,6 +84,7 @@ struct FaultRequest {
 /** Problem handed to the planner thread. */
 struct PlanRequest {
   std::uint32_t id{};
+  std::uint32_t serial{};  ///< counts what the planner is asked: SharedState::plan_cancelled
   Tick requested_tick{};
   Arm arm{Arm::kGold};
   JointArray start{};         ///< [rad, m] where the arm stands
@@ -114,7 +129,56 @@ struct PlanResult {
   double clearance{};       ///< [m] least distance to the scene, the other arm and itself in the roll-out of the path
   double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path in that roll-out
   std::uint32_t samples{};  ///< used, those added after a failure included
+  std::uint8_t robot_follows{};  ///< 1: the robot's own inverse kinematics takes the path's increments along the path
 };
 static_assert(std::is_trivially_copyable<PlanResult>::value, "travels in a ring");
+
+/** Plans that may be asked for and not answered yet; the capacity of the rings to and from the planner. */
+constexpr std::size_t kMaxPlansUnderWay = 4;
+
+/** Why the execution of a plan ended. */
+enum class ExecutionEnd : std::uint8_t {
+  kNone,
+  kFinished,    ///< at the goal and settled
+  kReleased,    ///< the pedal went up
+  kCancelled,   ///< by request: cancelled, disengaged, or another plan was wanted before the pedal came
+  kEStop,       ///< the robot went to E-STOP, or the model broke down
+  kTimeSlip,    ///< simulated time was lost
+  kRobotLost,   ///< the robot's link, its homing or its readiness to follow was lost
+  kOffPath,     ///< model or robot was farther from the path than allowed
+  kNotSettled,  ///< the path was over, but model or robot did not come to rest at the goal in time
+  kNoPedal,     ///< armed, but the pedal did not come in time
+  kMoved,       ///< armed, but at pedal-down an arm no longer stood where it stood when the plan was asked for
+};
+constexpr std::size_t kExecutionEndCount = 11;
+constexpr std::array<const char*, kExecutionEndCount> kExecutionEndNames{
+    "none",       "finished", "released",    "cancelled", "e_stop", "time_slip",
+    "robot_lost", "off_path", "not_settled", "no_pedal",  "moved"};
+
+/** How far a tool tip was from where the path put it at that instant. */
+struct TrackingError {
+  double mean{};     ///< [m] over the ticks from pedal-down to the end
+  double largest{};  ///< [m] of those ticks
+  double at_end{};   ///< [m] from where the path ends, in the last tick
+};
+
+/** How the execution of a plan went: one for each that was armed. */
+struct ExecutionReport {
+  std::uint32_t id{};    ///< of the request to execute
+  std::uint32_t plan{};  ///< id of the plan
+  Arm arm{Arm::kGold};
+  std::uint8_t on_robot{};  ///< 1: the robot moved too
+  ExecutionEnd end{ExecutionEnd::kNone};
+  Tick started{-1};                ///< [1 ms] tick of the pedal-down; -1 the pedal never came
+  Tick ended{-1};                  ///< [1 ms] first tick that no longer moved anything
+  double path_time{};              ///< [s] that the path takes at full speed
+  double progress{};               ///< [-] share of the path's time gone at the end, 0 to 1
+  double planned_clearance{};      ///< [m] PlanResult::clearance
+  TrackingError model{};           ///< of the nominal model
+  TrackingError robot{};           ///< of the robot, as received; zero if it did not move
+  std::uint32_t contact_ticks{};   ///< [1 ms] in which the model's arm touched something
+  std::uint32_t contact_points{};  ///< most of them in one tick
+};
+static_assert(std::is_trivially_copyable<ExecutionReport>::value, "crosses threads word by word");
 
 }  // namespace raven2_trainer

@@ -58,6 +58,12 @@ struct FaultChangeRecord {
   FaultChange change{};
 };
 
+/** How the execution of a plan went, stamped with the physics tick that ended it. */
+struct ExecutionRecord {
+  Tick tick{};
+  ExecutionReport report{};
+};
+
 /** All contact points of one pair of bodies in one physics tick, taken together. */
 struct ContactRecord {
   Tick tick{};             ///< [1 ms] of the ModelState they belong to
@@ -69,10 +75,20 @@ struct ContactRecord {
 };
 
 /** Kinds of record that the loops queue for the recorder. */
-enum class RecordKind : std::uint8_t { kTick, kHaptic, kCommand, kRequest, kPlan, kContact, kFaults, kFaultChange };
-constexpr std::size_t kRecordKindCount = 8;
-constexpr std::array<const char*, kRecordKindCount> kRecordKindNames{"tick", "haptic",  "command", "request",
-                                                                     "plan", "contact", "faults",  "fault_change"};
+enum class RecordKind : std::uint8_t {
+  kTick,
+  kHaptic,
+  kCommand,
+  kRequest,
+  kPlan,
+  kContact,
+  kFaults,
+  kFaultChange,
+  kExecution
+};
+constexpr std::size_t kRecordKindCount = 9;
+constexpr std::array<const char*, kRecordKindCount> kRecordKindNames{
+    "tick", "haptic", "command", "request", "plan", "contact", "faults", "fault_change", "execution"};
 /** A number of records of each kind, by RecordKind. */
 using RecordTally = std::array<std::uint64_t, kRecordKindCount>;
 
@@ -118,17 +134,17 @@ constexpr std::array<const char*, kLoopCount> kLoopNames{"physics", "haptic"};
 
 /** Timing of one 1 kHz loop, from its own clock readings. All zero in lockstep. About 1.4 KiB. */
 struct LoopTiming {
-  std::uint64_t ticks{};        ///< periods run, catch-up steps included
-  std::uint64_t on_time{};      ///< finished within 1 ms of their release
-  std::uint64_t slips{};        ///< finished later
-  std::uint64_t late_runs{};    ///< overrun events: runs of late ticks without one on time between
+  std::uint64_t ticks{};             ///< periods run, catch-up steps included
+  std::uint64_t on_time{};           ///< finished within 1 ms of their release
+  std::uint64_t slips{};             ///< finished later
+  std::uint64_t late_runs{};         ///< overrun events: runs of late ticks without one on time between
   std::uint64_t longest_late_run{};  ///< [ticks] the longest of them
   std::int64_t last_run_late_ns{};   ///< [ns] worst finish after its release in the newest of them
-  std::uint64_t time_slips{};   ///< backlog over 250 ms given up, each an event
-  std::int64_t lost_ticks{};    ///< [1 ms] simulated time given up by those events
-  std::int64_t max_late_ns{};   ///< [ns] latest start after a release
-  std::int64_t max_run_ns{};    ///< [ns] longest body
-  std::uint64_t stale_reads{};  ///< cells that could not be read in a bounded number of tries
+  std::uint64_t time_slips{};        ///< backlog over 250 ms given up, each an event
+  std::int64_t lost_ticks{};         ///< [1 ms] simulated time given up by those events
+  std::int64_t max_late_ns{};        ///< [ns] latest start after a release
+  std::int64_t max_run_ns{};         ///< [ns] longest body
+  std::uint64_t stale_reads{};       ///< cells that could not be read in a bounded number of tries
   std::uint64_t minor_faults{};  ///< page faults of the thread since its loop began, without disk; read once a second
   std::uint64_t major_faults{};  ///< with disk
   Histogram wake_up{};           ///< start after the release, once a wake-up
@@ -154,18 +170,21 @@ enum class RingId : std::uint8_t {
   kFaultRecords,
   kContactRecords,
   kFaultChangeRecords,
+  kExecutionRecords,
 };
-constexpr std::size_t kRingCount = 16;
+constexpr std::size_t kRingCount = 17;
 constexpr std::array<const char*, kRingCount> kRingNames{
-    "master_commands", "requests",      "fault_requests",  "fault_changes",       "plan_requests",   "plan_results",
-    "relay_packets",   "force_packets", "tick_records",    "haptic_records",      "command_records", "request_records",
-    "plan_records",    "fault_records", "contact_records", "fault_change_records"};
+    "master_commands",      "requests",         "fault_requests", "fault_changes", "plan_requests",
+    "plan_results",         "relay_packets",    "force_packets",  "tick_records",  "haptic_records",
+    "command_records",      "request_records",  "plan_records",   "fault_records", "contact_records",
+    "fault_change_records", "execution_records"};
 
 /** The queue of each kind of record. */
 constexpr RingId ringOf(RecordKind kind) noexcept {
   constexpr std::array<RingId, kRecordKindCount> kRings{
-      RingId::kTickRecords, RingId::kHapticRecords,  RingId::kCommandRecords, RingId::kRequestRecords,
-      RingId::kPlanRecords, RingId::kContactRecords, RingId::kFaultRecords,   RingId::kFaultChangeRecords};
+      RingId::kTickRecords,    RingId::kHapticRecords,      RingId::kCommandRecords,
+      RingId::kRequestRecords, RingId::kPlanRecords,        RingId::kContactRecords,
+      RingId::kFaultRecords,   RingId::kFaultChangeRecords, RingId::kExecutionRecords};
   return kRings[static_cast<std::size_t>(kind)];
 }
 

@@ -26,6 +26,8 @@ struct RecordRings {
   RecordRing<ContactRecord, 8192> contacts;
   // physics -> recorder
   RecordRing<FaultChangeRecord, 2048> changes;
+  // physics -> recorder
+  RecordRing<ExecutionRecord, 8> executions;
 
   /** call(RecordKind, ring) for each, in the order in which they are written to the log. */
   template <typename Call>
@@ -52,6 +54,7 @@ struct RecordRings {
     call(RecordKind::kCommand, self.commands);
     call(RecordKind::kRequest, self.requests);
     call(RecordKind::kPlan, self.plans);
+    call(RecordKind::kExecution, self.executions);
     call(RecordKind::kContact, self.contacts);
     call(RecordKind::kTick, self.ticks);
     call(RecordKind::kHaptic, self.haptics);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <memory>
 #include <utility>
 
@@ -33,7 +35,8 @@ struct SharedState {
         plan_records(records.plans),
         fault_records(records.faults),
         contact_records(records.contacts),
-        change_records(records.changes) {}
+        change_records(records.changes),
+        execution_records(records.executions) {}
 
   // --- latest values -------------------------------------------------------------------------------------------
   // written by physics
@@ -48,6 +51,8 @@ struct SharedState {
   StateCell<FaultPlan> faults;
   // written by physics: the newest answer to a plan request, refusals included
   StateCell<PlanResult> last_plan;
+  // written by physics: how the newest execution of a plan went
+  StateCell<ExecutionReport> last_execution;
   // written by planner: the tip's path of the newest plan that succeeded
   StateCell<GuidePath> guide_path;
   // written by ingest
@@ -81,9 +86,12 @@ struct SharedState {
   // robot_link -> physics
   SpscRing<FaultChange, 256> fault_changes;
   // physics -> planner
-  SpscRing<PlanRequest, 4> plan_requests;
+  SpscRing<PlanRequest, kMaxPlansUnderWay> plan_requests;
   // planner -> physics
-  SpscRing<PlanResult, 4> plan_results;
+  SpscRing<PlanResult, kMaxPlansUnderWay> plan_results;
+  // physics -> planner: nobody waits for this plan any more. By PlanRequest::serial, modulo: of those under way each
+  // has its own. Cleared before the request goes into its ring; the planner sets them all when the program ends.
+  std::array<std::atomic<bool>, kMaxPlansUnderWay> plan_cancelled{};
   // physics -> sender
   SpscRing<RelayPacket, 256> relay_packets;
   // haptic -> sender
@@ -98,6 +106,7 @@ struct SharedState {
   RecordRing<FaultRecord, 16>& fault_records;
   RecordRing<ContactRecord, 8192>& contact_records;
   RecordRing<FaultChangeRecord, 2048>& change_records;
+  RecordRing<ExecutionRecord, 8>& execution_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;  // physics
@@ -106,13 +115,13 @@ struct SharedState {
   Counter force_sent;   // sender
   Counter frames;       // render
 
-  Counter contacts_dropped;    // physics: beyond the longest list
-  Counter fault_changes_lost;  // robot_link: missing between those that came
+  Counter contacts_dropped;      // physics: beyond the longest list
+  Counter fault_changes_lost;    // robot_link: missing between those that came
   Counter fault_changes_untold;  // physics: more in a tick than its engines keep
-  Counter relay_failed;      // sender: the system did not take it
-  Counter relay_released;    // sender: pedal-up packets of its own
-  Counter force_failed;      // sender
-  Counter force_silent;      // sender: zero forces of its own
+  Counter relay_failed;          // sender: the system did not take it
+  Counter relay_released;        // sender: pedal-up packets of its own
+  Counter force_failed;          // sender
+  Counter force_silent;          // sender: zero forces of its own
  private:
   explicit SharedState(std::unique_ptr<RecordRings> queues) : SharedState(queues.get()) {
     own_records_ = std::move(queues);
@@ -122,10 +131,12 @@ struct SharedState {
 
 /** The counters of all rings, by RingId. Any thread. */
 inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexcept {
-  return {s.master_commands.counts(), s.requests.counts(),       s.fault_requests.counts(),  s.fault_changes.counts(),
-          s.plan_requests.counts(),   s.plan_results.counts(),   s.relay_packets.counts(),   s.force_packets.counts(),
-          s.tick_records.counts(),    s.haptic_records.counts(), s.command_records.counts(), s.request_records.counts(),
-          s.plan_records.counts(),    s.fault_records.counts(),  s.contact_records.counts(), s.change_records.counts()};
+  return {s.master_commands.counts(), s.requests.counts(),         s.fault_requests.counts(),
+          s.fault_changes.counts(),   s.plan_requests.counts(),    s.plan_results.counts(),
+          s.relay_packets.counts(),   s.force_packets.counts(),    s.tick_records.counts(),
+          s.haptic_records.counts(),  s.command_records.counts(),  s.request_records.counts(),
+          s.plan_records.counts(),    s.fault_records.counts(),    s.contact_records.counts(),
+          s.change_records.counts(),  s.execution_records.counts()};
 }
 
 /** The counters that live in the shared state; whoever owns links and loops adds theirs. Any thread. */

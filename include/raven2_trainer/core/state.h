@@ -22,10 +22,52 @@ enum class Mode : std::uint8_t {
   kTracking,       ///< the model follows a planned path; the robot holds
   kStopped,        ///< the robot is in E-STOP; the model holds
   kPaused,         ///< simulated time was lost: the model holds, the session's clock stands, until a new pedal-down
+  kChoosing,   ///< planning mode: pedal down moves one arm of the model, through everything, to a goal; the robot holds
+  kArmed,      ///< pedal up: the model stands where the plan to be executed starts, and waits for the pedal
+  kExecuting,  ///< pedal held: the model follows the plan's path, and the robot too if that was asked for
 };
-constexpr std::size_t kModeCount = 7;
+constexpr std::size_t kModeCount = 10;
 constexpr std::array<const char*, kModeCount> kModeNames{"waiting",  "pedal_up", "teleoperating", "planning",
-                                                         "tracking", "stopped",  "paused"};
+                                                         "tracking", "stopped",  "paused",        "choosing",
+                                                         "armed",    "executing"};
+
+/** How far planning and executing are. Between requests the newest plan is kept, as long as it may be executed. */
+enum class PlanningStatus : std::uint8_t {
+  kIdle,       ///< there is no plan
+  kChoosing,   ///< the surgeon moves the model to the goal
+  kPlanning,   ///< a plan is being computed
+  kReady,      ///< a plan is there and was not asked to be executed
+  kArmed,      ///< it will be executed from the next pedal-down on
+  kExecuting,  ///< it is being executed
+};
+constexpr std::size_t kPlanningStatusCount = 6;
+constexpr std::array<const char*, kPlanningStatusCount> kPlanningStatusNames{"idle",  "choosing", "planning",
+                                                                             "ready", "armed",    "executing"};
+
+/** What became of a request for planning or executing. */
+enum class PlanningAnswer : std::uint8_t {
+  kNone,
+  kAccepted,
+  kNotNow,             ///< not in this mode, or the pedal is down
+  kNoPlan,             ///< there is no plan, or not the one that was asked for
+  kMoved,              ///< an arm no longer stands where it stood when the plan was asked for
+  kNoRobot,            ///< the robot shall move, but it is not ready, not heard or not engaged
+  kRobotCannotFollow,  ///< the robot's own inverse kinematics would leave the path
+};
+constexpr std::size_t kPlanningAnswerCount = 7;
+constexpr std::array<const char*, kPlanningAnswerCount> kPlanningAnswerNames{
+    "none", "accepted", "not_now", "no_plan", "moved", "no_robot", "robot_cannot_follow"};
+
+/** Planning and executing, at the end of one tick. */
+struct PlanningState {
+  PlanningStatus status{PlanningStatus::kIdle};
+  Arm arm{Arm::kGold};                           ///< that chooses, or that the plan moves
+  std::uint8_t on_robot{};                       ///< kArmed, kExecuting: 1 the robot moves too
+  PlanningAnswer answer{PlanningAnswer::kNone};  ///< to the request `answered`
+  std::uint32_t answered{};                      ///< Request::id of the newest that was answered
+  std::uint32_t plan{};                          ///< id of the plan from kPlanning on; 0 none
+  double progress{};                             ///< [-] kExecuting: share of the path's time gone, 0 to 1
+};
 
 /** Run level of the Raven's state machine (raven2.md 4.3). */
 enum class RunLevel : std::uint8_t { kEStop = 0, kInit = 1, kPedalUp = 2, kPedalDown = 3 };
@@ -72,6 +114,7 @@ struct ModelState {
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
   std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
   PerArm<Vec3> master_I{};        ///< [m] [@frame I] sum of all increments sent by the masters, used or not
+  PlanningState planning{};       ///< how far planning and executing are
   DaemonFaults faults{};          ///< what they do here
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order

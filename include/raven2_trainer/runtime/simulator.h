@@ -5,6 +5,7 @@
 #include <string>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/plan_counts.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/render_loop.h"
@@ -61,6 +62,8 @@ class Simulator {
   const model::RavenModel& raven() const noexcept;
   const session::SessionPaths& paths() const noexcept;
   SessionCounts counts() const;
+  /** Of the plan under way, or of the newest. Any thread. */
+  PlanCounts planCounts() const noexcept;
   /** What scheduling and memory locking were granted, in words. */
   std::string realtimeStatus() const;
   /** Port the masters send to. */

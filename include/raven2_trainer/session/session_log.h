@@ -66,6 +66,7 @@ class LogWriter {
   void write(const PlanRecord& record);
   void write(const FaultRecord& record);
   void write(const FaultChangeRecord& record);
+  void write(const ExecutionRecord& record);
   void write(const ContactRecord& record);
   void write(const GapRecord& record);
   /** Takes memory for a batch of so many bytes now, every page of it touched: none so large takes more later. */
@@ -100,6 +101,7 @@ struct LogVisitor {
   std::function<void(const PlanRecord&)> plan;
   std::function<void(const FaultRecord&)> faults;
   std::function<void(const FaultChangeRecord&)> fault_change;
+  std::function<void(const ExecutionRecord&)> execution;
   std::function<void(const ContactRecord&)> contact;
   std::function<void(const GapRecord&)> gap;
   std::function<void(const SessionCounts&)> counts;

@@ -53,6 +53,7 @@ struct Injection {
 };
 
 constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
+constexpr std::size_t kMaxExecutions = 10'000;   ///< of a session, a second each for three hours: 1 MB
 
 struct SessionMetrics {
   double duration{};         ///< [s] from the first pedal down
@@ -64,8 +65,10 @@ struct SessionMetrics {
   double max_force{};  ///< [N]
   double tolerance{};  ///< [m]
   PlanResult plan{};   ///< newest, status kNone if none was asked for
+  std::vector<ExecutionReport> executions;
+  std::uint64_t executions_beyond{};  ///< beyond the longest list, kMaxExecutions
   SessionCounts counts{};
-  std::uint64_t frames{};  ///< of video.mp4; 0 before it is rendered
+  std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
   std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
   bool complete{};                    ///< the log has its last record, the counters
 };
@@ -73,8 +76,8 @@ struct SessionMetrics {
 /**
  * Feeds on the records of a session and gives the metrics. The aftermath of a fault belongs to it: from its first
  * tick until the error has stayed below the tolerance for 500 ms after its last. The error is looked at while model and
- * robot follow the surgeon from a common pose (mode teleoperating, `linked`) and the robot's state is fresh. A stale
- * robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
+ * robot follow the surgeon, or a plan, from a common pose (mode teleoperating or executing, `linked`) and the robot's
+ * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
  *
  * Records of one kind come in order, changes of faults before the tick that they belong to; haptic records may come
  * before or after theirs (two threads write them), so each waits for its tick.
@@ -87,6 +90,7 @@ class MetricsAccumulator {
   void add(const PlanRecord& record);
   void add(const FaultRecord& record);
   void add(const FaultChangeRecord& record);
+  void add(const ExecutionRecord& record);
   void add(const SessionCounts& counts);
   SessionMetrics result() const;
 

@@ -47,6 +47,8 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   record.request.goal_W = {1.0, -2.0, 0.5};
   record.request.goal_q[6] = -2.0;
   record.request.id = 0xA1B2C3D4U;
+  record.request.on_robot = 1;
+  record.request.plan = 0x0BADF00DU;
   const std::string path = scratchPath("golden.rlog");
   {
     LogWriter log(path, LogHeader{});
@@ -55,7 +57,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
   append(&expected, 7, 2);                      // version
-  append(&expected, 8 + 5 + 24 + 56 + 4, 4);    // payload length
+  append(&expected, 8 + 6 + 24 + 56 + 8, 4);    // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
   append(&expected, 3, 1);                      // kPlan
@@ -63,6 +65,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   append(&expected, 1, 1);                      // choose_arm
   append(&expected, 2, 1);                      // joints
   append(&expected, 1, 1);                      // enabled
+  append(&expected, 1, 1);                      // on_robot
   append(&expected, 0x3FF0000000000000ULL, 8);  // 1.0 in IEEE 754
   append(&expected, 0xC000000000000000ULL, 8);  // -2.0
   append(&expected, 0x3FE0000000000000ULL, 8);  // 0.5
@@ -70,6 +73,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
     append(&expected, 0, 8);
   append(&expected, 0xC000000000000000ULL, 8);  // -2.0 of the last joint
   append(&expected, 0xA1B2C3D4ULL, 4);          // id
+  append(&expected, 0x0BADF00DULL, 4);          // plan
   append(&expected, slowCrc32(expected), 4);
   EXPECT_EQ(bytesBehindHeader(path), expected);
 }
@@ -126,7 +130,8 @@ TEST(SessionLogSchema, AnnouncesAsManyBytesAsAreWritten) {
                                                    {"counts", payloadSize<SessionCounts>()},
                                                    {"gap", payloadSize<GapRecord>()},
                                                    {"recovery", payloadSize<RecoveryRecord>()},
-                                                   {"fault_change", payloadSize<FaultChangeRecord>()}};
+                                                   {"fault_change", payloadSize<FaultChangeRecord>()},
+                                                   {"execution", payloadSize<ExecutionRecord>()}};
   ASSERT_EQ(json.at("records").size(), written.size());
   for (const auto& record : json.at("records")) {
     EXPECT_EQ(schemaSize(record.at("fields")), written.at(record.at("name"))) << record.at("name");
@@ -144,7 +149,7 @@ TEST(SessionLogSchema, NamesUnitsAndMeanings) {
                                                       {"unit", "ms"},
                                                       {"meaning", "physics step that produced this state"}}));
   EXPECT_EQ(model.at("fields").at(3).at("names").at(2), "teleoperating");
-  const auto& arms = model.at("fields").at(12);
+  const auto& arms = model.at("fields").at(13);
   EXPECT_EQ(arms.at("shape"), nlohmann::json::array({2}));
   EXPECT_EQ(arms.at("fields").at(0).at("shape"), nlohmann::json::array({7}));
 }
@@ -155,15 +160,18 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(ArmState), 28 * 8 + 3 * 8 + 3 * 8 + 4 * 8 + 4 + 4u);
   EXPECT_EQ(sizeof(FaultSignals), 2 * 8 + 2 * 4u);
   EXPECT_EQ(sizeof(DaemonFaults), 4 + 4 + 4 + /*padding*/ 4 + 2 * 8 + 6 * 8 + sizeof(FaultSignals));
-  EXPECT_EQ(sizeof(ModelState),
-            3 * 8 + 5 + /*padding*/ 3 + 2 * 4 + 6 * 8 + sizeof(DaemonFaults) + 2 * sizeof(ArmState) + 4 * 7 * 8u);
+  EXPECT_EQ(sizeof(ModelState), 3 * 8 + 5 + /*padding*/ 3 + 2 * 4 + 6 * 8 + sizeof(PlanningState) +
+                                    sizeof(DaemonFaults) + 2 * sizeof(ArmState) + 4 * 7 * 8u);
+  EXPECT_EQ(sizeof(PlanningState), 4 + 2 * 4 + /*padding*/ 4 + 8u);
   EXPECT_EQ(sizeof(RobotArmState), 21 * 8 + 7 * 4 + 7 + /*padding*/ 5 + 6 * 8u);
   EXPECT_EQ(sizeof(LinkCounts), (2 + kRejectCount) * 8u);
   EXPECT_EQ(sizeof(RobotState), 4 * 8 + 2 * 4 + 7 + /*program*/ 1 + 2 * sizeof(RobotArmState) + sizeof(LinkCounts));
   EXPECT_EQ(sizeof(HapticState), 4 * 8 + 7 * 6 * 8 + 5 * 2 * 8 + 4 + 2 + /*padding*/ 2u);
   EXPECT_EQ(sizeof(MasterCommand), 4 + 1 + /*padding*/ 3 + 2 * (3 + 4 + 1) * 8u);
-  EXPECT_EQ(sizeof(Request), 4 + /*padding*/ 4 + 3 * 8 + 4 + /*padding*/ 4u);
-  EXPECT_EQ(sizeof(PlanResult), 4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 2 * 8 + 4 + /*padding*/ 4u);
+  EXPECT_EQ(sizeof(Request), 6 + /*padding*/ 2 + 3 * 8 + 7 * 8 + 2 * 4u);
+  EXPECT_EQ(sizeof(PlanResult),
+            4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 4 * 8 + 4 + 1 + /*padding*/ 3u);
+  EXPECT_EQ(sizeof(ExecutionReport), 2 * 4 + 3 + /*padding*/ 5 + 2 * 8 + 3 * 8 + 2 * 3 * 8 + 2 * 4u);
   EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
   EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
@@ -174,17 +182,18 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(payloadSize<FaultRecord>(), 8 + /*generation, count*/ 8 + 4 + 8 * sizeof(Fault));
   EXPECT_EQ(sizeof(FaultChange), 2 * 8 + 2 * 4 + 3 + /*padding*/ 5u);
   EXPECT_EQ(payloadSize<FaultChangeRecord>(), 8 + sizeof(FaultChange) - 5 - /*session*/ 4);
-  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 + sizeof(RobotState) - 1 - 2 * 5 + 1);
+  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 - 4 + sizeof(RobotState) - 1 - 2 * 5 + 1);
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 2);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
-  EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 8);
+  EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 2);
   EXPECT_EQ(sizeof(ContactRecord), 8 + 2 * 2 + 4 + 7 * 8u);
   EXPECT_EQ(payloadSize<ContactRecord>(), sizeof(ContactRecord));
-  EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 10 + 1);
-  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 8 * 8u);
+  EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 9 + 1);
+  EXPECT_EQ(payloadSize<ExecutionRecord>(), 8 + sizeof(ExecutionReport) - 5);
+  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 9 * 8u);
   EXPECT_EQ(payloadSize<GapRecord>(), sizeof(GapRecord) - 3);
-  EXPECT_EQ(sizeof(RecoveryRecord), 9 * 8u);
-  EXPECT_EQ(payloadSize<RecoveryRecord>(), 9 * 8u);
+  EXPECT_EQ(sizeof(RecoveryRecord), 10 * 8u);
+  EXPECT_EQ(payloadSize<RecoveryRecord>(), 10 * 8u);
   EXPECT_EQ(payloadSize<SessionCounts>(), sizeof(SessionCounts) - 6);
 }
 

@@ -19,6 +19,7 @@ struct Contents {
     v.plan = [this](const PlanRecord& r) { values.push_back(valuesOf(r)); };
     v.faults = [this](const FaultRecord& r) { values.push_back(valuesOf(r)); };
     v.fault_change = [this](const FaultChangeRecord& r) { values.push_back(valuesOf(r)); };
+    v.execution = [this](const ExecutionRecord& r) { values.push_back(valuesOf(r)); };
     v.contact = [this](const ContactRecord& r) { values.push_back(valuesOf(r)); };
     v.gap = [this](const GapRecord& r) { values.push_back(valuesOf(r)); };
     v.counts = [this](const SessionCounts& r) { values.push_back(valuesOf(r)); };
@@ -39,7 +40,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   Contents expected;
   LogWriter log(path, LogHeader{});
   for (int i = 0; i < rounds; ++i) {
-    switch (random.next() % 9) {
+    switch (random.next() % 10) {
       case 0:
         writeRandom<TickRecord>(&log, random, &expected);
         break;
@@ -63,6 +64,9 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
         break;
       case 7:
         writeRandom<GapRecord>(&log, random, &expected);
+        break;
+      case 8:
+        writeRandom<ExecutionRecord>(&log, random, &expected);
         break;
       default:
         writeRandom<PlanRecord>(&log, random, &expected);

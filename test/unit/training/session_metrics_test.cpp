@@ -459,6 +459,43 @@ TEST(SessionMetrics, KeepsTheNewestPlan) {
   EXPECT_EQ(metrics.result().plan.cost, 6.5);
 }
 
+ExecutionRecord makeExecution(Tick started, Tick ended) {
+  ExecutionRecord record;
+  record.tick = ended;
+  record.report.plan = 7;
+  record.report.arm = Arm::kGreen;
+  record.report.on_robot = 1;
+  record.report.end = started < 0 ? ExecutionEnd::kNoPedal : ExecutionEnd::kReleased;
+  record.report.started = started;
+  record.report.ended = ended;
+  record.report.path_time = 2.5;
+  record.report.progress = started < 0 ? 0.0 : 0.4;
+  record.report.model = {0.0005, 0.002, 0.011};
+  record.report.robot = {0.001, 0.003, 0.012};
+  record.report.contact_ticks = 3;
+  return record;
+}
+
+TEST(SessionMetrics, KeepsEveryExecution) {
+  Accumulator metrics(makeHeader());
+  EXPECT_TRUE(metrics.result().executions.empty());
+  metrics.add(makeExecution(5000, 6200));
+  metrics.add(makeExecution(-1, 9000));
+  const SessionMetrics result = metrics.result();
+  ASSERT_EQ(result.executions.size(), 2U);
+  EXPECT_EQ(result.executions[0].ended, 6200);
+  EXPECT_EQ(result.executions[1].end, ExecutionEnd::kNoPedal);
+  EXPECT_EQ(result.executions_beyond, 0U);
+}
+
+TEST(SessionMetrics, CountsExecutionsBeyondTheLongestList) {
+  Accumulator metrics(makeHeader());
+  for (std::size_t i = 0; i < kMaxExecutions + 5; ++i)
+    metrics.add(makeExecution(-1, static_cast<Tick>(i)));
+  EXPECT_EQ(metrics.result().executions.size(), kMaxExecutions);
+  EXPECT_EQ(metrics.result().executions_beyond, 5U);
+}
+
 std::string scratchPath(const std::string& name) {
   return testing::TempDir() + "/raven2_training_" + std::to_string(getpid()) + "_" + name;
 }
@@ -488,6 +525,7 @@ SessionMetrics makeResult() {
   event.onset_tick = 8030;
   event.force_tick = 8032;
   result.faults = {event};
+  result.executions = {makeExecution(5000, 6200).report, makeExecution(-1, 9000).report};
   result.counts.master.received = 100;
   result.counts.master.applied = 97;
   result.counts.master.rejected[static_cast<std::size_t>(Reject::kDuplicate)] = 3;
@@ -547,6 +585,19 @@ TEST(MetricsFile, HoldsEveryFigure) {
   EXPECT_DOUBLE_EQ(json.at("haptic").at("threshold_mm"), 3.0);
   EXPECT_EQ(json.at("plan").at("success"), false);
   EXPECT_EQ(json.at("plan").at("status"), "none");
+  const auto& execution = json.at("executions").at(0);
+  EXPECT_EQ(execution.at("plan"), 7);
+  EXPECT_EQ(execution.at("arm"), "green");
+  EXPECT_EQ(execution.at("on_robot"), true);
+  EXPECT_EQ(execution.at("end"), "released");
+  EXPECT_DOUBLE_EQ(execution.at("duration_s"), 1.2);
+  EXPECT_EQ(execution.at("progress"), 0.4);
+  EXPECT_DOUBLE_EQ(execution.at("model_error_mm").at("max"), 2.0);
+  EXPECT_DOUBLE_EQ(execution.at("robot_error_mm").at("at_end"), 12.0);
+  EXPECT_EQ(execution.at("contact_ticks"), 3);
+  EXPECT_EQ(json.at("executions").at(1).at("end"), "no_pedal");
+  EXPECT_TRUE(json.at("executions").at(1).at("duration_s").is_null());
+  EXPECT_TRUE(json.at("executions").at(1).at("model_error_mm").is_null());
   EXPECT_EQ(json.at("frames"), 0);
   EXPECT_EQ(json.at("live_frames"), 12);
   const auto& timing = json.at("timing").at("physics");
@@ -625,6 +676,7 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
     PlanRecord plan;
     plan.result.status = PlanStatus::kSuccess;
     log.write(plan);
+    log.write(makeExecution(100, 900));
     log.finish(counts);
   }
   const SessionMetrics result = computeMetrics(path);
@@ -633,6 +685,8 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
   EXPECT_EQ(result.faults[0].first_tick, 590);
   EXPECT_EQ(result.faults[0].errorToForce(), 1);
   EXPECT_EQ(result.plan.status, PlanStatus::kSuccess);
+  ASSERT_EQ(result.executions.size(), 1U);
+  EXPECT_EQ(result.executions[0].started, 100);
   EXPECT_EQ(result.counts.master.received, 17u);
   EXPECT_TRUE(result.complete);
   EXPECT_THROW(computeMetrics(scratchPath("missing.rlog")), SessionException);

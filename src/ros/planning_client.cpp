@@ -1,0 +1,103 @@
+#include "ros/planning_client.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr std::uint32_t kFirstId = 1000;  // smaller ids belong to the daemon's own schedule
+constexpr double kPause = 0.001;          // [s] the loop answers at the end of its tick
+constexpr int kAnswerLooks = 500;         // a loop that was late for longer gives the time up (max_backlog, 0.25 s)
+constexpr int kGiveUpLooks = 500;         // the planner gives up within 100 ms
+
+void sleep() {
+  std::this_thread::sleep_for(std::chrono::duration<double>(kPause));
+}
+
+/** Above those of a client before: what it was told still stands in the cells. */
+std::uint32_t firstId(const SharedState& shared) {
+  const std::uint32_t newest =
+      std::max({shared.model.load().planning.answered, shared.last_plan.load().id, shared.last_execution.load().id});
+  return std::max(kFirstId, newest + 1);
+}
+
+bool makesPlan(RequestKind kind) {
+  return kind == RequestKind::kPlan || kind == RequestKind::kRecordGoal;
+}
+
+}  // namespace
+
+PlanningClient::PlanningClient(SharedState* shared, std::function<void()> pause)
+    : shared_(*shared), pause_(std::move(pause)), next_id_(firstId(*shared)) {}
+
+PlanningClient::PlanningClient(SharedState* shared) : PlanningClient(shared, &sleep) {}
+
+bool PlanningClient::post(const Request& request) {
+  const std::lock_guard<std::mutex> lock(push_mutex_);
+  return shared_.requests.tryPush(request);
+}
+
+PlanningClient::Asked PlanningClient::ask(Request request) {
+  const std::lock_guard<std::mutex> lock(ask_mutex_);
+  request.id = next_id_++;
+  Asked asked{request.id, PlanningAnswer::kNone};
+  if (!post(request)) return asked;
+  await(kAnswerLooks, [&] {
+    asked.answer = answerTo(request);
+    return asked.answer != PlanningAnswer::kNone;
+  });
+  return asked;
+}
+
+/** A plan shows in three places, of which one may be overtaken by what happens next. */
+PlanningAnswer PlanningClient::answerTo(const Request& request) const {
+  const PlanningState state = this->state();
+  if (state.answered == request.id) return state.answer;
+  if (!makesPlan(request.kind)) return PlanningAnswer::kNone;
+  return state.plan == request.id || plan(request.id) ? PlanningAnswer::kAccepted : PlanningAnswer::kNone;
+}
+
+PlanningClient::Cancelled PlanningClient::cancel() {
+  const PlanningState before = state();
+  Request request;
+  request.kind = RequestKind::kCancelPlan;
+  Cancelled cancelled{before.status, ask(request).answer};
+  if (before.status == PlanningStatus::kPlanning && cancelled.answer == PlanningAnswer::kAccepted) {
+    const bool has_ended = await(kGiveUpLooks, [&] { return plan(before.plan).has_value(); });
+    if (!has_ended) cancelled.answer = PlanningAnswer::kNone;
+  }
+  return cancelled;
+}
+
+std::optional<PlanResult> PlanningClient::plan(std::uint32_t id) const {
+  const PlanResult newest = shared_.last_plan.load();
+  return newest.id == id ? std::optional<PlanResult>(newest) : std::nullopt;
+}
+
+std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double limit) {
+  std::optional<PlanResult> result;
+  await(static_cast<int>(limit / kPause), [&] { return (result = plan(id)).has_value(); });
+  return result;
+}
+
+std::optional<ExecutionReport> PlanningClient::execution(std::uint32_t id) const {
+  const ExecutionReport newest = shared_.last_execution.load();
+  return newest.id == id ? std::optional<ExecutionReport>(newest) : std::nullopt;
+}
+
+PlanningState PlanningClient::state() const {
+  return shared_.model.load().planning;
+}
+
+bool PlanningClient::await(int looks, const std::function<bool()>& found) {
+  for (int look = 0; look < looks && !stopped_.load(); ++look) {
+    if (found()) return true;
+    pause_();
+  }
+  return false;
+}
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+
+#include "raven2_trainer/core/shared_state.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/**
+ * Posts requests to the physics loop and finds what became of them in the shared state. The one producer of its ring of
+ * requests: whoever posts does so through here. Any thread; never a real-time one, for ask() and the await...() wait.
+ *
+ * The loop keeps the newest answer alone, so one request that is answered is under way at a time.
+ */
+class PlanningClient {
+ public:
+  /**
+   * @param[in] shared must outlive this.
+   * @param[in] pause called between two looks at the shared state; lets about a millisecond pass.
+   */
+  PlanningClient(SharedState* shared, std::function<void()> pause);
+  /** With a pause that sleeps. */
+  explicit PlanningClient(SharedState* shared);
+
+  /** A request that nobody waits for. @return false if too many are under way. */
+  bool post(const Request& request);
+
+  struct Asked {
+    std::uint32_t id{};  ///< that the request got: PlanResult::id, ExecutionReport::id
+    PlanningAnswer answer{PlanningAnswer::kNone};
+  };
+  /**
+   * Gives a request an id of its own and waits for the loop's answer, at most half a second. A plan that the loop
+   * refused counts as accepted here: its PlanResult says the rest.
+   * @return kNone if there was no answer.
+   */
+  Asked ask(Request request);
+
+  /** Asks to give everything up, and waits until a plan under way has ended. @return what it was that ended, too. */
+  struct Cancelled {
+    PlanningStatus was{PlanningStatus::kIdle};
+    PlanningAnswer answer{PlanningAnswer::kNone};
+  };
+  Cancelled cancel();
+
+  /** The answer to the plan with this id, if it is the newest there is. */
+  std::optional<PlanResult> plan(std::uint32_t id) const;
+  /** Waits for it. @param[in] limit [s] at least. */
+  std::optional<PlanResult> awaitPlan(std::uint32_t id, double limit);
+
+  /** The report of the execution with this id, if it is the newest there is. */
+  std::optional<ExecutionReport> execution(std::uint32_t id) const;
+
+  PlanningState state() const;
+
+  /** Makes whoever waits return without an answer, now and from now on. */
+  void stop() noexcept { stopped_.store(true); }
+
+ private:
+  PlanningAnswer answerTo(const Request& request) const;
+  /** @return false if `found` did not hold at any of `looks` looks. */
+  bool await(int looks, const std::function<bool()>& found);
+
+  SharedState& shared_;
+  const std::function<void()> pause_;
+  std::atomic<bool> stopped_{false};
+  std::mutex push_mutex_;  ///< the ring of requests has one producer at a time
+  std::mutex ask_mutex_;   ///< guards next_id_; held until the answer is there
+  std::uint32_t next_id_;
+};
+
+}  // namespace raven2_trainer::ros_bridge

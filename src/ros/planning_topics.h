@@ -1,0 +1,37 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <cstdint>
+
+#include "raven2_trainer/runtime/simulator.h"
+#include "ros/planning_messages.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/**
+ * plan/trajectory and plan/tip_path of the newest plan that succeeded, plan/execution of the newest execution, and
+ * plan/progress. All latched: who comes later gets the newest.
+ */
+class PlanningTopics {
+ public:
+  /** `simulator` must outlive this. */
+  PlanningTopics(ros::NodeHandle* node, const runtime::Simulator& simulator);
+
+  /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
+  void publish(const ModelState& model, const ros::Time& stamp);
+
+ private:
+  void publishPlan(const ros::Time& stamp);
+  void publishExecution(const ros::Time& stamp);
+  void publishProgress(const ModelState& model, const ros::Time& stamp);
+
+  const runtime::Simulator& simulator_;
+  ros::Publisher trajectory_, tip_path_, progress_, execution_;
+  std::uint64_t plans_seen_{0}, executions_seen_{0};  ///< versions of the cells
+  StatusClock clock_;
+  Tick published_{-1};  ///< [1 ms] of the model, of the newest plan/progress; -1 none
+};
+
+}  // namespace raven2_trainer::ros_bridge

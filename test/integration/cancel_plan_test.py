@@ -1,0 +1,66 @@
+#!/usr/bin/python3
+"""A plan that would take a minute is cancelled over the service: answered within 100 ms, whatever the planner is at.
+
+The daemon is the test's own, with a configuration of its own and no robot.
+"""
+import os
+import sys
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from planning_clients import PREEMPTED, Daemon
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "system"))
+from stack import Stack  # noqa: E402
+
+LIMIT = 0.1  # s
+AFTER = (0.05, 0.2, 0.5, 1.0, 2.0)  # s that the planner was at work
+PATIENT = {"samples": 100000, "max_samples": 100000, "time_limit": 600.0}
+
+
+class CancelPlan(unittest.TestCase):
+    def ask(self):
+        """Asks in a thread of its own. @return (thread, [] for the answer and its time)."""
+        answers = []
+        thread = threading.Thread(target=lambda: answers.append(
+            (self.daemon.plan(arm="gold", default_goal=True, goal=[0, 0, 0], joints=[]), time.monotonic())), daemon=True)
+        thread.start()
+        self.daemon.await_status("planning")
+        return thread, answers
+
+    def cancel(self, after):
+        """@return s to the answer, and to that of whoever waited for the plan."""
+        thread, answers = self.ask()
+        time.sleep(after)
+        self.assertEqual(answers, [], "it was there before it was cancelled: nothing is shown")
+        begin = time.monotonic()
+        answer = self.daemon.cancel_plan()
+        taken = time.monotonic() - begin
+        self.assertEqual((answer.success, answer.status, answer.was), (True, "accepted", "planning"))
+        thread.join(5)
+        plan, came = answers[0]
+        self.assertEqual((plan.success, plan.status, plan.error_code), (False, "cancelled", PREEMPTED))
+        self.daemon.await_status("idle")
+        return taken, came - begin
+
+    def test_a_long_plan_is_given_up_within_100_ms(self):
+        rospy.init_node("cancel_plan_test", disable_signals=True)
+        with Stack(configure={"planner": PATIENT}) as stack:
+            stack.environment["ROS_MASTER_URI"] = os.environ["ROS_MASTER_URI"]
+            stack.start_daemon("--hazard", "none")
+            self.daemon = Daemon()
+            for after in AFTER:
+                taken, told = self.cancel(after)
+                print(f"after {after} s of planning: answered in {1e3 * taken:.1f} ms, the plan's own in {1e3 * told:.1f} ms")
+                self.assertLessEqual(taken, LIMIT)
+                self.assertLessEqual(told, LIMIT)
+            nothing = self.daemon.cancel_plan()
+            self.assertEqual((nothing.success, nothing.was), (True, "idle"))
+            self.assertEqual(stack.stop("simulator")[0], 0)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("raven2_trainer", "cancel_plan", CancelPlan)

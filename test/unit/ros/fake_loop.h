@@ -1,0 +1,78 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "raven2_trainer/core/shared_state.h"
+#include "ros/planning_client.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** In place of the physics loop: takes requests and answers what the test says. A client's pause is one tick. */
+class FakeLoop {
+ public:
+  /** What the loop does with a request. */
+  std::function<void(const Request&)> on_request = [](const Request&) {};
+  /** What it does at the end of a tick, by the number of the tick. */
+  std::function<void(int)> on_tick = [](int) {};
+
+  void tick() {
+    Request request;
+    while (shared.requests.tryPop(&request)) {
+      seen.push_back(request);
+      on_request(request);
+    }
+    on_tick(++ticks);
+    tell();
+  }
+
+  void answer(const Request& request, PlanningAnswer answer) {
+    planning.answered = request.id;
+    planning.answer = answer;
+  }
+
+  void tell() {
+    ModelState model;
+    model.planning = planning;
+    shared.model.store(model);
+  }
+
+  /** The newest answer of the planner. */
+  void plan(std::uint32_t id, PlanStatus status) {
+    PlanResult result;
+    result.id = id;
+    result.status = status;
+    shared.last_plan.store(result);
+  }
+
+  void report(std::uint32_t id, ExecutionEnd end) {
+    ExecutionReport result;
+    result.id = id;
+    result.end = end;
+    shared.last_execution.store(result);
+  }
+
+  /** Requests of a kind that came. */
+  int count(RequestKind kind) const {
+    int n = 0;
+    for (const Request& request : seen)
+      n += request.kind == kind ? 1 : 0;
+    return n;
+  }
+
+  std::unique_ptr<SharedState> state{std::make_unique<SharedState>()};  // 10 MiB
+  SharedState& shared{*state};
+  PlanningState planning;
+  std::vector<Request> seen;
+  int ticks{0};
+};
+
+inline Request requestOf(RequestKind kind) {
+  Request request;
+  request.kind = kind;
+  return request;
+}
+
+}  // namespace raven2_trainer::ros_bridge

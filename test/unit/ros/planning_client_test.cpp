@@ -1,0 +1,123 @@
+#include "ros/planning_client.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "fake_loop.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+class PlanningClientTest : public ::testing::Test {
+ protected:
+  FakeLoop loop;
+  PlanningClient client{&loop.shared, [this] { loop.tick(); }};
+};
+
+TEST_F(PlanningClientTest, EachRequestGetsAnIdOfItsOwnAndTheAnswerToIt) {
+  loop.on_request = [this](const Request& request) {
+    const bool begins = request.kind == RequestKind::kBeginPlanning;
+    loop.answer(request, begins ? PlanningAnswer::kAccepted : PlanningAnswer::kNotNow);
+  };
+  const PlanningClient::Asked begin = client.ask(requestOf(RequestKind::kBeginPlanning));
+  const PlanningClient::Asked end = client.ask(requestOf(RequestKind::kEndPlanning));
+  EXPECT_EQ(begin.answer, PlanningAnswer::kAccepted);
+  EXPECT_EQ(end.answer, PlanningAnswer::kNotNow);
+  ASSERT_EQ(loop.seen.size(), 2U);
+  EXPECT_EQ(loop.seen[0].id, begin.id);
+  EXPECT_EQ(loop.seen[1].id, end.id);
+  EXPECT_NE(begin.id, end.id);
+}
+
+TEST_F(PlanningClientTest, AnAnswerToSomebodyElseIsNone) {
+  loop.on_tick = [this](int) {
+    loop.planning.answered = 999;
+    loop.planning.answer = PlanningAnswer::kAccepted;
+  };
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kExecutePlan)).answer, PlanningAnswer::kNone);
+  EXPECT_GE(loop.ticks, 250) << "a loop may be late for as long as max_backlog";
+  EXPECT_LE(loop.ticks, 1000) << "and nobody waits for ever";
+}
+
+TEST_F(PlanningClientTest, AFullRingIsNoAnswerAtOnce) {
+  while (client.post(requestOf(RequestKind::kEngage))) {
+  }
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kPlan)).answer, PlanningAnswer::kNone);
+  EXPECT_EQ(loop.ticks, 0) << "it waited for what was never posted";
+}
+
+TEST_F(PlanningClientTest, APlanThatWasBegunOrRefusedWasAccepted) {
+  loop.on_request = [this](const Request& request) { loop.planning.plan = request.id; };
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kPlan)).answer, PlanningAnswer::kAccepted);
+  loop.on_request = [this](const Request& request) { loop.plan(request.id, PlanStatus::kCancelled); };
+  const PlanningClient::Asked refused = client.ask(requestOf(RequestKind::kRecordGoal));
+  EXPECT_EQ(refused.answer, PlanningAnswer::kAccepted);
+  ASSERT_TRUE(client.plan(refused.id));
+  EXPECT_EQ(client.plan(refused.id)->status, PlanStatus::kCancelled);
+}
+
+TEST_F(PlanningClientTest, WaitsForItsOwnPlan) {
+  loop.on_tick = [this](int tick) {
+    if (tick == 20) loop.plan(7, PlanStatus::kSuccess);
+    if (tick == 40) loop.plan(8, PlanStatus::kNoPath);
+  };
+  const std::optional<PlanResult> result = client.awaitPlan(8, 0.1);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, PlanStatus::kNoPath);
+  EXPECT_EQ(loop.ticks, 40);
+  EXPECT_FALSE(client.awaitPlan(9, 0.1));
+  EXPECT_EQ(loop.ticks, 140);
+}
+
+TEST_F(PlanningClientTest, CancellingAnswersWhenThePlanUnderWayHasEnded) {
+  loop.planning.status = PlanningStatus::kPlanning;
+  loop.planning.plan = 5;
+  loop.tell();
+  int asked_at = 0;
+  loop.on_request = [&](const Request& request) {
+    EXPECT_EQ(request.kind, RequestKind::kCancelPlan);
+    loop.planning.status = PlanningStatus::kIdle;
+    loop.planning.plan = 0;
+    loop.answer(request, PlanningAnswer::kAccepted);
+    asked_at = loop.ticks;
+  };
+  loop.on_tick = [&](int tick) {
+    if (tick == asked_at + 60) loop.plan(5, PlanStatus::kCancelled);
+  };
+  const PlanningClient::Cancelled cancelled = client.cancel();
+  EXPECT_EQ(cancelled.answer, PlanningAnswer::kAccepted);
+  EXPECT_EQ(cancelled.was, PlanningStatus::kPlanning);
+  EXPECT_EQ(loop.ticks, asked_at + 60);
+}
+
+TEST_F(PlanningClientTest, CancellingAPlannerThatDoesNotEndIsNotAnsweredAsIfItHad) {
+  loop.planning.status = PlanningStatus::kPlanning;
+  loop.planning.plan = 5;
+  loop.tell();
+  loop.on_request = [&](const Request& request) { loop.answer(request, PlanningAnswer::kAccepted); };
+  EXPECT_EQ(client.cancel().answer, PlanningAnswer::kNone);
+}
+
+TEST_F(PlanningClientTest, WhoeverWaitsIsLetGoAtTheEnd) {
+  loop.on_tick = [this](int tick) {
+    if (tick == 3) client.stop();
+  };
+  EXPECT_FALSE(client.awaitPlan(1, 3600.0));
+  EXPECT_EQ(loop.ticks, 3);
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kPlan)).answer, PlanningAnswer::kNone);
+  EXPECT_EQ(loop.ticks, 3);
+}
+
+TEST_F(PlanningClientTest, ALaterClientDoesNotTakeOldAnswersForItsOwn) {
+  const auto acceptAll = [this](const Request& request) { loop.answer(request, PlanningAnswer::kAccepted); };
+  loop.on_request = acceptAll;
+  std::set<std::uint32_t> ids{client.ask(requestOf(RequestKind::kPlan)).id};
+  loop.plan(*ids.begin() + 3, PlanStatus::kSuccess);
+  loop.report(*ids.begin() + 5, ExecutionEnd::kFinished);
+  PlanningClient later(&loop.shared, [this] { loop.tick(); });
+  EXPECT_GT(later.ask(requestOf(RequestKind::kPlan)).id, *ids.begin() + 5);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
