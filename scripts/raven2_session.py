@@ -141,8 +141,8 @@ def _packed(memory, packed):
 
 
 class SessionLog:
-    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `contacts`, `counts`, `gaps`,
-    `recovery` as structured arrays.
+    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `executions`, `contacts`, `counts`,
+    `gaps`, `recovery` as structured arrays.
 
     Damaged records are left out, as the C++ reader does: `bad_bytes` says how much. `clean` is true if the log ends
     with the session's counters, `recovered` if its writer was killed and recover_session completed it,
@@ -167,6 +167,7 @@ class SessionLog:
         self.commands = self._arrays["command"]
         self.requests = self._arrays["request"]
         self.plans = self._arrays["plan"]
+        self.executions = self._arrays.get("execution")  # None in logs older than they
         self.faults = self._arrays.get("faults")  # None in logs older than they
         self.contacts = self._arrays.get("contact")  # None in logs older than contact records
         self.counts = self._arrays["counts"]

@@ -111,6 +111,36 @@ Json describePlan(const PlanResult& plan) {
           {"samples", plan.samples}};
 }
 
+Json describeTracking(const TrackingError& error) {
+  return {{"mean", error.mean * kMillimetres},
+          {"max", error.largest * kMillimetres},
+          {"at_end", error.at_end * kMillimetres}};
+}
+
+Json describeExecution(const Execution& execution) {
+  const ExecutionReport& report = execution.report;
+  return {{"plan", report.plan},
+          {"arm", kArmNames[index(report.arm)]},
+          {"on_robot", report.on_robot != 0},
+          {"end", kExecutionEndNames[static_cast<std::size_t>(report.end)]},
+          {"start_tick", orNull(execution.start_tick)},
+          {"duration_s", execution.duration()},
+          {"path_time_s", report.path_time},
+          {"progress", report.progress},
+          {"model_error_mm", describeTracking(report.model)},
+          {"robot_error_mm", report.on_robot != 0 ? describeTracking(report.robot) : Json(nullptr)},
+          {"planned_clearance_mm", report.planned_clearance * kMillimetres},
+          {"contact_ticks", report.contact_ticks},
+          {"contact_points", report.contact_points}};
+}
+
+Json describeExecutions(const SessionMetrics& metrics) {
+  Json executions = Json::array();
+  for (const Execution& execution : metrics.executions)
+    executions.push_back(describeExecution(execution));
+  return executions;
+}
+
 Json describeHistogram(const Histogram& histogram) {
   const auto quantile = [&](double p) { return static_cast<double>(histogram.quantile(p)) / 1000.0; };
   return {{"p50", quantile(0.5)}, {"p99", quantile(0.99)}, {"p999", quantile(0.999)}};
@@ -171,6 +201,7 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"faults", describeFaults(metrics)},
              {"haptic", describeHaptic(metrics)},
              {"plan", describePlan(metrics.plan)},
+             {"executions", describeExecutions(metrics)},
              {"frames", metrics.frames},
              {"live_frames", counts.frames},
              {"timing", describeTiming(counts)},

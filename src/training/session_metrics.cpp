@@ -50,6 +50,7 @@ MetricsAccumulator::MetricsAccumulator(const session::LogHeader& header) : heade
 void MetricsAccumulator::add(const TickRecord& record) {
   model_now_ = record.model.tick;
   now_ = record.model.session_tick;
+  followExecution(record.model);
   followChanges(record);
   if (now_ >= 0) {
     if (first_ < 0) first_ = now_;
@@ -270,6 +271,31 @@ void MetricsAccumulator::add(const PlanRecord& record) {
   metrics_.plan = record.result;
 }
 
+/** A report may be read before the ticks that it tells of: they are matched at the end. */
+void MetricsAccumulator::add(const ExecutionRecord& record) {
+  reports_.push_back(record.report);
+}
+
+void MetricsAccumulator::followExecution(const ModelState& model) {
+  const bool executes = model.planning.status == PlanningStatus::kExecuting;
+  if (executes && !executes_) begun_.emplace_back(model.tick, model.session_tick);
+  executes_ = executes;
+}
+
+std::vector<Execution> MetricsAccumulator::executions() const {
+  std::vector<Execution> all;
+  for (const ExecutionReport& report : reports_) {
+    Execution execution;
+    execution.report = report;
+    // Where the very tick of the pedal-down is missing, the first that is there.
+    const auto begun = std::lower_bound(begun_.begin(), begun_.end(), std::make_pair(report.started, Tick{-1}));
+    const bool is_seen = report.started >= 0 && begun != begun_.end() && begun->first < report.ended;
+    if (is_seen) execution.start_tick = begun->second;
+    all.push_back(execution);
+  }
+  return all;
+}
+
 void MetricsAccumulator::add(const SessionCounts& counts) {
   metrics_.counts = counts;
   metrics_.complete = true;
@@ -282,6 +308,7 @@ SessionMetrics MetricsAccumulator::result() const {
   end.now_ += end.model_now_ - model_now_;
   end.useForces();
   end.metrics_.injections = end.injections();
+  end.metrics_.executions = executions();
   return end.metrics_;
 }
 
@@ -291,6 +318,7 @@ SessionMetrics computeMetrics(const std::string& log_path) {
   visitor.tick = [&](const TickRecord& record) { accumulator.add(record); };
   visitor.haptic = [&](const HapticRecord& record) { accumulator.add(record); };
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { accumulator.add(record); };
   visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
   visitor.fault_change = [&](const FaultChangeRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "raven2_trainer/core/record.h"
@@ -52,6 +53,17 @@ struct Injection {
   Tick observe_tick{-1};         ///< first session tick with the tips parted by more than the tolerance; -1 never
 };
 
+/** A plan that was to be executed. */
+struct Execution {
+  ExecutionReport report{};
+  Tick start_tick{-1};  ///< [1 ms] session tick of the pedal-down; -1 it never came, or is not in the log
+
+  /** [s] from the pedal-down to the end; 0 if it never came. */
+  double duration() const noexcept {
+    return report.started < 0 ? 0.0 : static_cast<double>(report.ended - report.started) * kTickSeconds;
+  }
+};
+
 constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
 
 struct SessionMetrics {
@@ -64,8 +76,9 @@ struct SessionMetrics {
   double max_force{};  ///< [N]
   double tolerance{};  ///< [m]
   PlanResult plan{};   ///< newest, status kNone if none was asked for
+  std::vector<Execution> executions;
   SessionCounts counts{};
-  std::uint64_t frames{};  ///< of video.mp4; 0 before it is rendered
+  std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
   std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
   bool complete{};                    ///< the log has its last record, the counters
 };
@@ -85,6 +98,7 @@ class MetricsAccumulator {
   void add(const TickRecord& record);
   void add(const HapticRecord& record);
   void add(const PlanRecord& record);
+  void add(const ExecutionRecord& record);
   void add(const FaultRecord& record);
   void add(const FaultChangeRecord& record);
   void add(const SessionCounts& counts);
@@ -105,6 +119,8 @@ class MetricsAccumulator {
     Injection injection;
   };
 
+  void followExecution(const ModelState& model);
+  std::vector<Execution> executions() const;
   void followChanges(const TickRecord& record);
   void open(const FaultChange& change, const TickRecord& record);
   void take(const FaultChange& change, const TickRecord& record);
@@ -127,6 +143,9 @@ class MetricsAccumulator {
   session::LogHeader header_;
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
+  std::vector<ExecutionReport> reports_;
+  std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick with which the model began to execute a plan
+  bool executes_{false};
   std::vector<FaultRecord> plans_;
   std::deque<FaultChangeRecord> changes_;  ///< that wait for their tick
   std::vector<Span> spans_;

@@ -119,6 +119,60 @@ TEST(RunningStats, KeepsSmallDeviationsOnALargeMean) {
   EXPECT_NEAR(stats.deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
 }
 
+/** A tick of executing a plan. */
+TickRecord makeExecutingTick(Tick session_tick) {
+  TickRecord record = makeTick(session_tick, 0.0);
+  record.model.mode = Mode::kExecuting;
+  record.model.planning.status = PlanningStatus::kExecuting;
+  return record;
+}
+
+ExecutionRecord makeExecution(Tick started, Tick ended, ExecutionEnd end) {
+  ExecutionRecord record;
+  record.tick = kOrigin + ended;
+  record.report.plan = 7;
+  record.report.arm = Arm::kGreen;
+  record.report.end = end;
+  record.report.started = started < 0 ? -1 : kOrigin + started;
+  record.report.ended = kOrigin + ended;
+  return record;
+}
+
+TEST(SessionMetrics, AnExecutionBeginsInTheSessionTickOfItsPedalDown) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 99, 0.0);
+  metrics.add(makeExecution(100, 350, ExecutionEnd::kReleased));  // the queues are written one after the other
+  for (Tick t = 100; t < 350; ++t)
+    metrics.add(makeExecutingTick(t));
+  feed(&metrics, 350, 399, 0.0);
+  for (Tick t = 400; t < 1000; ++t) {  // the session's clock stood 150 ms before this one
+    TickRecord tick = makeExecutingTick(t);
+    tick.model.tick += 150;
+    metrics.add(tick);
+  }
+  metrics.add(makeExecution(550, 1150, ExecutionEnd::kFinished));
+  metrics.add(makeExecution(-1, 1500, ExecutionEnd::kNoPedal));
+  const std::vector<Execution> executions = metrics.result().executions;
+  ASSERT_EQ(executions.size(), 3u);
+  EXPECT_EQ(executions[0].start_tick, 100);
+  EXPECT_DOUBLE_EQ(executions[0].duration(), 0.25);
+  EXPECT_EQ(executions[1].start_tick, 400);
+  EXPECT_DOUBLE_EQ(executions[1].duration(), 0.6);
+  EXPECT_EQ(executions[2].start_tick, -1) << "the pedal never came";
+  EXPECT_EQ(executions[2].duration(), 0.0);
+}
+
+TEST(SessionMetrics, AnExecutionWhoseTicksAreMissingHasNoBeginning) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 99, 0.0);
+  metrics.add(makeExecution(100, 350, ExecutionEnd::kFinished));
+  feed(&metrics, 350, 399, 0.0);
+  metrics.add(makeExecutingTick(400));
+  ASSERT_EQ(metrics.result().executions.size(), 1u);
+  EXPECT_EQ(metrics.result().executions[0].start_tick, -1);
+  EXPECT_TRUE(Accumulator(makeHeader()).result().executions.empty());
+}
+
 TEST(SessionMetrics, TimeStartsAtTheFirstPedalDown) {
   Accumulator metrics(makeHeader());
   TickRecord before = makeTick(-1, 0.5);  // half a metre, but not of the session
@@ -547,6 +601,7 @@ TEST(MetricsFile, HoldsEveryFigure) {
   EXPECT_DOUBLE_EQ(json.at("haptic").at("threshold_mm"), 3.0);
   EXPECT_EQ(json.at("plan").at("success"), false);
   EXPECT_EQ(json.at("plan").at("status"), "none");
+  EXPECT_TRUE(json.at("executions").empty());
   EXPECT_EQ(json.at("frames"), 0);
   EXPECT_EQ(json.at("live_frames"), 12);
   const auto& timing = json.at("timing").at("physics");
@@ -625,6 +680,7 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
     PlanRecord plan;
     plan.result.status = PlanStatus::kSuccess;
     log.write(plan);
+    log.write(makeExecution(10, 20, ExecutionEnd::kFinished));
     log.finish(counts);
   }
   const SessionMetrics result = computeMetrics(path);
@@ -633,9 +689,52 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
   EXPECT_EQ(result.faults[0].first_tick, 590);
   EXPECT_EQ(result.faults[0].errorToForce(), 1);
   EXPECT_EQ(result.plan.status, PlanStatus::kSuccess);
+  ASSERT_EQ(result.executions.size(), 1u);
+  EXPECT_EQ(result.executions[0].report.end, ExecutionEnd::kFinished);
   EXPECT_EQ(result.counts.master.received, 17u);
   EXPECT_TRUE(result.complete);
   EXPECT_THROW(computeMetrics(scratchPath("missing.rlog")), SessionException);
+}
+
+TEST(MetricsFile, TellsOfExecutions) {
+  SessionMetrics result = makeResult();
+  Execution execution;
+  execution.report = makeExecution(2000, 5500, ExecutionEnd::kReleased).report;
+  execution.report.on_robot = 1;
+  execution.report.path_time = 4.5;
+  execution.report.progress = 0.75;
+  execution.report.planned_clearance = 0.0042;
+  execution.report.model = {0.0004, 0.0011, 0.0002};
+  execution.report.robot = {0.0008, 0.0021, 0.0003};
+  execution.report.contact_ticks = 12;
+  execution.report.contact_points = 3;
+  execution.start_tick = 2000;
+  result.executions.push_back(execution);
+  execution.report.on_robot = 0;
+  execution.start_tick = -1;
+  result.executions.push_back(execution);
+  const std::string path = scratchPath("executions.json");
+  writeMetrics(path, result);
+  const auto executions = readJson(path).at("executions");
+  ASSERT_EQ(executions.size(), 2u);
+  const auto& first = executions.at(0);
+  EXPECT_EQ(first.at("plan"), 7);
+  EXPECT_EQ(first.at("arm"), "green");
+  EXPECT_EQ(first.at("on_robot"), true);
+  EXPECT_EQ(first.at("end"), "released");
+  EXPECT_EQ(first.at("start_tick"), 2000);
+  EXPECT_DOUBLE_EQ(first.at("duration_s"), 3.5);
+  EXPECT_EQ(first.at("path_time_s"), 4.5);
+  EXPECT_EQ(first.at("progress"), 0.75);
+  EXPECT_DOUBLE_EQ(first.at("planned_clearance_mm"), 4.2);
+  EXPECT_DOUBLE_EQ(first.at("model_error_mm").at("mean"), 0.4);
+  EXPECT_DOUBLE_EQ(first.at("model_error_mm").at("max"), 1.1);
+  EXPECT_DOUBLE_EQ(first.at("model_error_mm").at("at_end"), 0.2);
+  EXPECT_DOUBLE_EQ(first.at("robot_error_mm").at("max"), 2.1);
+  EXPECT_EQ(first.at("contact_ticks"), 12);
+  EXPECT_EQ(first.at("contact_points"), 3);
+  EXPECT_TRUE(executions.at(1).at("robot_error_mm").is_null()) << "the robot held still";
+  EXPECT_TRUE(executions.at(1).at("start_tick").is_null());
 }
 
 }  // namespace
