@@ -230,6 +230,18 @@ void readPlanner(Section& root, PlannerConfig* c) {
   c->goal_W = root.vec3("goal_W", -1, 1);
 }
 
+void readExecution(Section& root, ExecutionConfig* c) {
+  c->speed = root.number("speed", 0.05, 1);
+  c->hold_time = root.number("hold_time", 0.01, 5);
+  c->start_tolerance = root.joints("start_tolerance", 1e-5, 1);
+  c->deviation_limit = root.number("deviation_limit", 1e-4, 1);
+  c->settle_tolerance = root.number("settle_tolerance", 1e-5, 0.1);
+  c->settle_speed = root.number("settle_speed", 1e-5, 1);
+  c->settle_time = root.number("settle_time", 0, 60);
+  c->pedal_timeout = root.number("pedal_timeout", 0.1, 3600);
+  c->robot_timeout = root.number("robot_timeout", 0.1, 60);
+}
+
 CameraConfig readCamera(Section& camera) {
   CameraConfig c;
   c.name = camera.text("name");
@@ -489,6 +501,7 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.network = readFile<NetworkConfig>(file("network"), &c, readNetworkFor);
   c.runtime = readFile<RuntimeConfig>(file("runtime"), &c, readRuntime);
   c.planner = readFile<PlannerConfig>(file("planner"), &c, readPlanner);
+  c.execution = readFile<ExecutionConfig>(file("execution"), &c, readExecution);
   c.render = readFile<RenderConfig>(file("render"), &c, readRender);
   c.console = readFile<ConsoleConfig>(file("console"), &c, readConsole);
   c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);

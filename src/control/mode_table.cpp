@@ -28,6 +28,25 @@ constexpr Row kRows[] = {
     {Mode::kPlanning,      Event::kTimeSlip,      Mode::kPaused},
     {Mode::kTracking,      Event::kTimeSlip,      Mode::kPaused},
     {Mode::kPaused,        Event::kPedalPressed,  Mode::kTeleoperating},
+    {Mode::kWaiting,       Event::kGoalWanted,    Mode::kChoosing},
+    {Mode::kPedalUp,       Event::kGoalWanted,    Mode::kChoosing},
+    {Mode::kTracking,      Event::kGoalWanted,    Mode::kChoosing},
+    {Mode::kArmed,         Event::kGoalWanted,    Mode::kChoosing},
+    {Mode::kChoosing,      Event::kPlanRequested, Mode::kPlanning},       // the goal is recorded
+    {Mode::kChoosing,      Event::kPlanCancelled, Mode::kPedalUp},
+    {Mode::kChoosing,      Event::kTimeSlip,      Mode::kPaused},
+    {Mode::kPlanning,      Event::kPlanCancelled, Mode::kPedalUp},
+    {Mode::kPedalUp,       Event::kPlanArmed,     Mode::kArmed},
+    {Mode::kTracking,      Event::kPlanArmed,     Mode::kArmed},
+    {Mode::kArmed,         Event::kPlanRequested, Mode::kPlanning},
+    {Mode::kArmed,         Event::kPlanCancelled, Mode::kPedalUp},
+    {Mode::kArmed,         Event::kTimeSlip,      Mode::kPaused},
+    {Mode::kArmed,         Event::kPedalPressed,  Mode::kExecuting},
+    {Mode::kExecuting,     Event::kPedalReleased, Mode::kPedalUp},        // the dead-man switch
+    {Mode::kExecuting,     Event::kPlanCancelled, Mode::kPedalUp},
+    {Mode::kExecuting,     Event::kExecutionEnded, Mode::kPedalUp},
+    {Mode::kExecuting,     Event::kTrialEnded,    Mode::kTracking},       // the model holds away from the robot
+    {Mode::kExecuting,     Event::kTimeSlip,      Mode::kPaused},
     // clang-format on
 };
 

@@ -41,21 +41,25 @@ void PathFollower::start(const PlanResult& plan) noexcept {
 JointArray PathFollower::tick() noexcept {
   if (!active_) return position();
   ++elapsed_;
-  const std::uint32_t last = plan_.waypoint_count - 1;
-  while (segment_ < last && seconds() >= plan_.arrival[segment_ + 1])
-    ++segment_;
-  active_ = segment_ < last;
-  return position();
+  const JointArray q = position();
+  active_ = segment_ + 1 < plan_.waypoint_count;
+  return q;
 }
 
-JointArray PathFollower::position() const noexcept {
-  if (segment_ + 1 >= plan_.waypoint_count) return plan_.waypoints[segment_];
-  const JointArray& from = plan_.waypoints[segment_];
-  const JointArray& to = plan_.waypoints[segment_ + 1];
-  const double departure = plan_.arrival[segment_];
-  // Positive: tick() has left every segment that is over, and the first one cannot be over before it began.
-  const double duration = plan_.arrival[segment_ + 1] - departure;
-  const double blend = duration > 0.0 ? quinticBlend((seconds() - departure) / duration) : 0.0;
+JointArray PathFollower::position() noexcept {
+  return pathJoints(plan_, seconds(), &segment_);
+}
+
+JointArray pathJoints(const PlanResult& plan, double seconds, std::uint32_t* segment) noexcept {
+  while (*segment + 1 < plan.waypoint_count && seconds >= plan.arrival[*segment + 1])
+    ++*segment;
+  if (*segment + 1 >= plan.waypoint_count) return plan.waypoints[*segment];
+  const JointArray& from = plan.waypoints[*segment];
+  const JointArray& to = plan.waypoints[*segment + 1];
+  const double departure = plan.arrival[*segment];
+  // Positive: every segment that is over was left, and the first one cannot be over before it began.
+  const double duration = plan.arrival[*segment + 1] - departure;
+  const double blend = duration > 0.0 ? quinticBlend((seconds - departure) / duration) : 0.0;
   JointArray q{};
   for (std::size_t j = 0; j < kJointCount; ++j)
     q[j] = from[j] + blend * (to[j] - from[j]);

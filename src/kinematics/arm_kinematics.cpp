@@ -76,6 +76,13 @@ Jacobian jacobian(const ArmGeometry& geometry, Arm arm, const JointArray& q) noe
   return J;
 }
 
+bool isFirstWristPointAtRcm(const ArmGeometry& geometry, const Pose& X_BT) noexcept {
+  Vector3 rcm_T = X_BT.inverse().p;
+  rcm_T.z() = 0.0;
+  const double off_axis = rcm_T.norm();
+  return off_axis > 0.0 && (X_BT * Vector3(rcm_T * (geometry.lw / off_axis))).norm() <= geometry.lw;
+}
+
 bool applyJointLimits(const ArmGeometry& geometry, JointArray* q) noexcept {
   const JointArray before = *q;
   for (std::size_t j = 0; j <= kWrist; ++j) {

@@ -141,7 +141,6 @@ struct ControlSoftware::Impl {
     return {bytes, size, source, nowNs()};
   }
   void placeAt(const JointArray& offset_from_home) noexcept;
-  bool isFirstWristPointAtRcm(const Pose& X_BT) const noexcept;
   bool solveInverse(Mechanism* mech) noexcept;
   void addGravity(Mechanism* mech) noexcept;
   void couple(Mechanism* mech) noexcept;
@@ -338,19 +337,10 @@ void ControlSoftware::Impl::control() noexcept {
   }
 }
 
-/** The first of the two wrist points (step 1 of raven2.md 2.5) within lw of the remote centre: the robot's inverse
- * gives up there, whatever the second one offers. */
-bool ControlSoftware::Impl::isFirstWristPointAtRcm(const Pose& X_BT) const noexcept {
-  Vector3 rcm_T = X_BT.inverse().p;
-  rcm_T.z() = 0.0;
-  const double off_axis = rcm_T.norm();
-  return off_axis > 0.0 && (X_BT * Vector3(rcm_T * (geometry.lw / off_axis))).norm() <= geometry.lw;
-}
-
 bool ControlSoftware::Impl::solveInverse(Mechanism* mech) noexcept {
   if (!mech->pos_d.isFinite()) return false;
   const Pose X_BT = mech->pos_d.pose();
-  if (isFirstWristPointAtRcm(X_BT)) return false;
+  if (kinematics::isFirstWristPointAtRcm(geometry, X_BT)) return false;
   const kinematics::IkResult ik =
       kinematics::inverseWithinLimits(geometry, mech->arm, X_BT, mech->pos_d.opening(), mech->jpos);
   if (!kinematics::isUsable(ik.status)) return false;

@@ -59,6 +59,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
       driver_(config.model, &world_),
+      desk_(config, shared),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.itp.pedalTimeout() / kTickSeconds))) {
@@ -76,6 +77,7 @@ void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   updateRobotEvents();
   drainRequests();
   scheduledPlan();
+  superviseExecution();
   updatePedal();
   // where the arms shall be
   updateTargets();
@@ -93,7 +95,8 @@ void PhysicsLoop::readInputs(std::int64_t now_ns) noexcept {
   relay_started_ = relay_started_ || has_robot;
   holdFaults();
   state_.robot_fresh = has_robot && age <= stale_ns_ ? 1 : 0;
-  if (!has_robot || age > lost_ns_) linked_ = false;
+  robot_silent_ = age > lost_ns_;
+  if (isRobotLost()) linked_ = false;
   drainCommands();
 }
 
@@ -217,10 +220,8 @@ void PhysicsLoop::drainRequests() noexcept {
     handleRequest(request);
   }
   PlanResult result;
-  while (shared_.plan_results.tryPop(&result)) {
-    if (plans_under_way_ > 0) --plans_under_way_;
+  while (shared_.plan_results.tryPop(&result))
     handlePlanResult(result);
-  }
 }
 
 void PhysicsLoop::handleRequest(const Request& request) noexcept {
@@ -230,15 +231,26 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
       break;
     case RequestKind::kDisengage:
       state_.engaged = 0;
+      if (state_.mode == Mode::kExecuting && linked_) endExecution(ExecutionEnd::kCancelled);
       linked_ = false;  // to engage again takes a new pedal-down from a common pose
       break;
     case RequestKind::kPlan:
       requestPlan(request);
       break;
     case RequestKind::kCancelPlan:
-      follower_.stop();
-      state_.guide_plan = 0;
-      raise(Event::kPlanFailed);
+      cancelPlan(request);
+      break;
+    case RequestKind::kBeginPlanning:
+      beginChoosing(request);
+      break;
+    case RequestKind::kRecordGoal:
+      recordGoal(request);
+      break;
+    case RequestKind::kEndPlanning:
+      endChoosing(request);
+      break;
+    case RequestKind::kExecutePlan:
+      armPlan(request);
       break;
     case RequestKind::kSetCollisions:
       at(collisions_, request.arm) = request.enabled != 0;
@@ -248,71 +260,16 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
   }
 }
 
-void PhysicsLoop::requestPlan(const Request& request) noexcept {
-  // As many as the rings hold: no answer can find its ring full, and whether one is refused follows from the record.
-  const bool is_busy = state_.mode == Mode::kPlanning || plans_under_way_ >= kMaxPlansUnderWay;
-  if (!is_busy) raise(Event::kPlanRequested);
-  if (is_busy || state_.mode != Mode::kPlanning) {
-    refusePlan(request.id);
-    return;
-  }
-  PlanRequest plan;
-  plan.id = request.id;
-  plan.requested_tick = state_.tick + 1;
-  plan.arm = request.arm;
-  plan.start = at(state_.arms, request.arm).q;
-  plan.other = state_.arms[1 - index(request.arm)].q;
-  plan.choose_arm = request.choose_arm;
-  plan.goal = request.goal;
-  plan.goal_W = request.goal_W;
-  plan.goal_q = request.goal_q;
-  awaited_plan_ = request.id;
-  shared_.plan_requests.tryPush(plan);
-  ++plans_under_way_;
-}
-
-/** Not in this mode, or one is under way: whoever waits for this id is told. */
-void PhysicsLoop::refusePlan(std::uint32_t id) noexcept {
-  PlanResult refused;
-  refused.id = id;
-  refused.status = PlanStatus::kCancelled;
-  answerPlan(refused, true);
-}
-
-void PhysicsLoop::answerPlan(const PlanResult& result, bool refused) noexcept {
-  shared_.last_plan.store(result);
-  shared_.plan_records.tryPush({state_.tick + 1, result, static_cast<std::uint8_t>(refused ? 1 : 0)});
-}
-
-void PhysicsLoop::handlePlanResult(PlanResult result) noexcept {
-  const bool is_awaited = state_.mode == Mode::kPlanning && result.id == awaited_plan_;
-  if (!is_awaited) {
-    result.status = PlanStatus::kCancelled;  // the pedal, or a newer request, came first: nobody will follow it
-  } else if (result.status == PlanStatus::kSuccess) {
-    raise(Event::kPlanReady);
-    follower_.start(result);
-    state_.guide_plan = result.id;
-  } else {
-    raise(Event::kPlanFailed);
-  }
-  answerPlan(result, false);
-}
-
-void PhysicsLoop::scheduledPlan() noexcept {
-  if (plan_scheduled_ || config_.runtime.plan_at < 0.0) return;
-  const auto due = static_cast<Tick>(std::llround(config_.runtime.plan_at / kTickSeconds));
-  if (state_.session_tick < due || state_.mode != Mode::kPedalUp || pedal_) return;
-  plan_scheduled_ = true;
-  Request request;
-  request.kind = RequestKind::kPlan;
-  request.id = next_plan_id_++;
-  requestPlan(request);
-}
-
 void PhysicsLoop::updateRobotEvents() noexcept {
   if (!world_.healthy()) raise(Event::kEmergencyStop);
   forgetOldRobot();
-  if (state_.robot_fresh == 0) return;
+  if (state_.robot_fresh != 0) updateRunLevelEvents();
+  const bool is_there = robot_ready_ && !isRobotLost();
+  if (robot_there_ && !is_there) loseRobot();
+  robot_there_ = is_there;
+}
+
+void PhysicsLoop::updateRunLevelEvents() noexcept {
   const bool in_stop = robot_.runlevel == RunLevel::kEStop;
   if (robot_ready_ && in_stop && state_.mode != Mode::kStopped) {
     stopped_by_robot_ = true;
@@ -343,22 +300,27 @@ void PhysicsLoop::updatePedal() noexcept {
   if (pressed && robot_not_ready) return;  // asked again next tick: the pedal counts once the robot is homed
   pedal_before_ = pedal_;
   state_.pedal = pedal_ ? 1 : 0;
-  if (pressed) raise(Event::kPedalPressed);
-  if (released) raise(Event::kPedalReleased);
+  if (pressed && mayPress()) raise(Event::kPedalPressed);
+  if (!released) return;
+  if (state_.mode == Mode::kExecuting) endExecution(ExecutionEnd::kReleased);
+  raise(Event::kPedalReleased);
 }
 
 void PhysicsLoop::raise(Event event) noexcept {
   const Mode next = control::nextMode(state_.mode, event);
-  if (next != state_.mode) enter(next);
+  if (next == state_.mode) return;
+  settlePlanning(next, event);
+  enter(next);
 }
 
 void PhysicsLoop::enter(Mode next) noexcept {
   const Mode before = state_.mode;
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
-  if (next == Mode::kPlanning || next == Mode::kStopped || next == Mode::kPaused) state_.guide_plan = 0;
-  linked_ = next == Mode::kTeleoperating && state_.robot_fresh != 0 && robot_ready_ && state_.engaged != 0;
-  if (next == Mode::kTeleoperating && linked_) joinRobot();
+  const bool moves_robot = next == Mode::kTeleoperating || (next == Mode::kExecuting && desk_.state().on_robot != 0);
+  linked_ = moves_robot && robotJoins();
+  if (linked_) joinRobot();
+  placeForPlanning(before, next);
   for (const Arm arm : kArms) {
     JointArray q{}, dq{};
     world_.jointState(arm, &q, &dq);
@@ -366,7 +328,13 @@ void PhysicsLoop::enter(Mode next) noexcept {
     driver_.reset(arm);
     at(q_d_, arm) = at(mappers_, arm).desired();
   }
-  if (next == Mode::kTeleoperating && state_.session_tick < 0) state_.session_tick = 0;
+  if (next == Mode::kExecuting) beginExecution();
+  const bool begins = next == Mode::kTeleoperating || next == Mode::kExecuting;
+  if (begins && state_.session_tick < 0) state_.session_tick = 0;
+}
+
+bool PhysicsLoop::robotJoins() const noexcept {
+  return isRobotThere() && state_.engaged != 0;
 }
 
 /** Both sides must apply the same increments: the robot does so from the cycle in which it reports PEDAL_DN. */
@@ -376,16 +344,17 @@ bool PhysicsLoop::robotApplies() const noexcept {
 
 void PhysicsLoop::updateTargets() noexcept {
   state_.commands_used = 0;
-  if (state_.mode == Mode::kTracking && follower_.active()) {
-    const Arm arm = follower_.arm();
-    at(q_d_, arm) = follower_.tick();
-  }
-  if (state_.mode != Mode::kTeleoperating || !robotApplies()) {
-    increments_.dp_I = {};
-    increments_.dq_I = {{kIdentityQuat, kIdentityQuat}};
-    increments_.dgrasp = {};
-    return;
-  }
+  if (state_.mode == Mode::kTracking && follower_.active()) aimAtPath(follower_.arm(), follower_.tick());
+  if (state_.mode == Mode::kChoosing) moveGoal();
+  if (state_.mode == Mode::kTeleoperating && robotApplies()) return aimAsTold();
+  increments_.dp_I = {};
+  increments_.dq_I = {{kIdentityQuat, kIdentityQuat}};
+  increments_.dgrasp = {};
+  if (state_.mode == Mode::kExecuting) execute();
+}
+
+/** Where the masters want the arms. */
+void PhysicsLoop::aimAsTold() noexcept {
   bool is_clamped = false;
   for (const Arm arm : kArms) {
     ArmState& state = at(state_.arms, arm);
@@ -397,11 +366,16 @@ void PhysicsLoop::updateTargets() noexcept {
     at(q_d_, arm) = at(mappers_, arm).desired();
   }
   if (is_clamped) shared_.ik_clamped.add();
+  useCommands();
+}
+
+void PhysicsLoop::useCommands() noexcept {
   state_.commands_used = increments_.commands;
   shared_.master_used.add(increments_.commands);
 }
 
 void PhysicsLoop::moveModel() noexcept {
+  if (state_.mode == Mode::kChoosing) return showGoal();
   const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp;
   // A robot that is not ready searches its stops, wherever that leads: the model passes through everything until then.
   for (const Arm arm : kArms)
@@ -508,6 +482,8 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   ++state_.tick;
   state_.time_ns = now_ns;
   state_.linked = linked_ ? 1 : 0;
+  state_.planning = desk_.state();
+  state_.guide_plan = desk_.guidePlan();
   corruptConsole();
   state_.faults.relay = relay_faults_.activeMask();
   state_.faults.master = master_faults_.activeMask();
@@ -527,7 +503,9 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
 }
 
 void PhysicsLoop::publishContacts() noexcept {
-  world_.contactList(&contacts_);
+  contacts_.count = 0;
+  contacts_.dropped = 0;
+  if (state_.mode != Mode::kChoosing) world_.contactList(&contacts_);  // else those of the last step are long past
   contacts_.tick = state_.tick;
   shared_.contacts.store(contacts_);
   shared_.contacts_dropped.add(contacts_.dropped);
@@ -538,7 +516,7 @@ void PhysicsLoop::publishContacts() noexcept {
 void PhysicsLoop::fillArm(Arm arm, ArmState* state) const noexcept {
   world_.jointState(arm, &state->q, &state->dq);
   state->q_d = at(q_d_, arm);
-  state->contacts = world_.contacts(arm);
+  state->contacts = state_.mode == Mode::kChoosing ? 0 : world_.contacts(arm);
   const ArmGeometry& geometry = config_.arms.geometry;
   const Pose X_BT = kinematics::forward(geometry, arm, state->q);
   const Eigen::Matrix<double, 7, 1> dq(state->dq.data());
@@ -552,6 +530,7 @@ void PhysicsLoop::timeSlip() noexcept {
   linked_ = false;
   slipped_ = true;
   raise(Event::kTimeSlip);
+  desk_.forget();
 }
 
 }  // namespace raven2_trainer::runtime

@@ -1,6 +1,7 @@
 #include "raven2_trainer/runtime/planner_worker.h"
 
 #include "raven2_trainer/control/tip_path.h"
+#include "raven2_trainer/runtime/plan_desk.h"
 
 namespace raven2_trainer::runtime {
 
@@ -8,21 +9,36 @@ PlannerWorker::PlannerWorker(const TrainerConfig& config,
                              const model::RavenModel& raven,
                              const model::SceneModel& scene,
                              SharedState* shared)
-    : planner_(raven, scene, config.planner), arms_(config.arms), shared_(*shared), seed_(config.seed) {}
+    : planner_(raven, scene, config.planner),
+      arms_(config.arms),
+      limits_{static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation},
+      shared_(*shared),
+      seed_(config.seed) {}
+
+/** The end is noted first: a request that physics clears a flag for afterwards is not begun. */
+void PlannerWorker::cancel() noexcept {
+  ended_.store(true);
+  for (std::atomic<bool>& flag : shared_.plan_cancelled)
+    flag.store(true);
+}
+
+PlanResult PlannerWorker::plan(const PlanRequest& request, bool lockstep) {
+  const std::atomic<bool>& cancelled = ended_.load() ? ended_ : planCancelled(&shared_, request.serial);
+  PlanResult result = planner_.plan(request, seed_, lockstep, cancelled);
+  result.robot_follows = control::robotFollows(arms_.geometry, limits_, result) ? 1 : 0;
+  publishPath(result);
+  return result;
+}
 
 bool PlannerWorker::serve() {
   PlanRequest request;
   if (!shared_.plan_requests.tryPop(&request)) return false;
-  const PlanResult result = planner_.plan(request, seed_, /*lockstep=*/false, cancel_);
-  publishPath(result);
-  shared_.plan_results.tryPush(result);
+  shared_.plan_results.tryPush(plan(request, /*lockstep=*/false));
   return true;
 }
 
 PlanResult PlannerWorker::planNow(const PlanRequest& request) {
-  const PlanResult result = planner_.plan(request, seed_, /*lockstep=*/true, cancel_);
-  publishPath(result);
-  return result;
+  return plan(request, /*lockstep=*/true);
 }
 
 /** Before the plan itself: whoever learns of the plan finds its path. */

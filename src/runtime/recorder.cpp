@@ -132,7 +132,7 @@ void Recorder::release(const RecordTally& tails) {
       if constexpr (std::is_same_v<Record, TickRecord>) session_tick_ = ring.at(i).model.session_tick;
       if constexpr (std::is_same_v<Record, TickRecord> || std::is_same_v<Record, HapticRecord> ||
                     std::is_same_v<Record, PlanRecord> || std::is_same_v<Record, FaultRecord> ||
-                    std::is_same_v<Record, FaultChangeRecord>) {
+                    std::is_same_v<Record, FaultChangeRecord> || std::is_same_v<Record, ExecutionRecord>) {
         metrics_.add(ring.at(i));
       }
     }

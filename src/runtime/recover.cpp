@@ -25,6 +25,7 @@ void completeMetrics(const session::SessionPaths& paths, const std::function<boo
   visitor.plan = [&](const PlanRecord& record) { metrics.add(record); };
   visitor.faults = [&](const FaultRecord& record) { metrics.add(record); };
   visitor.fault_change = [&](const FaultChangeRecord& record) { metrics.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { metrics.add(record); };
   session::readLog(paths.log(), visitor);
   const training::SessionMetrics result = metrics.result();
   training::writeMetrics(paths.metrics(), result);

@@ -1,6 +1,7 @@
 #include "raven2_trainer/runtime/resimulation.h"
 
 #include <filesystem>
+#include <optional>
 
 #include "force_check.h"
 #include "input_queue.h"
@@ -70,6 +71,7 @@ struct Resimulation::Impl {
     visitor.fault_change = upToDifference<FaultChangeRecord>([this](const auto& record) {
       if (record.change.host == FaultHost::kRobot) changes.add(record);  // the others come again by themselves
     });
+    visitor.execution = upToDifference<ExecutionRecord>([this](const auto& record) { executions.add(record); });
     visitor.contact = upToDifference<ContactRecord>([this](const auto& record) { contacts.add(record); });
     visitor.haptic = upToDifference<HapticRecord>([this](const auto& record) { addForce(record); });
     visitor.tick = upToDifference<TickRecord>([this](const auto& record) { tick(record); });
@@ -132,6 +134,8 @@ struct Resimulation::Impl {
     if (!field.empty()) field = "model." + field;
     const std::string contact = compareContacts(recorded.model.tick);
     if (field.empty()) field = contact;
+    const std::string execution = compareExecution(recorded.model.tick);
+    if (field.empty()) field = execution;
     if (!field.empty()) result.difference = Difference{recorded.model.tick, field};
     forces.add(recorded);
     if (!result.difference) result.difference = forces.compare(/*at_end=*/false, &result);
@@ -151,6 +155,19 @@ struct Resimulation::Impl {
     });
     if (!recorded.empty()) differs("points is 0, was " + std::to_string(recorded.front().points));
     return field;
+  }
+
+  /** The newest report of the tick: whatever is armed and given up within one tick is reported before it. */
+  std::string compareExecution(Tick now) {
+    std::optional<ExecutionRecord> recorded;
+    executions.take(now, [&](const ExecutionRecord& r) { recorded = r; });
+    const bool is_reported = shared->last_execution.version() != reports;
+    reports = shared->last_execution.version();
+    if (is_reported != recorded.has_value())
+      return is_reported ? "execution.report was not recorded" : "execution.report is missing";
+    if (!is_reported) return "";
+    const std::string field = session::difference(ExecutionRecord{now, shared->last_execution.load()}, *recorded);
+    return field.empty() ? "" : "execution." + field;
   }
 
   void drain() {
@@ -190,9 +207,11 @@ struct Resimulation::Impl {
   InputQueue<FaultRecord> faults{"a fault plan"};
   InputQueue<FaultChangeRecord> changes{"a robot's fault"};
   InputQueue<ContactRecord> contacts{"a contact"};
+  InputQueue<ExecutionRecord> executions{"an execution"};
   SessionCounts counts{};
   ResimulationResult result;
   std::uint64_t told{0};
+  std::uint64_t reports{shared->last_execution.version()};
 };
 
 Resimulation::Resimulation(const TrainerConfig& config, const session::SessionPaths& paths, const std::string& output)

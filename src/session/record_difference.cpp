@@ -114,4 +114,8 @@ std::string difference(const ContactRecord& now, const ContactRecord& before) {
   return compare(now, before);
 }
 
+std::string difference(const ExecutionRecord& now, const ExecutionRecord& before) {
+  return compare(now, before);
+}
+
 }  // namespace raven2_trainer::session

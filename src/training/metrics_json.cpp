@@ -117,19 +117,23 @@ Json describeTracking(const TrackingError& error) {
           {"at_end", error.at_end * kMillimetres}};
 }
 
+/** Times and errors of one whose pedal never came would be figures of nothing. */
 Json describeExecution(const Execution& execution) {
   const ExecutionReport& report = execution.report;
+  const bool began = report.started >= 0;
+  const Tick ticks = began ? report.ended - report.started : -1;
+  const bool robot_moved = began && report.on_robot != 0;
   return {{"plan", report.plan},
-          {"arm", kArmNames[index(report.arm)]},
+          {"arm", name(report.arm)},
           {"on_robot", report.on_robot != 0},
           {"end", kExecutionEndNames[static_cast<std::size_t>(report.end)]},
           {"start_tick", orNull(execution.start_tick)},
-          {"duration_s", execution.duration()},
+          {"duration_s", began ? Json(static_cast<double>(ticks) * kTickSeconds) : Json(nullptr)},
           {"path_time_s", report.path_time},
           {"progress", report.progress},
-          {"model_error_mm", describeTracking(report.model)},
-          {"robot_error_mm", report.on_robot != 0 ? describeTracking(report.robot) : Json(nullptr)},
           {"planned_clearance_mm", report.planned_clearance * kMillimetres},
+          {"model_error_mm", began ? describeTracking(report.model) : Json(nullptr)},
+          {"robot_error_mm", robot_moved ? describeTracking(report.robot) : Json(nullptr)},
           {"contact_ticks", report.contact_ticks},
           {"contact_points", report.contact_points}};
 }
@@ -202,6 +206,7 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"haptic", describeHaptic(metrics)},
              {"plan", describePlan(metrics.plan)},
              {"executions", describeExecutions(metrics)},
+             {"executions_beyond", metrics.executions_beyond},
              {"frames", metrics.frames},
              {"live_frames", counts.frames},
              {"timing", describeTiming(counts)},

@@ -197,7 +197,8 @@ void MetricsAccumulator::followFault(const TickRecord& record) {
     metrics_.faults.back().last_tick = now_;
     metrics_.faults.back().last_cycle = record.robot.cycle;
   }
-  const bool follows = record.model.mode == Mode::kTeleoperating && record.model.linked != 0;
+  const bool moves = record.model.mode == Mode::kTeleoperating || record.model.mode == Mode::kExecuting;
+  const bool follows = moves && record.model.linked != 0;
   const bool comparable = follows && record.model.robot_fresh != 0 && record.robot.frame > 0;
   const double error = comparable ? tipError(record) : 0.0;
   if (inFault()) {
@@ -273,25 +274,27 @@ void MetricsAccumulator::add(const PlanRecord& record) {
 
 /** A report may be read before the ticks that it tells of: they are matched at the end. */
 void MetricsAccumulator::add(const ExecutionRecord& record) {
-  reports_.push_back(record.report);
+  if (metrics_.executions.size() < kMaxExecutions) {
+    metrics_.executions.push_back({record.report, -1});
+  } else {
+    ++metrics_.executions_beyond;
+  }
 }
 
 void MetricsAccumulator::followExecution(const ModelState& model) {
   const bool executes = model.planning.status == PlanningStatus::kExecuting;
-  if (executes && !executes_) begun_.emplace_back(model.tick, model.session_tick);
+  if (executes && !executes_ && begun_.size() < kMaxExecutions) begun_.emplace_back(model.tick, model.session_tick);
   executes_ = executes;
 }
 
+/** Where the very tick of the pedal-down is missing, the first that is there. */
 std::vector<Execution> MetricsAccumulator::executions() const {
-  std::vector<Execution> all;
-  for (const ExecutionReport& report : reports_) {
-    Execution execution;
-    execution.report = report;
-    // Where the very tick of the pedal-down is missing, the first that is there.
-    const auto begun = std::lower_bound(begun_.begin(), begun_.end(), std::make_pair(report.started, Tick{-1}));
-    const bool is_seen = report.started >= 0 && begun != begun_.end() && begun->first < report.ended;
+  std::vector<Execution> all = metrics_.executions;
+  for (Execution& execution : all) {
+    const Tick started = execution.report.started;
+    const auto begun = std::lower_bound(begun_.begin(), begun_.end(), std::make_pair(started, Tick{-1}));
+    const bool is_seen = started >= 0 && begun != begun_.end() && begun->first < execution.report.ended;
     if (is_seen) execution.start_tick = begun->second;
-    all.push_back(execution);
   }
   return all;
 }
@@ -318,9 +321,9 @@ SessionMetrics computeMetrics(const std::string& log_path) {
   visitor.tick = [&](const TickRecord& record) { accumulator.add(record); };
   visitor.haptic = [&](const HapticRecord& record) { accumulator.add(record); };
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
-  visitor.execution = [&](const ExecutionRecord& record) { accumulator.add(record); };
   visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
   visitor.fault_change = [&](const FaultChangeRecord& record) { accumulator.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
   return accumulator.result();

@@ -165,6 +165,62 @@ TEST(LoopsAlloc, ClutchingPressingOnTheSceneAndRequestsDoNotTouchTheHeap) {
   EXPECT_GT(contacts, 0u) << "nothing was pressed on: the test showed less than it says";
 }
 
+/** Chooses and gives up, then plans, arms, executes and releases; the test is the planner. @return ticks of executing.
+ */
+int planAndExecute(raven2_trainer::testing::Rig* rig) {
+  const auto ask = [rig](RequestKind kind, std::uint8_t on_robot) {
+    Request request;
+    request.kind = kind;
+    request.id = 5;
+    request.on_robot = on_robot;
+    rig->shared->requests.tryPush(request);
+    rig->tick(false);
+  };
+  ask(RequestKind::kBeginPlanning, 0);
+  for (int i = 0; i < 200; ++i)
+    rig->tick(true, {20e-6, 10e-6, 0.0});
+  ask(RequestKind::kEndPlanning, 0);
+  ask(RequestKind::kPlan, 0);
+  PlanRequest request;
+  rig->shared->plan_requests.tryPop(&request);
+  PlanResult plan;
+  plan.id = request.id;
+  plan.status = PlanStatus::kSuccess;
+  plan.robot_follows = 1;
+  plan.waypoint_count = 2;
+  plan.waypoints[0] = plan.waypoints[1] = request.start;
+  plan.waypoints[1][kShoulder] += 0.1;
+  plan.arrival[1] = 1.0;
+  rig->shared->plan_results.tryPush(plan);
+  rig->tick(false);
+  ask(RequestKind::kExecutePlan, 1);
+  int executing = 0;
+  for (int i = 0; i < 800; ++i) {
+    rig->tick(true);
+    executing += rig->model().mode == Mode::kExecuting && rig->model().linked != 0 ? 1 : 0;
+  }
+  for (int i = 0; i < 50; ++i)
+    rig->tick(false);
+  return executing;
+}
+
+TEST(LoopsAlloc, ChoosingArmingAndExecutingDoNotTouchTheHeap) {
+  raven2_trainer::testing::useOde();
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.hazard = "none";
+  config.runtime.plan_at = -1.0;
+  raven2_trainer::testing::Rig rig(config);
+  ASSERT_TRUE(rig.home());
+  for (int i = 0; i < 200; ++i)
+    rig.tick(false);
+  planAndExecute(&rig);  // warm
+  int executing = 0;
+  EXPECT_EQ(allocatorCalls([&] { executing = planAndExecute(&rig); }), 0);
+  EXPECT_EQ(mutexLocks(), 0);
+  EXPECT_GT(executing, 700);
+  EXPECT_EQ(rig.shared->last_execution.load().end, ExecutionEnd::kReleased);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::runtime
 

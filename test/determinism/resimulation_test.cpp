@@ -40,6 +40,7 @@ class EventfulSession {
     ASSERT_TRUE(rig.home());
     strokesAndClutches();
     plans();
+    executions();
     collisions();
     robotDrop();
     timeSlip();
@@ -73,9 +74,10 @@ class EventfulSession {
       rig.tick(pedal);
   }
 
-  void request(RequestKind kind, std::uint32_t id = 0, bool enabled = false) {
+  void request(RequestKind kind, std::uint32_t id = 0, bool enabled = false, bool on_robot = false) {
     Request order;
     order.kind = kind;
+    order.on_robot = on_robot ? 1 : 0;
     order.id = id;
     order.enabled = enabled ? 1 : 0;
     ASSERT_TRUE(rig.shared->requests.tryPush(order));
@@ -118,6 +120,30 @@ class EventfulSession {
     rest(false, 20);
     planner.serve();
     rest(false, 600);
+  }
+
+  /** A goal chosen and planned for, a trial that is released, the whole path on the robot, and one given up. */
+  void executions() {
+    request(RequestKind::kBeginPlanning, 40);
+    for (int i = 0; i < 300; ++i)
+      rig.tick(true, {-20e-6, 40e-6, 0.0});
+    rest(false, 5);
+    request(RequestKind::kRecordGoal, 41);
+    rest(false, 2);
+    planner.serve();
+    rest(false, 50);
+    request(RequestKind::kExecutePlan, 42);
+    rest(false, 20);
+    rest(true, 600);
+    rest(false, 20);
+    request(RequestKind::kExecutePlan, 43, false, /*on_robot=*/true);
+    rest(false, 20);
+    rest(true, 5000);
+    rest(false, 50);
+    request(RequestKind::kBeginPlanning, 44);
+    stroke(50, 1.0);
+    request(RequestKind::kEndPlanning, 45);
+    rest(false, 100);
   }
 
   void robotDrop() {
@@ -187,6 +213,7 @@ class ResimulationTest : public ::testing::Test {
     visitor.request = pass;
     visitor.plan = pass;
     visitor.faults = pass;
+    visitor.execution = pass;
     visitor.contact = pass;
     visitor.counts = [&](const SessionCounts& counts) { log.finish(counts); };
     session::readLog(paths.log(), visitor);
@@ -224,6 +251,8 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   visitor.plan = [&](const PlanRecord& r) { ++(r.refused != 0 ? refused : answered); };
   visitor.faults = [&](const FaultRecord& r) { armed += r.plan.count; };
   visitor.contact = [&](const ContactRecord&) { ++contacts; };
+  std::vector<ExecutionEnd> ends;
+  visitor.execution = [&](const ExecutionRecord& r) { ends.push_back(r.report.end); };
   std::uint64_t guided = 0, at_edge = 0, watched = 0;
   visitor.haptic = [&](const HapticRecord& r) {
     guided += toEigen(r.haptic.guidance_B[0]).norm() > 0.01 ? 1 : 0;
@@ -234,17 +263,17 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   EXPECT_GT(guided, 0U);
   EXPECT_GT(at_edge, 0U);
   EXPECT_GT(watched, 0U);
-  EXPECT_EQ(modes,
-            (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking,
-                            Mode::kPaused}));
-  EXPECT_EQ(requests.size(), 5U);
+  EXPECT_EQ(modes, (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning,
+                                   Mode::kTracking, Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting}));
+  EXPECT_EQ(requests.size(), 9U);
+  EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kReleased, ExecutionEnd::kFinished}));
   EXPECT_EQ(slips, 1U);
   EXPECT_GT(lost, 0U);
   EXPECT_GT(contacts, 1000U);
   EXPECT_GT(faulty, 0U);
   EXPECT_EQ(armed, 1U);
   EXPECT_EQ(refused, 3U) << "with the pedal down, and two beyond the four that may be under way";
-  EXPECT_EQ(answered, 5U);
+  EXPECT_EQ(answered, 6U);
 }
 
 TEST_F(ResimulationTest, GivesTheSameBitsInEveryTickContactAndForce) {
@@ -369,6 +398,21 @@ TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, flipped);
   EXPECT_EQ(result.difference->field.rfind("model.master_I[0][0]", 0), 0U) << result.difference->field;
+}
+
+TEST_F(ResimulationTest, NamesAReportThatIsNotThatOfItsExecution) {
+  Tick changed = -1;
+  const auto other = rewritten<ExecutionRecord>("report", [&](ExecutionRecord& record) {
+    changed = record.tick;
+    record.report.robot.mean = std::nextafter(record.report.robot.mean, 1.0);
+    return true;
+  });
+  ASSERT_GE(changed, 0);
+  const ResimulationResult result = resimulate(other);
+  ASSERT_TRUE(result.difference);
+  EXPECT_EQ(result.difference->field.rfind("execution.report.robot.mean", 0), 0U) << result.difference->field;
+  const auto without = rewritten<ExecutionRecord>("no_report", [](ExecutionRecord&) { return false; });
+  EXPECT_TRUE(resimulate(without).difference);
 }
 
 TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {

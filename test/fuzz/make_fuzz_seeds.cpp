@@ -159,6 +159,7 @@ void logSeeds() {
   appendRecord(CommandRecord{}, &small);
   appendRecord(RequestRecord{}, &small);
   appendRecord(ContactRecord{}, &small);
+  appendRecord(ExecutionRecord{}, &small);
   appendRecord(SessionCounts{}, &small);
   save("session_log", "records", small);
   appendRecord(PlanRecord{}, &plan);

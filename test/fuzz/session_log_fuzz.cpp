@@ -72,6 +72,10 @@ void read(const std::string& path, std::size_t size) {
     require(r.result.waypoint_count <= kMaxWaypoints, "a count is within its array");
     ++seen;
   };
+  visitor.execution = [&](const ExecutionRecord& r) {
+    require(static_cast<std::size_t>(r.report.end) < kExecutionEndCount, "an enum is one of its names");
+    ++seen;
+  };
   visitor.contact = [&](const ContactRecord&) { ++seen; };
   visitor.counts = [&](const SessionCounts&) { ++seen; };
   const session::LogSummary summary = session::readLog(path, visitor);

@@ -14,6 +14,11 @@ double quinticDuration(const JointArray& delta,
 /** 10s^3 - 15s^4 + 6s^5 at s clamped to [0, 1]. */
 double quinticBlend(double s) noexcept;
 
+/** Desired joints `seconds` after the start of a plan's motion: the first waypoint before it, the last one after its
+ * end.
+ *  @param[in,out] segment edge where the search begins; where it ended. 0 before the first call. Real-time safe. */
+JointArray pathJoints(const PlanResult& plan, double seconds, std::uint32_t* segment) noexcept;
+
 /** Plays a PlanResult: rest-to-rest quintics between its waypoints, at the times in `arrival`. Real-time safe. */
 class PathFollower {
  public:
@@ -28,7 +33,7 @@ class PathFollower {
 
  private:
   double seconds() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
-  JointArray position() const noexcept;
+  JointArray position() noexcept;
 
   PlanResult plan_{};
   bool active_{false};

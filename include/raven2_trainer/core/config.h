@@ -185,6 +185,19 @@ struct PlannerConfig {
   Vec3 goal_W{};                    ///< [m] default goal of the tip: at the ring
 };
 
+/** config/execution.yaml */
+struct ExecutionConfig {
+  double speed{};                ///< [-] of the plan's own
+  double hold_time{};            ///< [s] from where the arm stands to where the path starts
+  JointArray start_tolerance{};  ///< [rad, m] an arm farther from where it stood has moved
+  double deviation_limit{};      ///< [m] of either tip from its place on the path
+  double settle_tolerance{};     ///< [m] of both tips from the goal, to be there
+  double settle_speed{};         ///< [m/s] of both tips, to be at rest
+  double settle_time{};          ///< [s] after the path's end, to come to rest
+  double pedal_timeout{};        ///< [s] armed without a pedal-down
+  double robot_timeout{};        ///< [s] that the path stands still because the robot does not follow
+};
+
 /** A camera: pose and lens, no drawing. */
 struct CameraConfig {
   std::string name;
@@ -367,6 +380,7 @@ struct TrainerConfig {
   NetworkConfig network{};
   RuntimeConfig runtime{};
   PlannerConfig planner{};
+  ExecutionConfig execution{};
   RenderConfig render{};
   ConsoleConfig console{};
   VirtualRavenConfig virtual_raven{};

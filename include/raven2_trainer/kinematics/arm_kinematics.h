@@ -105,6 +105,10 @@ IkResult inverseWithinLimits(const ArmGeometry& geometry,
                              double opening,
                              const JointArray& current) noexcept;
 
+/** The first of the two wrist points (step 1 of raven2.md 2.5) within lw of the remote centre: the robot's inverse
+ * gives up there, whatever the second one offers. Real-time safe. */
+bool isFirstWristPointAtRcm(const ArmGeometry& geometry, const Pose& X_BT) noexcept;
+
 /**
  * Clamps as the robot does: joints 0 to 4 at both limits, the jaws' mid-line at grasp1's lower one (raven2.md 2.3).
  * Real-time safe.

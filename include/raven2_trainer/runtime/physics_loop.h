@@ -15,6 +15,7 @@
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/runtime/model_driver.h"
+#include "raven2_trainer/runtime/plan_desk.h"
 
 namespace raven2_trainer::runtime {
 
@@ -27,6 +28,12 @@ namespace raven2_trainer::runtime {
  * pose. Increments count for neither until the robot reports PEDAL_DN, so that both apply the same ones. If the robot's
  * link is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next
  * pedal-down: it never moves, nor does the cue act, without a new start from a common pose.
+ *
+ * Planning and executing (PlanDesk keeps what is asked): while a goal is chosen the world stands still but for the arm
+ * that is moved, kinematically; what the jaws hold stays where it is, and the arm comes back to it. A plan is executed
+ * while the pedal is held, from the common pose of pedal-down: the model by its controllers, the robot by increments
+ * through the same relay. Whatever ends it (the pedal, E-stop, a lost link, too large a deviation) ends it for both in
+ * the same tick.
  */
 class PhysicsLoop {
  public:
@@ -38,7 +45,8 @@ class PhysicsLoop {
   /** Advances the nominal model by one 1 ms step. @param[in] now_ns CLOCK_MONOTONIC; in lockstep tick x 1e6. */
   void tick(std::int64_t now_ns) noexcept;
 
-  /** Simulated time was given up (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down. */
+  /** Simulated time was given up (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down.
+   */
   void timeSlip() noexcept;
   /** The same at the next tick, from any thread: another loop of the exercise gave up time. */
   void requestPause() noexcept { pause_requested_.store(true, std::memory_order_relaxed); }
@@ -72,19 +80,22 @@ class PhysicsLoop {
   bool fits(const MasterCommand& command) const noexcept;
   void drainRequests() noexcept;
   void handleRequest(const Request& request) noexcept;
-  void handlePlanResult(PlanResult result) noexcept;
-  void refusePlan(std::uint32_t id) noexcept;
+  void handlePlanResult(const PlanResult& result) noexcept;
   void forgetOldRobot() noexcept;
   void scheduledPlan() noexcept;
   void updateRobotEvents() noexcept;
+  void updateRunLevelEvents() noexcept;
   void updatePedal() noexcept;
   void enter(Mode next) noexcept;
   void raise(control::Event event) noexcept;
-  void requestPlan(const Request& request) noexcept;
-  void answerPlan(const PlanResult& result, bool refused) noexcept;
   void readFaults() noexcept;
   bool robotApplies() const noexcept;
+  bool robotJoins() const noexcept;
+  bool isRobotThere() const noexcept { return state_.robot_fresh != 0 && robot_ready_; }
+  bool isRobotLost() const noexcept { return !hasRobot() || robot_silent_; }
   void updateTargets() noexcept;
+  void aimAsTold() noexcept;
+  void useCommands() noexcept;
   void moveModel() noexcept;
   JointArray followRobot(Arm arm) noexcept;
   void joinRobot() noexcept;
@@ -95,12 +106,36 @@ class PhysicsLoop {
   void publishContacts() noexcept;
   void fillArm(Arm arm, ArmState* state) const noexcept;
 
+  // planning and executing: physics_planning.cpp
+  Tick thisTick() const noexcept { return state_.tick + 1; }
+  void requestPlan(const Request& request) noexcept;
+  void cancelPlan(const Request& request) noexcept;
+  void beginChoosing(const Request& request) noexcept;
+  void recordGoal(Request request) noexcept;
+  void endChoosing(const Request& request) noexcept;
+  void moveGoal() noexcept;
+  void showGoal() noexcept;
+  void armPlan(const Request& request) noexcept;
+  bool hasMoved() const noexcept;
+  bool mayPress() noexcept;
+  void beginExecution() noexcept;
+  void execute() noexcept;
+  void aimAtPath(Arm arm, const JointArray& q) noexcept;
+  void superviseExecution() noexcept;
+  void endExecution(ExecutionEnd end) noexcept;
+  void disarm(ExecutionEnd end) noexcept;
+  void loseRobot() noexcept;
+  void settlePlanning(Mode next, control::Event event) noexcept;
+  void placeForPlanning(Mode before, Mode next) noexcept;
+  JointArray modelJoints(Arm arm) const noexcept;
+
   const TrainerConfig& config_;
   SharedState& shared_;
   physics::RavenWorld world_;
   PerArm<control::TeleopMapper> mappers_;
   ModelDriver driver_;
   control::PathFollower follower_;
+  PlanDesk desk_;
   faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster},
       console_faults_{FaultHost::kConsole};
   faults::CommandStream relay_stream_{FaultVariable::kPacket}, master_stream_{FaultVariable::kPacket};
@@ -116,6 +151,8 @@ class PhysicsLoop {
   bool pedal_{false}, pedal_before_{false};
   Tick silent_ticks_{0};     ///< since the last master command
   bool robot_ready_{false};  ///< homed was seen
+  bool robot_there_{false};  ///< it was ready and heard in the tick before
+  bool robot_silent_{true};  ///< its newest state is older than lost_ns_
   bool linked_{false};       ///< model and robot started from a common pose and nothing came between
   bool plan_scheduled_{false};
   bool stopped_by_robot_{false};
@@ -123,13 +160,11 @@ class PhysicsLoop {
   bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed
   std::uint32_t next_plan_id_{1};
-  std::uint32_t awaited_plan_{0};
-  std::uint32_t plans_under_way_{0};  ///< asked for and not answered yet, cancelled ones included
   std::uint64_t last_cycle_{0};
   std::atomic<bool> pause_requested_{false};
   std::uint64_t fault_generation_{~std::uint64_t{0}};  ///< of the plan in force
   std::uint64_t changes_untold_{0};
-  bool slipped_{false};                                ///< since the last tick
+  bool slipped_{false};  ///< since the last tick
 };
 
 }  // namespace raven2_trainer::runtime

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "raven2_trainer/control/path_relay.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/planning/path_planner.h"
@@ -18,20 +19,23 @@ class PlannerWorker {
 
   /** Serves waiting requests. @return true if there was one. */
   bool serve();
-  /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. */
-  void cancel() noexcept { cancel_.store(true); }
+  /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. A single plan that
+   *  nobody waits for any more is given up by its flag in SharedState::plan_cancelled, as fast. */
+  void cancel() noexcept;
 
   /** Lockstep: plans at once; the caller delivers the result a fixed number of ticks later. */
   PlanResult planNow(const PlanRequest& request);
 
  private:
+  PlanResult plan(const PlanRequest& request, bool lockstep);
   void publishPath(const PlanResult& result);
 
   planning::PathPlanner planner_;
   const ArmsConfig arms_;
+  const control::IncrementLimits limits_;  ///< of a packet to the robot
   SharedState& shared_;
   std::uint64_t seed_;
-  std::atomic<bool> cancel_{false};
+  std::atomic<bool> ended_{false};
 };
 
 }  // namespace raven2_trainer::runtime

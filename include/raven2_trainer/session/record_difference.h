@@ -13,5 +13,6 @@ namespace raven2_trainer::session {
 std::string difference(const ModelState& now, const ModelState& before);
 std::string difference(const HapticState& now, const HapticState& before);
 std::string difference(const ContactRecord& now, const ContactRecord& before);
+std::string difference(const ExecutionRecord& now, const ExecutionRecord& before);
 
 }  // namespace raven2_trainer::session

@@ -57,14 +57,10 @@ struct Injection {
 struct Execution {
   ExecutionReport report{};
   Tick start_tick{-1};  ///< [1 ms] session tick of the pedal-down; -1 it never came, or is not in the log
-
-  /** [s] from the pedal-down to the end; 0 if it never came. */
-  double duration() const noexcept {
-    return report.started < 0 ? 0.0 : static_cast<double>(report.ended - report.started) * kTickSeconds;
-  }
 };
 
 constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
+constexpr std::size_t kMaxExecutions = 10'000;   ///< of a session, a second each for three hours: 1 MB
 
 struct SessionMetrics {
   double duration{};         ///< [s] from the first pedal down
@@ -77,6 +73,7 @@ struct SessionMetrics {
   double tolerance{};  ///< [m]
   PlanResult plan{};   ///< newest, status kNone if none was asked for
   std::vector<Execution> executions;
+  std::uint64_t executions_beyond{};  ///< beyond the longest list, kMaxExecutions
   SessionCounts counts{};
   std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
   std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
@@ -86,8 +83,9 @@ struct SessionMetrics {
 /**
  * Feeds on the records of a session and gives the metrics. The aftermath of a fault belongs to it: from its first
  * tick until the error has stayed below the tolerance for 500 ms after its last. The error is looked at while model and
- * robot follow the surgeon from a common pose (mode teleoperating, `linked`) and the robot's state is fresh. A stale
- * robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
+ * robot follow the surgeon, or a plan, from a common pose (mode teleoperating or executing, `linked`) and the robot's
+ * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes
+ * a new one.
  *
  * Records of one kind come in order, changes of faults before the tick that they belong to; haptic records may come
  * before or after theirs (two threads write them), so each waits for its tick.
@@ -98,9 +96,9 @@ class MetricsAccumulator {
   void add(const TickRecord& record);
   void add(const HapticRecord& record);
   void add(const PlanRecord& record);
-  void add(const ExecutionRecord& record);
   void add(const FaultRecord& record);
   void add(const FaultChangeRecord& record);
+  void add(const ExecutionRecord& record);
   void add(const SessionCounts& counts);
   SessionMetrics result() const;
 
@@ -143,7 +141,6 @@ class MetricsAccumulator {
   session::LogHeader header_;
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
-  std::vector<ExecutionReport> reports_;
   std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick with which the model began to execute a plan
   bool executes_{false};
   std::vector<FaultRecord> plans_;

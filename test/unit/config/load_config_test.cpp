@@ -199,6 +199,18 @@ TEST_F(LoadConfig, TheDetectorIsChecked) {
   EXPECT_NE(message().find("coulomb is missing"), std::string::npos) << message();
 }
 
+TEST_F(LoadConfig, TheLimitsOfAnExecutionAreChecked) {
+  EXPECT_EQ(loadTrainerConfig(root()).execution.speed, 1.0) << "as it is shipped";
+  replace("execution.yaml", "speed: 1.0", "speed: 1.5");
+  EXPECT_NE(message().find("speed is 1.5, expected [0.05, 1]"), std::string::npos) << message();
+  SetUp();
+  replace("execution.yaml", "hold_time: 0.2", "hold_time: 0");
+  EXPECT_NE(message().find("hold_time is 0"), std::string::npos) << message();
+  SetUp();
+  replace("execution.yaml", "pedal_timeout: [0-9.]+", "pedal_time: 3");
+  EXPECT_NE(message().find("pedal_time"), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, WrongTypesAreRefused) {
   for (const char* value : {"fast", "[1, 2]", ".nan", "{a: 1}"}) {
     SetUp();

@@ -127,21 +127,27 @@ TickRecord makeExecutingTick(Tick session_tick) {
   return record;
 }
 
-ExecutionRecord makeExecution(Tick started, Tick ended, ExecutionEnd end) {
+ExecutionRecord makeExecution(Tick started, Tick ended) {
   ExecutionRecord record;
-  record.tick = kOrigin + ended;
+  record.tick = ended;
   record.report.plan = 7;
   record.report.arm = Arm::kGreen;
-  record.report.end = end;
-  record.report.started = started < 0 ? -1 : kOrigin + started;
-  record.report.ended = kOrigin + ended;
+  record.report.on_robot = 1;
+  record.report.end = started < 0 ? ExecutionEnd::kNoPedal : ExecutionEnd::kReleased;
+  record.report.started = started;
+  record.report.ended = ended;
+  record.report.path_time = 2.5;
+  record.report.progress = started < 0 ? 0.0 : 0.4;
+  record.report.model = {0.0005, 0.002, 0.011};
+  record.report.robot = {0.001, 0.003, 0.012};
+  record.report.contact_ticks = 3;
   return record;
 }
 
 TEST(SessionMetrics, AnExecutionBeginsInTheSessionTickOfItsPedalDown) {
   Accumulator metrics(makeHeader());
   feed(&metrics, 0, 99, 0.0);
-  metrics.add(makeExecution(100, 350, ExecutionEnd::kReleased));  // the queues are written one after the other
+  metrics.add(makeExecution(kOrigin + 100, kOrigin + 350));  // the queues are written one after the other
   for (Tick t = 100; t < 350; ++t)
     metrics.add(makeExecutingTick(t));
   feed(&metrics, 350, 399, 0.0);
@@ -150,22 +156,19 @@ TEST(SessionMetrics, AnExecutionBeginsInTheSessionTickOfItsPedalDown) {
     tick.model.tick += 150;
     metrics.add(tick);
   }
-  metrics.add(makeExecution(550, 1150, ExecutionEnd::kFinished));
-  metrics.add(makeExecution(-1, 1500, ExecutionEnd::kNoPedal));
+  metrics.add(makeExecution(kOrigin + 550, kOrigin + 1150));
+  metrics.add(makeExecution(-1, kOrigin + 1500));
   const std::vector<Execution> executions = metrics.result().executions;
   ASSERT_EQ(executions.size(), 3u);
   EXPECT_EQ(executions[0].start_tick, 100);
-  EXPECT_DOUBLE_EQ(executions[0].duration(), 0.25);
   EXPECT_EQ(executions[1].start_tick, 400);
-  EXPECT_DOUBLE_EQ(executions[1].duration(), 0.6);
   EXPECT_EQ(executions[2].start_tick, -1) << "the pedal never came";
-  EXPECT_EQ(executions[2].duration(), 0.0);
 }
 
 TEST(SessionMetrics, AnExecutionWhoseTicksAreMissingHasNoBeginning) {
   Accumulator metrics(makeHeader());
   feed(&metrics, 0, 99, 0.0);
-  metrics.add(makeExecution(100, 350, ExecutionEnd::kFinished));
+  metrics.add(makeExecution(kOrigin + 100, kOrigin + 350));
   feed(&metrics, 350, 399, 0.0);
   metrics.add(makeExecutingTick(400));
   ASSERT_EQ(metrics.result().executions.size(), 1u);
@@ -513,6 +516,26 @@ TEST(SessionMetrics, KeepsTheNewestPlan) {
   EXPECT_EQ(metrics.result().plan.cost, 6.5);
 }
 
+TEST(SessionMetrics, KeepsEveryExecution) {
+  Accumulator metrics(makeHeader());
+  EXPECT_TRUE(metrics.result().executions.empty());
+  metrics.add(makeExecution(5000, 6200));
+  metrics.add(makeExecution(-1, 9000));
+  const SessionMetrics result = metrics.result();
+  ASSERT_EQ(result.executions.size(), 2U);
+  EXPECT_EQ(result.executions[0].report.ended, 6200);
+  EXPECT_EQ(result.executions[1].report.end, ExecutionEnd::kNoPedal);
+  EXPECT_EQ(result.executions_beyond, 0U);
+}
+
+TEST(SessionMetrics, CountsExecutionsBeyondTheLongestList) {
+  Accumulator metrics(makeHeader());
+  for (std::size_t i = 0; i < kMaxExecutions + 5; ++i)
+    metrics.add(makeExecution(-1, static_cast<Tick>(i)));
+  EXPECT_EQ(metrics.result().executions.size(), kMaxExecutions);
+  EXPECT_EQ(metrics.result().executions_beyond, 5U);
+}
+
 std::string scratchPath(const std::string& name) {
   return testing::TempDir() + "/raven2_training_" + std::to_string(getpid()) + "_" + name;
 }
@@ -542,6 +565,7 @@ SessionMetrics makeResult() {
   event.onset_tick = 8030;
   event.force_tick = 8032;
   result.faults = {event};
+  result.executions = {{makeExecution(5000, 6200).report, 4000}, {makeExecution(-1, 9000).report, -1}};
   result.counts.master.received = 100;
   result.counts.master.applied = 97;
   result.counts.master.rejected[static_cast<std::size_t>(Reject::kDuplicate)] = 3;
@@ -601,7 +625,21 @@ TEST(MetricsFile, HoldsEveryFigure) {
   EXPECT_DOUBLE_EQ(json.at("haptic").at("threshold_mm"), 3.0);
   EXPECT_EQ(json.at("plan").at("success"), false);
   EXPECT_EQ(json.at("plan").at("status"), "none");
-  EXPECT_TRUE(json.at("executions").empty());
+  const auto& execution = json.at("executions").at(0);
+  EXPECT_EQ(execution.at("plan"), 7);
+  EXPECT_EQ(execution.at("arm"), "green");
+  EXPECT_EQ(execution.at("on_robot"), true);
+  EXPECT_EQ(execution.at("end"), "released");
+  EXPECT_EQ(execution.at("start_tick"), 4000);
+  EXPECT_TRUE(json.at("executions").at(1).at("start_tick").is_null());
+  EXPECT_DOUBLE_EQ(execution.at("duration_s"), 1.2);
+  EXPECT_EQ(execution.at("progress"), 0.4);
+  EXPECT_DOUBLE_EQ(execution.at("model_error_mm").at("max"), 2.0);
+  EXPECT_DOUBLE_EQ(execution.at("robot_error_mm").at("at_end"), 12.0);
+  EXPECT_EQ(execution.at("contact_ticks"), 3);
+  EXPECT_EQ(json.at("executions").at(1).at("end"), "no_pedal");
+  EXPECT_TRUE(json.at("executions").at(1).at("duration_s").is_null());
+  EXPECT_TRUE(json.at("executions").at(1).at("model_error_mm").is_null());
   EXPECT_EQ(json.at("frames"), 0);
   EXPECT_EQ(json.at("live_frames"), 12);
   const auto& timing = json.at("timing").at("physics");
@@ -680,7 +718,7 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
     PlanRecord plan;
     plan.result.status = PlanStatus::kSuccess;
     log.write(plan);
-    log.write(makeExecution(10, 20, ExecutionEnd::kFinished));
+    log.write(makeExecution(100, 900));
     log.finish(counts);
   }
   const SessionMetrics result = computeMetrics(path);
@@ -689,52 +727,20 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
   EXPECT_EQ(result.faults[0].first_tick, 590);
   EXPECT_EQ(result.faults[0].errorToForce(), 1);
   EXPECT_EQ(result.plan.status, PlanStatus::kSuccess);
-  ASSERT_EQ(result.executions.size(), 1u);
-  EXPECT_EQ(result.executions[0].report.end, ExecutionEnd::kFinished);
+  ASSERT_EQ(result.executions.size(), 1U);
+  EXPECT_EQ(result.executions[0].report.started, 100);
   EXPECT_EQ(result.counts.master.received, 17u);
   EXPECT_TRUE(result.complete);
   EXPECT_THROW(computeMetrics(scratchPath("missing.rlog")), SessionException);
 }
 
-TEST(MetricsFile, TellsOfExecutions) {
+TEST(MetricsFile, HasNoErrorOfARobotThatHeldStill) {
   SessionMetrics result = makeResult();
-  Execution execution;
-  execution.report = makeExecution(2000, 5500, ExecutionEnd::kReleased).report;
-  execution.report.on_robot = 1;
-  execution.report.path_time = 4.5;
-  execution.report.progress = 0.75;
-  execution.report.planned_clearance = 0.0042;
-  execution.report.model = {0.0004, 0.0011, 0.0002};
-  execution.report.robot = {0.0008, 0.0021, 0.0003};
-  execution.report.contact_ticks = 12;
-  execution.report.contact_points = 3;
-  execution.start_tick = 2000;
-  result.executions.push_back(execution);
-  execution.report.on_robot = 0;
-  execution.start_tick = -1;
-  result.executions.push_back(execution);
-  const std::string path = scratchPath("executions.json");
-  writeMetrics(path, result);
-  const auto executions = readJson(path).at("executions");
-  ASSERT_EQ(executions.size(), 2u);
-  const auto& first = executions.at(0);
-  EXPECT_EQ(first.at("plan"), 7);
-  EXPECT_EQ(first.at("arm"), "green");
-  EXPECT_EQ(first.at("on_robot"), true);
-  EXPECT_EQ(first.at("end"), "released");
-  EXPECT_EQ(first.at("start_tick"), 2000);
-  EXPECT_DOUBLE_EQ(first.at("duration_s"), 3.5);
-  EXPECT_EQ(first.at("path_time_s"), 4.5);
-  EXPECT_EQ(first.at("progress"), 0.75);
-  EXPECT_DOUBLE_EQ(first.at("planned_clearance_mm"), 4.2);
-  EXPECT_DOUBLE_EQ(first.at("model_error_mm").at("mean"), 0.4);
-  EXPECT_DOUBLE_EQ(first.at("model_error_mm").at("max"), 1.1);
-  EXPECT_DOUBLE_EQ(first.at("model_error_mm").at("at_end"), 0.2);
-  EXPECT_DOUBLE_EQ(first.at("robot_error_mm").at("max"), 2.1);
-  EXPECT_EQ(first.at("contact_ticks"), 12);
-  EXPECT_EQ(first.at("contact_points"), 3);
-  EXPECT_TRUE(executions.at(1).at("robot_error_mm").is_null()) << "the robot held still";
-  EXPECT_TRUE(executions.at(1).at("start_tick").is_null());
+  result.executions[0].report.on_robot = 0;
+  writeMetrics(scratchPath("still.json"), result);
+  const auto execution = readJson(scratchPath("still.json")).at("executions").at(0);
+  EXPECT_TRUE(execution.at("robot_error_mm").is_null());
+  EXPECT_DOUBLE_EQ(execution.at("model_error_mm").at("mean"), 0.5);
 }
 
 }  // namespace

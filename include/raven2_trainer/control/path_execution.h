@@ -1,0 +1,51 @@
+#pragma once
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/config.h"
+
+namespace raven2_trainer::control {
+
+/**
+ * A plan's path in time, as it is executed: from where the arm stands to the path's start in `hold_time`, then the path
+ * at `speed` times its own, then its last waypoint. Time goes on only in the ticks in which the arm may move, so that a
+ * robot that is not ready yet, or not heard, is waited for. Pure; real-time safe.
+ */
+class PathExecution {
+ public:
+  explicit PathExecution(const ExecutionConfig& config) noexcept : config_(config) {}
+
+  /** @param[in] plan one that succeeded. @param[in] from [rad; m] joints where the arm stands. */
+  void start(const PlanResult& plan, const JointArray& from) noexcept;
+
+  /** [rad; m] Desired joints of this tick; those of the last one if the arm may not move. */
+  const JointArray& tick(bool may_move) noexcept;
+  const JointArray& desired() const noexcept { return q_d_; }
+
+  /** The last waypoint is what is desired. */
+  bool isOver() const noexcept { return pathTime() >= duration(); }
+  /** [-] 0 to 1: share of the path's time that is gone. */
+  double progress() const noexcept;
+  /** [s] since the arm last might move. */
+  double waited() const noexcept { return static_cast<double>(waiting_) * kTickSeconds; }
+  /** [s] since the path was over, with the arm free to move. */
+  double rested() const noexcept { return static_cast<double>(resting_) * kTickSeconds; }
+  /** [s] that the path takes at full speed. */
+  double duration() const noexcept;
+  /** [rad; m] where the path ends. */
+  const JointArray& goal() const noexcept {
+    return plan_.waypoints[plan_.waypoint_count > 0 ? plan_.waypoint_count - 1 : 0];
+  }
+
+ private:
+  double held() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
+  double pathTime() const noexcept { return (held() - config_.hold_time) * config_.speed; }
+
+  ExecutionConfig config_;
+  PlanResult plan_{};
+  JointArray offset_{};  ///< of where the arm stood from where the path starts
+  JointArray q_d_{};
+  std::int64_t elapsed_{0}, waiting_{0}, resting_{0};  ///< [ticks]
+  std::uint32_t segment_{0};
+};
+
+}  // namespace raven2_trainer::control

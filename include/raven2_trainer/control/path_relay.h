@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::control {
+
+/** What one ITP packet may ask of an arm, in master axes I. */
+struct TipIncrement {
+  Vec3 dp_I{};               ///< [m] whole micrometres
+  Quat dq_I{kIdentityQuat};  ///< left-multiplied, as ITP's
+};
+
+/** What a receiver takes in one packet. */
+struct IncrementLimits {
+  double position_um{};  ///< [um] each axis of I
+  double rotation{};     ///< [rad]
+};
+
+/**
+ * Desired joints of the model to tip increments of one arm, such that the robot's own inverse kinematics comes to the
+ * same joints. Keeps the pose that the robot has added up by its rules (raven2.md 1.4: whole micrometres, rotations
+ * from the left) and sends what is missing to where the path is, so what rounding left out in one packet is in the next
+ * one: the sum is within half a micrometre an axis of the path, whatever its length. Pure; real-time safe.
+ */
+class PathRelay {
+ public:
+  PathRelay(const ArmGeometry& geometry, const IncrementLimits& limits) noexcept
+      : geometry_(geometry), limits_(limits) {}
+
+  /** The robot starts from the joints `q` [rad; m]: its desired pose is theirs, in micrometres cut off toward zero. */
+  void start(Arm arm, const JointArray& q) noexcept;
+
+  /** What brings the robot's desired pose to that of the joints `q` [rad; m]; as much of it as a packet may hold. */
+  TipIncrement advance(const JointArray& q) noexcept;
+
+  /** The last increment was all that was missing. */
+  bool isUpToDate() const noexcept { return is_up_to_date_; }
+  /** Desired pose of T in B that the robot has by now. */
+  Pose pose() const noexcept { return {R_BT_.toRotationMatrix(), p_um_ * 1e-6}; }
+
+ private:
+  Vector3 positionStep(const Vector3& p_BT) noexcept;
+  Quaternion rotationStep(const Quaternion& R_BT) noexcept;
+
+  ArmGeometry geometry_;
+  IncrementLimits limits_;
+  Arm arm_{Arm::kGold};
+  Vector3 p_um_{0, 0, 0};  ///< whole numbers
+  Quaternion R_BT_{Quaternion::Identity()};
+  bool is_up_to_date_{true};
+};
+
+/** How far from the path's joints the robot's may come to be by the rounding of its desired position [rad; m]: near the
+ *  remote centre half a micrometre turns the shoulder by 50 urad. Another branch of the inverse is ten times as far. */
+constexpr std::array<double, kGrasp1> kFollowTolerance{2e-3, 2e-3, 5e-5, 1e-2, 1e-2};
+
+/**
+ * Whether increments can lead a robot along the path of a plan: at every tick of it the robot's inverse kinematics,
+ * from the pose that the packets add up to and from where it was a tick before, comes to the path's joints within
+ * kFollowTolerance, no limit is reached and no packet is full. Not for the 1 kHz loops: some microseconds a tick.
+ */
+bool robotFollows(const ArmGeometry& geometry, const IncrementLimits& limits, const PlanResult& plan) noexcept;
+
+}  // namespace raven2_trainer::control

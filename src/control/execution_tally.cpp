@@ -1,0 +1,60 @@
+#include "raven2_trainer/control/execution_tally.h"
+
+#include <algorithm>
+
+#include "raven2_trainer/kinematics/eigen.h"
+
+namespace raven2_trainer::control {
+namespace {
+
+double distance(const Vec3& a, const Vec3& b) noexcept {
+  return (toEigen(a) - toEigen(b)).norm();
+}
+
+/** @return [m] distance from the path. */
+double count(const Vec3& tip_B, const ExecutionSample& sample, TrackingError* error) noexcept {
+  const double off = distance(tip_B, sample.path_B);
+  error->mean += off;
+  error->largest = std::max(error->largest, off);
+  error->at_end = distance(tip_B, sample.goal_B);
+  return off;
+}
+
+}  // namespace
+
+void ExecutionTally::start(std::uint32_t id, const PlanResult& plan, bool on_robot) noexcept {
+  report_ = ExecutionReport{};
+  report_.id = id;
+  report_.plan = plan.id;
+  report_.arm = plan.arm;
+  report_.on_robot = on_robot ? 1 : 0;
+  report_.path_time = plan.waypoint_count > 0 ? plan.arrival[plan.waypoint_count - 1] : 0.0;
+  report_.planned_clearance = plan.clearance;
+  samples_ = 0;
+  deviation_ = 0.0;
+}
+
+void ExecutionTally::add(const ExecutionSample& sample) noexcept {
+  ++samples_;
+  deviation_ = count(sample.model_B, sample, &report_.model);
+  if (report_.on_robot != 0) deviation_ = std::max(deviation_, count(sample.robot_B, sample, &report_.robot));
+  if (sample.contacts > 0) ++report_.contact_ticks;
+  report_.contact_points = std::max(report_.contact_points, sample.contacts);
+}
+
+double ExecutionTally::distanceToGoal() const noexcept {
+  return std::max(report_.model.at_end, report_.robot.at_end);
+}
+
+ExecutionReport ExecutionTally::finish(ExecutionEnd end, Tick tick, double progress) const noexcept {
+  ExecutionReport report = report_;
+  report.end = end;
+  report.ended = tick;
+  report.progress = progress;
+  if (samples_ == 0) return report;
+  report.model.mean /= samples_;
+  report.robot.mean /= samples_;
+  return report;
+}
+
+}  // namespace raven2_trainer::control

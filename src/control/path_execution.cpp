@@ -1,0 +1,42 @@
+#include "raven2_trainer/control/path_execution.h"
+
+#include <algorithm>
+
+#include "raven2_trainer/control/path_follower.h"
+
+namespace raven2_trainer::control {
+
+void PathExecution::start(const PlanResult& plan, const JointArray& from) noexcept {
+  plan_ = plan;
+  plan_.waypoint_count = std::min<std::uint32_t>(plan.waypoint_count, kMaxWaypoints);
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    offset_[j] = from[j] - plan_.waypoints[0][j];
+  q_d_ = from;
+  elapsed_ = waiting_ = resting_ = 0;
+  segment_ = 0;
+}
+
+const JointArray& PathExecution::tick(bool may_move) noexcept {
+  if (!may_move) {
+    ++waiting_;
+    return q_d_;
+  }
+  waiting_ = 0;
+  if (isOver()) ++resting_;
+  ++elapsed_;
+  q_d_ = pathJoints(plan_, pathTime(), &segment_);
+  const double left = 1.0 - quinticBlend(held() / config_.hold_time);
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    q_d_[j] += left * offset_[j];
+  return q_d_;
+}
+
+double PathExecution::duration() const noexcept {
+  return plan_.waypoint_count > 0 ? plan_.arrival[plan_.waypoint_count - 1] : 0.0;
+}
+
+double PathExecution::progress() const noexcept {
+  return isOver() ? 1.0 : std::max(0.0, pathTime() / duration());
+}
+
+}  // namespace raven2_trainer::control

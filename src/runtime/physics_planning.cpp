@@ -1,0 +1,232 @@
+#include <cmath>
+
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/runtime/physics_loop.h"
+
+// The part of the physics loop that chooses goals, asks for plans and executes them.
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using control::Event;
+
+/** Why an execution ends when the mode is left by this event. */
+ExecutionEnd endBy(Event event) noexcept {
+  switch (event) {
+    case Event::kEmergencyStop:
+      return ExecutionEnd::kEStop;
+    case Event::kTimeSlip:
+      return ExecutionEnd::kTimeSlip;
+    case Event::kPedalReleased:
+      return ExecutionEnd::kReleased;
+    default:
+      return ExecutionEnd::kCancelled;  // by request
+  }
+}
+
+/** A plan may be kept in this mode. */
+bool keepsPlan(Mode mode) noexcept {
+  return mode == Mode::kPedalUp || mode == Mode::kTeleoperating || mode == Mode::kTracking || mode == Mode::kArmed ||
+         mode == Mode::kExecuting;
+}
+
+}  // namespace
+
+JointArray PhysicsLoop::modelJoints(Arm arm) const noexcept {
+  JointArray q{}, dq{};
+  world_.jointState(arm, &q, &dq);
+  return q;
+}
+
+// ---- plans -------------------------------------------------------------------------------------------------------
+
+/** As many as the rings hold: no answer can find its ring full, and whether one is refused follows from the record. */
+void PhysicsLoop::requestPlan(const Request& request) noexcept {
+  const bool is_busy = state_.mode == Mode::kPlanning || desk_.isFull();
+  if (!is_busy) raise(Event::kPlanRequested);
+  const bool is_refused = is_busy || state_.mode != Mode::kPlanning;
+  desk_.answer(request.id, is_refused ? PlanningAnswer::kNotNow : PlanningAnswer::kAccepted);
+  if (is_refused) return desk_.refuse(request.id, thisTick());
+  desk_.ask(request, {modelJoints(Arm::kGold), modelJoints(Arm::kGreen)}, thisTick());
+}
+
+void PhysicsLoop::handlePlanResult(const PlanResult& result) noexcept {
+  const bool is_awaited = desk_.isAwaited(result);
+  const PlanResult& answer = desk_.take(result, thisTick());
+  if (!is_awaited) return;
+  raise(answer.status == PlanStatus::kSuccess ? Event::kPlanReady : Event::kPlanFailed);
+  if (state_.mode == Mode::kTracking) follower_.start(answer);
+}
+
+void PhysicsLoop::scheduledPlan() noexcept {
+  if (plan_scheduled_ || config_.runtime.plan_at < 0.0) return;
+  const auto due = static_cast<Tick>(std::llround(config_.runtime.plan_at / kTickSeconds));
+  if (state_.session_tick < due || state_.mode != Mode::kPedalUp || pedal_) return;
+  plan_scheduled_ = true;
+  Request request;
+  request.kind = RequestKind::kPlan;
+  request.id = next_plan_id_++;
+  requestPlan(request);
+}
+
+void PhysicsLoop::cancelPlan(const Request& request) noexcept {
+  follower_.stop();
+  raise(Event::kPlanCancelled);
+  desk_.forget();
+  desk_.answer(request.id, PlanningAnswer::kAccepted);
+}
+
+/** What a change of mode means for what is planned. */
+void PhysicsLoop::settlePlanning(Mode next, Event event) noexcept {
+  if (next != Mode::kArmed && next != Mode::kExecuting) desk_.end(endBy(event), thisTick());
+  const PlanningStatus status = desk_.state().status;
+  const bool is_given_up = status == PlanningStatus::kPlanning || status == PlanningStatus::kChoosing;
+  if (is_given_up || !keepsPlan(next)) desk_.forget();
+}
+
+/** A robot that went away may come back anywhere. */
+void PhysicsLoop::loseRobot() noexcept {
+  desk_.end(ExecutionEnd::kRobotLost, thisTick());
+  raise(Event::kPlanCancelled);
+  desk_.forget();
+}
+
+// ---- choosing a goal ---------------------------------------------------------------------------------------------
+
+void PhysicsLoop::beginChoosing(const Request& request) noexcept {
+  const bool robot_not_ready = state_.robot_fresh != 0 && !robot_ready_;
+  if (!pedal_ && !pedal_before_ && !robot_not_ready) raise(Event::kGoalWanted);
+  const bool is_begun = state_.mode == Mode::kChoosing && desk_.state().status != PlanningStatus::kChoosing;
+  desk_.answer(request.id, is_begun ? PlanningAnswer::kAccepted : PlanningAnswer::kNotNow);
+  if (!is_begun) return;
+  JointArray q{}, dq{};
+  world_.jointState(request.arm, &q, &dq);
+  desk_.choose(request.arm, q, dq);
+}
+
+void PhysicsLoop::recordGoal(Request request) noexcept {
+  if (state_.mode != Mode::kChoosing) return desk_.answer(request.id, PlanningAnswer::kNotNow);
+  request.arm = desk_.state().arm;
+  request.choose_arm = 0;
+  request.goal = GoalKind::kJoints;
+  request.goal_q = at(q_d_, request.arm);
+  requestPlan(request);
+}
+
+void PhysicsLoop::endChoosing(const Request& request) noexcept {
+  const bool is_choosing = state_.mode == Mode::kChoosing;
+  if (is_choosing) raise(Event::kPlanCancelled);
+  desk_.answer(request.id, is_choosing ? PlanningAnswer::kAccepted : PlanningAnswer::kNotNow);
+}
+
+/** The masters' increments move one arm; its jaws keep the opening they have. */
+void PhysicsLoop::moveGoal() noexcept {
+  const Arm arm = desk_.state().arm;
+  ArmState& state = at(state_.arms, arm);
+  const kinematics::IkStatus status =
+      at(mappers_, arm).add(at(increments_.dp_I, arm), at(increments_.dq_I, arm), 0.0, state.q);
+  state.ik_status = static_cast<std::uint32_t>(status);
+  if (status == kinematics::IkStatus::kClamped) shared_.ik_clamped.add();
+  at(q_d_, arm) = at(mappers_, arm).desired();
+  useCommands();
+}
+
+/** Pure kinematics: nothing else moves, and nothing is touched. */
+void PhysicsLoop::showGoal() noexcept {
+  const Arm arm = desk_.state().arm;
+  world_.setJointState(arm, at(q_d_, arm), JointArray{});
+  for (const Arm each : kArms)
+    at(state_.arms, each).tau = JointArray{};
+}
+
+/** Where the model stands when a mode of planning begins: back from where choosing led it, or, after a path was shown,
+ *  back on the robot, or on the start of the path where there is no robot. */
+void PhysicsLoop::placeForPlanning(Mode before, Mode next) noexcept {
+  if (before == Mode::kChoosing) {
+    world_.setJointState(desk_.state().arm, desk_.chosenFrom(), desk_.ratesBefore());
+  } else if (before == Mode::kTracking && (next == Mode::kChoosing || next == Mode::kPlanning)) {
+    if (isRobotThere()) joinRobot();
+  } else if (next == Mode::kArmed) {
+    if (isRobotThere()) return joinRobot();
+    const PlanResult& plan = desk_.plan();
+    if (before == Mode::kTracking) world_.setJointState(plan.arm, plan.waypoints[0], JointArray{});
+  }
+}
+
+// ---- executing ---------------------------------------------------------------------------------------------------
+
+void PhysicsLoop::armPlan(const Request& request) noexcept {
+  const bool may_arm = state_.mode != control::nextMode(state_.mode, Event::kPlanArmed) && !pedal_ && !pedal_before_;
+  PlanningAnswer answer = may_arm ? desk_.check(request, robotJoins()) : PlanningAnswer::kNotNow;
+  if (answer == PlanningAnswer::kAccepted && hasMoved()) answer = PlanningAnswer::kMoved;
+  desk_.answer(request.id, answer);
+  if (answer != PlanningAnswer::kAccepted) return;
+  raise(Event::kPlanArmed);
+  desk_.arm(request);
+}
+
+/** Since the plan was asked for. After a path was shown the model's arm is put back to where it starts. */
+bool PhysicsLoop::hasMoved() const noexcept {
+  for (const Arm arm : kArms) {
+    const bool was_shown = state_.mode == Mode::kTracking && arm == desk_.plan().arm;
+    if (was_shown && !isRobotThere()) continue;
+    if (desk_.hasMoved(arm, isRobotThere() ? at(robot_.arms, arm).q : modelJoints(arm))) return true;
+  }
+  return false;
+}
+
+/** A pedal-down that would begin an execution counts only if everything still is as it was when it was armed. */
+bool PhysicsLoop::mayPress() noexcept {
+  if (state_.mode != Mode::kArmed) return true;
+  const bool lacks_robot = desk_.state().on_robot != 0 && !robotJoins();
+  if (!lacks_robot && !hasMoved()) return true;
+  disarm(lacks_robot ? ExecutionEnd::kRobotLost : ExecutionEnd::kMoved);
+  return false;
+}
+
+void PhysicsLoop::beginExecution() noexcept {
+  const Arm arm = desk_.plan().arm;
+  desk_.begin(modelJoints(arm), thisTick());
+  desk_.follow(at(robot_.arms, arm).q);
+}
+
+/** Both get the same path: the model its joints, the robot what leads its own inverse kinematics to them. */
+void PhysicsLoop::execute() noexcept {
+  const Arm arm = desk_.plan().arm;
+  const bool may_move = !linked_ || (robotApplies() && state_.robot_fresh != 0);
+  if (linked_ && !robotApplies()) desk_.follow(at(robot_.arms, arm).q);
+  aimAtPath(arm, desk_.advance(may_move));
+  if (!linked_ || !may_move) return;
+  const control::TipIncrement increment = desk_.increment();
+  at(increments_.dp_I, arm) = increment.dp_I;
+  at(increments_.dq_I, arm) = increment.dq_I;
+}
+
+/** The jaws turn along, but go on pressing on what they hold: the opening stays the one that was asked for. */
+void PhysicsLoop::aimAtPath(Arm arm, const JointArray& q) noexcept {
+  const double opening = kinematics::jawOpening(at(mappers_, arm).desired());
+  at(q_d_, arm) = q;
+  kinematics::setJaws(kinematics::jawMidline(q), opening, &at(q_d_, arm));
+}
+
+/** On what the tick before led to. */
+void PhysicsLoop::superviseExecution() noexcept {
+  if (state_.mode == Mode::kArmed && !desk_.waitForPedal()) return disarm(ExecutionEnd::kNoPedal);
+  if (state_.mode != Mode::kExecuting) return;
+  if (desk_.state().on_robot != 0 && !linked_) return endExecution(ExecutionEnd::kRobotLost);
+  const ExecutionEnd end = desk_.supervise(state_, robot_);
+  if (end != ExecutionEnd::kNone) endExecution(end);
+}
+
+void PhysicsLoop::endExecution(ExecutionEnd end) noexcept {
+  const Event event = desk_.state().on_robot != 0 ? Event::kExecutionEnded : Event::kTrialEnded;
+  desk_.end(end, thisTick());
+  raise(event);
+}
+
+void PhysicsLoop::disarm(ExecutionEnd end) noexcept {
+  desk_.end(end, thisTick());
+  raise(Event::kPlanCancelled);
+}
+
+}  // namespace raven2_trainer::runtime

@@ -1,0 +1,140 @@
+#include "raven2_trainer/control/path_execution.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace raven2_trainer::control {
+namespace {
+
+constexpr JointArray kStart{0.5, 1.5, 0.40, 0.1, 0.0, 0.7, 0.8};
+constexpr JointArray kMiddle{0.6, 1.4, 0.41, 0.3, 0.2, 0.6, 0.9};
+constexpr JointArray kGoal{0.4, 1.6, 0.38, 0.0, 0.1, 0.8, 0.7};
+
+PlanResult plan() {
+  PlanResult result;
+  result.id = 3;
+  result.status = PlanStatus::kSuccess;
+  result.waypoint_count = 3;
+  result.waypoints[0] = kStart;
+  result.waypoints[1] = kMiddle;
+  result.waypoints[2] = kGoal;
+  result.arrival[1] = 0.5;
+  result.arrival[2] = 1.3;
+  return result;
+}
+
+ExecutionConfig configuration(double speed = 1.0) {
+  ExecutionConfig config;
+  config.speed = speed;
+  config.hold_time = 0.2;
+  return config;
+}
+
+/** Greatest difference of any joint. */
+double apart(const JointArray& a, const JointArray& b) {
+  double most = 0.0;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    most = std::max(most, std::abs(a[j] - b[j]));
+  return most;
+}
+
+/** Ticks until the path is over, at most 10 s of them. */
+int ticksOf(PathExecution* execution) {
+  int ticks = 0;
+  for (; !execution->isOver() && ticks < 10000; ++ticks)
+    execution->tick(true);
+  return ticks;
+}
+
+TEST(PathExecution, BeginsWhereTheArmStandsAndIsOnThePathAfterTheHold) {
+  PathExecution execution(configuration());
+  JointArray from = kStart;
+  from[0] += 0.008;
+  from[2] -= 0.001;
+  execution.start(plan(), from);
+  EXPECT_EQ(execution.desired(), from);
+  EXPECT_LT(apart(execution.tick(true), from), 1e-6) << "from rest";
+  for (int i = 1; i < 100; ++i)
+    execution.tick(true);
+  EXPECT_NEAR(execution.desired()[0], kStart[0] + 0.004, 1e-12) << "half of the offset after half of the hold";
+  EXPECT_EQ(execution.progress(), 0.0);
+  for (int i = 100; i < 200; ++i)
+    execution.tick(true);
+  EXPECT_LT(apart(execution.desired(), kStart), 1e-12);
+}
+
+TEST(PathExecution, PassesTheWaypointsAtTheirTimes) {
+  PathExecution execution(configuration());
+  execution.start(plan(), kStart);
+  for (int i = 0; i < 200 + 500; ++i)
+    execution.tick(true);
+  EXPECT_LT(apart(execution.desired(), kMiddle), 1e-9);
+  EXPECT_NEAR(execution.progress(), 0.5 / 1.3, 1e-9);
+  for (int i = 0; i < 400; ++i)  // half of the second edge: a quintic's middle is half way
+    execution.tick(true);
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    EXPECT_NEAR(execution.desired()[j], 0.5 * (kMiddle[j] + kGoal[j]), 1e-9);
+}
+
+TEST(PathExecution, EndsAtTheGoalAndStaysThere) {
+  PathExecution execution(configuration());
+  execution.start(plan(), kStart);
+  EXPECT_NEAR(ticksOf(&execution), 1500, 1);
+  EXPECT_EQ(execution.progress(), 1.0);
+  EXPECT_EQ(execution.rested(), 0.0);
+  for (int i = 0; i < 50; ++i)
+    EXPECT_LT(apart(execution.tick(true), kGoal), 1e-12);
+  EXPECT_NEAR(execution.rested(), 0.050, 1e-12);
+  EXPECT_EQ(execution.goal(), kGoal);
+}
+
+TEST(PathExecution, AtHalfTheSpeedTakesThePathTwiceAsLong) {
+  PathExecution execution(configuration(0.5));
+  execution.start(plan(), kStart);
+  EXPECT_NEAR(ticksOf(&execution), 200 + 2600, 1);
+}
+
+TEST(PathExecution, StandsStillAsLongAsTheArmMayNotMove) {
+  PathExecution execution(configuration()), undisturbed(configuration());
+  execution.start(plan(), kStart);
+  undisturbed.start(plan(), kStart);
+  for (int i = 0; i < 400; ++i) {
+    execution.tick(true);
+    undisturbed.tick(true);
+  }
+  const JointArray stood = execution.desired();
+  for (int i = 0; i < 77; ++i)
+    EXPECT_EQ(execution.tick(false), stood);
+  EXPECT_NEAR(execution.waited(), 0.077, 1e-12);
+  EXPECT_EQ(execution.tick(true), undisturbed.tick(true)) << "it goes on where it stood";
+  EXPECT_EQ(execution.waited(), 0.0);
+}
+
+TEST(PathExecution, NeverJumps) {
+  PathExecution execution(configuration());
+  JointArray from = kStart;
+  from[1] += 0.01;
+  execution.start(plan(), from);
+  JointArray before = from;
+  for (int i = 0; i < 1600; ++i) {
+    const JointArray now = execution.tick(true);
+    // Peak rate of a quintic: 15/8 of the mean, here 0.2 rad in 0.5 s; of the hold 0.01 rad in 0.2 s.
+    EXPECT_LT(apart(now, before), (0.2 / 0.5 + 0.01 / 0.2) * 15.0 / 8.0 * 1e-3);
+    before = now;
+  }
+}
+
+TEST(PathExecution, OfOneWaypointIsOverAfterTheHold) {
+  PlanResult single = plan();
+  single.waypoint_count = 1;
+  PathExecution execution(configuration());
+  execution.start(single, kStart);
+  EXPECT_NEAR(ticksOf(&execution), 200, 1);
+  EXPECT_EQ(execution.progress(), 1.0);
+  EXPECT_LT(apart(execution.desired(), kStart), 1e-12);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::control
