@@ -1,8 +1,8 @@
 #include "render/planned_path.h"
 
 #include <algorithm>
+#include <limits>
 
-#include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/control/tip_path.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "render/primitives.h"
@@ -15,6 +15,17 @@ constexpr float kTubeRadius = 0.0013F;  // [m] 4 pixels wide in the endoscope's 
 constexpr int kTubeSides = 6;
 constexpr double kPieceLength =
     0.004;  // [m] least of a drawn piece; an arc about the remote centre bends 0.03 mm in it
+
+constexpr double kRounding = 1e-6;  // [edges] of a place at the very end of an edge
+
+using Joints = Eigen::Matrix<double, kJointCount, 1>;
+
+/** Joints such that a unit is about as far for each: the insertion moves by 0.1 m where the others turn by a radian. */
+Joints scaled(const JointArray& q) noexcept {
+  Joints out = Eigen::Map<const Joints>(q.data());
+  out[kInsertion] *= 10.0;
+  return out;
+}
 
 std::uint32_t planInForce(const ModelState& model) noexcept {
   switch (model.planning.status) {
@@ -39,18 +50,18 @@ const PlanResult* planAtHand(const Snapshot& snapshot) noexcept {
 PlannedPath::PlannedPath(const ArmGeometry& geometry, const Pose& X_WB, const PlanResult& plan) {
   const GuidePath tip = control::tipPath(geometry, plan);
   if (tip.count == 0) return;
-  arrivals_.assign(plan.arrival.begin(), plan.arrival.begin() + plan.waypoint_count);
-  pieces_ = plan.waypoint_count > 1 ? (tip.count - 1) / (plan.waypoint_count - 1) : 1;
+  waypoints_.assign(plan.waypoints.begin(), plan.waypoints.begin() + plan.waypoint_count);
+  const std::uint32_t pieces = plan.waypoint_count > 1 ? (tip.count - 1) / (plan.waypoint_count - 1) : 1;  // to an edge
   for (std::uint32_t i = 0; i < tip.count; ++i) {
     const Vector3 p_W = X_WB * toEigen(tip.points_B[i]);
     if (!p_W.allFinite()) continue;
-    const bool is_stop = i % pieces_ == 0;
+    const bool is_stop = i % pieces == 0;
     if (is_stop) stops_.push_back(p_W);
     const double step = line_.empty() ? kPieceLength : (p_W - line_.back()).norm();
     // A stop ends its piece however short that is, or the tube would miss it; not where the tip only turns.
     if (step < kPieceLength && !(is_stop && step > 0.01 * kPieceLength)) continue;
     line_.push_back(p_W);
-    places_.push_back(static_cast<double>(i));
+    places_.push_back(static_cast<double>(i) / pieces);
   }
 }
 
@@ -58,28 +69,29 @@ model::Mesh PlannedPath::tube() const {
   return makeTube(line_, kTubeRadius, kTubeSides);
 }
 
-/** Where the tip is on its path [pieces]: the time law of control::PathFollower. */
-double PlannedPath::placeAt(double progress) const noexcept {
-  if (arrivals_.size() < 2) return 0.0;
-  const double time = std::clamp(progress, 0.0, 1.0) * arrivals_.back();
-  std::size_t edge = 0;
-  while (edge + 2 < arrivals_.size() && time >= arrivals_[edge + 1])
-    ++edge;
-  const double duration = arrivals_[edge + 1] - arrivals_[edge];
-  const double blend = duration > 0.0 ? control::quinticBlend((time - arrivals_[edge]) / duration) : 1.0;
-  return (static_cast<double>(edge) + blend) * pieces_;
+double PlannedPath::placeOf(const JointArray& q) const noexcept {
+  double place = 0.0, least = std::numeric_limits<double>::max();
+  for (std::size_t edge = 0; edge + 1 < waypoints_.size(); ++edge) {
+    const Joints from = scaled(waypoints_[edge]), along = scaled(waypoints_[edge + 1]) - from;
+    const double length = along.squaredNorm();
+    const double share = length > 0.0 ? std::clamp(along.dot(scaled(q) - from) / length, 0.0, 1.0) : 0.0;
+    const double distance = (from + share * along - scaled(q)).squaredNorm();
+    if (!(distance < least)) continue;  // false for NaN
+    least = distance;
+    place = static_cast<double>(edge) + share;
+  }
+  return place;
 }
 
-std::uint32_t PlannedPath::trianglesBehind(double progress) const noexcept {
-  const double place = placeAt(progress);
-  const auto passed = std::count_if(places_.begin(), places_.end(), [=](double p) { return p <= place; });
+std::uint32_t PlannedPath::trianglesBefore(double place) const noexcept {
+  const auto passed = std::count_if(places_.begin(), places_.end(), [=](double p) { return p <= place + kRounding; });
   return 2 * kTubeSides * static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(passed - 1, 0));
 }
 
-std::size_t PlannedPath::stopsBehind(double progress) const noexcept {
-  if (stops_.empty() || !(progress > 0.0)) return 0;
-  const double edges = placeAt(progress) / std::max(pieces_, 1U);
-  return std::min(stops_.size(), static_cast<std::size_t>(std::max(edges, 0.0)) + 1);
+std::size_t PlannedPath::stopsBefore(double place) const noexcept {
+  if (!(place > kRounding)) return 0;
+  const double left = std::min(place + kRounding, static_cast<double>(kMaxWaypoints));
+  return std::min(stops_.size(), static_cast<std::size_t>(left) + 1);
 }
 
 }  // namespace raven2_trainer::render

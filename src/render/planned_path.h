@@ -27,19 +27,18 @@ class PlannedPath {
   /** [m] [@frame W] the tip at each waypoint, in their order. */
   const std::vector<Vector3>& stops() const noexcept { return stops_; }
 
-  /** Of the tube's triangles, those that the arm has left behind once this share of the path's time is gone.
-   *  @param[in] progress [-] 0 to 1. */
-  std::uint32_t trianglesBehind(double progress) const noexcept;
-  /** The same of the stops. */
-  std::size_t stopsBehind(double progress) const noexcept;
+  /** Where desired joints [rad; m] are on the path: 0 at its start, one more at every waypoint. Of joints beside the
+   * path it is the nearest place. */
+  double placeOf(const JointArray& q) const noexcept;
+  /** Of the tube's triangles, those before a place. */
+  std::uint32_t trianglesBefore(double place) const noexcept;
+  /** Of the stops, those that an arm at this place has left; none at the start. */
+  std::size_t stopsBefore(double place) const noexcept;
 
  private:
-  double placeAt(double progress) const noexcept;
-
-  std::vector<double> arrivals_;  // [s] at the waypoints
-  std::uint32_t pieces_{0};       // of the tip's path to an edge
+  std::vector<JointArray> waypoints_;
   std::vector<Vector3> line_, stops_;
-  std::vector<double> places_;  // of each point of line_ on the tip's path [pieces]
+  std::vector<double> places_;  // of the points of line_
 };
 
 }  // namespace raven2_trainer::render

@@ -68,7 +68,7 @@ struct SceneBuilder::Impl {
   void addArms(const Snapshot& snapshot);
   void addGhost(const PerArm<JointArray>& q, Arm arm, const std::array<float, 4>& colour);
   void followPlan(const Snapshot& snapshot);
-  void addPath(double progress);
+  void addPath(double place);
   void addPlan(const Snapshot& snapshot);
   void addOverlay(const Snapshot& snapshot);
   void addForce(const Snapshot& snapshot, Arm arm);
@@ -158,15 +158,16 @@ void SceneBuilder::Impl::followPlan(const Snapshot& snapshot) {
   pictures.replaceMesh(tube, path.tube());
 }
 
-void SceneBuilder::Impl::addPath(double progress) {
-  const std::uint32_t behind = path.trianglesBehind(progress);
+/** @param[in] place on the path up to which it is travelled (PlannedPath::placeOf). */
+void SceneBuilder::Impl::addPath(double place) {
+  const std::uint32_t behind = path.trianglesBefore(place);
   Drawable part{tube, Pose{}, kTravelledColour, /*is_mark=*/true, 0, behind};
   scene.drawables.push_back(part);
   part.colour = kPathColour;
   part.first = behind;
   part.count = Drawable{}.count;
   scene.drawables.push_back(part);
-  const std::size_t stops_behind = path.stopsBehind(progress);
+  const std::size_t stops_behind = path.stopsBefore(place);
   for (std::size_t i = 0; i < path.stops().size(); ++i) {
     const auto& colour = i < stops_behind ? kTravelledColour : kPathColour;
     scene.drawables.push_back({stop, {Matrix3::Identity(), path.stops()[i]}, colour, /*is_mark=*/true});
@@ -177,10 +178,11 @@ void SceneBuilder::Impl::addPlan(const Snapshot& snapshot) {
   const PlanResult* at_hand = planAtHand(snapshot);
   if (at_hand == nullptr) return;
   followPlan(snapshot);
-  const PlanningState& state = snapshot.model.planning;
-  addPath(state.status == PlanningStatus::kExecuting ? state.progress : 0.0);
+  const ModelState& model = snapshot.model;
+  const bool is_under_way = model.mode == Mode::kExecuting || model.mode == Mode::kTracking;
+  addPath(is_under_way ? path.placeOf(at(model.arms, at_hand->arm).q_d) : 0.0);
   if (at_hand->waypoint_count == 0 || at_hand->waypoint_count > kMaxWaypoints) return;
-  PerArm<JointArray> q{snapshot.model.arms[0].q, snapshot.model.arms[1].q};
+  PerArm<JointArray> q{model.arms[0].q, model.arms[1].q};
   at(q, at_hand->arm) = at_hand->waypoints[at_hand->waypoint_count - 1];
   addGhost(q, at_hand->arm, kGoalColour);
 }

@@ -44,9 +44,10 @@ int main() {
     const render::Snapshot without = atHome(config, scene);
     render::Snapshot with = without;
     render::setPlan(render::makePlan(config.arms.geometry, Arm::kGold), PlanningStatus::kExecuting, &with);
+    with.model.mode = Mode::kExecuting;
+    with.model.arms[0].q_d = with.plans.path->waypoints[1];
     std::vector<double> times[2];
     for (int i = 0; i < 2 * kFrames; ++i) {
-      with.model.planning.progress = static_cast<double>(i) / (2 * kFrames);
       const auto begin = std::chrono::steady_clock::now();
       renderer.draw(builder.build(i % 2 == 0 ? without : with), camera);
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;

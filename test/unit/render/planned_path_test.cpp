@@ -23,12 +23,17 @@ Pose somewhere() {
   return {Eigen::AngleAxisd(0.7, Vector3(1.0, 2.0, 3.0).normalized()).toRotationMatrix(), {0.1, -0.2, 0.3}};
 }
 
-/** [m] in W, of the tip at a share of the way from one waypoint to the next. */
-Vector3 tipAt(const PlanResult& plan, std::size_t edge, double share) {
+/** A share of the way from one waypoint to the next. */
+JointArray jointsAt(const PlanResult& plan, std::size_t edge, double share) {
   JointArray q{};
   for (std::size_t j = 0; j < kJointCount; ++j)
     q[j] = (1.0 - share) * plan.waypoints[edge][j] + share * plan.waypoints[edge + 1][j];
-  return somewhere() * kinematics::forward(geometry(), plan.arm, q).p;
+  return q;
+}
+
+/** [m] in W, of the tip there. */
+Vector3 tipAt(const PlanResult& plan, std::size_t edge, double share) {
+  return somewhere() * kinematics::forward(geometry(), plan.arm, jointsAt(plan, edge, share)).p;
 }
 
 double distanceToPath(const PlanResult& plan, const Vector3& p_W) {
@@ -73,48 +78,63 @@ Vector3 endOfTravelled(const model::Mesh& tube, std::uint32_t triangles) {
   return sum / 6.0;
 }
 
-TEST(PlannedPath, WhatIsBehindEndsWhereTheArmIsAtThatTime) {
+TEST(PlannedPath, JointsOnThePathAreWhereTheyAreOnIt) {
+  const PlanResult plan = makePlan(geometry(), Arm::kGold);
+  const PlannedPath path(geometry(), somewhere(), plan);
+  for (std::size_t edge = 0; edge < 2; ++edge) {
+    for (const double share : {0.0, 0.1, 0.5, 0.9, 1.0}) {
+      const double place = static_cast<double>(edge) + share;
+      EXPECT_NEAR(path.placeOf(jointsAt(plan, edge, share)), place, 1e-9);
+      JointArray beside = jointsAt(plan, edge, share);
+      beside[kToolRotation] += 0.05;
+      EXPECT_NEAR(path.placeOf(beside), place, 1e-9) << "moved square to the path";
+    }
+  }
+  JointArray before = plan.waypoints[0];
+  before[kShoulder] -= 0.1;
+  EXPECT_EQ(path.placeOf(before), 0.0);
+}
+
+TEST(PlannedPath, WhatIsBehindEndsWhereTheArmIs) {
   const PlanResult plan = makePlan(geometry(), Arm::kGold);
   const PlannedPath path(geometry(), somewhere(), plan);
   const model::Mesh tube = path.tube();
-  const auto all = static_cast<std::uint32_t>(tube.triangles.size());
-  EXPECT_EQ(path.trianglesBehind(0.0), 0U);
-  EXPECT_EQ(path.trianglesBehind(1.0), all);
-  // A rest-to-rest quintic has gone half its way in half its time; at a quarter 10/64 - 15/256 + 6/1024 = 0.103515625.
-  const std::pair<double, Vector3> places[] = {{0.5 / 3.0, tipAt(plan, 0, 0.5)},
-                                               {0.25 / 3.0, tipAt(plan, 0, 0.103515625)},
-                                               {1.0 / 3.0, tipAt(plan, 1, 0.0)},
-                                               {2.0 / 3.0, tipAt(plan, 1, 0.5)}};
-  for (const auto& [progress, p_W] : places)
-    EXPECT_LT((endOfTravelled(tube, path.trianglesBehind(progress + 1e-9)) - p_W).norm(), 0.0055) << progress;
-  std::uint32_t before = 0;
-  for (double progress = 0.0; progress <= 1.0; progress += 0.01) {
-    EXPECT_GE(path.trianglesBehind(progress), before);
-    before = path.trianglesBehind(progress);
+  EXPECT_EQ(path.trianglesBefore(0.0), 0U);
+  EXPECT_EQ(path.trianglesBefore(path.placeOf(plan.waypoints[2])), tube.triangles.size());
+  for (std::size_t edge = 0; edge < 2; ++edge) {
+    for (const double share : {0.2, 0.5, 0.8}) {
+      const std::uint32_t triangles = path.trianglesBefore(static_cast<double>(edge) + share);
+      EXPECT_LT((endOfTravelled(tube, triangles) - tipAt(plan, edge, share)).norm(), 0.0055) << edge << " " << share;
+    }
   }
+  const std::uint32_t first_edge = path.trianglesBefore(1.0);
+  EXPECT_LT((endOfTravelled(tube, first_edge) - tipAt(plan, 0, 1.0)).norm(), 1e-6) << "a stop ends a piece";
 }
 
 TEST(PlannedPath, AStopIsBehindOnceTheArmWasThere) {
   const PlannedPath path(geometry(), somewhere(), makePlan(geometry(), Arm::kGold));
-  EXPECT_EQ(path.stopsBehind(0.0), 0U);
-  EXPECT_EQ(path.stopsBehind(0.2), 1U);
-  EXPECT_EQ(path.stopsBehind(0.34), 2U);
-  EXPECT_EQ(path.stopsBehind(0.99), 2U);
-  EXPECT_EQ(path.stopsBehind(1.0), 3U);
+  EXPECT_EQ(path.stopsBefore(0.0), 0U);
+  EXPECT_EQ(path.stopsBefore(0.2), 1U);
+  EXPECT_EQ(path.stopsBefore(0.99), 1U);
+  EXPECT_EQ(path.stopsBefore(1.0), 2U);
+  EXPECT_EQ(path.stopsBefore(1.9), 2U);
+  EXPECT_EQ(path.stopsBefore(2.0), 3U);
 }
 
 TEST(PlannedPath, PlansThatNoLogShouldHoldDoNoHarm) {
   PlanResult plan = makePlan(geometry(), Arm::kGold);
   plan.waypoints[1].fill(kNan);
-  plan.arrival[1] = kNan;
   const PlannedPath damaged(geometry(), somewhere(), plan);
   for (const auto& vertex : damaged.tube().vertices)
     EXPECT_TRUE(std::isfinite(vertex[0] + vertex[1] + vertex[2]));
-  for (const double progress : {0.1, 0.5, 1e300, kNan})
-    EXPECT_LE(damaged.trianglesBehind(progress), damaged.tube().triangles.size());
+  EXPECT_EQ(damaged.placeOf(plan.waypoints[0]), 0.0);
+  for (const double place : {-1e300, 0.5, 1e300, kNan}) {
+    EXPECT_LE(damaged.trianglesBefore(place), damaged.tube().triangles.size());
+    EXPECT_LE(damaged.stopsBefore(place), damaged.stops().size());
+  }
   plan.waypoint_count = 4'000'000'000U;
   EXPECT_TRUE(PlannedPath(geometry(), somewhere(), plan).tube().triangles.empty());
-  EXPECT_EQ(PlannedPath(geometry(), somewhere(), plan).stopsBehind(0.5), 0U);
+  EXPECT_EQ(PlannedPath(geometry(), somewhere(), plan).stopsBefore(0.5), 0U);
 }
 
 TEST(PlannedPath, AnArmThatStaysWhereItIsHasStopsAndNoTube) {
@@ -123,7 +143,7 @@ TEST(PlannedPath, AnArmThatStaysWhereItIsHasStopsAndNoTube) {
   const PlannedPath path(geometry(), somewhere(), plan);
   EXPECT_EQ(path.stops().size(), 3U);
   EXPECT_TRUE(path.tube().triangles.empty());
-  EXPECT_EQ(path.trianglesBehind(1.0), 0U);
+  EXPECT_EQ(path.trianglesBefore(2.0), 0U);
 }
 
 TEST(PlanAtHand, IsTheOneThatThePlanningStateNamesOrThatGuidesTheHand) {

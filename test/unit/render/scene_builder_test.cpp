@@ -210,7 +210,8 @@ TEST_F(SceneBuilderTest, NothingElseHasTheColoursOfAPlan) {
   snapshot_.haptic.force_B[1] = {0.0, 0.0, 2.0};
   const std::vector<Drawable> others = builder_.build(snapshot_).drawables;
   setPlan(makePlan(config_->arms.geometry, Arm::kGreen), PlanningStatus::kExecuting, &snapshot_);
-  snapshot_.model.planning.progress = 0.5;
+  snapshot_.model.mode = Mode::kExecuting;
+  snapshot_.model.arms[1].q_d = makePlan(config_->arms.geometry, Arm::kGreen).waypoints[1];
   const std::vector<Drawable> all = builder_.build(snapshot_).drawables;
   ASSERT_GT(all.size(), others.size());
   for (std::size_t i = others.size(); i < all.size(); ++i) {
@@ -249,10 +250,12 @@ TEST_F(SceneBuilderTest, ThePathIsSeenAllAlongTheTipsWayAndTheGoalWhereItEnds) {
   EXPECT_GE(seen, looked_at - 2) << "of " << looked_at << "; the ghost of the goal may cover an end";
 }
 
-TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmed) {
-  setPlan(makePlan(config_->arms.geometry, Arm::kGold), PlanningStatus::kExecuting, &snapshot_);
-  const auto tube_parts = [&](double progress) {
-    snapshot_.model.planning.progress = progress;
+TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmedWhileItIsFollowed) {
+  const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
+  setPlan(plan, PlanningStatus::kExecuting, &snapshot_);
+  const auto tube_parts = [&](Mode mode, const JointArray& q_d) {
+    snapshot_.model.mode = mode;
+    snapshot_.model.arms[0].q_d = q_d;
     std::vector<Drawable> marks;
     for (const Drawable& d : builder_.build(snapshot_).drawables) {
       if (d.is_mark) marks.push_back(d);
@@ -260,14 +263,15 @@ TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmed) {
     EXPECT_EQ(marks.size(), 2U + 3U) << "behind, ahead, and a stop at each waypoint";
     return std::pair<Drawable, Drawable>(marks.at(0), marks.at(1));
   };
-  EXPECT_EQ(tube_parts(0.0).first.count, 0U);
-  const auto [behind, ahead] = tube_parts(0.5);
-  EXPECT_EQ(behind.first, 0U);
-  EXPECT_GT(behind.count, 0U);
-  EXPECT_EQ(ahead.first, behind.count) << "one begins where the other ends";
-  EXPECT_LT(behind.colour[0] + behind.colour[2], 0.7F * (ahead.colour[0] + ahead.colour[2]));
-  snapshot_.model.planning.status = PlanningStatus::kReady;
-  EXPECT_EQ(tube_parts(0.5).first.count, 0U) << "not under way";
+  EXPECT_EQ(tube_parts(Mode::kExecuting, plan.waypoints[0]).first.count, 0U);
+  for (const Mode mode : {Mode::kExecuting, Mode::kTracking}) {
+    const auto [behind, ahead] = tube_parts(mode, plan.waypoints[1]);
+    EXPECT_EQ(behind.first, 0U);
+    EXPECT_GT(behind.count, 0U);
+    EXPECT_EQ(ahead.first, behind.count) << "one begins where the other ends";
+    EXPECT_LT(behind.colour[0] + behind.colour[2], 0.7F * (ahead.colour[0] + ahead.colour[2]));
+  }
+  EXPECT_EQ(tube_parts(Mode::kArmed, plan.waypoints[1]).first.count, 0U) << "not under way";
 }
 
 TEST_F(SceneBuilderTest, ThePictureShowsThePathDimming) {
@@ -275,12 +279,15 @@ TEST_F(SceneBuilderTest, ThePictureShowsThePathDimming) {
   SceneBuilder builder(*raven_, *scene_, config_->haptics, &renderer);
   const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
   const auto is_bright = [](const std::uint8_t* p) { return p[0] > p[1] + 80 && p[2] > p[1] + 80; };
-  setPlan(makePlan(config_->arms.geometry, Arm::kGold), PlanningStatus::kExecuting, &snapshot_);
+  const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
+  setPlan(plan, PlanningStatus::kExecuting, &snapshot_);
+  snapshot_.model.mode = Mode::kExecuting;
+  snapshot_.model.arms[0].q_d = plan.waypoints[0];
   const int before = countPixels(renderer.draw(builder.build(snapshot_), camera), is_bright);
-  snapshot_.model.planning.progress = 0.9;
+  snapshot_.model.arms[0].q_d = plan.waypoints[2];
   const int after = countPixels(renderer.draw(builder.build(snapshot_), camera), is_bright);
   EXPECT_GT(before, 100);
-  EXPECT_LT(after, before / 2);
+  EXPECT_LT(after, before / 4);
 }
 
 TEST_F(SceneBuilderTest, TheOverlayTellsOfThePlan) {

@@ -83,7 +83,9 @@ TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
   const PlanResult plan = render::makePlan(config_.arms.geometry, Arm::kGold);
   const ExecutionReport report = render::makeReport(ExecutionEnd::kReleased, 0.4);
   answer(plan, PlanningStatus::kExecuting);
+  state_.mode = Mode::kExecuting;
   state_.planning.progress = 0.6;
+  state_.arms[0].q_d = plan.waypoints[1];
   shared_->last_execution.store(report);
   const Picture live = frame();
 
