@@ -43,8 +43,10 @@ std::uint32_t planInForce(const ModelState& model) noexcept {
 const PlanResult* planAtHand(const Snapshot& snapshot) noexcept {
   const PlanResult* path = snapshot.plans.path.get();
   const std::uint32_t id = planInForce(snapshot.model);
-  const bool is_known = path != nullptr && id != 0 && path->id == id && index(path->arm) < kArmCount;
-  return is_known ? path : nullptr;
+  if (path == nullptr || id == 0 || path->id != id) return nullptr;
+  const bool is_sound =
+      index(path->arm) < kArmCount && path->waypoint_count > 0 && path->waypoint_count <= kMaxWaypoints;
+  return is_sound ? path : nullptr;
 }
 
 PlannedPath::PlannedPath(const ArmGeometry& geometry, const Pose& X_WB, const PlanResult& plan) {

@@ -181,7 +181,6 @@ void SceneBuilder::Impl::addPlan(const Snapshot& snapshot) {
   const ModelState& model = snapshot.model;
   const bool is_under_way = model.mode == Mode::kExecuting || model.mode == Mode::kTracking;
   addPath(is_under_way ? path.placeOf(at(model.arms, at_hand->arm).q_d) : 0.0);
-  if (at_hand->waypoint_count == 0 || at_hand->waypoint_count > kMaxWaypoints) return;
   PerArm<JointArray> q{model.arms[0].q, model.arms[1].q};
   at(q, at_hand->arm) = at_hand->waypoints[at_hand->waypoint_count - 1];
   addGhost(q, at_hand->arm, kGoalColour);

@@ -172,12 +172,18 @@ TEST(PlanAtHand, OutlivesTheRefusalOfALaterRequest) {
   EXPECT_EQ(planAtHand(snapshot)->id, kPlan);
 }
 
-TEST(PlanAtHand, IsNoneForAnArmThatThereIsNot) {
+TEST(PlanAtHand, IsNoneForAnArmOrWaypointsThatThereAreNot) {
   Snapshot snapshot;
   PlanResult plan = makePlan(geometry(), Arm::kGold);
   plan.arm = static_cast<Arm>(7);
   setPlan(plan, PlanningStatus::kReady, &snapshot);
   EXPECT_EQ(planAtHand(snapshot), nullptr);
+  for (const std::uint32_t count : {0U, static_cast<std::uint32_t>(kMaxWaypoints) + 1}) {
+    plan = makePlan(geometry(), Arm::kGold);
+    plan.waypoint_count = count;
+    setPlan(plan, PlanningStatus::kReady, &snapshot);
+    EXPECT_EQ(planAtHand(snapshot), nullptr) << count;
+  }
 }
 
 }  // namespace
