@@ -33,7 +33,7 @@ RULES = {
     "plant": (["core", "kinematics", "model", "raven", "physics"], PURE),
     "training": (["core", "kinematics", "model", "session"], PURE + r"|nlohmann/"),
     "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/|emmintrin\.h"),
-    "render": (["core", "kinematics", "model", "session", "training"],
+    "render": (["core", "kinematics", "control", "model", "session", "training"],
                PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],

@@ -78,7 +78,8 @@ class Series:
         self.runlevel = np.where(seen, robot["runlevel"], -1)
         modes = log.names("tick", "model.mode")
         self.teleoperating = model["mode"] == modes.index("teleoperating")
-        self.tracking = model["mode"] == modes.index("tracking")
+        self.tracking = self._in_modes(model, modes, "tracking", "executing")
+        self.choosing = self._in_modes(model, modes, "choosing")
         comparable = self.teleoperating & seen & (model["robot_fresh"] != 0)
         if "linked" in model.dtype.names:
             comparable &= model["linked"] != 0
@@ -86,6 +87,11 @@ class Series:
         self.error_mm = np.where(comparable[:, None], distance, np.nan)
         self.tolerance_mm = self.header["tolerance"] * 1000.0
         self._forces(log, model)
+
+    @staticmethod
+    def _in_modes(model, modes, *names):
+        """Older logs do not know every mode."""
+        return np.isin(model["mode"], [modes.index(name) for name in names if name in modes])
 
     def _fault_runs(self):
         """A change of fault id without a gap is a new window."""
@@ -116,8 +122,8 @@ def _mark(axes, series):
     for i, (first, last, _) in enumerate(series.fault_windows):
         axes.axvspan(first, last, color=FAULT, alpha=0.45, linewidth=0, label=None if i else "fault acting")
     for i, (a, b) in enumerate(runs(series.tracking)):
-        axes.axvspan(series.t[a], series.t[b], color=PLAN, alpha=0.25, linewidth=0, label=None if i else "plan tracked")
-    for i, (a, b) in enumerate(runs(~series.teleoperating & ~series.tracking)):
+        axes.axvspan(series.t[a], series.t[b], color=PLAN, alpha=0.25, linewidth=0, label=None if i else "plan followed")
+    for i, (a, b) in enumerate(runs(~series.teleoperating & ~series.tracking & ~series.choosing)):
         axes.axvspan(series.t[a], series.t[b], 0, 0.025, color=PEDAL_UP, linewidth=0,
                      label=None if i else "pedal up, stopped")
     if len(series.t) > 1:

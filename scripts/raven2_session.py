@@ -167,8 +167,8 @@ class SessionLog:
         self.commands = self._arrays["command"]
         self.requests = self._arrays["request"]
         self.plans = self._arrays["plan"]
-        self.faults = self._arrays.get("faults")  # None in logs older than they
         self.executions = self._arrays.get("execution")  # None in logs older than they
+        self.faults = self._arrays.get("faults")  # None in logs older than they
         self.contacts = self._arrays.get("contact")  # None in logs older than contact records
         self.counts = self._arrays["counts"]
         self.gaps = self._arrays.get("gap")  # None in logs older than gap records

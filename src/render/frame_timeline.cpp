@@ -21,6 +21,12 @@ std::int64_t frameAt(double seconds, std::int64_t fps) {
   return std::llround(std::clamp(seconds, 0.0, 1e9) * static_cast<double>(fps));
 }
 
+template <typename News>
+void tell(const News& news, PlanNews* plans) {
+  if (news.answer) plans->add(news.answer);
+  if (news.execution) plans->add(news.execution);
+}
+
 std::string faultName(const std::vector<std::string>& scenarios, std::uint32_t id) {
   if (id == 0) return "";
   return id <= scenarios.size() ? scenarios[id - 1] : "unknown";
@@ -62,6 +68,21 @@ void FrameTimeline::add(const HapticRecord& record) {
   if (slot != nullptr && record.haptic.tick > slot->haptic.tick) slot->haptic = record.haptic;
 }
 
+void FrameTimeline::add(const PlanRecord& record) {
+  news_.push_back({record.tick, std::make_shared<const PlanResult>(record.result), nullptr});
+}
+
+void FrameTimeline::add(const ExecutionRecord& record) {
+  news_.push_back({record.tick, nullptr, std::make_shared<const ExecutionReport>(record.report)});
+}
+
+/** Those of one tick in the order in which they came. */
+std::vector<FrameTimeline::News> FrameTimeline::sortedNews() const {
+  std::vector<News> news = news_;
+  std::stable_sort(news.begin(), news.end(), [](const News& a, const News& b) { return a.tick < b.tick; });
+  return news;
+}
+
 std::int64_t FrameTimeline::sessionFrames() const noexcept {
   return ((last_ + 1) * fps_ + kTicksPerSecond / 2) / kTicksPerSecond;
 }
@@ -69,6 +90,8 @@ std::int64_t FrameTimeline::sessionFrames() const noexcept {
 std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scenarios) const {
   std::vector<Snapshot> out;
   const std::int64_t count = std::min(std::min(span_.end, sessionFrames()) - span_.first, kMaxFrames);
+  const std::vector<News> news = sortedNews();
+  auto next = news.begin();
   Snapshot newest;
   for (std::int64_t i = 0; i < count; ++i) {
     if (static_cast<std::size_t>(i) < slots_.size()) {
@@ -81,6 +104,8 @@ std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scen
       }
       if (slot.haptic.tick >= 0) newest.haptic = slot.haptic;
     }
+    for (; next != news.end() && next->tick <= newest.model.tick; ++next)
+      tell(*next, &newest.plans);
     out.push_back(newest);
   }
   return out;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,12 @@ class FrameTimeline {
   /** @param[in] fps [Hz]. @param[in] from,to [s] session time to keep; `to` negative: to the end. */
   FrameTimeline(int fps, double from, double to);
 
-  /** Records in any order; those before the first pedal down and outside the span are ignored.
+  /** Records in any order; ticks and forces before the first pedal down and outside the span are ignored.
    *  @throw SessionException if the span needs more than kMaxFrames. */
   void add(const TickRecord& record);
   void add(const HapticRecord& record);
+  void add(const PlanRecord& record);
+  void add(const ExecutionRecord& record);
 
   /** Frames of the span, in order. `scenarios` names the faults: Fault::id is the position + 1. */
   std::vector<Snapshot> frames(const std::vector<std::string>& scenarios) const;
@@ -40,13 +43,21 @@ class FrameTimeline {
     HapticState haptic;
     bool has_tick{false};
   };
+  /** News of plans, and the model tick from which they are known. */
+  struct News {
+    Tick tick;
+    std::shared_ptr<const PlanResult> answer;          // or
+    std::shared_ptr<const ExecutionReport> execution;  // the other is null
+  };
   Slot* slotOf(Tick session_tick);
+  std::vector<News> sortedNews() const;
 
   std::int64_t fps_;
   FrameSpan span_;
   Tick origin_{-1};  // model tick of session tick 0
   Tick last_{-1};    // newest session tick
   std::vector<Slot> slots_;
+  std::vector<News> news_;
 };
 
 }  // namespace raven2_trainer::render

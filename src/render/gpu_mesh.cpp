@@ -56,7 +56,7 @@ GLuint upload(GLenum target, const std::vector<T>& data) {
 
 GpuMesh::GpuMesh(const model::Mesh& mesh) : radius_(farthest(mesh)) {
   const std::vector<std::uint32_t> indices = validIndices(mesh);
-  index_count_ = static_cast<GLsizei>(indices.size());
+  triangle_count_ = static_cast<std::uint32_t>(indices.size() / 3);
   glGenVertexArrays(1, &arrays_);
   glBindVertexArray(arrays_);
   vertices_ = upload(GL_ARRAY_BUFFER, interleave(mesh));
@@ -72,10 +72,13 @@ GpuMesh::~GpuMesh() {
   glDeleteVertexArrays(1, &arrays_);
 }
 
-void GpuMesh::draw() const noexcept {
-  if (index_count_ == 0) return;
+void GpuMesh::draw(std::uint32_t first, std::uint32_t count) const noexcept {
+  if (first >= triangle_count_) return;
+  const std::uint32_t drawn = std::min(count, triangle_count_ - first);
+  if (drawn == 0) return;
   glBindVertexArray(arrays_);
-  glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * drawn), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(std::size_t{3} * first * sizeof(std::uint32_t)));
 }
 
 }  // namespace raven2_trainer::render

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "raven2_trainer/model/mesh.h"
 #include "render/gl.h"
 
@@ -14,14 +16,15 @@ class GpuMesh {
   GpuMesh(const GpuMesh&) = delete;
   GpuMesh& operator=(const GpuMesh&) = delete;
 
-  void draw() const noexcept;
+  /** @param[in] first, count triangles, in the mesh's order; as far as they go. */
+  void draw(std::uint32_t first, std::uint32_t count) const noexcept;
 
   /** [m] Distance of the farthest vertex from the mesh's origin. */
   float radius() const noexcept { return radius_; }
 
  private:
   GLuint arrays_{0}, vertices_{0}, indices_{0};
-  GLsizei index_count_{0};
+  std::uint32_t triangle_count_{0};
   float radius_{0.0F};
 };
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kBackgroundTop[] = {0.93F, 0.94F, 0.955F};
 constexpr float kBackgroundBottom[] = {0.72F, 0.74F, 0.77F};
+constexpr float kHiddenMark = 0.35F;  // opacity of a mark behind things: plain on metal, and not taken for one in front
 
 /** A vertex array without attributes, which core profile demands even where the shader makes its own vertices. */
 GLuint makeEmptyArrays() {
@@ -31,7 +32,7 @@ void ShadowPass::draw(const std::vector<DrawItem>& opaque, const Eigen::Matrix4f
   program_.use();
   for (const DrawItem& item : opaque) {
     setUniform(clip_from_mesh_, Eigen::Matrix4f(shadow_clip_from_world * item.world_from_mesh));
-    item.mesh->draw();
+    item.mesh->draw(item.first, item.count);
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
@@ -55,8 +56,7 @@ MeshPass::MeshPass()
   glUniform1i(program_.uniform("shadow_map"), 0);
 }
 
-void MeshPass::draw(const std::vector<DrawItem>& opaque,
-                    const std::vector<DrawItem>& translucent,
+void MeshPass::draw(const DrawLists& lists,
                     const model::Camera& camera,
                     GLuint shadow_map,
                     const Eigen::Matrix4f& shadow_clip_from_world) {
@@ -68,10 +68,11 @@ void MeshPass::draw(const std::vector<DrawItem>& opaque,
   // A lit point is looked up 1.5 texels off its surface, or the map's steps would shade it.
   const float texel = 2.0F / (shadow_clip_from_world.block<1, 3>(0, 0).norm() * ShadowTarget::kSize);
   shadow_lift_W_ = 1.5F * texel;
-  drawItems(opaque, camera);
+  drawItems(lists.opaque, camera);
   drawBackground();  // at the far plane: only where nothing is
   program_.use();
-  drawTranslucent(translucent, camera);
+  drawMarks(lists.marks, camera);
+  drawTranslucent(lists.translucent, camera);
 }
 
 void MeshPass::drawBackground() const {
@@ -89,8 +90,23 @@ void MeshPass::drawItems(const std::vector<DrawItem>& items, const model::Camera
     setUniform(shadow_from_mesh_, Eigen::Matrix4f(shadow_from_world_ * item.world_from_mesh));
     glUniform1f(shadow_lift_, shadow_lift_W_ / item.scale);
     setUniform(colour_, item.colour);
-    item.mesh->draw();
+    item.mesh->draw(item.first, item.count);
   }
+}
+
+void MeshPass::drawMarks(const std::vector<DrawItem>& items, const model::Camera& camera) const {
+  if (items.empty()) return;
+  // First what things hide, faintly; before the marks themselves have a depth that could hide it.
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_FALSE);
+  glEnable(GL_BLEND);
+  glBlendColor(0.0F, 0.0F, 0.0F, kHiddenMark);
+  glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
+  drawItems(items, camera);
+  glDisable(GL_BLEND);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LEQUAL);
+  drawItems(items, camera);
 }
 
 void MeshPass::drawTranslucent(const std::vector<DrawItem>& items, const model::Camera& camera) const {

@@ -17,6 +17,12 @@ struct DrawItem {
   float scale;       ///< [-] of the mesh in the pose, above zero
   double radius;     ///< [m] of the sphere about it that holds the mesh
   Eigen::Vector4f colour;
+  std::uint32_t first, count;  ///< triangles of the mesh
+};
+
+/** What a picture shows, by how it is drawn. */
+struct DrawLists {
+  std::vector<DrawItem> opaque, marks, translucent;
 };
 
 /** Depth map from the key light. */
@@ -32,12 +38,11 @@ class ShadowPass {
   GLint clip_from_mesh_;
 };
 
-/** Background and lit meshes, into whatever framebuffer and viewport is set. */
+/** Background, lit meshes and marks, into whatever framebuffer and viewport is set. */
 class MeshPass {
  public:
   MeshPass();
-  void draw(const std::vector<DrawItem>& opaque,
-            const std::vector<DrawItem>& translucent,
+  void draw(const DrawLists& lists,
             const model::Camera& camera,
             GLuint shadow_map,
             const Eigen::Matrix4f& shadow_clip_from_world);
@@ -45,6 +50,7 @@ class MeshPass {
  private:
   void drawBackground() const;
   void drawItems(const std::vector<DrawItem>& items, const model::Camera& camera) const;
+  void drawMarks(const std::vector<DrawItem>& items, const model::Camera& camera) const;
   void drawTranslucent(const std::vector<DrawItem>& items, const model::Camera& camera) const;
 
   ShaderProgram background_, program_;

@@ -1,5 +1,7 @@
 #include "render/primitives.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -41,7 +43,59 @@ model::Mesh revolve(const std::vector<ProfilePoint>& outline, int segments) {
   return mesh;
 }
 
+/** Direction of a line at a point: from the one before to the one behind it; that of the piece before at a turn back.
+ */
+Vector3 directionAt(const std::vector<Vector3>& line, std::size_t i) {
+  const Vector3& before = line[i > 0 ? i - 1 : 0];
+  const Vector3 across = line[std::min(i + 1, line.size() - 1)] - before;
+  if (across.norm() > 1e-9) return across.normalized();
+  const Vector3 piece = line[i] - before;
+  return piece.norm() > 1e-9 ? piece.normalized() : Vector3::UnitZ();
+}
+
+std::array<float, 3> toFloat(const Vector3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+/** The part of `side` square to a direction, as a unit vector: carried along a line it does not twist. */
+Vector3 squareTo(const Vector3& direction, const Vector3& side) {
+  const Vector3 square = side - side.dot(direction) * direction;
+  return square.norm() > 1e-6 ? square.normalized() : direction.unitOrthogonal();
+}
+
+void addCircle(const Vector3& centre, const Vector3& x, const Vector3& y, float radius, int sides, model::Mesh* mesh) {
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2.0 * kPi * i / sides;
+    const Vector3 out = std::cos(angle) * x + std::sin(angle) * y;
+    mesh->vertices.push_back(toFloat(centre + static_cast<double>(radius) * out));
+    mesh->normals.push_back(toFloat(out));
+  }
+}
+
+/** Between the last two circles. */
+void joinCircles(std::uint32_t sides, model::Mesh* mesh) {
+  const auto second = static_cast<std::uint32_t>(mesh->vertices.size()) - sides, first = second - sides;
+  for (std::uint32_t i = 0; i < sides; ++i) {
+    const std::uint32_t next = (i + 1) % sides;
+    mesh->triangles.push_back({first + i, first + next, second + next});
+    mesh->triangles.push_back({first + i, second + next, second + i});
+  }
+}
+
 }  // namespace
+
+model::Mesh makeTube(const std::vector<Vector3>& line, float radius, int sides) {
+  model::Mesh mesh;
+  if (line.size() < 2) return mesh;
+  Vector3 side = directionAt(line, 0).unitOrthogonal();
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vector3 direction = directionAt(line, i);
+    side = squareTo(direction, side);
+    addCircle(line[i], side, direction.cross(side), radius, sides, &mesh);
+    if (i > 0) joinCircles(static_cast<std::uint32_t>(sides), &mesh);
+  }
+  return mesh;
+}
 
 model::Mesh makeSphere(float radius, int segments) {
   const int rows = segments / 2 + 1;

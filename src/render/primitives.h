@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/model/mesh.h"
 
 namespace raven2_trainer::render {
@@ -9,5 +12,9 @@ model::Mesh makeSphere(float radius, int segments);
 
 /** Arrow of length 1 m along +z from the origin, to be scaled by the pose. */
 model::Mesh makeArrow(int segments);
+
+/** Round tube of this radius [m] along a line of points [m], open at both ends; empty with fewer than two points. The
+ *  2 x sides triangles of each piece stand together, in the line's order. @param[in] sides at least 3. */
+model::Mesh makeTube(const std::vector<Vector3>& line, float radius, int sides);
 
 }  // namespace raven2_trainer::render

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "raven2_trainer/core/exceptions.h"
 #include "render/edge_smoother.h"
 #include "render/gl_context.h"
 #include "render/overlay_painter.h"
@@ -29,7 +31,7 @@ struct Renderer::Impl {
   EdgeSmoother smoother;
   OverlayPainter overlay;
   std::vector<std::unique_ptr<GpuMesh>> gpu_meshes;
-  std::vector<DrawItem> opaque, translucent;
+  DrawLists lists;
   Eigen::Matrix4f shadow_clip_from_world;
   std::vector<std::uint8_t> rgb;
 };
@@ -50,11 +52,13 @@ constexpr int kInsetFrame = 2;    // [px]
 
 }  // namespace
 
-/** Sorts what can be drawn into opaque and translucent items. Near things come first: what they hide costs no shading.
+/** Sorts what can be drawn into things, marks and translucent items. Near things come first: what they hide costs no
+ * shading.
  */
 void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
-  opaque.clear();
-  translucent.clear();
+  lists.opaque.clear();
+  lists.marks.clear();
+  lists.translucent.clear();
   for (const Drawable& drawable : scene.drawables) {
     if (drawable.mesh < 0 || static_cast<std::size_t>(drawable.mesh) >= gpu_meshes.size()) continue;
     if (!isDrawable(drawable.X_WM) || !isFinite(drawable.colour)) continue;
@@ -62,27 +66,27 @@ void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
     const double scale = drawable.X_WM.R.colwise().norm().maxCoeff();
     if (scale < 1e-9) continue;
     const auto& c = drawable.colour;
-    auto& items = c[3] < 1.0F ? translucent : opaque;
+    auto& items = drawable.is_mark ? lists.marks : c[3] < 1.0F ? lists.translucent : lists.opaque;
     items.push_back({mesh,
                      matrixOf(drawable.X_WM),
                      drawable.X_WM.p,
                      static_cast<float>(scale),
                      scale * mesh->radius(),
-                     {c[0], c[1], c[2], c[3]}});
+                     {c[0], c[1], c[2], c[3]},
+                     drawable.first,
+                     drawable.count});
   }
   const auto nearness = [&eye_W](const DrawItem& item) { return (item.centre_W - eye_W).norm() + item.radius; };
-  std::stable_sort(opaque.begin(), opaque.end(),
+  std::stable_sort(lists.opaque.begin(), lists.opaque.end(),
                    [&](const DrawItem& a, const DrawItem& b) { return nearness(a) < nearness(b); });
 }
 
 void Renderer::Impl::drawView(const model::Camera& camera, int x, int y, int view_width, int view_height) {
-  static const std::vector<DrawItem> kNothing;
-  const bool usable = isUsable(camera);
+  static const DrawLists kNothing;
   glViewport(x, y, view_width, view_height);
   glScissor(x, y, view_width, view_height);
   glEnable(GL_SCISSOR_TEST);
-  meshes.draw(usable ? opaque : kNothing, usable ? translucent : kNothing, camera, shadow.texture(),
-              shadow_clip_from_world);
+  meshes.draw(isUsable(camera) ? lists : kNothing, camera, shadow.texture(), shadow_clip_from_world);
   glDisable(GL_SCISSOR_TEST);
 }
 
@@ -118,6 +122,13 @@ int Renderer::addMesh(const model::Mesh& mesh) {
   return static_cast<int>(impl_->gpu_meshes.size()) - 1;
 }
 
+void Renderer::replaceMesh(int handle, const model::Mesh& mesh) {
+  if (handle < 0 || static_cast<std::size_t>(handle) >= impl_->gpu_meshes.size())
+    throw RenderException("there is no mesh " + std::to_string(handle) + " to replace");
+  impl_->context.makeCurrent();
+  impl_->gpu_meshes[static_cast<std::size_t>(handle)] = std::make_unique<GpuMesh>(mesh);
+}
+
 const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
                                                 const model::Camera& camera,
                                                 const model::Camera* inset) {
@@ -126,7 +137,7 @@ const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
   const bool usable = isUsable(camera);
   impl.sortItems(scene, usable ? camera.X_WC.p : Vector3(0, 0, 0));
   impl.shadow_clip_from_world = shadowClipFromWorld(usable ? camera : model::Camera{});
-  impl.shadow.draw(impl.opaque, impl.shadow_clip_from_world);
+  impl.shadow.draw(impl.lists.opaque, impl.shadow_clip_from_world);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   impl.drawView(camera, 0, 0, width(), height());
   if (inset != nullptr) impl.drawInset(*inset);

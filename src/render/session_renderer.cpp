@@ -108,6 +108,8 @@ std::vector<Snapshot> SessionRenderer::readFrames(const SessionRenderOptions& op
   session::LogVisitor visitor;
   visitor.tick = [&timeline](const TickRecord& record) { timeline.add(record); };
   visitor.haptic = [&timeline](const HapticRecord& record) { timeline.add(record); };
+  visitor.plan = [&timeline](const PlanRecord& record) { timeline.add(record); };
+  visitor.execution = [&timeline](const ExecutionRecord& record) { timeline.add(record); };
   const session::LogSummary summary = session::readLog(paths_.log(), visitor);
   checkFiles(summary);
   tolerance_ = summary.header.tolerance;

@@ -1,5 +1,7 @@
 #include "raven2_trainer/runtime/render_loop.h"
 
+#include <memory>
+
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::runtime {
@@ -27,11 +29,23 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
                                 config.render.live_width,
                                 config.render.live_height)) {}
 
+/** After the model's state, whose tick is then no newer than what is known of its plan. */
+void RenderLoop::hearOfPlans() {
+  const std::uint64_t plan = shared_.last_plan.version();
+  if (plan != plan_heard_) plans_.add(std::make_shared<const PlanResult>(shared_.last_plan.load()));
+  plan_heard_ = plan;
+  const std::uint64_t execution = shared_.last_execution.version();
+  if (execution != execution_heard_) plans_.add(std::make_shared<const ExecutionReport>(shared_.last_execution.load()));
+  execution_heard_ = execution;
+}
+
 void RenderLoop::frame() {
   render::Snapshot snapshot;
   snapshot.model = shared_.model.load();
   snapshot.robot = shared_.robot.load();
   snapshot.haptic = shared_.haptic.load();
+  hearOfPlans();
+  snapshot.plans = plans_;
   const std::uint32_t in_robot = snapshot.robot.active_fault;
   const std::uint32_t fault = in_robot != 0 ? in_robot : snapshot.model.faults.active;
   if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;

@@ -118,7 +118,8 @@ Json describeTracking(const TrackingError& error) {
 }
 
 /** Times and errors of one whose pedal never came would be figures of nothing. */
-Json describeExecution(const ExecutionReport& report) {
+Json describeExecution(const Execution& execution) {
+  const ExecutionReport& report = execution.report;
   const bool began = report.started >= 0;
   const Tick ticks = began ? report.ended - report.started : -1;
   const bool robot_moved = began && report.on_robot != 0;
@@ -126,6 +127,7 @@ Json describeExecution(const ExecutionReport& report) {
           {"arm", name(report.arm)},
           {"on_robot", report.on_robot != 0},
           {"end", kExecutionEndNames[static_cast<std::size_t>(report.end)]},
+          {"start_tick", orNull(execution.start_tick)},
           {"duration_s", began ? Json(static_cast<double>(ticks) * kTickSeconds) : Json(nullptr)},
           {"path_time_s", report.path_time},
           {"progress", report.progress},
@@ -138,8 +140,8 @@ Json describeExecution(const ExecutionReport& report) {
 
 Json describeExecutions(const SessionMetrics& metrics) {
   Json executions = Json::array();
-  for (const ExecutionReport& report : metrics.executions)
-    executions.push_back(describeExecution(report));
+  for (const Execution& execution : metrics.executions)
+    executions.push_back(describeExecution(execution));
   return executions;
 }
 

@@ -50,6 +50,7 @@ MetricsAccumulator::MetricsAccumulator(const session::LogHeader& header) : heade
 void MetricsAccumulator::add(const TickRecord& record) {
   model_now_ = record.model.tick;
   now_ = record.model.session_tick;
+  followExecution(record.model);
   followChanges(record);
   if (now_ >= 0) {
     if (first_ < 0) first_ = now_;
@@ -271,12 +272,31 @@ void MetricsAccumulator::add(const PlanRecord& record) {
   metrics_.plan = record.result;
 }
 
+/** A report may be read before the ticks that it tells of: they are matched at the end. */
 void MetricsAccumulator::add(const ExecutionRecord& record) {
   if (metrics_.executions.size() < kMaxExecutions) {
-    metrics_.executions.push_back(record.report);
+    metrics_.executions.push_back({record.report, -1});
   } else {
     ++metrics_.executions_beyond;
   }
+}
+
+void MetricsAccumulator::followExecution(const ModelState& model) {
+  const bool executes = model.planning.status == PlanningStatus::kExecuting;
+  if (executes && !executes_ && begun_.size() < kMaxExecutions) begun_.emplace_back(model.tick, model.session_tick);
+  executes_ = executes;
+}
+
+/** Where the very tick of the pedal-down is missing, the first that is there. */
+std::vector<Execution> MetricsAccumulator::executions() const {
+  std::vector<Execution> all = metrics_.executions;
+  for (Execution& execution : all) {
+    const Tick started = execution.report.started;
+    const auto begun = std::lower_bound(begun_.begin(), begun_.end(), std::make_pair(started, Tick{-1}));
+    const bool is_seen = started >= 0 && begun != begun_.end() && begun->first < execution.report.ended;
+    if (is_seen) execution.start_tick = begun->second;
+  }
+  return all;
 }
 
 void MetricsAccumulator::add(const SessionCounts& counts) {
@@ -291,6 +311,7 @@ SessionMetrics MetricsAccumulator::result() const {
   end.now_ += end.model_now_ - model_now_;
   end.useForces();
   end.metrics_.injections = end.injections();
+  end.metrics_.executions = executions();
   return end.metrics_;
 }
 

@@ -33,7 +33,7 @@ def field(name, kind, shape=(), fields=None, names=None):
     return entry
 
 
-MODES = ["waiting", "pedal_up", "teleoperating", "planning", "tracking", "stopped"]
+MODES = ["waiting", "pedal_up", "teleoperating", "planning", "tracking", "stopped", "executing"]
 POSE = [field("q", "f64", (7,)), field("p_BT", "f64", (3,))]
 MODEL = [field("tick", "i64"), field("session_tick", "i64"), field("time_ns", "i64"), field("mode", "u8", names=MODES),
          field("robot_fresh", "u8"), field("linked", "u8"), field("arms", "struct", (2,), POSE)]
@@ -43,6 +43,11 @@ HAPTIC = [field("tick", "i64"), field("force_B", "f64", (2, 3))]
 PLAN = [field("status", "u8", names=["none", "success"]), field("arm", "u8", names=["gold", "green"]),
         field("waypoint_count", "u32"), field("arrival", "f64", (4,)), field("cost", "f64"),
         field("planning_time", "f64"), field("samples", "u32")]
+ERROR = [field("mean", "f64"), field("largest", "f64")]
+EXECUTION = [field("arm", "u8", names=["gold", "green"]), field("on_robot", "u8"),
+             field("end", "u8", names=["none", "finished", "released", "no_pedal"]), field("started", "i64"),
+             field("ended", "i64"), field("progress", "f64"), field("planned_clearance", "f64"),
+             field("model", "struct", (), ERROR), field("robot", "struct", (), ERROR), field("contact_ticks", "u32")]
 RECORDS = [
     {"type": 1, "name": "tick", "version": 1, "fields": [field("model", "struct", (), MODEL),
                                                          field("robot", "struct", (), ROBOT)]},
@@ -51,6 +56,8 @@ RECORDS = [
     {"type": 4, "name": "request", "version": 1, "fields": [field("tick", "i64"), field("kind", "u8")]},
     {"type": 5, "name": "plan", "version": 1, "fields": [field("tick", "i64"), field("result", "struct", (), PLAN)]},
     {"type": 6, "name": "counts", "version": 1, "fields": [field("frames", "u64")]},
+    {"type": 7, "name": "execution", "version": 1, "fields": [field("tick", "i64"),
+                                                              field("report", "struct", (), EXECUTION)]},
 ]
 HEADER = {"format": "raven2_trainer session log", "format_version": 1, "byte_order": "little", "seed": 42,
           "scenarios": ["sudden_jump"], "hazard": "sudden_jump", "robot_urdf_hash": "aa", "scene_urdf_hash": "bb",
@@ -77,6 +84,11 @@ def tick_payload(tick, session_tick, error=0.0, fault=0, mode=2):
     model = struct.pack("<qqqBBB", tick, session_tick, tick * 1000000, mode, 1, 1) + tip + tip
     robot = struct.pack("<QQIBB", 100 + tick, 1, fault, 3, 1) + moved + tip
     return model + robot
+
+
+def execution(started, ended, end, progress=1.0, on_robot=1, arm=0):
+    report = struct.pack("<BBBqqdd", arm, on_robot, end, started, ended, progress, 0.0047)
+    return record(7, struct.pack("<q", ended) + report + struct.pack("<4dI", 0.00041, 0.00123, 0.00082, 0.00456, 17))
 
 
 def session_bytes():
@@ -178,6 +190,14 @@ class FiguresTest(LogCase):
         self.assertEqual(series.force_t[0], 0.0)
         self.assertEqual(series.force[:, 0].sum(), 300 * 2.0)
 
+    def test_a_plan_is_followed_while_it_is_tracked_or_executed(self):
+        import raven2_figures
+
+        modes = [2, 4, 6, 1]
+        self.read(header_record() + b"".join(record(1, tick_payload(t, t, mode=m)) for t, m in enumerate(modes)))
+        series = raven2_figures.Series(raven2_session.Session(self.folder.name))
+        self.assertEqual(series.tracking.tolist(), [False, True, True, False])
+
     def test_thinning_keeps_the_peaks(self):
         import raven2_figures
 
@@ -227,6 +247,22 @@ class ProgramsTest(LogCase):
         page = self.report(session_bytes())
         for text in ("sudden jump", "1.000 s", "300 ms", "3.750", "There is no video", "virtual Raven"):
             self.assertIn(text, page)
+
+    def test_report_lists_planned_motions(self):
+        motions = execution(610, 1210, 2, 0.62) + execution(1310, 1510, 1, arm=1, on_robot=0) + execution(-1, 1600, 3)
+        page = self.report(session_bytes() + motions)
+        section = page[page.index("Planned motions"):page.index("Packets")]
+        rows = [re.findall("<td[^>]*>(.*?)</td>", row) for row in re.findall("<tr>(.*?)</tr>", section)[1:]]
+        self.assertEqual(rows, [
+            ["0.600 s", "gold, model and robot", "released at 62 %", "0.60 s", "0.41", "1.23", "0.82", "4.56", "4.7 mm",
+             "17 ms"],
+            ["1.300 s", "green, model alone", "finished", "0.20 s", "0.41", "1.23", "–", "–", "4.7 mm", "17 ms"],
+            ["–", "gold, model and robot", "no pedal, never begun"] + ["–"] * 7])
+
+    def test_report_without_planned_motions_does_not_speak_of_them(self):
+        self.assertNotIn("Planned motions", self.report(session_bytes()))
+        older = {"records": [entry for entry in RECORDS if entry["name"] != "execution"]}
+        self.assertNotIn("Planned motions", self.report(header_record(**older) + session_bytes()[len(header_record()):]))
 
     def test_report_of_a_session_that_was_cut_off_says_so(self):
         page = self.report(session_bytes()[:-100])

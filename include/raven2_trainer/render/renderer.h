@@ -22,9 +22,13 @@ class Renderer {
   /** Uploads a mesh; the handle goes into Drawable::mesh. */
   int addMesh(const model::Mesh& mesh);
 
+  /** Uploads a mesh in place of another. @throw RenderException if no mesh has this handle. */
+  void replaceMesh(int handle, const model::Mesh& mesh);
+
   /**
-   * Draws. Drawables with an unknown mesh, or with NaN or infinity in pose or colour, are left out; so is everything
-   * but the background if the camera is not finite. The same scene and camera give the same pixels.
+   * Draws things, then marks, then what is translucent. Drawables with an unknown mesh, or with NaN or infinity in pose
+   * or colour, are left out; so is everything but the background if the camera is not finite. The same scene and camera
+   * give the same pixels.
    * @param[in] inset a second view of inset->width x inset->height pixels in the lower right corner; may be null; left
    *            out where it does not fit.
    * @return pixels: RGB, 8 bit, top row first, width x height x 3 bytes, valid until the next call.
@@ -42,7 +46,8 @@ class Renderer {
 };
 
 /** Builds the Scene of a Snapshot: both arms, the FRS scene, the RCM spheres, a ghost of the robot where it parts
- *  from the model, the overlay. Uploads its meshes to the renderer once. */
+ *  from the model, the path of the plan at hand and a ghost of its arm at the goal, the overlay. Uploads its meshes to
+ *  the renderer, which must outlive it: once, and that of a path whenever there is a new one. */
 class SceneBuilder {
  public:
   SceneBuilder(const model::RavenModel& raven,

@@ -1,9 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
 
@@ -14,6 +19,10 @@ struct Drawable {
   int mesh{-1};                   ///< handle from Renderer::addMesh
   Pose X_WM;                      ///< mesh in W
   std::array<float, 4> colour{};  ///< r g b a
+  /** A mark is no thing: it throws no shadow, is never translucent, and shows faintly through what hides it. */
+  bool is_mark{false};
+  std::uint32_t first{0};                                          ///< of the mesh's triangles, the first drawn
+  std::uint32_t count{std::numeric_limits<std::uint32_t>::max()};  ///< and how many from there on, as far as they go
 };
 
 /** A line of text or a bar drawn over the picture. */
@@ -30,12 +39,26 @@ struct Scene {
   Overlay overlay;
 };
 
+/** What became of plans so far. Cheap to copy: the same answers and reports stand in many frames. */
+struct PlanNews {
+  std::shared_ptr<const PlanResult> answer;          ///< newest of the planner, or refusal; null none
+  std::shared_ptr<const PlanResult> path;            ///< newest answer that is a path; null none
+  std::shared_ptr<const ExecutionReport> execution;  ///< newest; null none
+
+  void add(std::shared_ptr<const PlanResult> newest) {
+    answer = std::move(newest);
+    if (answer->status == PlanStatus::kSuccess) path = answer;
+  }
+  void add(std::shared_ptr<const ExecutionReport> newest) { execution = std::move(newest); }
+};
+
 /** What is drawn, taken from the shared state or from a log. */
 struct Snapshot {
   ModelState model{};
   RobotState robot{};
   HapticState haptic{};
   std::string fault;  ///< name, or empty
+  PlanNews plans;
 };
 
 }  // namespace raven2_trainer::render

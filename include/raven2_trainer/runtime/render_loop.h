@@ -32,12 +32,16 @@ class RenderLoop {
   void frame();
 
  private:
+  void hearOfPlans();
+
   const TrainerConfig& config_;
   SharedState& shared_;
   ImageSink sink_;
   render::Renderer renderer_;
   render::SceneBuilder builder_;
   model::Camera camera_;
+  render::PlanNews plans_;
+  std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells
 };
 
 /** Camera of the configuration by name. @throw ConfigException listing the known names. */

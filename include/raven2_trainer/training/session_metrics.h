@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "raven2_trainer/core/record.h"
@@ -52,6 +53,12 @@ struct Injection {
   Tick observe_tick{-1};         ///< first session tick with the tips parted by more than the tolerance; -1 never
 };
 
+/** A plan that was to be executed. */
+struct Execution {
+  ExecutionReport report{};
+  Tick start_tick{-1};  ///< [1 ms] session tick of the pedal-down; -1 it never came, or is not in the log
+};
+
 constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
 constexpr std::size_t kMaxExecutions = 10'000;   ///< of a session, a second each for three hours: 1 MB
 
@@ -65,7 +72,7 @@ struct SessionMetrics {
   double max_force{};  ///< [N]
   double tolerance{};  ///< [m]
   PlanResult plan{};   ///< newest, status kNone if none was asked for
-  std::vector<ExecutionReport> executions;
+  std::vector<Execution> executions;
   std::uint64_t executions_beyond{};  ///< beyond the longest list, kMaxExecutions
   SessionCounts counts{};
   std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
@@ -77,7 +84,8 @@ struct SessionMetrics {
  * Feeds on the records of a session and gives the metrics. The aftermath of a fault belongs to it: from its first
  * tick until the error has stayed below the tolerance for 500 ms after its last. The error is looked at while model and
  * robot follow the surgeon, or a plan, from a common pose (mode teleoperating or executing, `linked`) and the robot's
- * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes a new one.
+ * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes
+ * a new one.
  *
  * Records of one kind come in order, changes of faults before the tick that they belong to; haptic records may come
  * before or after theirs (two threads write them), so each waits for its tick.
@@ -109,6 +117,8 @@ class MetricsAccumulator {
     Injection injection;
   };
 
+  void followExecution(const ModelState& model);
+  std::vector<Execution> executions() const;
   void followChanges(const TickRecord& record);
   void open(const FaultChange& change, const TickRecord& record);
   void take(const FaultChange& change, const TickRecord& record);
@@ -131,6 +141,8 @@ class MetricsAccumulator {
   session::LogHeader header_;
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
+  std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick with which the model began to execute a plan
+  bool executes_{false};
   std::vector<FaultRecord> plans_;
   std::deque<FaultChangeRecord> changes_;  ///< that wait for their tick
   std::vector<Span> spans_;

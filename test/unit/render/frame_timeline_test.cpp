@@ -120,6 +120,48 @@ TEST(FrameTimeline, TheFaultIsNamedWhileItActs) {
   EXPECT_EQ(frames[4].fault, "unknown") << "a number that the log does not name";
 }
 
+PlanRecord answerAt(Tick session_tick, std::uint32_t id, PlanStatus status) {
+  PlanRecord record;
+  record.tick = kOrigin + session_tick;
+  record.result.id = id;
+  record.result.status = status;
+  return record;
+}
+
+TEST(FrameTimeline, NewsOfPlansComeWithTheTickThatHeardOfThem) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  timeline.add(answerAt(-100, 1, PlanStatus::kSuccess));  // before the first pedal down
+  timeline.add(answerAt(20, 2, PlanStatus::kSuccess));
+  timeline.add(answerAt(41, 3, PlanStatus::kCancelled));
+  ExecutionRecord execution;
+  execution.tick = kOrigin + 30;
+  execution.report.plan = 2;
+  timeline.add(execution);
+  addTicks(60, &timeline);
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 6U);
+  const std::uint32_t answers[] = {1, 1, 2, 2, 2, 3}, paths[] = {1, 1, 2, 2, 2, 2};
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    ASSERT_TRUE(frames[k].plans.answer && frames[k].plans.path) << k;
+    EXPECT_EQ(frames[k].plans.answer->id, answers[k]) << k;
+    EXPECT_EQ(frames[k].plans.path->id, paths[k]) << k;
+    EXPECT_EQ(frames[k].plans.execution != nullptr, k >= 3) << k;
+  }
+  EXPECT_EQ(frames[2].plans.path.get(), frames[5].plans.path.get()) << "one copy, however many frames show it";
+}
+
+TEST(FrameTimeline, NewsOfPlansMayComeInAnyOrder) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  addTicks(40, &timeline);
+  for (const Tick t : {30, 10, 20})
+    timeline.add(answerAt(t, static_cast<std::uint32_t>(t), PlanStatus::kSuccess));
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_FALSE(frames[0].plans.path);
+  for (std::size_t k = 1; k < 4; ++k)
+    EXPECT_EQ(frames[k].plans.path->id, 10 * k);
+}
+
 TEST(FrameTimeline, AHostileTickCannotTakeTheMemory) {
   FrameTimeline timeline(30, 0.0, -1.0);
   EXPECT_THROW(timeline.add(tickAt(Tick{1} << 39)), SessionException);

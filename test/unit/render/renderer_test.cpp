@@ -110,6 +110,57 @@ TEST_F(RendererTest, TheNearerObjectHidesTheFartherInAnyOrder) {
   EXPECT_EQ(picture, draw({far, near}));
 }
 
+TEST_F(RendererTest, AMarkShowsFaintlyThroughWhatHidesIt) {
+  const Vector3 near_W = camera_.X_WC * Vector3(0.0, 0.0, 0.4), far_W = camera_.X_WC * Vector3(0.0, 0.0, 0.8);
+  const Drawable wall = drawable(sphere_, near_W, {0.2F, 0.2F, 0.2F, 1.0F});
+  Drawable mark = drawable(sphere_, far_W, {1.0F, 0.0F, 1.0F, 1.0F});
+  const std::size_t middle = 3 * (static_cast<std::size_t>(kHeight / 2) * kWidth + kWidth / 2);
+  const auto alone = draw({wall});
+  EXPECT_EQ(draw({wall, mark})[middle], alone[middle]) << "a thing does not";
+  mark.is_mark = true;
+  const auto hidden = draw({wall, mark}), shown = draw({mark});
+  EXPECT_GT(hidden[middle], alone[middle] + 20);
+  EXPECT_LT(hidden[middle], shown[middle] - 40);
+  EXPECT_EQ(hidden, draw({mark, wall})) << "in any order";
+}
+
+TEST_F(RendererTest, AMarkInFrontIsPlainAndThrowsNoShadow) {
+  const Drawable ground = drawable(sphere_, {0.0, 0.0, 0.0});
+  Drawable above = drawable(sphere_, {0.0, 0.0, 0.08}, {1.0F, 0.0F, 1.0F, 1.0F});
+  const auto as_thing = draw({ground, above});
+  const Difference shadowed = difference(as_thing, draw({ground}), kWidth);
+  above.is_mark = true;
+  const auto as_mark = draw({ground, above});
+  const Difference marked = difference(as_mark, draw({ground}), kWidth);
+  EXPECT_LT(marked.count, shadowed.count - 20) << "the shadow on what is below";
+  double u = 0.0, v = 0.0;
+  ASSERT_TRUE(camera_.project({0.0, 0.0, 0.08}, &u, &v));
+  const std::size_t middle = 3 * (static_cast<std::size_t>(std::lround(v)) * kWidth + std::lround(u));
+  EXPECT_EQ(as_mark[middle], as_thing[middle]);
+}
+
+TEST_F(RendererTest, PartsOfAMeshMakeUpTheWhole) {
+  const Drawable whole = drawable(sphere_, {0.0, 0.0, 0.0});
+  Drawable first = whole, rest = whole;
+  first.count = 200;
+  rest.first = 200;
+  EXPECT_EQ(draw({first, rest}), draw({whole}));
+  EXPECT_NE(draw({first}), draw({whole}));
+  EXPECT_NE(draw({rest}), draw({whole}));
+  first.count = 0;
+  rest.first = 1'000'000;
+  EXPECT_EQ(draw({first, rest}), empty_);
+}
+
+TEST_F(RendererTest, AReplacedMeshIsDrawnInPlaceOfTheOldOne) {
+  const int other = renderer_.addMesh(makeArrow(8));
+  const auto before = draw({drawable(sphere_, {0.0, 0.0, 0.0})});
+  renderer_.replaceMesh(other, makeSphere(kRadius, 32));
+  EXPECT_EQ(draw({drawable(other, {0.0, 0.0, 0.0})}), before);
+  EXPECT_THROW(renderer_.replaceMesh(other + 1, makeArrow(8)), RenderException);
+  EXPECT_THROW(renderer_.replaceMesh(-1, makeArrow(8)), RenderException);
+}
+
 TEST_F(RendererTest, ATranslucentObjectLetsWhatIsBehindItThrough) {
   const Vector3 near_W = camera_.X_WC * Vector3(0.0, 0.0, 0.4), far_W = camera_.X_WC * Vector3(0.0, 0.0, 0.8);
   const Drawable ghost = drawable(sphere_, near_W, {1.0F, 0.0F, 0.0F, 0.4F});

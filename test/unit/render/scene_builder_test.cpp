@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
+#include "plan_fixture.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -51,6 +53,18 @@ class SceneBuilderTest : public ::testing::Test {
     std::size_t count = 0;
     for (const Drawable& d : builder_.build(snapshot_).drawables)
       count += d.colour[3] < 1.0F;
+    return count;
+  }
+
+  /** Of the magenta of a path, plain or faint, or the cyan of a goal: no other colour of the scene comes near. */
+  static bool isMagenta(const std::uint8_t* p) { return p[0] > p[1] + 30 && p[2] > p[1] + 30; }
+  static bool isCyan(const std::uint8_t* p) { return p[1] > p[0] + 45 && p[2] > p[0] + 45; }
+
+  template <typename Is>
+  static int countPixels(const std::vector<std::uint8_t>& rgb, Is is) {
+    int count = 0;
+    for (std::size_t i = 0; i < rgb.size(); i += 3)
+      count += is(&rgb[i]);
     return count;
   }
 
@@ -139,6 +153,147 @@ TEST_F(SceneBuilderTest, JointsThatAreNotFiniteDoNotStopThePicture) {
   snapshot_.haptic.force_B[0] = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   const model::Camera camera = model::makeCamera(config_->render.cameras.front(), 320, 180);
   EXPECT_EQ(renderer_.draw(builder_.build(snapshot_), camera).size(), 320U * 180U * 3U);
+}
+
+TEST_F(SceneBuilderTest, WithoutAPlanThereIsNoPathAndNoGoal) {
+  const auto has_plan = [&] {
+    const auto& drawables = builder_.build(snapshot_).drawables;
+    return std::any_of(drawables.begin(), drawables.end(), [](const Drawable& d) { return d.is_mark; });
+  };
+  EXPECT_FALSE(has_plan());
+  const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
+  for (const PlanningStatus status : {PlanningStatus::kIdle, PlanningStatus::kChoosing, PlanningStatus::kPlanning}) {
+    setPlan(plan, status, &snapshot_);
+    EXPECT_FALSE(has_plan());
+    EXPECT_EQ(translucent(), 0U);
+  }
+  setPlan(plan, PlanningStatus::kReady, &snapshot_);
+  EXPECT_TRUE(has_plan());
+  EXPECT_GT(translucent(), 5U);
+}
+
+TEST_F(SceneBuilderTest, TheGoalIsAGhostOfItsArmWhereThePlanEnds) {
+  for (const Arm arm : kArms) {
+    const PlanResult plan = makePlan(config_->arms.geometry, arm);
+    setPlan(plan, PlanningStatus::kArmed, &snapshot_);
+    std::vector<Drawable> ghosts;
+    for (const Drawable& d : builder_.build(snapshot_).drawables) {
+      if (d.colour[3] < 1.0F) ghosts.push_back(d);
+    }
+    Snapshot there = snapshot_;
+    there.plans = {};
+    at(there.model.arms, arm).q = plan.waypoints[2];
+    const std::vector<Drawable> arrived = builder_.build(there).drawables;
+    const std::vector<Drawable> home = builder_.build(Snapshot(snapshot_)).drawables;
+    ASSERT_GT(ghosts.size(), 5U);
+    for (const Drawable& ghost : ghosts) {
+      const bool found = std::any_of(arrived.begin(), arrived.end(), [&](const Drawable& d) {
+        return d.mesh == ghost.mesh && (d.X_WM.p - ghost.X_WM.p).norm() < 1e-12 &&
+               (d.X_WM.R - ghost.X_WM.R).norm() < 1e-12;
+      });
+      EXPECT_TRUE(found) << name(arm) << " mesh " << ghost.mesh;
+    }
+    // As many parts as move when the shoulder turns: all of that arm, none of the other.
+    Snapshot turned = snapshot_;
+    turned.plans = {};
+    at(turned.model.arms, arm).q[kShoulder] += 0.1;
+    const std::vector<Drawable> moved = builder_.build(turned).drawables;
+    std::size_t parts = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      parts += (moved[i].X_WM.R - home[i].X_WM.R).norm() + (moved[i].X_WM.p - home[i].X_WM.p).norm() > 1e-9;
+    EXPECT_EQ(ghosts.size(), parts) << name(arm);
+  }
+}
+
+TEST_F(SceneBuilderTest, NothingElseHasTheColoursOfAPlan) {
+  displaceRobot(Arm::kGold, 0.2);
+  snapshot_.haptic.force_B[1] = {0.0, 0.0, 2.0};
+  const std::vector<Drawable> others = builder_.build(snapshot_).drawables;
+  setPlan(makePlan(config_->arms.geometry, Arm::kGreen), PlanningStatus::kExecuting, &snapshot_);
+  snapshot_.model.mode = Mode::kExecuting;
+  snapshot_.model.arms[1].q_d = makePlan(config_->arms.geometry, Arm::kGreen).waypoints[1];
+  const std::vector<Drawable> all = builder_.build(snapshot_).drawables;
+  ASSERT_GT(all.size(), others.size());
+  for (std::size_t i = others.size(); i < all.size(); ++i) {
+    for (const Drawable& other : others) {
+      double distance = 0.0;
+      for (std::size_t c = 0; c < 3; ++c)
+        distance = std::max(distance, std::abs(double{all[i].colour[c]} - double{other.colour[c]}));
+      EXPECT_GT(distance, 0.2) << i;
+    }
+  }
+}
+
+TEST_F(SceneBuilderTest, ThePathIsSeenAllAlongTheTipsWayAndTheGoalWhereItEnds) {
+  Renderer renderer(640, 360);
+  SceneBuilder builder(*raven_, *scene_, config_->haptics, &renderer);
+  const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
+  ASSERT_EQ(config_->render.cameras[1].name, "endoscope");
+  std::vector<std::uint8_t> without = renderer.draw(builder.build(snapshot_), camera);
+  EXPECT_EQ(countPixels(without, isMagenta), 0);
+  EXPECT_EQ(countPixels(without, isCyan), 0);
+  const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
+  setPlan(plan, PlanningStatus::kReady, &snapshot_);
+  const std::vector<std::uint8_t> with = renderer.draw(builder.build(snapshot_), camera);
+  EXPECT_GT(countPixels(with, isCyan), 500);
+  int seen = 0, looked_at = 0;
+  for (int i = 0; i <= 40; ++i) {
+    JointArray q = plan.waypoints[0];
+    q[kShoulder] += 0.3 * i / 40.0;  // the first edge
+    double u = 0.0, v = 0.0;
+    const Vector3 tip_W = at(raven_->X_WB, Arm::kGold) * kinematics::forward(config_->arms.geometry, Arm::kGold, q).p;
+    if (!camera.project(tip_W, &u, &v) || u < 260 || u >= 638 || v < 1 || v >= 358) continue;  // right of the panel
+    ++looked_at;
+    seen += isMagenta(&with[3 * (static_cast<std::size_t>(std::lround(v)) * 640 + static_cast<std::size_t>(u + 0.5))]);
+  }
+  EXPECT_GT(looked_at, 20);
+  EXPECT_GE(seen, looked_at - 2) << "of " << looked_at << "; the ghost of the goal may cover an end";
+}
+
+TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmedWhileItIsFollowed) {
+  const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
+  setPlan(plan, PlanningStatus::kExecuting, &snapshot_);
+  const auto tube_parts = [&](Mode mode, const JointArray& q_d) {
+    snapshot_.model.mode = mode;
+    snapshot_.model.arms[0].q_d = q_d;
+    std::vector<Drawable> marks;
+    for (const Drawable& d : builder_.build(snapshot_).drawables) {
+      if (d.is_mark) marks.push_back(d);
+    }
+    EXPECT_EQ(marks.size(), 2U + 3U) << "behind, ahead, and a stop at each waypoint";
+    return std::pair<Drawable, Drawable>(marks.at(0), marks.at(1));
+  };
+  EXPECT_EQ(tube_parts(Mode::kExecuting, plan.waypoints[0]).first.count, 0U);
+  for (const Mode mode : {Mode::kExecuting, Mode::kTracking}) {
+    const auto [behind, ahead] = tube_parts(mode, plan.waypoints[1]);
+    EXPECT_EQ(behind.first, 0U);
+    EXPECT_GT(behind.count, 0U);
+    EXPECT_EQ(ahead.first, behind.count) << "one begins where the other ends";
+    EXPECT_LT(behind.colour[0] + behind.colour[2], 0.7F * (ahead.colour[0] + ahead.colour[2]));
+  }
+  EXPECT_EQ(tube_parts(Mode::kArmed, plan.waypoints[1]).first.count, 0U) << "not under way";
+}
+
+TEST_F(SceneBuilderTest, ThePictureShowsThePathDimming) {
+  Renderer renderer(640, 360);
+  SceneBuilder builder(*raven_, *scene_, config_->haptics, &renderer);
+  const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
+  const auto is_bright = [](const std::uint8_t* p) { return p[0] > p[1] + 80 && p[2] > p[1] + 80; };
+  const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
+  setPlan(plan, PlanningStatus::kExecuting, &snapshot_);
+  snapshot_.model.mode = Mode::kExecuting;
+  snapshot_.model.arms[0].q_d = plan.waypoints[0];
+  const int before = countPixels(renderer.draw(builder.build(snapshot_), camera), is_bright);
+  snapshot_.model.arms[0].q_d = plan.waypoints[2];
+  const int after = countPixels(renderer.draw(builder.build(snapshot_), camera), is_bright);
+  EXPECT_GT(before, 100);
+  EXPECT_LT(after, before / 4);
+}
+
+TEST_F(SceneBuilderTest, TheOverlayTellsOfThePlan) {
+  EXPECT_NE(builder_.build(snapshot_).overlay.lines.back().find("green error"), std::string::npos);
+  setPlan(makePlan(config_->arms.geometry, Arm::kGold), PlanningStatus::kArmed, &snapshot_);
+  EXPECT_EQ(builder_.build(snapshot_).overlay.lines.back(), "plan      ready: hold the pedal, model alone");
 }
 
 TEST_F(SceneBuilderTest, EveryConfiguredCameraSeesTheDomeAndTheSceneFitsTheBudget) {

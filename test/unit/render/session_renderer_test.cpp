@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "plan_fixture.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/training/session_metrics.h"
@@ -30,7 +31,7 @@ class SessionRendererTest : public ::testing::Test {
   }
   ~SessionRendererTest() override { std::filesystem::remove_all(folder_); }
 
-  void record(bool with_pedal) {
+  void record(bool with_pedal, bool with_plan = false) {
     session::LogHeader header;
     header.robot_urdf_hash = session::fileHash(config_.robot_urdf);
     header.scene_urdf_hash = session::fileHash(config_.scene_urdf);
@@ -45,6 +46,8 @@ class SessionRendererTest : public ::testing::Test {
         arm.q = config_.arms.geometry.home;
         arm.q[kElbow] += 1e-3 * static_cast<double>(t);
       }
+      if (with_plan && t == kBefore + 50) writer.write(PlanRecord{t, makePlan(config_.arms.geometry, Arm::kGold), 0});
+      if (t >= kBefore + 50) tick.model.guide_plan = kPlan;
       writer.write(tick);
     }
     writer.finish(SessionCounts{});
@@ -111,6 +114,21 @@ TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
   for (const char* file : {"/frame_000000.png", "/frame_000002.png"}) {
     EXPECT_EQ(session::fileHash(path("one") + file), session::fileHash(path("two") + file));
   }
+}
+
+TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
+  SessionRenderOptions options;
+  options.to = 0.1;
+  options.camera = "endoscope";
+  for (const bool with_plan : {false, true}) {
+    record(true, with_plan);
+    options.output = path(with_plan ? "with" : "without");
+    ASSERT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+  }
+  const auto hash = [&](const char* picture) { return session::fileHash(path(picture)); };
+  EXPECT_EQ(hash("with/frame_000000.png"), hash("without/frame_000000.png"));
+  EXPECT_EQ(hash("with/frame_000001.png"), hash("without/frame_000001.png"));
+  EXPECT_NE(hash("with/frame_000002.png"), hash("without/frame_000002.png"));
 }
 
 TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {

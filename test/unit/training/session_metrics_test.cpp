@@ -119,6 +119,63 @@ TEST(RunningStats, KeepsSmallDeviationsOnALargeMean) {
   EXPECT_NEAR(stats.deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
 }
 
+/** A tick of executing a plan. */
+TickRecord makeExecutingTick(Tick session_tick) {
+  TickRecord record = makeTick(session_tick, 0.0);
+  record.model.mode = Mode::kExecuting;
+  record.model.planning.status = PlanningStatus::kExecuting;
+  return record;
+}
+
+ExecutionRecord makeExecution(Tick started, Tick ended) {
+  ExecutionRecord record;
+  record.tick = ended;
+  record.report.plan = 7;
+  record.report.arm = Arm::kGreen;
+  record.report.on_robot = 1;
+  record.report.end = started < 0 ? ExecutionEnd::kNoPedal : ExecutionEnd::kReleased;
+  record.report.started = started;
+  record.report.ended = ended;
+  record.report.path_time = 2.5;
+  record.report.progress = started < 0 ? 0.0 : 0.4;
+  record.report.model = {0.0005, 0.002, 0.011};
+  record.report.robot = {0.001, 0.003, 0.012};
+  record.report.contact_ticks = 3;
+  return record;
+}
+
+TEST(SessionMetrics, AnExecutionBeginsInTheSessionTickOfItsPedalDown) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 99, 0.0);
+  metrics.add(makeExecution(kOrigin + 100, kOrigin + 350));  // the queues are written one after the other
+  for (Tick t = 100; t < 350; ++t)
+    metrics.add(makeExecutingTick(t));
+  feed(&metrics, 350, 399, 0.0);
+  for (Tick t = 400; t < 1000; ++t) {  // the session's clock stood 150 ms before this one
+    TickRecord tick = makeExecutingTick(t);
+    tick.model.tick += 150;
+    metrics.add(tick);
+  }
+  metrics.add(makeExecution(kOrigin + 550, kOrigin + 1150));
+  metrics.add(makeExecution(-1, kOrigin + 1500));
+  const std::vector<Execution> executions = metrics.result().executions;
+  ASSERT_EQ(executions.size(), 3u);
+  EXPECT_EQ(executions[0].start_tick, 100);
+  EXPECT_EQ(executions[1].start_tick, 400);
+  EXPECT_EQ(executions[2].start_tick, -1) << "the pedal never came";
+}
+
+TEST(SessionMetrics, AnExecutionWhoseTicksAreMissingHasNoBeginning) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 99, 0.0);
+  metrics.add(makeExecution(kOrigin + 100, kOrigin + 350));
+  feed(&metrics, 350, 399, 0.0);
+  metrics.add(makeExecutingTick(400));
+  ASSERT_EQ(metrics.result().executions.size(), 1u);
+  EXPECT_EQ(metrics.result().executions[0].start_tick, -1);
+  EXPECT_TRUE(Accumulator(makeHeader()).result().executions.empty());
+}
+
 TEST(SessionMetrics, TimeStartsAtTheFirstPedalDown) {
   Accumulator metrics(makeHeader());
   TickRecord before = makeTick(-1, 0.5);  // half a metre, but not of the session
@@ -459,23 +516,6 @@ TEST(SessionMetrics, KeepsTheNewestPlan) {
   EXPECT_EQ(metrics.result().plan.cost, 6.5);
 }
 
-ExecutionRecord makeExecution(Tick started, Tick ended) {
-  ExecutionRecord record;
-  record.tick = ended;
-  record.report.plan = 7;
-  record.report.arm = Arm::kGreen;
-  record.report.on_robot = 1;
-  record.report.end = started < 0 ? ExecutionEnd::kNoPedal : ExecutionEnd::kReleased;
-  record.report.started = started;
-  record.report.ended = ended;
-  record.report.path_time = 2.5;
-  record.report.progress = started < 0 ? 0.0 : 0.4;
-  record.report.model = {0.0005, 0.002, 0.011};
-  record.report.robot = {0.001, 0.003, 0.012};
-  record.report.contact_ticks = 3;
-  return record;
-}
-
 TEST(SessionMetrics, KeepsEveryExecution) {
   Accumulator metrics(makeHeader());
   EXPECT_TRUE(metrics.result().executions.empty());
@@ -483,8 +523,8 @@ TEST(SessionMetrics, KeepsEveryExecution) {
   metrics.add(makeExecution(-1, 9000));
   const SessionMetrics result = metrics.result();
   ASSERT_EQ(result.executions.size(), 2U);
-  EXPECT_EQ(result.executions[0].ended, 6200);
-  EXPECT_EQ(result.executions[1].end, ExecutionEnd::kNoPedal);
+  EXPECT_EQ(result.executions[0].report.ended, 6200);
+  EXPECT_EQ(result.executions[1].report.end, ExecutionEnd::kNoPedal);
   EXPECT_EQ(result.executions_beyond, 0U);
 }
 
@@ -525,7 +565,7 @@ SessionMetrics makeResult() {
   event.onset_tick = 8030;
   event.force_tick = 8032;
   result.faults = {event};
-  result.executions = {makeExecution(5000, 6200).report, makeExecution(-1, 9000).report};
+  result.executions = {{makeExecution(5000, 6200).report, 4000}, {makeExecution(-1, 9000).report, -1}};
   result.counts.master.received = 100;
   result.counts.master.applied = 97;
   result.counts.master.rejected[static_cast<std::size_t>(Reject::kDuplicate)] = 3;
@@ -590,6 +630,8 @@ TEST(MetricsFile, HoldsEveryFigure) {
   EXPECT_EQ(execution.at("arm"), "green");
   EXPECT_EQ(execution.at("on_robot"), true);
   EXPECT_EQ(execution.at("end"), "released");
+  EXPECT_EQ(execution.at("start_tick"), 4000);
+  EXPECT_TRUE(json.at("executions").at(1).at("start_tick").is_null());
   EXPECT_DOUBLE_EQ(execution.at("duration_s"), 1.2);
   EXPECT_EQ(execution.at("progress"), 0.4);
   EXPECT_DOUBLE_EQ(execution.at("model_error_mm").at("max"), 2.0);
@@ -686,10 +728,19 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
   EXPECT_EQ(result.faults[0].errorToForce(), 1);
   EXPECT_EQ(result.plan.status, PlanStatus::kSuccess);
   ASSERT_EQ(result.executions.size(), 1U);
-  EXPECT_EQ(result.executions[0].started, 100);
+  EXPECT_EQ(result.executions[0].report.started, 100);
   EXPECT_EQ(result.counts.master.received, 17u);
   EXPECT_TRUE(result.complete);
   EXPECT_THROW(computeMetrics(scratchPath("missing.rlog")), SessionException);
+}
+
+TEST(MetricsFile, HasNoErrorOfARobotThatHeldStill) {
+  SessionMetrics result = makeResult();
+  result.executions[0].report.on_robot = 0;
+  writeMetrics(scratchPath("still.json"), result);
+  const auto execution = readJson(scratchPath("still.json")).at("executions").at(0);
+  EXPECT_TRUE(execution.at("robot_error_mm").is_null());
+  EXPECT_DOUBLE_EQ(execution.at("model_error_mm").at("mean"), 0.5);
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+#include "render/primitives.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace raven2_trainer::render {
+namespace {
+
+constexpr float kRadius = 0.01F;  // [m]
+constexpr int kSides = 6;
+
+Vector3 toVector(const std::array<float, 3>& a) {
+  return {a[0], a[1], a[2]};
+}
+
+std::vector<Vector3> bentLine() {
+  std::vector<Vector3> line;
+  for (int i = 0; i <= 20; ++i) {
+    const double t = 0.2 * i;
+    line.push_back({std::cos(t), std::sin(t), 0.3 * t});  // a helix
+  }
+  return line;
+}
+
+/** Volume within a closed or nearly closed surface, by the divergence theorem. */
+double volume(const model::Mesh& mesh) {
+  double sum = 0.0;
+  for (const auto& t : mesh.triangles) {
+    const Vector3 a = toVector(mesh.vertices[t[0]]), b = toVector(mesh.vertices[t[1]]),
+                  c = toVector(mesh.vertices[t[2]]);
+    sum += a.dot(b.cross(c)) / 6.0;
+  }
+  return sum;
+}
+
+TEST(Primitives, EveryPointOfATubeIsItsRadiusAwayFromTheLine) {
+  const std::vector<Vector3> line = bentLine();
+  const model::Mesh tube = makeTube(line, kRadius, kSides);
+  ASSERT_EQ(tube.vertices.size(), line.size() * kSides);
+  for (std::size_t i = 0; i < tube.vertices.size(); ++i) {
+    const Vector3 out = toVector(tube.vertices[i]) - line[i / kSides];
+    EXPECT_NEAR(out.norm(), kRadius, 1e-6);
+    EXPECT_LT((out.normalized() - toVector(tube.normals[i])).norm(), 1e-4);
+  }
+}
+
+TEST(Primitives, ATubeShowsItsOutside) {
+  // A prism with a regular hexagon for its base, whose open ends lie in planes through the origin and square to it.
+  const double length = 0.5, base = 1.5 * std::sqrt(3.0) * kRadius * kRadius;
+  const Vector3 from(0.0, 0.0, -length / 2.0), to(0.0, 0.0, length / 2.0);
+  // The ends that are missing hold a third of the prism: each a pyramid to the origin.
+  EXPECT_NEAR(volume(makeTube({from, to}, kRadius, kSides)), base * length * 2.0 / 3.0, 1e-3 * base * length);
+}
+
+TEST(Primitives, TheTrianglesOfATubeStandInTheOrderOfTheLine) {
+  const std::vector<Vector3> line = bentLine();
+  const model::Mesh tube = makeTube(line, kRadius, kSides);
+  ASSERT_EQ(tube.triangles.size(), (line.size() - 1) * 2 * kSides);
+  for (std::size_t i = 0; i < tube.triangles.size(); ++i) {
+    for (const std::uint32_t vertex : tube.triangles[i]) {
+      const std::size_t piece = i / (2 * kSides);
+      EXPECT_TRUE(vertex / kSides == piece || vertex / kSides == piece + 1) << i;
+    }
+  }
+}
+
+TEST(Primitives, ATubeDoesNotTwistAlongItsLine) {
+  const std::vector<Vector3> line = bentLine();
+  const model::Mesh tube = makeTube(line, kRadius, kSides);
+  for (std::size_t i = 0; i + kSides < tube.vertices.size(); ++i) {
+    const double turned = toVector(tube.normals[i]).dot(toVector(tube.normals[i + kSides]));
+    EXPECT_GT(turned, std::cos(0.21)) << "more than the line itself turns in a piece, 0.2 rad";
+  }
+}
+
+TEST(Primitives, ALineThatTurnsBackOrStandsStillStaysFinite) {
+  const Vector3 a(0.1, 0.2, 0.3), b(0.2, 0.2, 0.3);
+  for (const auto& line : {std::vector<Vector3>{a, b, a}, {a, a}, {a, b, b, a, b}}) {
+    const model::Mesh tube = makeTube(line, kRadius, kSides);
+    ASSERT_EQ(tube.vertices.size(), line.size() * kSides);
+    for (const auto& vertex : tube.vertices)
+      EXPECT_TRUE(toVector(vertex).allFinite());
+  }
+  EXPECT_TRUE(makeTube({}, kRadius, kSides).triangles.empty());
+  EXPECT_TRUE(makeTube({a}, kRadius, kSides).vertices.empty());
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render
