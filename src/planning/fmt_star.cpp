@@ -109,8 +109,10 @@ FmtEnd FmtStar::takeEnds() {
 }
 
 bool FmtStar::isValid(const UnitState& point) const {
+  // OMPL takes what is not a number for within the bounds.
+  const bool inside = std::all_of(point.begin(), point.end(), [](double x) { return x >= 0.0 && x <= 1.0; });
   toOmpl(point, scratch_a_);
-  return si_->satisfiesBounds(scratch_a_) && si_->isValid(scratch_a_);
+  return inside && si_->isValid(scratch_a_);
 }
 
 void FmtStar::addPoint(const UnitState& point) {
