@@ -1,5 +1,7 @@
 #include "raven2_trainer/runtime/planner_worker.h"
 
+#include <exception>
+
 #include "raven2_trainer/control/tip_path.h"
 
 namespace raven2_trainer::runtime {
@@ -9,6 +11,13 @@ PlannerWorker::PlannerWorker(const TrainerConfig& config,
                              const model::SceneModel& scene,
                              SharedState* shared)
     : planner_(raven, scene, config.planner, config.model), arms_(config.arms), shared_(*shared), seed_(config.seed) {}
+
+void PlannerWorker::prepare() noexcept {
+  try {
+    planner_.prepare();
+  } catch (const std::exception&) {
+  }
+}
 
 bool PlannerWorker::serve() {
   PlanRequest request;
