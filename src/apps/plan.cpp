@@ -124,6 +124,7 @@ int plan(Options options) {
   if (options.threads > 1)
     std::printf("%d plans side by side: planning times are longer than alone\n", options.threads);
   report(files.directory(), study_options.cases, study(config, problem, study_options, "plan", &files), over_time);
+  std::fflush(stdout);  // ahead of what the script prints
   if (!options.plot) return 0;
   addFigureRuns(config, problem, study_options, files.directory(), options.choice);
   return apps::runScript("plot_paths", {files.directory(), "--scene", config.scene_urdf});

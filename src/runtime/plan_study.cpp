@@ -73,8 +73,10 @@ class Study {
 
   void run() {
     std::vector<std::unique_ptr<planning::PathPlanner>> planners;
-    for (int i = 0; i < options_.threads; ++i)
+    for (int i = 0; i < options_.threads; ++i) {
       planners.push_back(std::make_unique<planning::PathPlanner>(raven_, scene_, config_.planner, config_.model));
+      planners.back()->prepare();
+    }
     std::vector<std::thread> threads;
     for (auto& planner : planners)
       threads.emplace_back([this, &planner] { work(planner.get()); });

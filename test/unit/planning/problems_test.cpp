@@ -6,29 +6,20 @@
 #include <vector>
 
 #include "planning/joint_space.h"
-#include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_problem.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/planning/path_planner.h"
+#include "shipped_trainer.h"
 
 // What config/problems says of itself is true of the shipped robot and scene.
 
 namespace raven2_trainer::planning {
 namespace {
 
+using test::trainer;
+
 const std::string kFolder = RAVEN2_TRAINER_SOURCE_DIR "/config/problems";
 const std::atomic<bool> kGoOn{false};
-
-struct Trainer {
-  TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
-  model::RavenModel raven = model::loadRavenModel(config);
-  model::SceneModel scene = model::loadSceneModel(config);
-};
-
-const Trainer& trainer() {
-  static const Trainer loaded;
-  return loaded;
-}
 
 const ArmGeometry& geometry() {
   return trainer().raven.arms.geometry;
