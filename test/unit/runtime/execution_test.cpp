@@ -97,8 +97,8 @@ class Execution : public ::testing::Test {
   void plan(Arm arm = Arm::kGold) {
     ASSERT_EQ(ask(RequestKind::kPlan, 0, 0, arm), PlanningAnswer::kAccepted);
     ASSERT_EQ(planning().status, PlanningStatus::kPlanning);
-    ASSERT_TRUE(rig->shared->plan_requests.tryPop(&request));
-    planned = answerTo(request, kClear);
+    ASSERT_TRUE(rig->shared->plan_requests.tryPop(&asked));
+    planned = answerTo(asked, kClear);
     ASSERT_TRUE(rig->shared->plan_results.tryPush(planned));
     rest(false, 1);
     ASSERT_EQ(rig->model().mode, Mode::kTracking);
@@ -144,7 +144,7 @@ class Execution : public ::testing::Test {
   }
 
   std::unique_ptr<Rig> rig;
-  PlanRequest request;  ///< newest that reached the planner, which is the test
+  PlanRequest asked;  ///< newest that reached the planner, which is the test
   PlanResult planned;
   std::uint32_t last_id{40};
   std::uint32_t frames{1000000};
@@ -222,7 +222,7 @@ TEST_F(Execution, TheArmsMoveOneAfterTheOtherTheSecondFromWhereTheFirstStands) {
   const JointArray gold = rig->robot().arms[0].q;
   plan(Arm::kGreen);
   for (std::size_t j = 0; j < kGrasp1; ++j)
-    EXPECT_NEAR(request.other[j], gold[j], 1e-3) << kJointNames[j];
+    EXPECT_NEAR(asked.other[j], gold[j], 1e-3) << kJointNames[j];
   ASSERT_EQ(ask(RequestKind::kExecutePlan, 1), PlanningAnswer::kAccepted);
   rest(false, 5);
   hold();
@@ -445,8 +445,8 @@ TEST_F(Execution, IsRefusedWithItsReason) {
 
 TEST_F(Execution, APathThatTheRobotCannotFollowIsForTheModelAlone) {
   ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
-  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&request));
-  planned = answerTo(request, kClear);
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&asked));
+  planned = answerTo(asked, kClear);
   planned.robot_follows = 0;
   ASSERT_TRUE(rig->shared->plan_results.tryPush(planned));
   rest(false, 1);
