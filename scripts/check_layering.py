@@ -32,7 +32,7 @@ RULES = {
     "physics": (["core", "kinematics", "model"], PURE + r"|ode/"),
     "plant": (["core", "kinematics", "model", "raven", "physics"], PURE),
     "training": (["core", "kinematics", "model", "session"], PURE + r"|nlohmann/"),
-    "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/"),
+    "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/|emmintrin\.h"),
     "render": (["core", "kinematics", "model", "session", "training"],
                PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|signal\.h|spawn\.h|poll\.h"),
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "config", "model", "net",

@@ -194,6 +194,7 @@ void ArmBodies::restore(const ArmMotion& motion) noexcept {
 
 /** Where they are in the middle of the coming step, with the velocities of its beginning. */
 void ArmBodies::placeBodies() noexcept {
+  placed_now_ = recursion_.place(urdf_q_);
   placed_ = recursion_.place(urdf_q_ + 0.5 * step_ * urdf_dq_);
   std::array<Vector3, kJointCount> v, w;  // of the link's origin
   for (std::size_t j = 0; j < kJointCount; ++j) {
@@ -242,7 +243,7 @@ ArmBodies::Motion ArmBodies::correct(const Vector7& solved) const noexcept {
   const Vector7 &q = urdf_q_, &dq = urdf_dq_;
   const Matrix7 mass = recursion_.massMatrix(placed_);
   const Eigen::LLT<Matrix7> felt(mass + Matrix7(rotor_.asDiagonal()));
-  const PlacedLinks first = recursion_.place(q);
+  const PlacedLinks& first = placed_now_;
   const Matrix7 mass_first = recursion_.massMatrix(first);
   const Vector7 bias_first = recursion_.torques(first, dq, Vector7::Zero());
   const Vector7 balanced = bias_ + mass * solved;
@@ -258,7 +259,7 @@ ArmBodies::Motion ArmBodies::correct(const Vector7& solved) const noexcept {
     const Vector7 dq_middle = dq + h * (0.5 * a - 0.125 * h * j);
     const PlacedLinks middle = recursion_.place(q + h * (0.5 * dq + h * (0.125 * a - h / 24.0 * j)));
     const Vector7 force_middle = recursion_.torques(middle, dq_middle, a);
-    if (pass == 0) growth = h / 12.0 * (recursion_.massMatrix(last) * j - mass_first * j);
+    if (pass == 0) growth = h / 12.0 * (recursion_.inertialTorques(last, j) - mass_first * j);
     const Vector7 mean = (force_first + 4.0 * force_middle + force_last) / 6.0 + growth;
     const Vector7 friction = h * viscous_.cwiseProduct(share_.cwiseProduct(solved) - 0.5 * a + h / 12.0 * j);
     a += felt.solve(balanced - mean + rotor_.cwiseProduct(solved - a) + friction);
@@ -309,8 +310,7 @@ Excess ArmBodies::excess(std::size_t joint, const Vector3& point) const noexcept
 }
 
 JointArray ArmBodies::gravityTorque() const noexcept {
-  const Vector7 still = Vector7::Zero();
-  return kinematics::rateToUrdf(arm_, toJoints(recursion_.torques(recursion_.place(urdf_q_), still, still)));
+  return kinematics::rateToUrdf(arm_, toJoints(recursion_.gravityTorques(placed_now_)));
 }
 
 void ArmBodies::applyTorque(const JointArray& tau) noexcept {

@@ -118,6 +118,7 @@ class ArmBodies {
   Vector7 acceleration_{Vector7::Zero()};           // at the end of the last step: the guess for the next one
   PlacedLinks placed_before_{};                     // and in the step before
   std::array<Vector3, kJointCount> v_com_{}, w_{};  // of the bodies, as ODE found them in the last step
+  PlacedLinks placed_now_;                          // at urdf_q_
   PlacedLinks placed_;                              // in the middle of the coming step
   Vector7 bias_{Vector7::Zero()};                   // [Nm; N] that gravity and the turning of the links cost there
 };

@@ -24,6 +24,13 @@ void turn(const Vector3& axis, double cosine, double sine, Matrix3* R) noexcept 
   }
 }
 
+/** R, turned about its own z. */
+void turnAboutZ(double cosine, double sine, Matrix3* R) noexcept {
+  const Vector3 x = R->col(0), y = R->col(1);
+  R->col(0) = cosine * x + sine * y;
+  R->col(1) = cosine * y - sine * x;
+}
+
 Composite composite(const model::Inertial& body, const PlacedLink& placed) noexcept {
   const Vector3 c = placed.X_WL.p + placed.com;
   const Matrix3& R = placed.X_WL.R;
@@ -38,6 +45,8 @@ Composite composite(const model::Inertial& body, const PlacedLink& placed) noexc
 
 void ArmRecursion::setLink(std::size_t joint, const ArmLink& link) noexcept {
   links_[joint] = link;
+  const bool is_along_z = link.axis.x() == 0.0 && link.axis.y() == 0.0 && std::abs(link.axis.z()) == 1.0;
+  links_[joint].along_z = is_along_z ? link.axis.z() : 0.0;
   for (int j = static_cast<int>(joint); j >= 0; j = links_[uindex(j)].parent)
     links_[uindex(j)].carries[joint] = true;
 }
@@ -52,6 +61,8 @@ PlacedLinks ArmRecursion::place(const Vector7& q) const noexcept {
     const double position = q[static_cast<Eigen::Index>(j)];
     if (link.slides) {
       here.X_WL.p += here.axis * position;
+    } else if (link.along_z != 0.0) {
+      turnAboutZ(std::cos(position), link.along_z * std::sin(position), &here.X_WL.R);
     } else {
       turn(here.axis, std::cos(position), std::sin(position), &here.X_WL.R);
     }
@@ -90,16 +101,51 @@ Vector7 ArmRecursion::torques(const PlacedLinks& placed, const Vector7& dq, cons
     force[j] = link.inertial.mass * (a[j] + alpha[j].cross(here.com) + w[j].cross(w[j].cross(here.com)));
     moment[j] = turning + w[j].cross(momentum) + here.com.cross(force[j]);
   }
+  return alongJoints(placed, &force, &moment);
+}
+
+Vector7 ArmRecursion::alongJoints(const PlacedLinks& placed,
+                                  std::array<Vector3, kJointCount>* force,
+                                  std::array<Vector3, kJointCount>* moment) const noexcept {
   Vector7 tau;
   for (std::size_t j = kJointCount; j-- > 0;) {
     const ArmLink& link = links_[j];
-    tau[static_cast<Eigen::Index>(j)] = placed[j].axis.dot(link.slides ? force[j] : moment[j]);
+    tau[static_cast<Eigen::Index>(j)] = placed[j].axis.dot(link.slides ? (*force)[j] : (*moment)[j]);
     if (link.parent < 0) continue;
     const std::size_t p = uindex(link.parent);
-    force[p] += force[j];
-    moment[p] += moment[j] + (placed[j].X_WL.p - placed[p].X_WL.p).cross(force[j]);
+    (*force)[p] += (*force)[j];
+    (*moment)[p] += (*moment)[j] + (placed[j].X_WL.p - placed[p].X_WL.p).cross((*force)[j]);
   }
   return tau;
+}
+
+Vector7 ArmRecursion::gravityTorques(const PlacedLinks& placed) const noexcept {
+  std::array<Vector3, kJointCount> force, moment;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    force[j] = Vector3(0.0, 0.0, links_[j].inertial.mass * gravity_);
+    moment[j] = placed[j].com.cross(force[j]);
+  }
+  return alongJoints(placed, &force, &moment);
+}
+
+Vector7 ArmRecursion::inertialTorques(const PlacedLinks& placed, const Vector7& ddq) const noexcept {
+  std::array<Vector3, kJointCount> alpha, a;  // a: of the link's origin
+  std::array<Vector3, kJointCount> force, moment;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const ArmLink& link = links_[j];
+    const PlacedLink& here = placed[j];
+    alpha[j] = a[j] = Vector3::Zero();
+    if (link.parent >= 0) {
+      const std::size_t p = uindex(link.parent);
+      alpha[j] = alpha[p];
+      a[j] = a[p] + alpha[p].cross(here.X_WL.p - placed[p].X_WL.p);
+    }
+    (link.slides ? a[j] : alpha[j]) += here.axis * ddq[static_cast<Eigen::Index>(j)];
+    const Matrix3& R = here.X_WL.R;
+    force[j] = link.inertial.mass * (a[j] + alpha[j].cross(here.com));
+    moment[j] = R * (link.inertial.inertia * (R.transpose() * alpha[j])) + here.com.cross(force[j]);
+  }
+  return alongJoints(placed, &force, &moment);
 }
 
 /** Column by column: the momentum of all that joint j carries when it alone turns at 1 rad/s, seen by the joints above.

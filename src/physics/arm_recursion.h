@@ -20,6 +20,7 @@ struct ArmLink {
   bool slides{};
   model::Inertial inertial;
   std::array<bool, kJointCount> carries{};  ///< this joint moves that link
+  double along_z{};                         ///< 1 or -1 where the axis is that of z or -z: easier to turn about; else 0
 };
 
 /** A link at some joint positions, in W. */
@@ -47,10 +48,21 @@ class ArmRecursion {
   /** [Nm; N] that move the links with `ddq` at rates `dq`: inertia, Coriolis and centrifugal terms, gravity. */
   Vector7 torques(const PlacedLinks& placed, const Vector7& dq, const Vector7& ddq) const noexcept;
 
+  /** torques() at rest, to the last bit: [Nm; N] that hold the links against gravity. */
+  Vector7 gravityTorques(const PlacedLinks& placed) const noexcept;
+
+  /** massMatrix() times `ddq`, without it. */
+  Vector7 inertialTorques(const PlacedLinks& placed, const Vector7& ddq) const noexcept;
+
   /** [kg m2; kg m; kg] of the links alone. */
   Matrix7 massMatrix(const PlacedLinks& placed) const noexcept;
 
  private:
+  /** Of forces on the links at their origins and moments about them [N, Nm], and all that they carry. */
+  Vector7 alongJoints(const PlacedLinks& placed,
+                      std::array<Vector3, kJointCount>* force,
+                      std::array<Vector3, kJointCount>* moment) const noexcept;
+
   double gravity_;  // [m/s2] along -z of W
   std::array<ArmLink, kJointCount> links_{};
 };

@@ -17,23 +17,26 @@ constexpr double kFiner = 8.0;
 
 ArmChecks::ArmChecks(const model::RavenModel& raven,
                      const SceneObstacles& scene,
+                     const DistanceGrid& grid,
                      Arm arm,
                      double clearance,
                      double edge_step)
     : edge_step_(edge_step),
       space_(raven.arms.geometry, 0.0),
-      near_(raven, scene, arm, clearance),
-      bare_(raven, scene, arm, 0.0) {}
+      kept_(raven, grid, arm, clearance),
+      bare_(raven, grid, arm, 0.0),
+      judge_(raven, scene, arm, 0.0) {}
 
 void ArmChecks::begin(const JointSpace& space, const JointArray& other) {
   space_ = space;
-  near_.placeOther(other);
+  kept_.placeOther(other);
   bare_.placeOther(other);
+  judge_.placeOther(other);
   tight_ends_.clear();
 }
 
-bool ArmChecks::isFree(const UnitState& unit) {
-  return !near_.touches(space_.toJoints(unit));
+bool ArmChecks::isFree(const UnitState& unit) noexcept {
+  return kept_.isFree(space_.toJoints(unit));
 }
 
 bool ArmChecks::isEdgeFree(const UnitState& a, const UnitState& b) {
@@ -41,7 +44,7 @@ bool ArmChecks::isEdgeFree(const UnitState& a, const UnitState& b) {
     if (a != end && b != end) continue;
     return planning::isEdgeFree(a, b, edge_step_ / kFiner, [&](const UnitState& x) { return isFreeNear(end, x); });
   }
-  return planning::isEdgeFree(a, b, edge_step_, [this](const UnitState& x) { return isFree(x); });
+  return kept_.isEdgeFree(space_.toJoints(a), space_.toJoints(b));
 }
 
 bool ArmChecks::isFreeNear(const UnitState& end, const UnitState& unit) {
@@ -49,7 +52,7 @@ bool ArmChecks::isFreeNear(const UnitState& end, const UnitState& unit) {
 }
 
 bool ArmChecks::touches(const UnitState& unit) {
-  return bare_.touches(space_.toJoints(unit));
+  return judge_.touches(space_.toJoints(unit));
 }
 
 bool ArmChecks::allowEnd(const UnitState& end) {
@@ -63,13 +66,12 @@ bool ArmChecks::isAllowedEnd(const UnitState& unit) const {
   return std::find(tight_ends_.begin(), tight_ends_.end(), unit) != tight_ends_.end();
 }
 
-ClearanceFunction ArmChecks::clearanceFunction() {
-  return {};
+double ArmChecks::clearance(const JointArray& q, double cap) noexcept {
+  return bare_.clearance(q, cap);
 }
 
-bool ArmChecks::isNear(const JointArray& q, const JointArray& other) {
-  near_.placeOther(other);
-  return near_.touches(q);
+ClearanceFunction ArmChecks::clearanceFunction() {
+  return [this](const UnitState& unit, double cap) { return bare_.clearance(space_.toJoints(unit), cap); };
 }
 
 }  // namespace raven2_trainer::planning

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "planning/arm_clearance.h"
 #include "planning/arm_collision.h"
 #include "planning/joint_space.h"
 #include "planning/motion_cost.h"
@@ -9,39 +10,45 @@
 namespace raven2_trainer::planning {
 
 /**
- * All that a plan asks about what one arm touches. States and edges are free if they keep the clearance. Start and
- * goal, once allowed, need only not touch: the arm may stand nearer than the clearance, and then the edges there are
- * let off it near that end.
+ * All that a plan asks about what one arm touches. States and edges are free if they keep the clearance, by the
+ * distance grid. Start and goal, once allowed, need only not touch, by FCL: the arm may stand nearer than the
+ * clearance, and then its edges are let off it near that end.
  *
  * Keeps scratch space: one thread at a time.
  */
 class ArmChecks {
  public:
-  /** @param[in] edge_step [-] as PlannerConfig. The models must outlive this. */
-  ArmChecks(const model::RavenModel& raven, const SceneObstacles& scene, Arm arm, double clearance, double edge_step);
+  /** @param[in] edge_step [-] as PlannerConfig. Models and grid must outlive this. */
+  ArmChecks(const model::RavenModel& raven,
+            const SceneObstacles& scene,
+            const DistanceGrid& grid,
+            Arm arm,
+            double clearance,
+            double edge_step);
 
   /** Begins a plan: no end is allowed any more. */
   void begin(const JointSpace& space, const JointArray& other);
 
-  bool isFree(const UnitState& unit);
+  bool isFree(const UnitState& unit) noexcept;
   bool isEdgeFree(const UnitState& a, const UnitState& b);
-  /** FCL's word, clearance left aside. */
-  bool touches(const UnitState& unit);
   /** An end that does not touch, but may be nearer than the clearance. @return false if it touches. */
   bool allowEnd(const UnitState& end);
-  /** True of what allowEnd() let pass, be it free or not. */
+  /** True of what allowEnd() let pass though it is not free. */
   bool isAllowedEnd(const UnitState& unit) const;
-  /** Distances to whatever is near, for the cost; empty if there is nothing to tell them. Lives as long as this. */
+  /** [m] lower bound of the distance to whatever is near, at most `cap`. */
+  double clearance(const JointArray& q, double cap) noexcept;
+  /** The same for the cost. Lives as long as this. */
   ClearanceFunction clearanceFunction();
-  /** FCL's word, with the clearance. */
-  bool isNear(const JointArray& q, const JointArray& other);
 
  private:
+  bool touches(const UnitState& unit);
   bool isFreeNear(const UnitState& end, const UnitState& unit);
 
   const double edge_step_;
   JointSpace space_;
-  ArmCollision near_, bare_;
+  ArmClearance kept_;                  // with the clearance
+  ArmClearance bare_;                  // without: how far things truly are
+  ArmCollision judge_;                 // without
   std::vector<UnitState> tight_ends_;  // nearer than the clearance
 };
 

@@ -143,66 +143,39 @@ ArmCollision::ArmCollision(const model::RavenModel& raven, const SceneObstacles&
       arm_(arm),
       positions_(raven.description.links.size()),
       poses_(raven.description.links.size()) {
+  const JudgedPairs judged = judgedPairs(raven, arm, clearance);
+  grown_ = makeShapes(judged.own, clearance);
+  own_ = makeShapes(judged.own, 0.0);
+  others_ = makeShapes(judged.others, 0.0);
+  fixed_ = makeShapes(judged.fixed, 0.0);
+  addPairs(judged);
   q_.fill(raven.arms.geometry.home);
-  addShapes(clearance);
   updatePoses();
   for (const auto* shapes : {&grown_, &own_, &others_, &fixed_})
     place(*shapes);
-  addPairs();
 }
 
-std::vector<ArmCollision::Owner> ArmCollision::linkOwners() const {
-  const auto& links = raven_.description.links;
-  std::vector<Owner> owners(links.size(), Owner::kFixed);
-  for (std::size_t i = 0; i < links.size(); ++i) {  // parents come first
-    const int parent = links[i].parent;
-    if (parent >= 0) owners[i] = owners[static_cast<std::size_t>(parent)];
-    if (owners[i] != Owner::kFixed || links[i].joint == model::JointKind::kFixed) continue;
-    const int first = static_cast<int>(i);
-    const bool mine = at(raven_.links, arm_)[kShoulder] == first;
-    owners[i] = mine ? Owner::kThisArm : Owner::kOtherArm;
-  }
-  return owners;
+std::vector<ArmCollision::Shape> ArmCollision::makeShapes(const std::vector<ShapeRef>& refs, double grow) const {
+  const model::Description& description = raven_.description;
+  std::vector<Shape> shapes;
+  for (const ShapeRef& ref : refs)
+    shapes.push_back(
+        {ref.link, std::make_unique<Body>(description, linkOf(description, ref), shapeOf(description, ref), grow)});
+  return shapes;
 }
 
-void ArmCollision::addShapes(double clearance) {
-  const std::vector<Owner> owners = linkOwners();
-  const auto& links = raven_.description.links;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const auto add = [&](const model::CollisionShape& shape, double grow, std::vector<Shape>* list) {
-      list->push_back({static_cast<int>(i), std::make_unique<Body>(raven_.description, links[i], shape, grow)});
-    };
-    for (const model::CollisionShape& shape : links[i].collisions) {
-      if (owners[i] == Owner::kThisArm) add(shape, clearance, &grown_);
-      if (owners[i] == Owner::kThisArm) add(shape, 0.0, &own_);
-      if (owners[i] == Owner::kOtherArm) add(shape, 0.0, &others_);
-      if (owners[i] == Owner::kFixed) add(shape, 0.0, &fixed_);
-    }
-  }
-}
-
-void ArmCollision::addPairs() {
-  const auto add = [this](const Shape& mine, const Shape& against) {
-    pairs_.emplace_back(mine.body.get(), against.body.get());
+void ArmCollision::addPairs(const JudgedPairs& judged) {
+  const auto add = [this](int mine, const Shape& against) {
+    pairs_.emplace_back(grown_[static_cast<std::size_t>(mine)].body.get(), against.body.get());
   };
-  const auto addUnlessByDesign = [this, add](const Shape& mine, const Shape& against) {
-    if (!areNeighbours(mine.link, against.link) && !mine.body->overlaps(*against.body)) add(mine, against);
-  };
+  for (const auto& [i, k] : judged.within)
+    add(i, own_[static_cast<std::size_t>(k)]);
+  for (const auto& [i, k] : judged.against_fixed)
+    add(i, fixed_[static_cast<std::size_t>(k)]);
   for (std::size_t i = 0; i < grown_.size(); ++i) {
-    for (std::size_t k = i + 1; k < own_.size(); ++k)
-      addUnlessByDesign(grown_[i], own_[k]);
-    for (const Shape& shape : fixed_)
-      addUnlessByDesign(grown_[i], shape);
     for (const Shape& shape : others_)
-      add(grown_[i], shape);
+      add(static_cast<int>(i), shape);
   }
-}
-
-bool ArmCollision::areNeighbours(int a, int b) const {
-  const auto& links = raven_.description.links;
-  const int parent_a = links[static_cast<std::size_t>(a)].parent;
-  const int parent_b = links[static_cast<std::size_t>(b)].parent;
-  return a == b || parent_a == b || parent_b == a || (parent_a == parent_b && parent_a >= 0);
 }
 
 void ArmCollision::updatePoses() {

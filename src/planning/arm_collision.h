@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "planning/judged_pairs.h"
 #include "planning/segment.h"
 #include "raven2_trainer/model/raven_model.h"
 
@@ -61,9 +62,7 @@ class SceneObstacles {
  * Says whether one arm touches the scene, itself, the other arm or the robot's fixed parts. "Nearer than the
  * clearance" is judged by growing the moving arm's shapes by it (a box by its edges: a little more at its corners).
  *
- * Never judged: a link against its neighbours (same link, parent, sibling), which touch by design, the jaws above
- * all; and pairs of shapes within this arm, or with the fixed parts, that touch with both arms at home: a fact of
- * how links are drawn, not of where they are. Pairs with the other arm are always judged.
+ * Which pairs are judged: judged_pairs.h.
  *
  * Keeps scratch space: one thread at a time.
  */
@@ -82,12 +81,9 @@ class ArmCollision {
     int link;
     std::unique_ptr<Body> body;
   };
-  enum class Owner { kFixed, kThisArm, kOtherArm };
 
-  std::vector<Owner> linkOwners() const;
-  void addShapes(double clearance);
-  void addPairs();
-  bool areNeighbours(int a, int b) const;
+  std::vector<Shape> makeShapes(const std::vector<ShapeRef>& refs, double grow) const;
+  void addPairs(const JudgedPairs& judged);
   void updatePoses();
   void placeArm(const JointArray& q);
   void place(const std::vector<Shape>& shapes);

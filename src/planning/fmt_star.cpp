@@ -6,7 +6,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+
+#include "planning/free_volume.h"
 
 namespace raven2_trainer::planning {
 namespace {
@@ -26,13 +27,6 @@ const auto kDearer = [](const auto& a, const auto& b) { return a.cost != b.cost 
 const auto kLater = [](const auto& a, const auto& b) { return a.key != b.key ? a.key > b.key : a.id > b.id; };
 
 }  // namespace
-
-double fmtRadius(double multiplier, double free_volume, std::uint32_t samples) noexcept {
-  constexpr double d = kPlanDimension;
-  const double ball = kPi * kPi * kPi / 6.0;  // volume of the unit ball in six dimensions
-  const double n = samples;
-  return multiplier * 2.0 * std::pow(free_volume / (d * ball) * std::log(n) / n, 1.0 / d);
-}
 
 FmtStar::FmtStar(const ob::SpaceInformationPtr& si, const FmtSettings& settings, PathJudge judge)
     : ob::Planner(si, "FMTstar"),
@@ -87,7 +81,7 @@ FmtEnd FmtStar::search(const Stop& stop) {
   if (counts_.samples == 0 && !drawSamples(settings_.samples, stop)) return stop() ? FmtEnd::kStopped : FmtEnd::kNoPath;
   while (!stop()) {
     if (grow(stop)) {
-      if (isAccepted()) return FmtEnd::kSolved;
+      if (isAccepted(stop)) return FmtEnd::kSolved;
       if (counts_.refusals >= settings_.max_refusals) return FmtEnd::kAllRefused;
     } else if (!stop() && !addSamples(stop)) {
       break;
@@ -148,7 +142,8 @@ bool FmtStar::drawSamples(std::uint32_t count, const Stop& stop) {
 /** Half as many again. The radius shrinks with them; edges of the old one stay. */
 bool FmtStar::addSamples(const Stop& stop) {
   if (counts_.samples >= settings_.max_samples) return false;
-  const std::uint32_t more = std::min((counts_.samples + 1) / 2, settings_.max_samples - counts_.samples);
+  const std::uint32_t half = std::max(1U, (counts_.samples + 1) / 2);
+  const std::uint32_t more = std::min(half, settings_.max_samples - counts_.samples);
   const auto first = static_cast<Id>(points_.size());
   if (!drawSamples(more, stop)) return false;
   ++counts_.rounds;
@@ -161,7 +156,7 @@ bool FmtStar::addSamples(const Stop& stop) {
 }
 
 double FmtStar::radius() const {
-  return fmtRadius(settings_.radius_multiplier, settings_.free_volume, counts_.samples);
+  return fmtRadius(settings_.free_volume, settings_.radius_multiplier, std::max(2U, counts_.samples));
 }
 
 const std::vector<FmtStar::Id>& FmtStar::near(Id id) {
@@ -270,7 +265,7 @@ FmtStar::Id FmtStar::nextOpen() {
   return kNobody;
 }
 
-void FmtStar::dropEdge(Id parent, Id child) {
+void FmtStar::dropEdge(Id parent, Id child, const Stop& stop) {
   memory_.set(parent, child, {0.0, CostStage::kBlocked});
   std::vector<Id> lost;
   for (Id id = 0; id < points_.size(); ++id) {
@@ -281,8 +276,10 @@ void FmtStar::dropEdge(Id parent, Id child) {
     parents_[id] = kNobody;
   }
   counts_.detached += static_cast<std::uint32_t>(lost.size());
-  for (const Id id : lost)
+  for (const Id id : lost) {
+    if (stop()) return;  // what is lost may be all there is
     reopenAround(id);
+  }
 }
 
 bool FmtStar::hangsOn(Id id, Id root) const {
@@ -309,7 +306,7 @@ std::vector<FmtStar::Id> FmtStar::pathToGoal() const {
   return path;
 }
 
-bool FmtStar::isAccepted() {
+bool FmtStar::isAccepted(const Stop& stop) {
   const std::vector<Id> ids = pathToGoal();
   std::vector<UnitState> path;
   for (const Id id : ids)
@@ -323,7 +320,7 @@ bool FmtStar::isAccepted() {
   }
   ++counts_.refusals;
   const std::size_t edge = std::min(verdict.failed_edge, ids.size() - 2);
-  dropEdge(ids[edge], ids[edge + 1]);
+  dropEdge(ids[edge], ids[edge + 1], stop);
   return false;
 }
 

@@ -102,11 +102,11 @@ class FmtStar : public ompl::base::Planner {
   bool isEdgeFree(Id a, Id b) const;
   void open(Id id);
   Id nextOpen();
-  void dropEdge(Id parent, Id child);
+  void dropEdge(Id parent, Id child, const Stop& stop);
   bool hangsOn(Id id, Id root) const;
   void reopenAround(Id unvisited);
   std::vector<Id> pathToGoal() const;
-  bool isAccepted();
+  bool isAccepted(const Stop& stop);
   void setSolution(const std::vector<UnitState>& path);
 
   const FmtSettings settings_;
@@ -129,8 +129,5 @@ class FmtStar : public ompl::base::Planner {
   std::vector<Id> fresh_, found_;
   std::vector<Candidate> candidates_;
 };
-
-/** [-] radius of eq. (2): multiplier x 2 (1/d)^(1/d) (volume/zeta_d)^(1/d) (log n / n)^(1/d), d = 6. */
-double fmtRadius(double multiplier, double free_volume, std::uint32_t samples) noexcept;
 
 }  // namespace raven2_trainer::planning

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
+#include "planning/free_volume.h"
 #include "planning/plan_run.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
@@ -10,6 +12,9 @@ namespace raven2_trainer::planning {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/** [m] how far the least distance of a followed path is told. */
+constexpr double kFollowedRange = 0.05;
 
 double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -22,8 +27,10 @@ void reset(PlanProgress* progress) {
   progress->best_cost.store(0.0);
 }
 
-bool isKnown(const std::string& planner) {
-  return std::count(kPlannerNames.begin(), kPlannerNames.end(), planner) > 0;
+bool areSound(const PlanOptions& o) {
+  const std::array<double, 4> numbers{o.eta_length, o.eta_acceleration, o.eta_clearance, o.time_limit};
+  const bool known = std::count(kPlannerNames.begin(), kPlannerNames.end(), o.planner) > 0;
+  return known && std::all_of(numbers.begin(), numbers.end(), [](double x) { return x >= 0.0 && x < 1e9; });
 }
 
 /** What is left of the whole is the search's own: costs and edge checks. */
@@ -34,6 +41,14 @@ void setSearchTime(double whole, PlanStatistics* s) {
 /** In lockstep nothing may tell one machine from another. */
 void clearTimes(PlanStatistics* s) {
   s->goal_time = s->sampling_time = s->neighbour_time = s->search_time = s->improvement_time = s->rollout_time = 0.0;
+}
+
+PlanResult failure(const PlanRequest& request) {
+  PlanResult result;
+  result.id = request.id;
+  result.arm = request.arm;
+  result.status = PlanStatus::kFailed;
+  return result;
 }
 
 }  // namespace
@@ -51,38 +66,86 @@ PlanOptions defaultOptions(const PlannerConfig& config) {
   return options;
 }
 
+/** What is worked out once for a scene. */
+struct PathPlanner::SceneCache {
+  SceneCache(const model::RavenModel& raven,
+             const model::SceneModel& scene,
+             const SceneObstacles& obstacles,
+             const PlannerConfig& config,
+             const ModelConfig* model)
+      : grid(raven, scene),
+        gold(makeDesk(raven, obstacles, config, model, Arm::kGold)),
+        green(makeDesk(raven, obstacles, config, model, Arm::kGreen)) {
+    // From now on the desks stay where they are.
+    for (ArmDesk* desk : {&gold, &green}) {
+      if (desk->roll_out == nullptr) continue;
+      ArmChecks* checks = &desk->checks;
+      desk->roll_out->useClearance([checks](const JointArray& q) { return checks->clearance(q, kFollowedRange); });
+    }
+  }
+
+  ArmDesk makeDesk(const model::RavenModel& raven,
+                   const SceneObstacles& obstacles,
+                   const PlannerConfig& config,
+                   const ModelConfig* model,
+                   Arm arm) const {
+    ArmDesk desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step), nullptr};
+    if (model != nullptr) desk.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
+    desk.free_volume = estimateVolume(raven.arms.geometry, config, &desk.checks);
+    return desk;
+  }
+
+  /** With the jaws as at home, and the other arm there. An upper bound: the radius grows with it. */
+  static double estimateVolume(const ArmGeometry& geometry, const PlannerConfig& config, ArmChecks* checks) {
+    constexpr std::uint64_t kVolumeSeed = 1;  // of the scene, not of a plan: the same for all of them
+    checks->begin(JointSpace(geometry, kinematics::jawOpening(geometry.home)), geometry.home);
+    const auto is_free = [checks](const UnitState& unit) { return checks->isFree(unit); };
+    return estimateFreeVolume(is_free, config.volume_samples, kVolumeSeed, config.volume_confidence).upper;
+  }
+
+  const DistanceGrid grid;
+  ArmDesk gold, green;
+};
+
 struct PathPlanner::Impl {
   Impl(const model::RavenModel& raven_model,
        const model::SceneModel& scene_model,
        const PlannerConfig& planner_config,
-       const ModelConfig* model)
+       const ModelConfig* model_config)
       : raven(raven_model),
+        scene(scene_model),
         config(planner_config),
-        obstacles(scene_model),
-        gold(makeDesk(Arm::kGold, model)),
-        green(makeDesk(Arm::kGreen, model)) {}
-
-  ArmDesk makeDesk(Arm arm, const ModelConfig* model) {
-    ArmDesk desk{ArmChecks(raven, obstacles, arm, config.clearance, config.edge_step), nullptr};
-    if (model != nullptr) desk.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
-    return desk;
+        obstacles(scene),
+        gold(raven, obstacles, Arm::kGold, config.clearance),
+        green(raven, obstacles, Arm::kGreen, config.clearance) {
+    if (model_config != nullptr) model = *model_config;
   }
 
-  ArmDesk& desk(Arm arm) { return arm == Arm::kGold ? gold : green; }
+  SceneCache& prepared() {
+    if (!cache) cache = std::make_unique<SceneCache>(raven, scene, obstacles, config, model ? &*model : nullptr);
+    return *cache;
+  }
+  SceneCache* tryToPrepare() noexcept {
+    try {
+      return &prepared();
+    } catch (const std::exception&) {
+      return nullptr;
+    }
+  }
+  ArmCollision& judge(Arm arm) { return arm == Arm::kGold ? gold : green; }
   PlanResult run(const PlanSetting& setting, PlanStatistics* statistics);
 
   const model::RavenModel& raven;
+  const model::SceneModel scene;
   const PlannerConfig config;
+  std::optional<ModelConfig> model;
   SceneObstacles obstacles;
-  ArmDesk gold, green;
+  ArmCollision gold, green;  // with the clearance
+  std::unique_ptr<SceneCache> cache;
   PlanProgress progress;
 };
 
 PlanResult PathPlanner::Impl::run(const PlanSetting& setting, PlanStatistics* statistics) {
-  PlanResult failed;
-  failed.arm = setting.request.arm;
-  failed.status = PlanStatus::kFailed;
-  if (!isKnown(setting.options.planner)) return failed;
   try {
     PlanRun run(setting);
     const PlanResult result = run.run();
@@ -90,7 +153,7 @@ PlanResult PathPlanner::Impl::run(const PlanSetting& setting, PlanStatistics* st
     return result;
   } catch (const std::exception&) {
     // OMPL, FCL or the heap gave up: for who asked, there is no path. Nothing half-made is returned.
-    return failed;
+    return failure(setting.request);
   }
 }
 
@@ -118,11 +181,13 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
                              const std::atomic<bool>& cancel,
                              const PlanOptions& options,
                              PlanStatistics* statistics) {
+  SceneCache* cache = areSound(options) ? impl_->tryToPrepare() : nullptr;
+  if (cache == nullptr) return failure(request);
   const Clock::time_point begin = Clock::now();
   reset(&impl_->progress);
   const PlanSetting setting{impl_->raven,
                             impl_->config,
-                            {&impl_->gold, &impl_->green},
+                            {&cache->gold, &cache->green},
                             request,
                             options,
                             seed,
@@ -132,7 +197,6 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
                             &impl_->progress};
   PlanStatistics counted;
   PlanResult result = impl_->run(setting, &counted);
-  result.id = request.id;
   result.samples = counted.samples;
   if (!lockstep) result.planning_time = secondsSince(begin);
   setSearchTime(result.planning_time, &counted);
@@ -141,12 +205,18 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
   return result;
 }
 
+void PathPlanner::prepare() {
+  impl_->prepared();
+}
+
 const PlanProgress& PathPlanner::progress() const noexcept {
   return impl_->progress;
 }
 
 bool PathPlanner::inCollision(Arm arm, const JointArray& q, const JointArray& other) const {
-  return impl_->desk(arm).checks.isNear(q, other);
+  ArmCollision& judge = impl_->judge(arm);
+  judge.placeOther(other);
+  return judge.touches(q);
 }
 
 double PathPlanner::edgeCost(Arm arm, const JointArray& a, const JointArray& b) const {

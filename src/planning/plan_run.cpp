@@ -58,6 +58,7 @@ const JointArray& PlanRun::otherOf(Arm arm) const {
 
 PlanResult PlanRun::run() {
   PlanResult result;
+  result.id = set_.request.id;
   result.status = choose();
   result.arm = arm_;
   if (result.status == PlanStatus::kSuccess) search(&result);

@@ -40,7 +40,7 @@ class PlanRun {
  public:
   explicit PlanRun(const PlanSetting& setting);
 
-  /** Status and path; id, samples and time are left to the caller. */
+  /** Status and path; samples and time are left to the caller. */
   PlanResult run();
   const PlanStatistics& statistics() const { return statistics_; }
 

@@ -55,9 +55,14 @@ struct Progress {
 }  // namespace
 
 struct RollOut::Impl {
-  Impl(const model::RavenModel& raven_model, const SceneObstacles& scene, const ModelConfig& config, Arm which)
+  Impl(const model::RavenModel& raven_model,
+       const SceneObstacles& scene,
+       const ModelConfig& config,
+       Arm which,
+       Asking what)
       : raven(raven_model),
         arm(which),
+        asking(what),
         world(raven, arm, config),
         collision(raven, scene, arm, 0.0),
         bound(raven, arm),
@@ -77,6 +82,7 @@ struct RollOut::Impl {
 
   const model::RavenModel& raven;
   Arm arm;
+  Asking asking;
   physics::ArmWorld world;
   ArmCollision collision;
   MotionBound bound;
@@ -131,7 +137,7 @@ bool RollOut::Impl::advance() {
     ++now.edge;
   }
   const control::JointTarget wanted = target();
-  const JointArray q_d = now.controller.leading(wanted);
+  const JointArray q_d = asking == Asking::kLeading ? now.controller.leading(wanted) : wanted.q;
   world.step(now.controller.torque(q_d, world.q(), world.dq(), world.gravityTorque()));
   now.still = isStill(world.dq()) ? now.still + 1 : 0;
   measure(wanted);
@@ -177,8 +183,12 @@ RollOutReport RollOut::Impl::report(bool free) const {
   return result;
 }
 
-RollOut::RollOut(const model::RavenModel& raven, const SceneObstacles& scene, const ModelConfig& config, Arm arm)
-    : impl_(std::make_unique<Impl>(raven, scene, config, arm)) {}
+RollOut::RollOut(const model::RavenModel& raven,
+                 const SceneObstacles& scene,
+                 const ModelConfig& config,
+                 Arm arm,
+                 Asking asking)
+    : impl_(std::make_unique<Impl>(raven, scene, config, arm, asking)) {}
 
 RollOut::~RollOut() = default;
 

@@ -12,6 +12,13 @@
 
 namespace raven2_trainer::planning {
 
+/** What the law is asked for: it damps velocity, so that what is asked for is followed with a lag. */
+enum class Asking {
+  kLeading,  ///< what leads the path, so that the arm is on it (control::ArmController): as the live model follows
+             ///< plans
+  kPlain,    ///< the path itself: followed with the robot's lag of 25 to 99 ms, another one for each joint
+};
+
 /** What became of an arm that followed a path. */
 struct RollOutReport {
   bool free{};                ///< it came to rest at the end and touched nothing on the way
@@ -39,7 +46,11 @@ class RollOut {
   using Clearance = std::function<double(const JointArray& q)>;
 
   /** `raven` and `scene` must outlive this. @throw ModelException if the model cannot be turned into bodies. */
-  RollOut(const model::RavenModel& raven, const SceneObstacles& scene, const ModelConfig& config, Arm arm);
+  RollOut(const model::RavenModel& raven,
+          const SceneObstacles& scene,
+          const ModelConfig& config,
+          Arm arm,
+          Asking asking = Asking::kLeading);
   ~RollOut();
 
   /** Instead of FCL's distance, which is exact and slow. Must stand for the other arm as given to follow(). */

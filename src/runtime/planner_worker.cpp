@@ -1,5 +1,7 @@
 #include "raven2_trainer/runtime/planner_worker.h"
 
+#include <exception>
+
 #include "raven2_trainer/control/tip_path.h"
 #include "raven2_trainer/runtime/plan_desk.h"
 
@@ -33,6 +35,13 @@ PlanResult PlannerWorker::plan(const PlanRequest& request, bool lockstep) {
   result.robot_follows = control::robotFollows(arms_.geometry, limits_, result) ? 1 : 0;
   publishPath(result);
   return result;
+}
+
+void PlannerWorker::prepare() noexcept {
+  try {
+    planner_.prepare();
+  } catch (const std::exception&) {
+  }
 }
 
 bool PlannerWorker::serve() {

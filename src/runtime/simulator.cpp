@@ -336,6 +336,7 @@ struct Simulator::Impl {
   }
 
   void plannerLoop() {
+    planner.prepare();
     while (!stopping()) {
       if (!planner.serve()) sleepFor(0.005);
     }

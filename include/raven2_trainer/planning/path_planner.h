@@ -74,7 +74,8 @@ struct PlanStatistics {
  *
  * The free bodies of the scene (the ring) are no obstacles: the goal is at the ring.
  *
- * The constructor works out what belongs to the scene alone: the grid of distances, and the free volume of eq. (2).
+ * What belongs to the scene alone, the grid of distances and the free volume of eq. (2), is worked out by prepare() or
+ * ahead of the first plan, and counts for no plan's time.
  */
 class PathPlanner {
  public:
@@ -90,6 +91,10 @@ class PathPlanner {
               const ModelConfig& model);
   ~PathPlanner();
 
+  /** Works out what belongs to the scene alone, some tenths of a second, unless that was done. plan() does it too,
+   *  but cannot be cancelled meanwhile. @throw ModelException, std::bad_alloc; plan() then says kFailed. */
+  void prepare();
+
   /**
    * Plans. Never throws for what is asked: every failure is a status, and comes in finite time. Stops on samples
    * and, unless `lockstep`, on the time limit; the same request, options and seed give the same path (of OMPL's
@@ -101,7 +106,8 @@ class PathPlanner {
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);
 
   /**
-   * The same with other options. A planner that is not known gives kFailed.
+   * The same with other options. A planner that is not known, or a weight or time that is negative or 1e9 and more,
+   * gives kFailed.
    * @param[out] statistics may be null.
    */
   PlanResult plan(const PlanRequest& request,
@@ -121,6 +127,7 @@ class PathPlanner {
   double edgeCost(Arm arm, const JointArray& a, const JointArray& b) const;
 
  private:
+  struct SceneCache;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

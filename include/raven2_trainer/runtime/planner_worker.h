@@ -18,6 +18,10 @@ class PlannerWorker {
                 const model::SceneModel& scene,
                 SharedState* shared);
 
+  /** What belongs to the scene alone, some tenths of a second: done ahead, no first plan waits for it. What goes wrong
+   *  is told by the plan that wants it. */
+  void prepare() noexcept;
+
   /** Serves waiting requests. @return true if there was one. */
   bool serve();
   /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. A single plan that

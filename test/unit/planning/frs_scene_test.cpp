@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "planning/arm_collision.h"
 #include "planning/joint_space.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -51,6 +52,21 @@ bool isFreeOnCloseLook(const PathPlanner& judge, const PlanRequest& request, con
   return true;
 }
 
+/** Length in the cube on which a path is nearer than 8 mm to anything, by FCL. */
+double nearness(const PlanResult& plan) {
+  static const SceneObstacles obstacles(trainer().scene);
+  ArmCollision grown(trainer().raven, obstacles, Arm::kGold, 0.008);
+  grown.placeOther(geometry().home);
+  const JointSpace space(geometry(), kinematics::jawOpening(plan.waypoints[0]));
+  double sum = 0.0;
+  for (std::size_t i = 1; i < plan.waypoint_count; ++i) {
+    const UnitState a = space.toUnit(plan.waypoints[i - 1]), b = space.toUnit(plan.waypoints[i]);
+    for (int k = 0; k < 100; ++k)
+      sum += grown.touches(space.toJoints(interpolate(a, b, (k + 0.5) / 100))) ? distance(a, b) / 100 : 0.0;
+  }
+  return sum;
+}
+
 TEST(FrsScene, HomeIsFreeForBothArms) {
   const PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner);
   for (const Arm arm : kArms)
@@ -81,6 +97,49 @@ TEST(FrsScene, TwentySeedsOfTwentyFindTheWayToTheRing) {
     for (std::size_t i = 1; i < result.waypoint_count; ++i)
       EXPECT_TRUE(isFreeOnCloseLook(judge, request, result.waypoints[i - 1], result.waypoints[i])) << "seed " << seed;
   }
+}
+
+TEST(FrsScene, AnArmThatSagsIsToldThatItCannotFollow) {
+  // GIVEN an arm without gravity compensation under a hundredth of its gains: it sinks onto what is below it
+  ModelConfig limp = trainer().config.model;
+  limp.gravity_compensation = false;
+  for (JointGains& gains : limp.gains) {
+    gains.kp *= 0.01;
+    gains.ki = 0.0;
+  }
+  PlannerConfig few = trainer().config.planner;
+  few.max_rollouts = 3;
+  few.max_samples = few.samples;
+  PathPlanner planner(trainer().raven, trainer().scene, few, limp);
+  PlanStatistics statistics;
+  const PlanResult result = planner.plan(insideTheDome(), 1, true, kGoOn, defaultOptions(few), &statistics);
+  // THEN no path is returned, and the reason is neither the start nor the search
+  EXPECT_EQ(result.status, PlanStatus::kDynamicsInfeasible);
+  EXPECT_EQ(result.waypoint_count, 0u);
+  EXPECT_GT(statistics.failed_rollouts, 0u);
+  EXPECT_EQ(planner.progress().rollouts.load(), statistics.rollouts);
+}
+
+TEST(FrsScene, TheClearanceTermKeepsPathsAwayFromThings) {
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
+  PlanOptions options = defaultOptions(trainer().config.planner);
+  double with = 0.0, without = 0.0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    PlanStatistics statistics;
+    options.eta_clearance = 1.0;
+    const PlanResult wide = planner.plan(insideTheDome(), seed, true, kGoOn, options, &statistics);
+    ASSERT_EQ(wide.status, PlanStatus::kSuccess);
+    EXPECT_GT(statistics.clearance_cost, 0.0) << "it starts 2.5 mm from things";
+    EXPECT_GT(statistics.clearance_integrals, 0u);
+    options.eta_clearance = 0.0;
+    const PlanResult narrow = planner.plan(insideTheDome(), seed, true, kGoOn, options, &statistics);
+    ASSERT_EQ(narrow.status, PlanStatus::kSuccess);
+    EXPECT_EQ(statistics.clearance_cost, 0.0);
+    EXPECT_EQ(statistics.clearance_integrals, 0u);
+    with += nearness(wide);
+    without += nearness(narrow);
+  }
+  EXPECT_LT(with, without);
 }
 
 TEST(FrsScene, BothArmsReachTheRingFromHome) {

@@ -1,0 +1,136 @@
+#include "planning/distance_grid.h"
+
+#include <gtest/gtest.h>
+
+#include "planning_fixtures.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "shipped_trainer.h"
+
+namespace raven2_trainer::planning {
+namespace {
+
+/** Signed distance of a point in the shape's own frame. */
+double distanceInFrame(const model::CollisionShape& shape, const Vector3& p) {
+  if (shape.kind == model::ShapeKind::kBox) {
+    const double x = std::abs(p.x()) - shape.size.x() / 2, y = std::abs(p.y()) - shape.size.y() / 2,
+                 z = std::abs(p.z()) - shape.size.z() / 2;
+    if (std::max({x, y, z}) <= 0.0) return std::max({x, y, z});
+    return std::hypot(std::max(x, 0.0), std::max(y, 0.0), std::max(z, 0.0));
+  }
+  const double half = shape.kind == model::ShapeKind::kCapsule ? shape.size.y() / 2 : 0.0;
+  return std::hypot(p.x(), p.y(), std::max(std::abs(p.z()) - half, 0.0)) - shape.size.x();
+}
+
+double referenceDistance(const model::Description& d,
+                         const std::vector<Pose>& X_WL,
+                         std::size_t link,
+                         const Vector3& p) {
+  double nearest = 1e9;
+  for (const model::CollisionShape& shape : d.links[link].collisions)
+    nearest = std::min(nearest, distanceInFrame(shape, (X_WL[link] * shape.X_LS).inverse() * p));
+  return nearest;
+}
+
+/** Distance to the scene but for its free bodies, and to the bases of both arms. */
+double referenceDistance(const model::RavenModel& raven, const model::SceneModel& scene, const Vector3& p) {
+  double nearest = 1e9;
+  for (std::size_t i = 0; i < scene.description.links.size(); ++i) {
+    if (std::count(scene.free_bodies.begin(), scene.free_bodies.end(), static_cast<int>(i)) > 0) continue;
+    nearest = std::min(nearest, referenceDistance(scene.description, scene.X_WL, i, p));
+  }
+  std::vector<double> positions(raven.description.links.size());
+  std::vector<Pose> poses(positions.size());
+  raven.linkPosesInWorld({raven.arms.geometry.home, raven.arms.geometry.home}, &positions, &poses);
+  for (const Arm arm : kArms)
+    nearest = std::min(
+        nearest, referenceDistance(raven.description, poses, static_cast<std::size_t>(at(raven.base_links, arm)), p));
+  return nearest;
+}
+
+class ShippedGrid : public ::testing::Test {
+ protected:
+  static const DistanceGrid& grid() {
+    static const DistanceGrid made(test::trainer().raven, test::trainer().scene);
+    return made;
+  }
+  static double reference(const Vector3& p) {
+    return referenceDistance(test::trainer().raven, test::trainer().scene, p);
+  }
+  static Vector3 draw(const Vector3& middle, const Vector3& reach, Random* random) {
+    return middle + Vector3(random->uniform(-1, 1), random->uniform(-1, 1), random->uniform(-1, 1)).cwiseProduct(reach);
+  }
+};
+
+TEST_F(ShippedGrid, BoundsTheDistanceEverywhereAndByNoMoreThanItSays) {
+  Random random(1);
+  int fine = 0, coarse = 0, beyond = 0;
+  for (int i = 0; i < 60000; ++i) {
+    const Vector3 p = i % 2 == 0 ? draw({0, 0, 0.04}, {0.1, 0.1, 0.06}, &random)  // in and about the dome
+                                 : draw({0, 0, 0.2}, {0.8, 1.0, 0.6}, &random);
+    const double truth = reference(p), cell = grid().cellAt(p), half_diagonal = std::sqrt(3.0) / 2 * cell;
+    const DistanceBounds quick = grid().quick(p), tight = grid().tight(p);
+    ASSERT_LE(tight.lower, truth) << p.transpose();
+    ASSERT_LE(quick.lower, truth) << p.transpose();
+    ASSERT_GE(tight.upper, truth) << p.transpose();
+    ASSERT_GE(quick.upper, truth) << p.transpose();
+    (cell == 0.0 ? beyond : cell < 0.004 ? fine : coarse)++;
+    if (cell == 0.0) continue;
+    ASSERT_GT(tight.lower, truth - 2 * half_diagonal - 1e-6) << p.transpose();
+    ASSERT_GT(quick.lower, truth - 2 * half_diagonal - 1e-6) << p.transpose();
+  }
+  EXPECT_GT(fine, 10000);
+  EXPECT_GT(coarse, 5000);
+  EXPECT_GT(beyond, 5000);
+}
+
+TEST_F(ShippedGrid, IsTightWhereToolsPassByAtTheirRadius) {
+  // The shaft's radius and clearance: 6 mm. By the header's formula less than 0.3 mm is lost there, on average.
+  Random random(2);
+  double lost = 0.0;
+  int count = 0;
+  while (count < 5000) {
+    const Vector3 p = draw({0, 0, 0.04}, {0.09, 0.09, 0.05}, &random);
+    const double truth = reference(p);
+    if (truth < 0.005 || truth > 0.007) continue;
+    lost += truth - grid().lowerBound(p);
+    ++count;
+  }
+  EXPECT_LT(lost / count, 3e-4);
+}
+
+TEST_F(ShippedGrid, KeepsToItsMemory) {
+  EXPECT_LT(grid().nodeCount(), 2 * DistanceGrid::kMaxNodes);
+  EXPECT_DOUBLE_EQ(grid().cellAt({0, 0, 0.03}), 0.002);
+}
+
+TEST(DistanceGridTest, LeavesFreeBodiesOut) {
+  const model::RavenModel raven = test::raven();
+  model::SceneModel scene = test::scene({test::sphere(0.01), test::sphere(0.01, {Matrix3::Identity(), {0.1, 0, 0}})});
+  EXPECT_NEAR(DistanceGrid(raven, scene).lowerBound({0.03, 0, 0}), 0.02, 2e-4);
+  scene.free_bodies = {0};
+  EXPECT_NEAR(DistanceGrid(raven, scene).lowerBound({0.03, 0, 0}), 0.06, 2e-4);
+}
+
+TEST(DistanceGridTest, KnowsOfNothingInAnEmptyScene) {
+  EXPECT_GT(DistanceGrid(test::raven(), test::scene({})).lowerBound({0, 0, 0}), 10.0);
+}
+
+TEST(DistanceGridTest, MakesItsCellsLargerForALargeScene) {
+  const DistanceGrid grid(test::raven(), test::scene({test::box({20, 20, 20}), test::box({0.29, 0.29, 0.29})}));
+  EXPECT_LT(grid.nodeCount(), 2 * DistanceGrid::kMaxNodes);
+  EXPECT_LE(grid.lowerBound({11, 0, 0}), 1.0);
+  EXPECT_GT(grid.lowerBound({11, 0, 0}), 0.9);
+}
+
+TEST(DistanceGridTest, RefusesMeshesNamingTheirLink) {
+  const model::SceneModel scene = test::scene({test::sphere(0.005), {model::ShapeKind::kMesh, {}, {0, 0, 0}, 0}});
+  try {
+    const DistanceGrid grid(test::raven(), scene);
+    FAIL() << "accepted";
+  } catch (const ModelException& e) {
+    EXPECT_NE(std::string(e.what()).find("scene_by_hand.urdf:2: link link1"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::planning
