@@ -16,18 +16,6 @@ MoveArmResult refusal(const ReadRequest& read) {
 
 }  // namespace
 
-MoveArmResult moveArmResult(const MoveArmTask::Outcome& outcome, const ros::Time& stamp) {
-  MoveArmResult result;
-  result.error_code = number(outcome.code);
-  result.status = outcome.status;
-  result.plan = outcome.plan.id;
-  if (outcome.plan.id != 0) result.arm = name(outcome.plan.arm);
-  result.cost = outcome.plan.cost;
-  result.planning_time = outcome.plan.planning_time;
-  result.report = planExecution(outcome.report, stamp);
-  return result;
-}
-
 MoveArmServer::MoveArmServer(const ros::NodeHandle& node, const runtime::Simulator& simulator, PlanningClient* client)
     : simulator_(simulator), task_(client), server_(node, "move_arm", kStartsLater) {
   server_.start();

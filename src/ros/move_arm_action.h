@@ -12,8 +12,6 @@
 
 namespace raven2_trainer::ros_bridge {
 
-MoveArmResult moveArmResult(const MoveArmTask::Outcome& outcome, const ros::Time& stamp);
-
 /**
  * Action `move_arm`: plans and executes. One goal at a time; a newer one cancels the older. A thread of its own looks
  * 50 times a second, and tells the client 10 times a second how far it is.

@@ -181,6 +181,18 @@ PlanExecution planExecution(const ExecutionReport& report, const ros::Time& stam
   return message;
 }
 
+MoveArmResult moveArmResult(const MoveArmTask::Outcome& outcome, const ros::Time& stamp) {
+  MoveArmResult result;
+  result.error_code = number(outcome.code);
+  result.status = outcome.status;
+  result.plan = outcome.plan.id;
+  if (outcome.plan.id != 0) result.arm = name(outcome.plan.arm);
+  result.cost = outcome.plan.cost;
+  result.planning_time = outcome.plan.planning_time;
+  result.report = planExecution(outcome.report, stamp);
+  return result;
+}
+
 TipErrors tipErrors(const ModelState& model, const RobotState& robot, const ArmGeometry& geometry) {
   const PlanningState& planning = model.planning;
   if (planning.status != PlanningStatus::kExecuting) return {};

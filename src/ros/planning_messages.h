@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "raven2_trainer/MoveArmFeedback.h"
+#include "raven2_trainer/MoveArmResult.h"
 #include "raven2_trainer/PlanExecution.h"
 #include "raven2_trainer/PlanPath.h"
 #include "raven2_trainer/PlanningProgress.h"
@@ -17,6 +17,7 @@
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "ros/error_codes.h"
+#include "ros/move_arm_task.h"
 
 // Plans, their progress and their execution as messages. Names and coordinates of joints as in ros/messages.h.
 
@@ -81,6 +82,8 @@ PlanningProgress planningProgress(const PlanningState& state,
                                   const ros::Time& stamp);
 
 PlanExecution planExecution(const ExecutionReport& report, const ros::Time& stamp);
+
+MoveArmResult moveArmResult(const MoveArmTask::Outcome& outcome, const ros::Time& stamp);
 
 /** [m] Distance of the tips of model and robot from where the model's arm is wanted in this tick. */
 struct TipErrors {

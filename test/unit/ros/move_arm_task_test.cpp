@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "fake_loop.h"
-#include "ros/move_arm_action.h"
+#include "ros/planning_messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -47,9 +47,10 @@ class Execution : public ::testing::Test {
   }
 
   /** Asks, lets a tick pass. @return the answer. */
-  PlanningAnswer ask(RequestKind kind, std::uint8_t on_robot = 0, std::uint32_t plan = 0) {
+  PlanningAnswer ask(RequestKind kind, std::uint8_t on_robot = 0, std::uint32_t plan = 0, Arm arm = Arm::kGold) {
     Request request;
     request.kind = kind;
+    request.arm = arm;
     request.id = ++last_id;
     request.on_robot = on_robot;
     request.plan = plan;
@@ -93,12 +94,11 @@ class Execution : public ::testing::Test {
   }
 
   /** A plan is asked for and answered; the model shows it. */
-  void plan(const JointArray& delta = kClear) {
-    ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
+  void plan(Arm arm = Arm::kGold) {
+    ASSERT_EQ(ask(RequestKind::kPlan, 0, 0, arm), PlanningAnswer::kAccepted);
     ASSERT_EQ(planning().status, PlanningStatus::kPlanning);
-    PlanRequest request;
-    ASSERT_TRUE(rig->shared->plan_requests.tryPop(&request));
-    planned = answerTo(request, delta);
+    ASSERT_TRUE(rig->shared->plan_requests.tryPop(&asked));
+    planned = answerTo(asked, kClear);
     ASSERT_TRUE(rig->shared->plan_results.tryPush(planned));
     rest(false, 1);
     ASSERT_EQ(rig->model().mode, Mode::kTracking);
@@ -144,6 +144,7 @@ class Execution : public ::testing::Test {
   }
 
   std::unique_ptr<Rig> rig;
+  PlanRequest asked;  ///< newest that reached the planner, which is the test
   PlanResult planned;
   std::uint32_t last_id{40};
   std::uint32_t frames{1000000};
@@ -212,6 +213,25 @@ TEST_F(Execution, OfATrialTheRobotKnowsNothingAndThePlanIsKept) {
   hold();
   EXPECT_EQ(report().end, ExecutionEnd::kFinished);
   EXPECT_LT(apart(robotTip(), tipAt(goal())), rig->config.execution.settle_tolerance);
+}
+
+TEST_F(Execution, TheArmsMoveOneAfterTheOtherTheSecondFromWhereTheFirstStands) {
+  arm(true);
+  hold();
+  rest(false, 100);
+  const JointArray gold = rig->robot().arms[0].q;
+  plan(Arm::kGreen);
+  for (std::size_t j = 0; j < kGrasp1; ++j)
+    EXPECT_NEAR(asked.other[j], gold[j], 1e-3) << kJointNames[j];
+  ASSERT_EQ(ask(RequestKind::kExecutePlan, 1), PlanningAnswer::kAccepted);
+  rest(false, 5);
+  hold();
+  EXPECT_EQ(report().end, ExecutionEnd::kFinished);
+  EXPECT_EQ(report().arm, Arm::kGreen);
+  const Vec3 green = toArray(kinematics::forward(rig->config.arms.geometry, Arm::kGreen, goal()).p);
+  EXPECT_LT(apart(rig->robot().arms[1].p_BT, green), rig->config.execution.settle_tolerance);
+  EXPECT_LT(apart(rig->model().arms[1].p_BT, green), rig->config.execution.settle_tolerance);
+  EXPECT_LT(apart(robotTip(), tipAt(gold)), 0.5e-3) << "the first holds";
 }
 
 TEST_F(Execution, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
@@ -425,9 +445,8 @@ TEST_F(Execution, IsRefusedWithItsReason) {
 
 TEST_F(Execution, APathThatTheRobotCannotFollowIsForTheModelAlone) {
   ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
-  PlanRequest request;
-  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&request));
-  planned = answerTo(request, kClear);
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&asked));
+  planned = answerTo(asked, kClear);
   planned.robot_follows = 0;
   ASSERT_TRUE(rig->shared->plan_results.tryPush(planned));
   rest(false, 1);
