@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "render/projection.h"
 #include "render_fixture.h"
 
 namespace raven2_trainer::render {
@@ -125,8 +126,10 @@ TEST_F(RendererTest, AMarkShowsFaintlyThroughWhatHidesIt) {
 }
 
 TEST_F(RendererTest, AMarkInFrontIsPlainAndThrowsNoShadow) {
-  const Drawable ground = drawable(sphere_, {0.0, 0.0, 0.0});
-  Drawable above = drawable(sphere_, {0.0, 0.0, 0.08}, {1.0F, 0.0F, 1.0F, 1.0F});
+  Drawable ground = drawable(sphere_, {0.0, 0.0, -0.1});
+  ground.X_WM.R *= 5.0;  // its top is at the origin
+  const Vector3 above_W = 0.08 * keyLight().cast<double>();
+  Drawable above = drawable(sphere_, above_W, {1.0F, 0.0F, 1.0F, 1.0F});
   const auto as_thing = draw({ground, above});
   const Difference shadowed = difference(as_thing, draw({ground}), kWidth);
   above.is_mark = true;
@@ -134,7 +137,7 @@ TEST_F(RendererTest, AMarkInFrontIsPlainAndThrowsNoShadow) {
   const Difference marked = difference(as_mark, draw({ground}), kWidth);
   EXPECT_LT(marked.count, shadowed.count - 20) << "the shadow on what is below";
   double u = 0.0, v = 0.0;
-  ASSERT_TRUE(camera_.project({0.0, 0.0, 0.08}, &u, &v));
+  ASSERT_TRUE(camera_.project(above_W, &u, &v));
   const std::size_t middle = 3 * (static_cast<std::size_t>(std::lround(v)) * kWidth + std::lround(u));
   EXPECT_EQ(as_mark[middle], as_thing[middle]);
 }
@@ -142,8 +145,8 @@ TEST_F(RendererTest, AMarkInFrontIsPlainAndThrowsNoShadow) {
 TEST_F(RendererTest, PartsOfAMeshMakeUpTheWhole) {
   const Drawable whole = drawable(sphere_, {0.0, 0.0, 0.0});
   Drawable first = whole, rest = whole;
-  first.count = 200;
-  rest.first = 200;
+  first.count = 800;  // of 1,088, from below: both parts are seen from above
+  rest.first = 800;
   EXPECT_EQ(draw({first, rest}), draw({whole}));
   EXPECT_NE(draw({first}), draw({whole}));
   EXPECT_NE(draw({rest}), draw({whole}));
