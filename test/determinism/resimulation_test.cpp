@@ -138,7 +138,8 @@ class EventfulSession {
     rest(false, 20);
     request(RequestKind::kExecutePlan, 43, false, /*on_robot=*/true);
     rest(false, 20);
-    rest(true, 5000);
+    for (int i = 0; i < 60000 && (i < 10 || rig.model().mode == Mode::kExecuting); ++i)
+      rig.tick(true);
     rest(false, 50);
     request(RequestKind::kBeginPlanning, 44);
     stroke(50, 1.0);

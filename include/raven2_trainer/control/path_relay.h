@@ -59,9 +59,9 @@ class PathRelay {
 constexpr std::array<double, kGrasp1> kFollowTolerance{2e-3, 2e-3, 5e-5, 1e-2, 1e-2};
 
 /**
- * Whether increments can lead a robot along the path of a plan: at every tick of it the robot's inverse kinematics,
- * from the pose that the packets add up to and from where it was a tick before, comes to the path's joints within
- * kFollowTolerance, no limit is reached and no packet is full. Not for the 1 kHz loops: some microseconds a tick.
+ * Whether increments can lead a robot along a plan's path: every 5 ms of it the robot's inverse kinematics, from the
+ * pose that the packets add up to and from where it was 5 ms before, comes to the path's joints within
+ * kFollowTolerance, no limit is reached and no packet is full. Not for the 1 kHz loops: microseconds a step.
  */
 bool robotFollows(const ArmGeometry& geometry, const IncrementLimits& limits, const PlanResult& plan) noexcept;
 

@@ -175,9 +175,11 @@ Found readWithRecord(const Bytes& record) {
   return readAll(bytes);
 }
 
+constexpr std::size_t kRequestSize = 8 + 6 + 3 * 8 + 7 * 8 + 2 * 4;  ///< [bytes] tick, bytes, goals, numbers
+
 TEST(DamagedLog, RefusesAValueBeyondItsEnumEvenWithARightCrc) {
-  Bytes request(40);
-  request[8] = 200;  // RequestKind has six
+  Bytes request(kRequestSize);
+  request[8] = 200;  // RequestKind has ten
   const Bytes record = sealed(4, kRecordVersion, request);
   const Found found = readWithRecord(record);
   EXPECT_TRUE(found.ids.empty());
@@ -185,7 +187,7 @@ TEST(DamagedLog, RefusesAValueBeyondItsEnumEvenWithARightCrc) {
 }
 
 TEST(DamagedLog, RefusesAPlanWithMoreWaypointsThanItHolds) {
-  Bytes plan(8 + 4 + 2 + 4 + 64 * 64 + 8 + 8 + 4 + 1);
+  Bytes plan(8 + 4 + 2 + 4 + 64 * 64 + 4 * 8 + 4 + 1 + 1);
   plan[14] = 65;  // waypoint_count, of at most 64
   EXPECT_EQ(readWithRecord(sealed(5, kRecordVersion, plan)).summary.records, 0u);
   plan[14] = 64;
@@ -193,14 +195,14 @@ TEST(DamagedLog, RefusesAPlanWithMoreWaypointsThanItHolds) {
 }
 
 TEST(DamagedLog, RefusesARecordOfTheWrongLength) {
-  for (const std::size_t size : {0u, 39u, 41u}) {
+  for (const std::size_t size : {std::size_t{0}, kRequestSize - 1, kRequestSize + 1}) {
     EXPECT_EQ(readWithRecord(sealed(4, kRecordVersion, Bytes(size))).summary.records, 0u) << size;
   }
-  EXPECT_EQ(readWithRecord(sealed(4, kRecordVersion, Bytes(40))).summary.records, 1u);
+  EXPECT_EQ(readWithRecord(sealed(4, kRecordVersion, Bytes(kRequestSize))).summary.records, 1u);
 }
 
 TEST(DamagedLog, PassesOverKindsAndVersionsItDoesNotKnow) {
-  for (const Bytes& record : {sealed(77, kRecordVersion, Bytes(10)), sealed(4, kRecordVersion + 1, Bytes(60))}) {
+  for (const Bytes& record : {sealed(77, kRecordVersion, Bytes(10)), sealed(4, kRecordVersion + 1, Bytes(120))}) {
     const Found found = readWithRecord(record);
     EXPECT_TRUE(found.ids.empty());
     EXPECT_EQ(found.summary.bad_bytes, 0u);
