@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "raven2_trainer/physics/arm_world.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "support/allocation_counter.h"
 #include "test_drive.h"
@@ -73,6 +74,26 @@ TEST(RavenWorldAlloc, StepsWithMoreContactsThanBeforeTouchNoNewPage) {
   }
   EXPECT_EQ(pageFaults() - before, 0);
   EXPECT_GT(most, 3U);
+}
+
+TEST(ArmWorldAlloc, StepsDoNotTouchTheHeap) {
+  // GIVEN dry friction that joints start from and stop in, and jaws that meet: all rows that there can be
+  ModelConfig config = testing::modelConfig();
+  config.coulomb_friction = {0.464, 0.847, 9.0, 0.0, 0.0, 0.0, 0.0};
+  const model::RavenModel raven = testing::makeRaven();
+  ArmWorld world(raven, Arm::kGold, config);
+  const int count = allocatorCalls([&] {
+    for (int i = 0; i < 2000; ++i) {
+      JointArray tau = world.gravityTorque();
+      const double push = (i / 200) % 2 == 0 ? 1.0 : -1.0;
+      for (std::size_t j = 0; j < kJointCount; ++j)
+        tau[j] += 0.05 * push * testing::kStiffness[j] * 0.1 - testing::kDamping[j] * world.dq()[j];
+      world.step(tau);
+      world.restore(world.motion());
+    }
+  });
+  EXPECT_EQ(count, 0);
+  EXPECT_TRUE(world.healthy());
 }
 
 TEST(RavenWorldAlloc, ReadingAndSettingStatesDoNotTouchTheHeap) {
