@@ -235,6 +235,7 @@ void readPlanner(Section& root, PlannerConfig* c) {
   c->volume_confidence = root.number("volume_confidence", 0.5, 0.999999);
   c->improve_attempts = static_cast<std::uint32_t>(root.integer("improve_attempts", 0, 100000));
   c->max_rollouts = static_cast<std::uint32_t>(root.integer("max_rollouts", 1, 100000));
+  c->max_tracking_error = root.number("max_tracking_error", 0.0001, 1);
   c->time_limit = root.number("time_limit", 0.01, 3600);
   c->edge_step = root.number("edge_step", 0.0001, 0.5);
   c->clearance = root.number("clearance", 0, 0.05);

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/Cholesky>
-
 #include "physics/bodies.h"
+#include "physics/ldlt7.h"
 #include "physics/ode_maths.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
@@ -25,7 +24,8 @@ double creepCompliance(double creep, double coulomb) noexcept {
 
 // Jump within a step [rad; m] from which it is an impact (a stop), not a motion: 20 rad/s in a millisecond.
 constexpr double kSmooth = 0.02;
-constexpr double kStiff = 0.5;  // b h / I from which a decay is no polynomial in time any more
+constexpr double kHeavy = 1e12;  // [kg, kg m2] that does not move: nothing of an arm is over 1
+constexpr double kStiff = 0.5;   // b h / I from which a decay is no polynomial in time any more
 
 Vector7 toVector(const JointArray& values) noexcept {
   return Eigen::Map<const Vector7>(values.data());
@@ -63,11 +63,13 @@ ArmBodies::ArmBodies(dWorldID world,
                      const std::vector<Pose>& X_WL,
                      Arm arm,
                      const ModelConfig& config,
-                     double step)
+                     double step,
+                     bool alone)
     : arm_(arm),
       d4_(raven.arms.geometry.d4),
       stop_erp_(config.erp),
       step_(step),
+      alone_(alone),
       recursion_(config.gravity),
       rotor_(toVector(config.rotor_inertia)),
       viscous_(toVector(config.viscous_friction)) {
@@ -77,6 +79,7 @@ ArmBodies::ArmBodies(dWorldID world,
   }
   setState(raven.arms.geometry.home, JointArray{});
   chooseShares();
+  setPivots();
 }
 
 /** Bodies and joints are created at URDF position zero, so that ODE's slider position is the URDF's. */
@@ -103,6 +106,7 @@ void ArmBodies::createPart(dWorldID world,
   moving.axis = link.axis.normalized();
   moving.inertial = combinedInertial(robot, carriers, links[j]);
   recursion_.setLink(j, moving);
+  part.pivots = alone_ && moving.parent < 0 && !moving.slides;
   part.lower = link.lower;
   part.upper = link.upper;
 
@@ -110,7 +114,7 @@ void ArmBodies::createPart(dWorldID world,
   part.body = createBody(world, moving.inertial);
   dBodySetGyroscopicMode(part.body, 0);  // applyTorque() has that term and gravity, at the middle of the step
   dBodySetGravityMode(part.body, 0);
-  setBodyPose(part.body, {placed.X_WL.R, placed.X_WL.p + placed.com});
+  setBodyPose(part.body, {placed.X_WL.R, placed.X_WL.p + (part.pivots ? Vector3::Zero() : placed.com)});
   if (moving.slides) {
     createSlider(world, j, placed.axis);
   } else {
@@ -120,10 +124,12 @@ void ArmBodies::createPart(dWorldID world,
 
 void ArmBodies::createHinge(dWorldID world, std::size_t j, const Vector3& anchor, const Vector3& axis) {
   Part* part = &parts_[j];
-  part->joint = dJointCreateHinge(world, nullptr);
-  dJointAttach(part->joint, part->body, parentBody(j));
-  dJointSetHingeAnchor(part->joint, anchor.x(), anchor.y(), anchor.z());
-  dJointSetHingeAxis(part->joint, axis.x(), axis.y(), axis.z());
+  if (!part->pivots) {
+    part->joint = dJointCreateHinge(world, nullptr);
+    dJointAttach(part->joint, part->body, parentBody(j));
+    dJointSetHingeAnchor(part->joint, anchor.x(), anchor.y(), anchor.z());
+    dJointSetHingeAxis(part->joint, axis.x(), axis.y(), axis.z());
+  }
 
   part->motor = dJointCreateAMotor(world, nullptr);
   dJointAttach(part->motor, part->body, parentBody(j));
@@ -170,6 +176,23 @@ void ArmBodies::chooseShares() noexcept {
   }
 }
 
+void ArmBodies::setPivots() noexcept {
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (!parts_[j].pivots) continue;
+    const auto k = static_cast<Eigen::Index>(j);
+    const ArmLink& link = recursion_.link(j);
+    const model::Inertial& body = link.inertial;
+    const double about_axis =
+        link.axis.dot(body.inertia * link.axis) + body.mass * link.axis.cross(body.com).squaredNorm();
+    const double felt = about_axis + rotor_[k] + step_ * viscous_[k] * share_[k];
+    const Matrix3 along = link.axis * link.axis.transpose();
+    const Matrix3 I = kHeavy * (Matrix3::Identity() - along) + felt * along;
+    dMass mass;
+    dMassSetParameters(&mass, kHeavy, 0.0, 0.0, 0.0, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
+    dBodySetMass(parts_[j].body, &mass);
+  }
+}
+
 void ArmBodies::setState(const JointArray& q, const JointArray& dq) noexcept {
   q_ = q;
   dq_ = dq;
@@ -196,6 +219,10 @@ void ArmBodies::restore(const ArmMotion& motion) noexcept {
 void ArmBodies::placeBodies() noexcept {
   placed_now_ = recursion_.place(urdf_q_);
   placed_ = recursion_.place(urdf_q_ + 0.5 * step_ * urdf_dq_);
+  putBodies();
+}
+
+void ArmBodies::putBodies() noexcept {
   std::array<Vector3, kJointCount> v, w;  // of the link's origin
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const ArmLink& link = recursion_.link(j);
@@ -208,11 +235,51 @@ void ArmBodies::placeBodies() noexcept {
     }
     (link.slides ? v[j] : w[j]) += here.axis * urdf_dq_[static_cast<Eigen::Index>(j)];
 
-    setBodyPose(parts_[j].body, {here.X_WL.R, here.X_WL.p + here.com});
-    const Vector3 v_com = v[j] + w[j].cross(here.com);
+    setBodyPose(parts_[j].body, {here.X_WL.R, here.X_WL.p + bodyOffset(j)});
+    const Vector3 v_com = v[j] + w[j].cross(bodyOffset(j));
     dBodySetLinearVel(parts_[j].body, v_com.x(), v_com.y(), v_com.z());
     dBodySetAngularVel(parts_[j].body, w[j].x(), w[j].y(), w[j].z());
   }
+}
+
+DryFriction ArmBodies::frictionAt(std::size_t j, double rate) const noexcept {
+  const double creep = recursion_.link(j).slides ? kCreepSpeed : kCreepRate;
+  if (std::abs(rate) <= creep) return parts_[j].pivots ? DryFriction::kRow : DryFriction::kHolds;
+  return rate > 0.0 ? DryFriction::kForward : DryFriction::kBackward;
+}
+
+void ArmBodies::setFriction(std::size_t j, DryFriction friction) noexcept {
+  Part* part = &parts_[j];
+  if (part->coulomb == 0.0 || part->friction == friction) return;
+  part->friction = friction;
+  const double bound = friction == DryFriction::kRow ? part->coulomb : 0.0;
+  if (recursion_.link(j).slides) {
+    dJointSetLMotorParam(part->motor, dParamFMax2, bound);
+  } else {
+    dJointSetAMotorParam(part->motor, dParamFMax2, bound);
+  }
+}
+
+void ArmBodies::guessFriction() noexcept {
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    setFriction(j, frictionAt(j, urdf_dq_[static_cast<Eigen::Index>(j)]));
+}
+
+void ArmBodies::guessFrictionAsSolved() noexcept {
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    setFriction(j, frictionAt(j, rate(j)));
+}
+
+bool ArmBodies::isFrictionAsGuessed() const noexcept {
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (parts_[j].coulomb > 0.0 && parts_[j].friction != frictionAt(j, rate(j))) return false;
+  }
+  return true;
+}
+
+void ArmBodies::useFrictionRows() noexcept {
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    setFriction(j, DryFriction::kRow);
 }
 
 /** From the bodies' velocities, along the axes of the step that has just been made. */
@@ -225,8 +292,8 @@ double ArmBodies::rate(std::size_t j) const noexcept {
   }
   Vector3 v = vectorFromOde(dBodyGetLinearVel(body));
   if (parent != nullptr) {
-    const PlacedLink& carrier = placed_[uindex(recursion_.link(j).parent)];
-    const Vector3 lever = placed_[j].X_WL.p + placed_[j].com - carrier.X_WL.p - carrier.com;
+    const std::size_t carrier = uindex(recursion_.link(j).parent);
+    const Vector3 lever = placed_[j].X_WL.p + bodyOffset(j) - placed_[carrier].X_WL.p - bodyOffset(carrier);
     v -= vectorFromOde(dBodyGetLinearVel(parent)) + vectorFromOde(dBodyGetAngularVel(parent)).cross(lever);
   }
   return placed_[j].axis.dot(v);
@@ -242,14 +309,14 @@ ArmBodies::Motion ArmBodies::correct(const Vector7& solved) const noexcept {
   const double h = step_;
   const Vector7 &q = urdf_q_, &dq = urdf_dq_;
   const Matrix7 mass = recursion_.massMatrix(placed_);
-  const Eigen::LLT<Matrix7> felt(mass + Matrix7(rotor_.asDiagonal()));
+  const Ldlt7 felt(mass + Matrix7(rotor_.asDiagonal()));
   const PlacedLinks& first = placed_now_;
   const Matrix7 mass_first = recursion_.massMatrix(first);
   const Vector7 bias_first = recursion_.torques(first, dq, Vector7::Zero());
   const Vector7 balanced = bias_ + mass * solved;
   Motion motion{solved, Vector7::Zero()};
   Vector7 &a = motion.mean, &j = motion.slope;
-  Vector7 growth;
+  Vector7 growth = Vector7::Zero();
   for (int pass = 0; pass < 2; ++pass) {
     const Vector7 q_last = q + h * (dq + h * (0.5 * a - h / 12.0 * j)), dq_last = dq + h * a;
     const PlacedLinks last = recursion_.place(q_last);
@@ -315,22 +382,40 @@ JointArray ArmBodies::gravityTorque() const noexcept {
 
 void ArmBodies::applyTorque(const JointArray& tau) noexcept {
   bias_ = recursion_.torques(placed_, urdf_dq_ + 0.5 * step_ * acceleration_, Vector7::Zero());
-  const Vector7 torque = toVector(kinematics::rateToUrdf(arm_, tau)) - bias_;
+  Vector7 torque = toVector(kinematics::rateToUrdf(arm_, tau)) - bias_;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    if (recursion_.link(j).slides) {
-      dJointAddSliderForce(parts_[j].joint, torque[static_cast<Eigen::Index>(j)]);
-    } else {
-      dJointAddHingeTorque(parts_[j].joint, torque[static_cast<Eigen::Index>(j)]);
-    }
+    const Part& part = parts_[j];
+    if (part.friction == DryFriction::kForward) torque[static_cast<Eigen::Index>(j)] -= part.coulomb;
+    if (part.friction == DryFriction::kBackward) torque[static_cast<Eigen::Index>(j)] += part.coulomb;
+    applyTo(j, torque[static_cast<Eigen::Index>(j)]);
     setMotor(j);
+  }
+}
+
+void ArmBodies::applyTo(std::size_t j, double torque) const noexcept {
+  const Part& part = parts_[j];
+  if (part.pivots) {
+    const auto k = static_cast<Eigen::Index>(j);
+    const Vector3 turning = (torque - viscous_[k] * urdf_dq_[k]) * placed_[j].axis;
+    dBodyAddTorque(part.body, turning.x(), turning.y(), turning.z());
+  } else if (recursion_.link(j).slides) {
+    dJointAddSliderForce(part.joint, torque);
+  } else {
+    dJointAddHingeTorque(part.joint, torque);
   }
 }
 
 void ArmBodies::setMotor(std::size_t j) const noexcept {
   const auto k = static_cast<Eigen::Index>(j);
   const dJointID motor = parts_[j].motor;
+  if (parts_[j].pivots) {
+    dJointSetAMotorAngle(motor, 2, urdf_q_[k]);
+    return;
+  }
   const double inertial = rotor_[k] / step_;
-  const double total = inertial + viscous_[k] * share_[k];
+  double total = inertial + viscous_[k] * share_[k];
+  if (parts_[j].friction == DryFriction::kHolds)
+    total += parts_[j].coulomb / (recursion_.link(j).slides ? kCreepSpeed : kCreepRate);
   const double limit = total > 0.0 ? dInfinity : 0.0;
   const double cfm = total > 0.0 ? 1.0 / total : 0.0;
   const double target = cfm * (inertial - viscous_[k] * (1.0 - share_[k])) * urdf_dq_[k];

@@ -18,6 +18,14 @@ struct Excess {
   Vector3 turn{0, 0, 0};   ///< [rad] in W
 };
 
+/** What dry friction is in a joint's row of ODE's equations. */
+enum class DryFriction {
+  kRow,       ///< a bounded row of its own: ODE finds out whether it holds. Dear: a row more, and bounds
+  kHolds,     ///< a damper up to the creep rate, part of the rotor's row
+  kForward,   ///< constant, against positive motion
+  kBackward,  ///< constant, against negative motion
+};
+
 /**
  * The seven moving bodies of one arm and the joints between them.
  *
@@ -39,7 +47,8 @@ struct Excess {
  */
 class ArmBodies {
  public:
-  /** `X_WL`: pose in W of every link of the robot, used for the links that are fixed. `step`: [s].
+  /** `X_WL`: pose in W of every link of the robot, used for the links that are fixed. `step`: [s]. `alone`: nothing
+   * will ever touch it, so that what turns about an axis fixed in W needs no rows (Part::pivots).
    *  @throw ModelException */
   ArmBodies(dWorldID world,
             const model::RavenModel& raven,
@@ -47,7 +56,8 @@ class ArmBodies {
             const std::vector<Pose>& X_WL,
             Arm arm,
             const ModelConfig& config,
-            double step);
+            double step,
+            bool alone = false);
 
   /** The arm at `q`, moving with `dq`; forgets the past. */
   void setState(const JointArray& q, const JointArray& dq) noexcept;
@@ -55,6 +65,19 @@ class ArmBodies {
   /** All of the past that the future depends on. */
   ArmMotion motion() const noexcept;
   void restore(const ArmMotion& motion) noexcept;
+
+  /**
+   * Dry friction without bounded rows, where nothing touches the arm: guessed before a step by the rates at its
+   * beginning, to be checked after it by those that ODE found. Where they say otherwise, takeBack() and step again with
+   * another guess or with useFrictionRows(), which is the state from the beginning. The solution is the same but for
+   * rounding.
+   */
+  void guessFriction() noexcept;
+  bool isFrictionAsGuessed() const noexcept;
+  void guessFrictionAsSolved() noexcept;
+  void useFrictionRows() noexcept;
+  /** Instead of advance(): bodies where the step began. */
+  void takeBack() noexcept { putBodies(); }
 
   /** Of the last step, for the point of link `joint` that was at `point` [m, in W] when it began (or h v further: that
    *  makes no difference of second order). */
@@ -80,6 +103,11 @@ class ArmBodies {
   struct Part {
     double lower{}, upper{};  // URDF coordinates
     double coulomb{};
+    DryFriction friction{DryFriction::kRow};
+    /** Turns about an axis fixed in W: a body at that axis, so heavy that nothing else of it moves, with the inertia
+     * about the axis that the link, its rotor and the implicit part of viscous friction have together. Six rows less in
+     * ODE's matrix, whose factorisation is most of a step; the same motion to 1e-12. */
+    bool pivots{};
     dBodyID body{nullptr};
     dJointID joint{nullptr};
     dJointID motor{nullptr};
@@ -98,16 +126,24 @@ class ArmBodies {
   void createHinge(dWorldID world, std::size_t j, const Vector3& anchor, const Vector3& axis);
   void createSlider(dWorldID world, std::size_t j, const Vector3& axis);
   void chooseShares() noexcept;
+  void setPivots() noexcept;
+  /** [m] in W, from the origin of a link to that of its body. */
+  Vector3 bodyOffset(std::size_t j) const noexcept { return parts_[j].pivots ? Vector3::Zero() : placed_[j].com; }
   dBodyID parentBody(std::size_t j) const noexcept;
   void placeBodies() noexcept;
+  void putBodies() noexcept;
+  void setFriction(std::size_t j, DryFriction friction) noexcept;
+  DryFriction frictionAt(std::size_t j, double rate) const noexcept;
   double rate(std::size_t j) const noexcept;
   Motion correct(const Vector7& solved) const noexcept;
+  void applyTo(std::size_t j, double torque) const noexcept;
   void setMotor(std::size_t j) const noexcept;
 
   Arm arm_;
   double d4_;
   double stop_erp_;
   double step_;
+  bool alone_;
   ArmRecursion recursion_;
   std::array<Part, kJointCount> parts_{};
   Vector7 rotor_, viscous_;                         // [kg m2; kg], [Nms/rad; Ns/m]

@@ -96,10 +96,10 @@ Vector7 ArmRecursion::torques(const PlacedLinks& placed, const Vector7& dq, cons
       w[j] += rate;
     }
     const Matrix3& R = here.X_WL.R;
-    const Vector3 momentum = R * (link.inertial.inertia * (R.transpose() * w[j]));
-    const Vector3 turning = R * (link.inertial.inertia * (R.transpose() * alpha[j]));
+    const Vector3 w_L = R.transpose() * w[j], alpha_L = R.transpose() * alpha[j];
+    const Vector3 turning_L = link.inertial.inertia * alpha_L + w_L.cross(link.inertial.inertia * w_L);
     force[j] = link.inertial.mass * (a[j] + alpha[j].cross(here.com) + w[j].cross(w[j].cross(here.com)));
-    moment[j] = turning + w[j].cross(momentum) + here.com.cross(force[j]);
+    moment[j] = R * turning_L + here.com.cross(force[j]);
   }
   return alongJoints(placed, &force, &moment);
 }

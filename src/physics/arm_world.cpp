@@ -20,14 +20,29 @@ struct ArmWorld::Impl {
       : sub_steps(config.sub_steps),
         step_time(kTickSeconds / config.sub_steps),
         world(config, kSolverMemory),
-        bodies(world.get(), raven, findCarriers(raven.description), fixedPoses(raven), arm, config, step_time),
+        bodies(world.get(), raven, findCarriers(raven.description), fixedPoses(raven), arm, config, step_time, true),
         jaw_stop(makeJawStop(world.get(), raven, arm, bodies, config.erp)) {}
 
+  /** Guesses what dry friction does, which is right but for the steps in which a joint starts or stops. */
   bool subStep(const JointArray& tau) {
+    bodies.guessFriction();
+    solve(tau);
+    for (int attempt = 0; attempt < 2 && !bodies.isFrictionAsGuessed(); ++attempt) {
+      if (attempt == 0) {
+        bodies.guessFrictionAsSolved();
+      } else {
+        bodies.useFrictionRows();
+      }
+      bodies.takeBack();
+      solve(tau);
+    }
+    return bodies.advance(false);
+  }
+
+  void solve(const JointArray& tau) {
     bodies.applyTorque(tau);
     jaw_stop.update(kinematics::jawOpening(bodies.q()), true);
     world.step(step_time);
-    return bodies.advance(false);
   }
 
   void step(const JointArray& tau) {

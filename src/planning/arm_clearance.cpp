@@ -14,9 +14,9 @@ constexpr double kTouch = 2e-6;
 constexpr double kLeastStep = 5e-4;   // [m] of sphere stepping; where it would have to be shorter, exact distances
 constexpr double kNearby = 4e-3;      // [m] nearer than this interpolation is worth its eight reads
 constexpr double kShare = 0.7;        // [-] of the room at a point, asked for along the whole axis
+constexpr double kHope = 0.7;         // [-] of a ball's radius, beyond which the next point is looked at
 constexpr double kMiddle = 0.15;      // [m] axes shorter than this are first looked at from their middle
 constexpr double kLargest = 10.0;     // [rad, m] no joint goes there, and no arithmetic breaks there
-constexpr double kOutwards = 1e-6;    // [m] more than rounding a coordinate below 8 m to single precision moves it
 constexpr double kTableCap = 0.2;     // [m] tables tell no more
 constexpr double kTableSlack = 0.01;  // [-] of a joint's range, by which tables go beyond its limits
 constexpr double kOnAxis = 1e-9;      // [m] a capsule is round about a joint's axis if its own is no farther away
@@ -81,11 +81,14 @@ void ArmClearance::addShapes(const JudgedPairs& judged, double clearance) {
       return makeSolid(description, linkOf(description, ref), shapeOf(description, ref), mount.X_JL, grow);
     };
     const Solid grown = make(clearance);
+    const double inner = grown.round ? grown.radius : grown.half.minCoeff();
     groups_[static_cast<std::size_t>(mount.joint)].shapes.push_back(shapes_.size());
     shapes_.push_back({mount.joint,
                        grown,
                        make(0.0),
                        (grown.axis.b - grown.axis.a).norm(),
+                       inner,
+                       grown.round ? 0.0 : inner,
                        true,
                        {},
                        LeverBound(chain_, mount.joint, grown)});
@@ -95,7 +98,7 @@ void ArmClearance::addShapes(const JudgedPairs& judged, double clearance) {
 
 void ArmClearance::addObstacles(const JudgedPairs& judged) {
   for (const Solid& obstacle : grid_.obstacles())
-    obstacle_bounds_.push_back(boundsOf(obstacle.axis, obstacle.radius));
+    obstacle_bounds_.push_back(Bounds::around(obstacle.axis, obstacle.radius));
   for (Shape& shape : shapes_)
     for (std::size_t k = 0; k < grid_.sceneCount(); ++k)
       shape.obstacles.push_back(static_cast<int>(k));
@@ -184,14 +187,15 @@ Levers ArmClearance::levers(int joint) const {
 }
 
 void ArmClearance::addTables() {
-  const MarginTable::Axis shoulder = tableAxis(kShoulder, kShoulderNodes, levers(kShoulder)[kShoulder]);
   const Levers of_elbow = levers(kElbow);
+  const MarginTable::Axis shoulder = tableAxis(kShoulder, kShoulderNodes, levers(kShoulder)[kShoulder]);
+  const MarginTable::Axis a = tableAxis(kShoulder, kElbowNodes, of_elbow[kShoulder]);
+  const MarginTable::Axis b = tableAxis(kElbow, kElbowNodes, of_elbow[kElbow]);
   shoulder_table_ =
       MarginTable(shoulder, {}, [this](double s, double /*none*/) { return closestToFixed(kShoulder, {s}); });
-  elbow_table_ = MarginTable(tableAxis(kShoulder, kElbowNodes, of_elbow[kShoulder]),
-                             tableAxis(kElbow, kElbowNodes, of_elbow[kElbow]), [this](double s, double e) {
-                               return closestToFixed(kElbow, {s, e});
-                             });
+  elbow_table_ = MarginTable(a, b, [this](double s, double e) { return closestToFixed(kElbow, {s, e}); });
+  shoulder_memo_ = MarginTable(shoulder, {});
+  elbow_memo_ = MarginTable(a, b);
   const Solid tool = ballAroundTool();
   const MarginTable::Axis insertion = tableAxis(kInsertion, kInsertionNodes, 1.0);
   double lever = LeverBound(chain_, kWrist, tool).levers(insertion.low, insertion.high)[kElbow];
@@ -217,6 +221,27 @@ double ArmClearance::closestToFixed(int joint, const JointArray& u) noexcept {
   return closest;
 }
 
+double ArmClearance::closestToOther(int joint, const JointArray& u) noexcept {
+  ask(u);
+  double closest = kTableCap;
+  for (const std::size_t i : groups_[static_cast<std::size_t>(joint)].shapes)
+    for (const OtherShape& other : others_)
+      closest = std::min(closest, marginToOther(i, other, closest));
+  return closest;
+}
+
+/** From the memo of shoulder or elbow; what it does not know yet is found out and the question taken up again. */
+double ArmClearance::recalledMargin(int joint) noexcept {
+  const JointArray asked = u_;
+  const std::uint64_t before = question_;
+  const auto find = [&](double s, double e) { return closestToOther(joint, {s, e}); };
+  double margin = -1.0;
+  if (joint == static_cast<int>(kShoulder)) margin = shoulder_memo_.recall(asked[kShoulder], 0.0, find);
+  if (joint == static_cast<int>(kElbow)) margin = elbow_memo_.recall(asked[kShoulder], asked[kElbow], find);
+  if (question_ != before) ask(asked);
+  return margin;
+}
+
 double ArmClearance::closestToSelf(const Solid& tool_J, const JointArray& u) noexcept {
   ask(u);
   double closest = kTableCap;
@@ -238,7 +263,7 @@ void ArmClearance::addOthers(const JudgedPairs& judged) {
   for (const ShapeRef& ref : judged.others) {
     const ArmChain::Mount mount = other_chain_.mount(ref.link);
     const Solid solid = makeSolid(description, linkOf(description, ref), shapeOf(description, ref), mount.X_JL, 0.0);
-    others_.push_back({mount.joint, solid, solid, boundsOf(solid.axis, solid.radius)});
+    others_.push_back({mount.joint, solid, solid, Bounds::around(solid.axis, solid.radius)});
   }
   const auto by_joint = [](const OtherShape& a, const OtherShape& b) { return a.joint < b.joint; };
   std::stable_sort(others_.begin(), others_.end(), by_joint);
@@ -248,42 +273,25 @@ void ArmClearance::addOthers(const JudgedPairs& judged) {
   }
 }
 
-ArmClearance::Bounds ArmClearance::boundsOf(const Segment& axis, double radius) noexcept {
-  const Vector3 low = axis.a.cwiseMin(axis.b).array() - (radius + kOutwards);
-  const Vector3 high = axis.a.cwiseMax(axis.b).array() + (radius + kOutwards);
-  const auto single = [](const Vector3& v) {
-    return _mm_setr_ps(static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), 0.0f);
-  };
-  return {single(low), single(high)};
-}
-
-bool ArmClearance::apart(const Bounds& a, const Bounds& b, double by) noexcept {
-  const __m128 gap = _mm_max_ps(_mm_sub_ps(a.low, b.high), _mm_sub_ps(b.low, a.high));
-  return _mm_movemask_ps(_mm_cmpgt_ps(gap, _mm_set1_ps(static_cast<float>(by)))) != 0;
-}
-
-void ArmClearance::add(const Bounds& bounds, Bounds* to) noexcept {
-  to->low = _mm_min_ps(to->low, bounds.low);
-  to->high = _mm_max_ps(to->high, bounds.high);
-}
-
 void ArmClearance::placeOther(const JointArray& other) noexcept {
   other_known_ = isSound(other);
   if (!other_known_) return;
+  shoulder_memo_.forget();
+  elbow_memo_.forget();
   ArmChain::Frames X_WJ;
   const JointArray u = other_chain_.positions(other);
   other_chain_.placeShaft(u, &X_WJ);
   other_chain_.placeTool(u, &X_WJ);
   for (OtherShape& shape : others_) {
     shape.solid = moved(shape.solid_J, X_WJ[static_cast<std::size_t>(shape.joint)]);
-    shape.bounds = boundsOf(shape.solid.axis, shape.solid.radius);
+    shape.bounds = Bounds::around(shape.solid.axis, shape.solid.radius);
   }
   for (OtherGroup& group : other_groups_) {
     group.bounds = others_[group.begin].bounds;
     for (std::size_t k = group.begin; k < group.end; ++k)
-      add(others_[k].bounds, &group.bounds);
+      group.bounds.add(others_[k].bounds);
     if (group.begin == 0) other_bounds_ = group.bounds;
-    add(group.bounds, &other_bounds_);
+    other_bounds_.add(group.bounds);
   }
 }
 
@@ -337,19 +345,19 @@ void ArmClearance::bound(int joint) noexcept {
   Group& group = groups_[static_cast<std::size_t>(joint)];
   if (joint < static_cast<int>(kInsertion)) {
     const Vector3 centre = X_WJ_[static_cast<std::size_t>(joint)] * group.centre_J.a;
-    group.bounds = boundsOf({centre, centre}, group.radius);
+    group.bounds = Bounds::around({centre, centre}, group.radius);
     return;
   }
   group.bounds = place(group.shapes.front()).bounds;
   for (const std::size_t i : group.shapes)
-    add(place(i).bounds, &group.bounds);
+    group.bounds.add(place(i).bounds);
 }
 
 bool ArmClearance::judgeOthers(int joint, const Motion& motion, Reach* reach) noexcept {
   const auto group = static_cast<std::size_t>(joint);
   const double speed = motion.group[group][0];
   const Bounds& mine = groups_[group].bounds;
-  if (apart(mine, other_bounds_, reach->cap(speed))) return true;
+  if (apart(mine, other_bounds_, reach->cap(speed)) || recalledMargin(joint) >= reach->cap(speed)) return true;
   for (const OtherGroup& other : other_groups_) {
     if (apart(mine, other.bounds, reach->cap(speed))) continue;
     if (!judgeOtherGroup(joint, other, speed, reach)) return false;
@@ -395,7 +403,7 @@ const ArmClearance::Placed& ArmClearance::place(std::size_t i) noexcept {
   const Solid& solid = shapes_[i].solid_J;
   placed.question = question_;
   placed.axis = {X * solid.axis.a, X * solid.axis.b};
-  placed.bounds = boundsOf(placed.axis, solid.radius);
+  placed.bounds = Bounds::around(placed.axis, solid.radius);
   return placed;
 }
 
@@ -427,25 +435,33 @@ double ArmClearance::marginToFixed(std::size_t i, double cap) noexcept {
 
 /**
  * Sphere stepping: around a point of the axis at a distance d from anything, all points within d - radius - margin keep
- * the margin. Where steps get short the margin asked for is lowered; where that does not help, the exact distance is
+ * the margin. The next point is looked at farther on than that, in the hope that its ball reaches back; if not, at the
+ * ball's end. Where balls get small the margin asked for is lowered; where that does not help, the exact distance is
  * taken.
  */
 double ArmClearance::marginOnGrid(std::size_t i, double cap) noexcept {
   const Segment& axis = place(i).axis;
-  const double length = shapes_[i].length, radius = shapes_[i].solid_J.radius;
-  if (length < kMiddle && grid_.quick(0.5 * (axis.a + axis.b)).lower - radius - length / 2 >= cap) return cap;
+  const Shape& shape = shapes_[i];
+  const double length = shape.length, radius = shape.solid_J.radius;
   const Vector3 along = (axis.b - axis.a) / std::max(length, kOnAxis);
-  double margin = cap;
-  for (double s = 0.0; s <= length;) {
+  double margin = cap, covered = 0.0, ahead = length < kMiddle ? length / 2 : 0.0;
+  do {
+    const double s = std::min(covered + ahead, length);
     const Vector3 p = axis.a + s * along;
     DistanceBounds distance = grid_.quick(p);
     if (distance.lower - radius < margin + kNearby) distance = grid_.tight(p);
-    if (shapes_[i].solid_J.round && distance.upper < radius) return -1.0;
+    if (distance.upper < shape.inner && s >= shape.inset && s <= length - shape.inset) return -1.0;
     const double room = distance.lower - radius;
-    if (room - margin < kLeastStep) margin = std::min(margin, kShare * room);
-    if (room - margin < kLeastStep) return exactMarginToFixed(i, cap);
-    s += room - margin;
-  }
+    if (room - margin >= std::max(s - covered, kLeastStep)) {
+      ahead = kHope * (room - margin);
+      covered = s + (room - margin);
+    } else if (ahead > 0.0) {
+      ahead = 0.0;
+    } else {
+      margin = std::min(margin, kShare * room);
+      if (room - margin < kLeastStep) return exactMarginToFixed(i, cap);
+    }
+  } while (covered < length);
   return margin;
 }
 

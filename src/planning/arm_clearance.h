@@ -1,11 +1,11 @@
 #pragma once
 
-#include <emmintrin.h>
-
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "planning/arm_chain.h"
+#include "planning/bounds.h"
 #include "planning/distance_grid.h"
 #include "planning/judged_pairs.h"
 #include "planning/margin_table.h"
@@ -53,15 +53,13 @@ class ArmClearance {
   static constexpr double kLeastMargin = 2e-5;  ///< [m]
 
  private:
-  /** For the boxes around shapes; single precision, rounded outwards. */
-  struct Bounds {
-    __m128 low, high;
-  };
   struct Shape {
     int joint;
     Solid solid_J;               // grown by the clearance
     Solid bare_J;                // not grown
     double length;               // [m] of the axis
+    double inner;                // [m] radius of balls that fit in the shape, about its axis
+    double inset;                // [m] as far from the axis' ends
     bool on_grid;                // judged against all that stands still
     std::vector<int> obstacles;  // indices in the grid's list
     LeverBound motion;
@@ -126,11 +124,9 @@ class ArmClearance {
   Levers levers(int joint) const;
   void ask(const JointArray& u) noexcept;
   double closestToFixed(int joint, const JointArray& u) noexcept;
+  double closestToOther(int joint, const JointArray& u) noexcept;
+  double recalledMargin(int joint) noexcept;
   double closestToSelf(const Solid& tool_J, const JointArray& u) noexcept;
-
-  static Bounds boundsOf(const Segment& axis, double radius) noexcept;
-  static bool apart(const Bounds& a, const Bounds& b, double by) noexcept;
-  static void add(const Bounds& bounds, Bounds* to) noexcept;
 
   double reachAt(const JointArray& q, const Motion& motion, double most) noexcept;
   bool judgeJoint(int joint, const Motion& motion, Reach* reach) noexcept;
@@ -168,6 +164,8 @@ class ArmClearance {
   MarginTable shoulder_table_;  // shapes of the shoulder against what stands still, by shoulder
   MarginTable elbow_table_;     // shapes of the elbow, by shoulder and elbow
   MarginTable self_table_;      // of the groups marked, by elbow and insertion
+  MarginTable shoulder_memo_;   // shapes of the shoulder against the other arm, by shoulder
+  MarginTable elbow_memo_;      // shapes of the elbow, by shoulder and elbow
   Motion still_{}, unit_{}, edge_{};
 
   std::uint64_t question_{};

@@ -109,8 +109,10 @@ FmtEnd FmtStar::takeEnds() {
 }
 
 bool FmtStar::isValid(const UnitState& point) const {
+  // OMPL takes what is not a number for within the bounds.
+  const bool inside = std::all_of(point.begin(), point.end(), [](double x) { return x >= 0.0 && x <= 1.0; });
   toOmpl(point, scratch_a_);
-  return si_->satisfiesBounds(scratch_a_) && si_->isValid(scratch_a_);
+  return inside && si_->isValid(scratch_a_);
 }
 
 void FmtStar::addPoint(const UnitState& point) {
@@ -199,17 +201,17 @@ void FmtStar::expand(Id z, const Stop& stop) {
 void FmtStar::connect(Id x) {
   const Candidate best = cheapest(x);
   if (best.from == kNobody) return;
-  if (!isEdgeFree(best.from, x)) {
-    memory_.set(best.from, x, {0.0, CostStage::kBlocked});
-    return;
-  }
   parents_[x] = best.from;
   to_come_[x] = best.cost;
   places_[x] = Place::kFresh;
   fresh_.push_back(x);
 }
 
-/** Costs are refined from the least on; when the least is exact it is the choice, and most never were. */
+/**
+ * Costs are refined from the least on; when the least is exact it is the choice, and most never were. An edge is
+ * checked for collision when only the clearance term is left to be counted, which costs several times the check. Nobody
+ * if the choice is blocked: the point waits for another expansion, as in line 15 of the paper's Algorithm 1.
+ */
 FmtStar::Candidate FmtStar::cheapest(Id x) {
   candidates_.clear();
   for (const Id y : near(x)) {
@@ -220,26 +222,36 @@ FmtStar::Candidate FmtStar::cheapest(Id x) {
     std::pop_heap(candidates_.begin(), candidates_.end(), kDearer);
     Candidate& least = candidates_.back();
     if (least.stage == CostStage::kFull) return least;
-    refine(x, &least);
-    if (least.stage == CostStage::kBlocked)
-      candidates_.pop_back();
-    else
+    const bool is_new = refine(x, &least);
+    if (least.stage != CostStage::kBlocked) {
       std::push_heap(candidates_.begin(), candidates_.end(), kDearer);
+    } else {
+      if (is_new) break;
+      candidates_.pop_back();  // known before: never chosen again
+    }
   }
   return {0.0, kNobody, CostStage::kBlocked};
 }
 
-void FmtStar::refine(Id x, Candidate* candidate) {
+/** One stage further, or to what is known already. @return true if it was not known. */
+bool FmtStar::refine(Id x, Candidate* candidate) {
   const Id y = candidate->from;
   const EdgeRecord* known = memory_.find(x, y);
   EdgeRecord record = known != nullptr ? *known : EdgeRecord{};
-  if (record.stage <= candidate->stage) {
-    record = record.stage == CostStage::kBound ? EdgeRecord{costs_->plain(y, x), CostStage::kPlain}
-                                               : EdgeRecord{costs_->full(y, x, record.cost), CostStage::kFull};
+  const bool is_new = record.stage <= candidate->stage;
+  if (is_new) {
+    record = nextStage(x, y, record);
     memory_.set(x, y, record);
   }
   candidate->stage = record.stage;
   candidate->cost = to_come_[y] + record.cost;
+  return is_new;
+}
+
+EdgeRecord FmtStar::nextStage(Id x, Id y, const EdgeRecord& record) {
+  if (record.stage == CostStage::kBound) return {costs_->plain(y, x), CostStage::kPlain};
+  if (!isEdgeFree(y, x)) return {0.0, CostStage::kBlocked};
+  return {costs_->full(y, x, record.cost), CostStage::kFull};
 }
 
 bool FmtStar::isEdgeFree(Id a, Id b) const {

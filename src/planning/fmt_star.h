@@ -98,7 +98,8 @@ class FmtStar : public ompl::base::Planner {
   void expand(Id z, const Stop& stop);
   void connect(Id x);
   Candidate cheapest(Id x);
-  void refine(Id x, Candidate* candidate);
+  bool refine(Id x, Candidate* candidate);
+  EdgeRecord nextStage(Id x, Id y, const EdgeRecord& record);
   bool isEdgeFree(Id a, Id b) const;
   void open(Id id);
   Id nextOpen();

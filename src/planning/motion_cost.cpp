@@ -15,7 +15,7 @@ constexpr std::size_t kInstants = 2 * kPairs;
 using Row = std::array<double, kInstants>;
 
 /** [-] largest step of the clearance term's integral in the cube. */
-constexpr double kClearanceStep = 0.02;
+constexpr double kClearanceStep = 0.03;
 
 /** The quintic at Gauss's instants in [0, 1]. The first half lies after the middle, the second as far before it. */
 struct Instants {
@@ -259,14 +259,15 @@ double MotionCost::plain(const UnitState& a, const UnitState& b) const noexcept 
 double MotionCost::clearanceTerm(const UnitState& a, const UnitState& b) const {
   if (!countsClearance()) return 0.0;
   const double length = distance(a, b);
-  const int steps = std::max(1, static_cast<int>(std::ceil(length / kClearanceStep)));
+  const int pairs = std::max(1, static_cast<int>(std::ceil(length / (2 * kClearanceStep))));
   double sum = 0.0;
-  for (int i = 0; i <= steps; ++i) {
-    const double d = clearance_(interpolate(a, b, static_cast<double>(i) / steps), weights_.range);
+  for (int i = 0; i <= 2 * pairs; ++i) {
+    const double d = clearance_(interpolate(a, b, static_cast<double>(i) / (2 * pairs)), weights_.range);
     const double shortfall = std::max(0.0, 1.0 - d / weights_.range);
-    sum += (i == 0 || i == steps ? 0.5 : 1.0) * shortfall * shortfall;
+    const bool is_end = i == 0 || i == 2 * pairs;
+    sum += (is_end ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * shortfall * shortfall;
   }
-  return weights_.clearance * sum * length / steps;
+  return weights_.clearance * sum * length / (6 * pairs);
 }
 
 }  // namespace raven2_trainer::planning

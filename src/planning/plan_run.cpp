@@ -200,6 +200,8 @@ RollOutReport PlanRun::follow(const std::vector<UnitState>& path) {
   const bool timeless = set_.options.until_time_limit;
   report = desk(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
                                        [&] { return timeless ? set_.is_cancelled() : isOver(); });
+  // Nobody is told where it went astray: the first edge stands for all.
+  if (report.free && report.tracking_error > set_.config.max_tracking_error) report.free = false;
   if (!report.free && !report.stopped) ++statistics_.failed_rollouts;
   return report;
 }

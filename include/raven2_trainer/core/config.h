@@ -185,6 +185,7 @@ struct PlannerConfig {
   double volume_confidence{};        ///< [-] that the bound of the free volume holds
   std::uint32_t improve_attempts{};  ///< [-] of the local improvement; 0 leaves FMT*'s path as it is
   std::uint32_t max_rollouts{};      ///< [-] paths that may fail in the roll-out before the plan does
+  double max_tracking_error{};       ///< [m] of the tip in the roll-out; farther astray it does not follow
   double time_limit{};               ///< [s]
   double edge_step{};                ///< [-] largest step between checks along an edge, in the unit cube
   double clearance{};                ///< [m] kept from obstacles

@@ -9,6 +9,8 @@
 namespace raven2_trainer::planning {
 namespace {
 
+constexpr double kRounding = 1e-12;  // [m] of the reference itself
+
 /** Signed distance of a point in the shape's own frame. */
 double distanceInFrame(const model::CollisionShape& shape, const Vector3& p) {
   if (shape.kind == model::ShapeKind::kBox) {
@@ -69,8 +71,8 @@ TEST_F(ShippedGrid, BoundsTheDistanceEverywhereAndByNoMoreThanItSays) {
                                  : draw({0, 0, 0.2}, {0.8, 1.0, 0.6}, &random);
     const double truth = reference(p), cell = grid().cellAt(p), half_diagonal = std::sqrt(3.0) / 2 * cell;
     const DistanceBounds quick = grid().quick(p), tight = grid().tight(p);
-    ASSERT_LE(tight.lower, truth) << p.transpose();
-    ASSERT_LE(quick.lower, truth) << p.transpose();
+    ASSERT_LE(tight.lower, truth + kRounding) << p.transpose();
+    ASSERT_LE(quick.lower, truth + kRounding) << p.transpose();
     ASSERT_GE(tight.upper, truth) << p.transpose();
     ASSERT_GE(quick.upper, truth) << p.transpose();
     (cell == 0.0 ? beyond : cell < 0.004 ? fine : coarse)++;
@@ -79,12 +81,13 @@ TEST_F(ShippedGrid, BoundsTheDistanceEverywhereAndByNoMoreThanItSays) {
     ASSERT_GT(quick.lower, truth - 2 * half_diagonal - 1e-6) << p.transpose();
   }
   EXPECT_GT(fine, 10000);
-  EXPECT_GT(coarse, 5000);
+  EXPECT_GT(coarse, 3000);
   EXPECT_GT(beyond, 5000);
 }
 
 TEST_F(ShippedGrid, IsTightWhereToolsPassByAtTheirRadius) {
-  // The shaft's radius and clearance: 6 mm. By the header's formula less than 0.3 mm is lost there, on average.
+  // The shaft's radius and clearance: 6 mm. By the header's formula
+  // sigma^2 / 2d is lost there, of sigma^2 = h^2 / 2 on average: 0.38 mm.
   Random random(2);
   double lost = 0.0;
   int count = 0;
@@ -95,12 +98,12 @@ TEST_F(ShippedGrid, IsTightWhereToolsPassByAtTheirRadius) {
     lost += truth - grid().lowerBound(p);
     ++count;
   }
-  EXPECT_LT(lost / count, 3e-4);
+  EXPECT_LT(lost / count, 4.5e-4);
 }
 
 TEST_F(ShippedGrid, KeepsToItsMemory) {
-  EXPECT_LT(grid().nodeCount(), 2 * DistanceGrid::kMaxNodes);
-  EXPECT_DOUBLE_EQ(grid().cellAt({0, 0, 0.03}), 0.002);
+  EXPECT_LT(grid().nodeCount(), 500000u);  // 2 MB, in a processor's cache
+  EXPECT_DOUBLE_EQ(grid().cellAt({0, 0, 0.03}), 0.003);
 }
 
 TEST(DistanceGridTest, LeavesFreeBodiesOut) {

@@ -9,7 +9,6 @@
 #include "planning/free_volume.h"
 #include "planning/path_search.h"
 #include "planning_fixtures.h"
-#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/planning/path_planner.h"
 
 namespace raven2_trainer::planning {
@@ -31,7 +30,7 @@ SearchOrder orderFor(const std::function<bool(const UnitState&)>& is_free) {
   order.task.goal = {0.8, 0.5, 0.5, 0.5, 0.5, 0.5};
   order.task.is_free = is_free;
   order.task.is_edge_free = [is_free](const UnitState& a, const UnitState& b) {
-    return isEdgeFree(a, b, 0.01, is_free);
+    return isEdgeFree(a, b, 0.002, is_free);
   };
   order.task.cost = cost({1.0, 0.0, 0.0, 1.0});
   order.task.stop = [] { return false; };
@@ -60,7 +59,9 @@ double length(const Path& path) {
 bool isOutsideWallThroughout(const Path& path) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     for (int k = 0; k <= 1000; ++k) {
-      if (!outsideWall(interpolate(path[i - 1], path[i], k / 1000.0))) return false;
+      const UnitState x = interpolate(path[i - 1], path[i], k / 1000.0);
+      // A corner may be cut by what lies between two checks, 0.002 apart.
+      if (std::abs(x[0] - 0.5) < 0.049 && x[1] < 0.799) return false;
     }
   }
   return true;
@@ -180,23 +181,22 @@ Path plainFmt(const SearchOrder& order, const std::vector<UnitState>& points, do
 }
 
 TEST(FmtStar, FindsWhatThePlainAlgorithmFinds) {
-  // GIVEN the same samples, drawn again, and eq. (1) with both terms
+  // GIVEN the same samples, and eq. (1) with both terms
   SearchOrder order = orderFor(outsideWall);
   order.task.cost = cost({0.1, 0.5, 0.0, 1.0});
   order.settings.samples = order.settings.max_samples = 150;
   for (order.task.seed = 1; order.task.seed <= 5; ++order.task.seed) {
-    Random random(order.task.seed, 1);
-    std::vector<UnitState> points{order.task.start, order.task.goal};
-    while (points.size() < 152) {
-      UnitState x;
-      for (double& value : x)
-        value = random.uniform(0.0, 1.0);
+    std::vector<UnitState> points;
+    order.task.is_free = [&points](const UnitState& x) {
       if (outsideWall(x)) points.push_back(x);
-    }
+      return outsideWall(x);
+    };
+    const Path found = searchPath(order).path;
+    ASSERT_EQ(points.size(), 152u) << "start, goal, and the samples";
     const Path expected = plainFmt(order, points, fmtRadius(1.0, 1.4, 150));
     ASSERT_FALSE(expected.empty());
     // THEN the lazy search gives the same path
-    EXPECT_EQ(searchPath(order).path, expected) << "seed " << order.task.seed;
+    EXPECT_EQ(found, expected) << "seed " << order.task.seed;
   }
 }
 

@@ -91,7 +91,7 @@ TEST(FrsScene, TwentySeedsOfTwentyFindTheWayToTheRing) {
     EXPECT_GT(result.waypoint_count, 2u) << "something stands in the straight way";
     EXPECT_GT(result.clearance, 0.0) << "followed by the dynamics, seed " << seed;
     EXPECT_GT(result.tracking_error, 0.0);
-    EXPECT_LT(result.tracking_error, 0.005);
+    EXPECT_LT(result.tracking_error, 0.015);
     const JointArray& last = result.waypoints[result.waypoint_count - 1];
     EXPECT_LT((tip(Arm::kGold, last) - toEigen(trainer().config.planner.goal_W)).norm(), 1e-9);
     for (std::size_t i = 1; i < result.waypoint_count; ++i)

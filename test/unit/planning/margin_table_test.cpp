@@ -31,6 +31,24 @@ TEST(MarginTable, OneNodeIsForWhatDoesNotMatter) {
     EXPECT_NEAR(table.at(0.5, b), 0.5 - 0.005, 1e-12);
 }
 
+TEST(MarginTable, RecallsWhatItWasToldUntilItForgets) {
+  MarginTable memo({0.0, 1.0, 11, 0.5}, {0.0, 1.0, 11, 0.2}), full({0.0, 1.0, 11, 0.5}, {0.0, 1.0, 11, 0.2}, wavy);
+  int asked = 0;
+  const auto ask = [&asked](double a, double b) {
+    ++asked;
+    return wavy(a, b);
+  };
+  Random random(2);
+  for (int i = 0; i < 5000; ++i) {
+    const double a = random.uniform(0.0, 1.0), b = random.uniform(0.0, 1.0);
+    ASSERT_EQ(memo.recall(a, b, ask), full.at(a, b));
+  }
+  EXPECT_EQ(asked, 11 * 11);
+  memo.forget();
+  memo.recall(0.5, 0.5, ask);
+  EXPECT_EQ(asked, 11 * 11 + 1);
+}
+
 TEST(MarginTable, KnowsNothingBeyondItsEnds) {
   const MarginTable table({0.0, 1.0, 11, 1.0}, {0.0, 1.0, 11, 1.0}, wavy);
   EXPECT_TRUE(std::isfinite(table.at(0.0, 0.0)));

@@ -91,7 +91,7 @@ TEST(MotionBound, OneJointMovesItsFarthestPointByTheBound) {
   bound.startFrom(home);
   JointArray q = home;
   q[kInsertion] += 0.01;
-  EXPECT_DOUBLE_EQ(bound(q), 0.01);
+  EXPECT_NEAR(bound(q), 0.01, 1e-12);
   q = home;
   q[kShoulder] += 1e-3;
   double farthest = 0.0;

@@ -15,7 +15,7 @@ class PathImprovement : public ::testing::Test {
   PathImprovement() {
     task_.cost = &length_;
     task_.is_edge_free = [this](const UnitState& a, const UnitState& b) {
-      return isEdgeFree(a, b, 0.005, [this](const UnitState& x) { return is_free_(x); });
+      return isEdgeFree(a, b, 0.001, [this](const UnitState& x) { return is_free_(x); });
     };
     task_.stop = [] { return false; };
     task_.attempts = 500;

@@ -35,6 +35,7 @@ inline PlannerConfig plannerConfig() {
   c.volume_confidence = 0.99;
   c.improve_attempts = 100;
   c.max_rollouts = 50;
+  c.max_tracking_error = 0.03;
   c.time_limit = 60.0;
   c.edge_step = 0.01;
   c.clearance = 0.002;

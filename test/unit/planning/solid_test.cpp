@@ -50,7 +50,7 @@ TEST(Solid, SeparationIsTheDistanceWhereOneIsRound) {
     const auto a = randomShape(i % 2 == 0, &random), b = randomShape(false, &random);
     const Pose X = randomPose(&random, 0.05), Y = randomPose(&random, 0.05);
     const double expected = referenceDistance(a, X, b, Y), found = separation(solidOf(a, X), solidOf(b, Y));
-    EXPECT_DOUBLE_EQ(found, separation(solidOf(b, Y), solidOf(a, X)));
+    EXPECT_NEAR(found, separation(solidOf(b, Y), solidOf(a, X)), 1e-12);
     if (expected < 1e-5) {
       EXPECT_LT(found, 1e-5) << i;
       continue;
