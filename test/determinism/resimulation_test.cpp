@@ -125,6 +125,7 @@ class EventfulSession {
   /** A goal chosen and planned for, a trial that is released, the whole path on the robot, and one given up. */
   void executions() {
     request(RequestKind::kBeginPlanning, 40);
+    rest(false, 2);
     for (int i = 0; i < 300; ++i)
       rig.tick(true, {-20e-6, 40e-6, 0.0});
     rest(false, 5);
@@ -142,6 +143,7 @@ class EventfulSession {
       rig.tick(true);
     rest(false, 50);
     request(RequestKind::kBeginPlanning, 44);
+    rest(false, 2);
     stroke(50, 1.0);
     request(RequestKind::kEndPlanning, 45);
     rest(false, 100);
