@@ -448,8 +448,7 @@ double ArmClearance::marginOnGrid(std::size_t i, double cap) noexcept {
   do {
     const double s = std::min(covered + ahead, length);
     const Vector3 p = axis.a + s * along;
-    DistanceBounds distance = grid_.quick(p);
-    if (distance.lower - radius < margin + kNearby) distance = grid_.tight(p);
+    const DistanceBounds distance = grid_.at(p, radius + margin + kNearby);
     if (distance.upper < shape.inner && s >= shape.inset && s <= length - shape.inset) return -1.0;
     const double room = distance.lower - radius;
     if (room - margin >= std::max(s - covered, kLeastStep)) {

@@ -51,6 +51,13 @@ class DistanceGrid {
     const Level* level = levelAt(p);
     return level != nullptr ? level->interpolated(p) : beyond(p);
   }
+  /** quick(), or tight() where the lower bound of that is below `below` [m]. */
+  DistanceBounds at(const Vector3& p, double below) const noexcept {
+    const Level* level = levelAt(p);
+    if (level == nullptr) return beyond(p);
+    const DistanceBounds bounds = level->nearest(p);
+    return bounds.lower < below ? level->interpolated(p) : bounds;
+  }
   double lowerBound(const Vector3& p) const noexcept { return tight(p).lower; }
 
   /** Edge of the cells at a point [m]; 0 beyond both lattices. */
@@ -102,15 +109,13 @@ class DistanceGrid {
 };
 
 inline bool DistanceGrid::Level::contains(const Vector3& p) const noexcept {
-  const Vector3 u = (p - origin) * inverse;
-  return u[0] >= 0.0 && u[1] >= 0.0 && u[2] >= 0.0 && u[0] < last[0] && u[1] < last[1] && u[2] < last[2];
+  const double x = (p[0] - origin[0]) * inverse, y = (p[1] - origin[1]) * inverse, z = (p[2] - origin[2]) * inverse;
+  return x >= 0.0 && x < last[0] && y >= 0.0 && y < last[1] && z >= 0.0 && z < last[2];
 }
 
 inline DistanceBounds DistanceGrid::Level::nearest(const Vector3& p) const noexcept {
-  const Vector3 u = (p - origin) * inverse;
-  const double v = value[static_cast<std::size_t>(at(static_cast<std::ptrdiff_t>(u[0] + 0.5),
-                                                     static_cast<std::ptrdiff_t>(u[1] + 0.5),
-                                                     static_cast<std::ptrdiff_t>(u[2] + 0.5)))];
+  const auto node = [&](int k) { return static_cast<std::ptrdiff_t>((p[k] - origin[k]) * inverse + 0.5); };
+  const double v = value[static_cast<std::size_t>(at(node(0), node(1), node(2)))];
   return {v - half_diagonal, v + half_diagonal + 2 * kRounding};
 }
 
