@@ -27,12 +27,24 @@ ob::PlannerPtr makeFmt(const ob::SpaceInformationPtr& si, const StockSettings& s
   return fmt;
 }
 
+/**
+ * BIT* of OMPL 1.5.2 prunes ahead of each batch of samples; with an objective whose informed set has no known measure
+ * it goes on pruning (seen: 15 s without a second batch), so it is told not to. What cannot improve the path is
+ * passed over in its queue all the same.
+ */
+template <typename Planner>
+ob::PlannerPtr makeBit(const ob::SpaceInformationPtr& si) {
+  auto bit = std::make_shared<Planner>(si);
+  bit->setPruning(false);
+  return bit;
+}
+
 ob::PlannerPtr make(const std::string& name, const ob::SpaceInformationPtr& si, const StockSettings& settings) {
   if (name == "FMT") return makeFmt(si, settings);
   if (name == "RRTstar") return std::make_shared<og::RRTstar>(si);
   if (name == "PRMstar") return std::make_shared<og::PRMstar>(si);
-  if (name == "BITstar") return std::make_shared<og::BITstar>(si);
-  if (name == "ABITstar") return std::make_shared<og::ABITstar>(si);
+  if (name == "BITstar") return makeBit<og::BITstar>(si);
+  if (name == "ABITstar") return makeBit<og::ABITstar>(si);
   if (name == "RRTConnect") return std::make_shared<og::RRTConnect>(si);
   throw std::invalid_argument("no planner is called \"" + name + "\"");
 }
