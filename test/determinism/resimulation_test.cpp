@@ -39,8 +39,8 @@ class EventfulSession {
   void run() {
     ASSERT_TRUE(rig.home());
     strokesAndClutches();
-    plans();
     executions();
+    plans();
     collisions();
     robotDrop();
     timeSlip();
@@ -122,7 +122,7 @@ class EventfulSession {
     rest(false, 600);
   }
 
-  /** A goal chosen and planned for, a trial that is released, the whole path on the robot, and one given up. */
+  /** A goal chosen and planned for, a trial of the whole path, some of it on the robot, and a goal given up. */
   void executions() {
     request(RequestKind::kBeginPlanning, 40);
     rest(false, 2);
@@ -135,12 +135,12 @@ class EventfulSession {
     rest(false, 50);
     request(RequestKind::kExecutePlan, 42);
     rest(false, 20);
-    rest(true, 600);
+    for (int i = 0; i < 60000 && (i < 10 || rig.model().mode == Mode::kExecuting); ++i)
+      rig.tick(true);
     rest(false, 20);
     request(RequestKind::kExecutePlan, 43, false, /*on_robot=*/true);
     rest(false, 20);
-    for (int i = 0; i < 60000 && (i < 10 || rig.model().mode == Mode::kExecuting); ++i)
-      rig.tick(true);
+    rest(true, 600);
     rest(false, 50);
     request(RequestKind::kBeginPlanning, 44);
     rest(false, 2);
@@ -269,7 +269,7 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   EXPECT_EQ(modes, (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning,
                                    Mode::kTracking, Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting}));
   EXPECT_EQ(requests.size(), 9U);
-  EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kReleased, ExecutionEnd::kFinished}));
+  EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kFinished, ExecutionEnd::kReleased}));
   EXPECT_EQ(slips, 1U);
   EXPECT_GT(lost, 0U);
   EXPECT_GT(contacts, 1000U);
