@@ -38,6 +38,9 @@ struct RollOutReport {
  * (MotionBound). The verdict is FCL's, on the shapes as they are, at each state judged. A path that begins as the one
  * before is taken up at the waypoint where they part.
  *
+ * With the gains of model.yaml the tip stays within 0.5 mm of its place on the path while the insertion moves at 0.075
+ * m/s or less; at 0.1 m/s its friction alone takes more than its motor can (95 N), and it falls behind by up to 16 mm.
+ *
  * Deterministic. Keeps scratch space: one thread at a time, any thread; never the live world.
  */
 class RollOut {

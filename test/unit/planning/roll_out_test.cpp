@@ -137,7 +137,7 @@ TEST(RollOut, AFreePathIsFreeAndTheArmComesToRestAtItsEnd) {
   EXPECT_TRUE(report.free);
   EXPECT_FALSE(report.stopped);
   EXPECT_GT(report.clearance, 0.0);
-  EXPECT_LT(report.tracking_error, 0.003);
+  EXPECT_LT(report.tracking_error, 0.001);
   EXPECT_GT(report.tracking_error, 1e-5) << "an arm that tracks without any error is none";
   EXPECT_GE(report.duration, times(path).back());
   EXPECT_LT(report.duration, times(path).back() + 0.3);
