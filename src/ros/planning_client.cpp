@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::uint32_t kFirstId = 1000;  // smaller ids belong to the daemon's own schedule
 constexpr double kPause = 0.001;          // [s] the loop answers at the end of its tick
-constexpr int kAnswerLooks = 500;         // a loop that was late for longer gives the time up (max_backlog, 0.25 s)
-constexpr int kGiveUpLooks = 500;         // the planner gives up within 100 ms
+constexpr double kAnswerTime = 0.5;       // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
+constexpr double kGiveUpTime = 0.05;      // [s] so that who cancels has an answer within 100 ms
 
 void sleep() {
   std::this_thread::sleep_for(std::chrono::duration<double>(kPause));
@@ -45,7 +45,7 @@ PlanningClient::Asked PlanningClient::ask(Request request) {
   request.id = next_id_++;
   Asked asked{request.id, PlanningAnswer::kNone};
   if (!post(request)) return asked;
-  await(kAnswerLooks, [&] {
+  await(kAnswerTime, [&] {
     asked.answer = answerTo(request);
     return asked.answer != PlanningAnswer::kNone;
   });
@@ -64,12 +64,9 @@ PlanningClient::Cancelled PlanningClient::cancel() {
   const PlanningState before = state();
   Request request;
   request.kind = RequestKind::kCancelPlan;
-  Cancelled cancelled{before.status, ask(request).answer};
-  if (before.status == PlanningStatus::kPlanning && cancelled.answer == PlanningAnswer::kAccepted) {
-    const bool has_ended = await(kGiveUpLooks, [&] { return plan(before.plan).has_value(); });
-    if (!has_ended) cancelled.answer = PlanningAnswer::kNone;
-  }
-  return cancelled;
+  const PlanningAnswer answer = ask(request).answer;
+  const bool is_at_work = before.status == PlanningStatus::kPlanning && answer == PlanningAnswer::kAccepted;
+  return {before.status, answer, !is_at_work || await(kGiveUpTime, [&] { return plan(before.plan).has_value(); })};
 }
 
 std::optional<PlanResult> PlanningClient::plan(std::uint32_t id) const {
@@ -79,7 +76,7 @@ std::optional<PlanResult> PlanningClient::plan(std::uint32_t id) const {
 
 std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double limit) {
   std::optional<PlanResult> result;
-  await(static_cast<int>(limit / kPause), [&] { return (result = plan(id)).has_value(); });
+  await(limit, [&] { return (result = plan(id)).has_value(); });
   return result;
 }
 
@@ -92,9 +89,13 @@ PlanningState PlanningClient::state() const {
   return shared_.model.load().planning;
 }
 
-bool PlanningClient::await(int looks, const std::function<bool()>& found) {
+/** By the number of pauses, and by the clock where pauses are longer than they should be. */
+bool PlanningClient::await(double limit, const std::function<bool()>& found) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
+  const int looks = static_cast<int>(limit / kPause);
   for (int look = 0; look < looks && !stopped_.load(); ++look) {
     if (found()) return true;
+    if (std::chrono::steady_clock::now() > deadline) return false;
     pause_();
   }
   return false;

@@ -40,11 +40,13 @@ class PlanningClient {
    */
   Asked ask(Request request);
 
-  /** Asks to give everything up, and waits until a plan under way has ended. @return what it was that ended, too. */
   struct Cancelled {
-    PlanningStatus was{PlanningStatus::kIdle};
-    PlanningAnswer answer{PlanningAnswer::kNone};
+    PlanningStatus was{PlanningStatus::kIdle};     ///< before
+    PlanningAnswer answer{PlanningAnswer::kNone};  ///< kAccepted: nothing of it will be followed any more
+    bool has_ended{};                              ///< and the planner has ended, if it was at work
   };
+  /** Asks to give everything up, and waits until that is done; for the planner, which is a thread that everybody else
+   * comes before, at most 50 ms. */
   Cancelled cancel();
 
   /** The answer to the plan with this id, if it is the newest there is. */
@@ -62,8 +64,8 @@ class PlanningClient {
 
  private:
   PlanningAnswer answerTo(const Request& request) const;
-  /** @return false if `found` did not hold at any of `looks` looks. */
-  bool await(int looks, const std::function<bool()>& found);
+  /** Looks again and again. @param[in] limit [s] @return false if `found` did not hold within that time. */
+  bool await(double limit, const std::function<bool()>& found);
 
   SharedState& shared_;
   const std::function<void()> pause_;

@@ -134,6 +134,7 @@ bool PlanningServices::executePlan(ExecutePlan::Request& message, ExecutePlan::R
 bool PlanningServices::cancelPlan(CancelPlan::Request&, CancelPlan::Response& response) {
   const PlanningClient::Cancelled cancelled = client_.cancel();
   tell(cancelled.answer, &response);
+  if (!cancelled.has_ended) response.status += "; the planner is still ending";
   response.was = kPlanningStatusNames[static_cast<std::size_t>(cancelled.was)];
   return true;
 }

@@ -75,7 +75,8 @@ class Daemon:
         self.plan = rospy.ServiceProxy("plan", PlanPath)
         self.planning_mode = rospy.ServiceProxy("planning_mode", PlanningMode)
         self.execute_plan = rospy.ServiceProxy("execute_plan", ExecutePlan)
-        self.cancel_plan = rospy.ServiceProxy("cancel_plan", CancelPlan)
+        # Without a look-up at the master and a new connection at each call: it is our answer that is timed.
+        self.cancel_plan = rospy.ServiceProxy("cancel_plan", CancelPlan, persistent=True)
 
     def status(self):
         return self.progress.message.status if self.progress.message else None

@@ -83,20 +83,34 @@ TEST_F(PlanningClientTest, CancellingAnswersWhenThePlanUnderWayHasEnded) {
     asked_at = loop.ticks;
   };
   loop.on_tick = [&](int tick) {
-    if (tick == asked_at + 60) loop.plan(5, PlanStatus::kCancelled);
+    if (tick == asked_at + 30) loop.plan(5, PlanStatus::kCancelled);
   };
   const PlanningClient::Cancelled cancelled = client.cancel();
   EXPECT_EQ(cancelled.answer, PlanningAnswer::kAccepted);
   EXPECT_EQ(cancelled.was, PlanningStatus::kPlanning);
-  EXPECT_EQ(loop.ticks, asked_at + 60);
+  EXPECT_TRUE(cancelled.has_ended);
+  EXPECT_EQ(loop.ticks, asked_at + 30);
 }
 
-TEST_F(PlanningClientTest, CancellingAPlannerThatDoesNotEndIsNotAnsweredAsIfItHad) {
+TEST_F(PlanningClientTest, CancellingAPlannerThatDoesNotEndIsAnsweredInTimeAndNotAsIfItHad) {
   loop.planning.status = PlanningStatus::kPlanning;
   loop.planning.plan = 5;
   loop.tell();
   loop.on_request = [&](const Request& request) { loop.answer(request, PlanningAnswer::kAccepted); };
-  EXPECT_EQ(client.cancel().answer, PlanningAnswer::kNone);
+  const PlanningClient::Cancelled cancelled = client.cancel();
+  EXPECT_EQ(cancelled.answer, PlanningAnswer::kAccepted);
+  EXPECT_FALSE(cancelled.has_ended);
+  EXPECT_LE(loop.ticks, 100);
+}
+
+TEST_F(PlanningClientTest, WhereNothingIsPlannedCancellingWaitsForNothing) {
+  loop.planning.status = PlanningStatus::kArmed;
+  loop.tell();
+  loop.on_request = [&](const Request& request) { loop.answer(request, PlanningAnswer::kAccepted); };
+  const PlanningClient::Cancelled cancelled = client.cancel();
+  EXPECT_EQ(cancelled.was, PlanningStatus::kArmed);
+  EXPECT_TRUE(cancelled.has_ended);
+  EXPECT_EQ(loop.ticks, 1);
 }
 
 TEST_F(PlanningClientTest, WhoeverWaitsIsLetGoAtTheEnd) {
