@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kFirstId = 1000;  // smaller ids belong to the daemon's own schedule
 constexpr double kPause = 0.001;          // [s] the loop answers at the end of its tick
 constexpr double kAnswerTime = 0.5;       // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
-constexpr double kGiveUpTime = 0.05;      // [s] so that who cancels has an answer within 100 ms
+constexpr double kGiveUpTime = 0.03;      // [s] so that who cancels has an answer within 100 ms
 
 void sleep() {
   std::this_thread::sleep_for(std::chrono::duration<double>(kPause));

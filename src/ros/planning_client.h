@@ -46,7 +46,7 @@ class PlanningClient {
     bool has_ended{};                              ///< and the planner has ended, if it was at work
   };
   /** Asks to give everything up, and waits until that is done; for the planner, which is a thread that everybody else
-   * comes before, at most 50 ms. */
+   * comes before, at most 30 ms. */
   Cancelled cancel();
 
   /** The answer to the plan with this id, if it is the newest there is. */

@@ -83,13 +83,13 @@ TEST_F(PlanningClientTest, CancellingAnswersWhenThePlanUnderWayHasEnded) {
     asked_at = loop.ticks;
   };
   loop.on_tick = [&](int tick) {
-    if (tick == asked_at + 30) loop.plan(5, PlanStatus::kCancelled);
+    if (tick == asked_at + 20) loop.plan(5, PlanStatus::kCancelled);
   };
   const PlanningClient::Cancelled cancelled = client.cancel();
   EXPECT_EQ(cancelled.answer, PlanningAnswer::kAccepted);
   EXPECT_EQ(cancelled.was, PlanningStatus::kPlanning);
   EXPECT_TRUE(cancelled.has_ended);
-  EXPECT_EQ(loop.ticks, asked_at + 30);
+  EXPECT_EQ(loop.ticks, asked_at + 20);
 }
 
 TEST_F(PlanningClientTest, CancellingAPlannerThatDoesNotEndIsAnsweredInTimeAndNotAsIfItHad) {
