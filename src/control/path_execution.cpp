@@ -11,24 +11,33 @@ void PathExecution::start(const PlanResult& plan, const JointArray& from) noexce
   plan_.waypoint_count = std::min<std::uint32_t>(plan.waypoint_count, kMaxWaypoints);
   for (std::size_t j = 0; j < kJointCount; ++j)
     offset_[j] = from[j] - plan_.waypoints[0][j];
-  q_d_ = from;
+  target_ = {from, JointArray{}};
   elapsed_ = waiting_ = resting_ = 0;
   segment_ = 0;
 }
 
-const JointArray& PathExecution::tick(bool may_move) noexcept {
+const JointTarget& PathExecution::tick(bool may_move) noexcept {
   if (!may_move) {
     ++waiting_;
-    return q_d_;
+    target_.dq = {};
+    return target_;
   }
   waiting_ = 0;
   if (isOver()) ++resting_;
   ++elapsed_;
-  q_d_ = pathJoints(plan_, pathTime(), &segment_);
+  const JointArray q = joints();
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    target_.dq[j] = (q[j] - target_.q[j]) / kTickSeconds;
+  target_.q = q;
+  return target_;
+}
+
+JointArray PathExecution::joints() noexcept {
+  JointArray q = pathJoints(plan_, pathTime(), &segment_);
   const double left = 1.0 - quinticBlend(held() / config_.hold_time);
   for (std::size_t j = 0; j < kJointCount; ++j)
-    q_d_[j] += left * offset_[j];
-  return q_d_;
+    q[j] += left * offset_[j];
+  return q;
 }
 
 double PathExecution::duration() const noexcept {

@@ -26,6 +26,15 @@ bool isNear(const JointArray& a, const JointArray& b) noexcept {
   return std::abs(kinematics::jawMidline(a) - kinematics::jawMidline(b)) <= kFollowTolerance[kWrist];
 }
 
+/** As PathExecution says it: the rate is that of the last tick. */
+JointTarget pathTarget(const PlanResult& plan, double time, std::uint32_t* segment) noexcept {
+  const JointArray before = pathJoints(plan, time - kTickSeconds, segment);
+  JointTarget target{pathJoints(plan, time, segment), {}};
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    target.dq[j] = (target.q[j] - before[j]) / kTickSeconds;
+  return target;
+}
+
 }  // namespace
 
 void PathRelay::start(Arm arm, const JointArray& q) noexcept {
@@ -65,7 +74,10 @@ TipIncrement PathRelay::advance(const JointArray& q) noexcept {
   return {toArray(Vector3(C.transpose() * dp_B * 1e-6)), toArray(dq_I)};
 }
 
-bool robotFollows(const ArmGeometry& geometry, const IncrementLimits& limits, const PlanResult& plan) noexcept {
+bool robotFollows(const ArmGeometry& geometry,
+                  const IncrementLimits& limits,
+                  const ArmController& law,
+                  const PlanResult& plan) noexcept {
   const bool can_be_counted = plan.waypoint_count > 0 && plan.waypoint_count <= kMaxWaypoints;
   if (plan.status != PlanStatus::kSuccess || !can_be_counted) return false;
   PathRelay relay(geometry, {kStep * limits.position_um, kStep * limits.rotation});
@@ -74,7 +86,7 @@ bool robotFollows(const ArmGeometry& geometry, const IncrementLimits& limits, co
   const double end = plan.arrival[plan.waypoint_count - 1];
   std::uint32_t segment = 0;
   for (double time = 0.0, before = -1.0; before < end; before = time, time += kStep * kTickSeconds) {
-    const JointArray q = pathJoints(plan, time, &segment);
+    const JointArray q = law.leading(pathTarget(plan, time, &segment));
     relay.advance(q);
     const Pose X_BT = relay.pose();
     if (!relay.isUpToDate() || kinematics::isFirstWristPointAtRcm(geometry, X_BT)) return false;

@@ -387,6 +387,7 @@ void PhysicsLoop::moveModel() noexcept {
   }
   if (state_.mode == Mode::kTracking && follower_.active())
     at(target, follower_.arm()) = driver_.leading(follower_.arm(), follower_.target());
+  if (state_.mode == Mode::kExecuting) at(target, desk_.plan().arm) = path_lead_;
   driveModel(target);
 }
 

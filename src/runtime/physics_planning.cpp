@@ -190,14 +190,17 @@ void PhysicsLoop::beginExecution() noexcept {
   desk_.follow(at(robot_.arms, arm).q);
 }
 
-/** Both get the same path: the model its joints, the robot what leads its own inverse kinematics to them. */
+/** Both get the same path, and the same lead on it, as the roll-out that the plan passed: the model its joints, the robot
+ *  what leads its own inverse kinematics to them. Their lags are alike, so they stay together. */
 void PhysicsLoop::execute() noexcept {
   const Arm arm = desk_.plan().arm;
   const bool may_move = !linked_ || (robotApplies() && state_.robot_fresh != 0);
   if (linked_ && !robotApplies()) desk_.follow(at(robot_.arms, arm).q);
-  aimAtPath(arm, desk_.advance(may_move));
+  const control::JointTarget& target = desk_.advance(may_move);
+  aimAtPath(arm, target.q);
+  path_lead_ = driver_.leading(arm, {at(q_d_, arm), target.dq});
   if (!linked_ || !may_move) return;
-  const control::TipIncrement increment = desk_.increment();
+  const control::TipIncrement increment = desk_.increment(driver_.leading(arm, target));
   at(increments_.dp_I, arm) = increment.dp_I;
   at(increments_.dq_I, arm) = increment.dq_I;
 }

@@ -142,10 +142,10 @@ void PlanDesk::begin(const JointArray& from, Tick tick) noexcept {
   tally_.begin(tick);
 }
 
-const JointArray& PlanDesk::advance(bool may_move) noexcept {
-  const JointArray& q = execution_.tick(may_move);
+const control::JointTarget& PlanDesk::advance(bool may_move) noexcept {
+  const control::JointTarget& target = execution_.tick(may_move);
   state_.progress = execution_.progress();
-  return q;
+  return target;
 }
 
 ExecutionEnd PlanDesk::supervise(const ModelState& model, const RobotState& robot) noexcept {

@@ -14,6 +14,7 @@ PlannerWorker::PlannerWorker(const TrainerConfig& config,
     : planner_(raven, scene, config.planner, config.model),
       arms_(config.arms),
       limits_{static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation},
+      laws_{control::ArmController(config.model, Arm::kGold), control::ArmController(config.model, Arm::kGreen)},
       shared_(*shared),
       seed_(config.seed) {}
 
@@ -32,7 +33,7 @@ PlanCounts PlannerWorker::counts() const noexcept {
 PlanResult PlannerWorker::plan(const PlanRequest& request, bool lockstep) {
   const std::atomic<bool>& cancelled = ended_.load() ? ended_ : planCancelled(&shared_, request.serial);
   PlanResult result = planner_.plan(request, seed_, lockstep, cancelled);
-  result.robot_follows = control::robotFollows(arms_.geometry, limits_, result) ? 1 : 0;
+  result.robot_follows = control::robotFollows(arms_.geometry, limits_, at(laws_, result.arm), result) ? 1 : 0;
   publishPath(result);
   return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/config.h"
 
@@ -17,9 +18,10 @@ class PathExecution {
   /** @param[in] plan one that succeeded. @param[in] from [rad; m] joints where the arm stands. */
   void start(const PlanResult& plan, const JointArray& from) noexcept;
 
-  /** [rad; m] Desired joints of this tick; those of the last one if the arm may not move. */
-  const JointArray& tick(bool may_move) noexcept;
-  const JointArray& desired() const noexcept { return q_d_; }
+  /** Where the arm shall be in this tick, and how fast it shall move there; at rest where it was if it may not move. */
+  const JointTarget& tick(bool may_move) noexcept;
+  /** [rad; m] */
+  const JointArray& desired() const noexcept { return target_.q; }
 
   /** The last waypoint is what is desired. */
   bool isOver() const noexcept { return pathTime() >= duration(); }
@@ -37,13 +39,14 @@ class PathExecution {
   }
 
  private:
+  JointArray joints() noexcept;
   double held() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
   double pathTime() const noexcept { return (held() - config_.hold_time) * config_.speed; }
 
   ExecutionConfig config_;
   PlanResult plan_{};
   JointArray offset_{};  ///< of where the arm stood from where the path starts
-  JointArray q_d_{};
+  JointTarget target_{};
   std::int64_t elapsed_{0}, waiting_{0}, resting_{0};  ///< [ticks]
   std::uint32_t segment_{0};
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -60,9 +61,12 @@ constexpr std::array<double, kGrasp1> kFollowTolerance{2e-3, 2e-3, 5e-5, 1e-2, 1
 
 /**
  * Whether increments can lead a robot along a plan's path: every 5 ms of it the robot's inverse kinematics, from the
- * pose that the packets add up to and from where it was 5 ms before, comes to the path's joints within
- * kFollowTolerance, no limit is reached and no packet is full. Not for the 1 kHz loops: microseconds a step.
+ * pose that the packets add up to and from where it was 5 ms before, comes within kFollowTolerance to the joints that
+ * `law` asks for on the path, no limit is reached and no packet is full. Not for the 1 kHz loops: microseconds a step.
  */
-bool robotFollows(const ArmGeometry& geometry, const IncrementLimits& limits, const PlanResult& plan) noexcept;
+bool robotFollows(const ArmGeometry& geometry,
+                  const IncrementLimits& limits,
+                  const ArmController& law,
+                  const PlanResult& plan) noexcept;
 
 }  // namespace raven2_trainer::control

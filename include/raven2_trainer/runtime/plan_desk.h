@@ -67,10 +67,10 @@ class PlanDesk {
   void begin(const JointArray& from, Tick tick) noexcept;
   /** The robot's joints [rad; m] before it applies increments: the relay starts from there. */
   void follow(const JointArray& robot_q) noexcept { relay_.start(plan_.arm, robot_q); }
-  /** [rad; m] Desired joints of this tick. */
-  const JointArray& advance(bool may_move) noexcept;
-  /** What the robot is sent for this tick. */
-  control::TipIncrement increment() noexcept { return relay_.advance(execution_.desired()); }
+  /** Where the arm shall be in this tick, and how fast it shall move there. */
+  const control::JointTarget& advance(bool may_move) noexcept;
+  /** What the robot is sent for this tick to be asked for the joints `q` [rad; m]. */
+  control::TipIncrement increment(const JointArray& q) noexcept { return relay_.advance(q); }
   /** After a tick of executing. @return why it ends; kNone if it does not. */
   ExecutionEnd supervise(const ModelState& model, const RobotState& robot) noexcept;
   /** A report is due: armed or executing. */

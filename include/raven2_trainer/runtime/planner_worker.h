@@ -40,6 +40,7 @@ class PlannerWorker {
   planning::PathPlanner planner_;
   const ArmsConfig arms_;
   const control::IncrementLimits limits_;  ///< of a packet to the robot
+  const PerArm<control::ArmController> laws_;
   SharedState& shared_;
   std::uint64_t seed_;
   std::atomic<bool> ended_{false};

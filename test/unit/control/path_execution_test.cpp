@@ -55,7 +55,7 @@ TEST(PathExecution, BeginsWhereTheArmStandsAndIsOnThePathAfterTheHold) {
   from[2] -= 0.001;
   execution.start(plan(), from);
   EXPECT_EQ(execution.desired(), from);
-  EXPECT_LT(apart(execution.tick(true), from), 1e-6) << "from rest";
+  EXPECT_LT(apart(execution.tick(true).q, from), 1e-6) << "from rest";
   for (int i = 1; i < 100; ++i)
     execution.tick(true);
   EXPECT_NEAR(execution.desired()[0], kStart[0] + 0.004, 1e-12) << "half of the offset after half of the hold";
@@ -85,7 +85,7 @@ TEST(PathExecution, EndsAtTheGoalAndStaysThere) {
   EXPECT_EQ(execution.progress(), 1.0);
   EXPECT_EQ(execution.rested(), 0.0);
   for (int i = 0; i < 50; ++i)
-    EXPECT_LT(apart(execution.tick(true), kGoal), 1e-12);
+    EXPECT_LT(apart(execution.tick(true).q, kGoal), 1e-12);
   EXPECT_NEAR(execution.rested(), 0.050, 1e-12);
   EXPECT_EQ(execution.goal(), kGoal);
 }
@@ -106,9 +106,10 @@ TEST(PathExecution, StandsStillAsLongAsTheArmMayNotMove) {
   }
   const JointArray stood = execution.desired();
   for (int i = 0; i < 77; ++i)
-    EXPECT_EQ(execution.tick(false), stood);
-  EXPECT_NEAR(execution.waited(), 0.077, 1e-12);
-  EXPECT_EQ(execution.tick(true), undisturbed.tick(true)) << "it goes on where it stood";
+    EXPECT_EQ(execution.tick(false).q, stood);
+  EXPECT_EQ(execution.tick(false).dq, JointArray{}) << "at rest";
+  EXPECT_NEAR(execution.waited(), 0.078, 1e-12);
+  EXPECT_EQ(execution.tick(true).q, undisturbed.tick(true).q) << "it goes on where it stood";
   EXPECT_EQ(execution.waited(), 0.0);
 }
 
@@ -119,7 +120,10 @@ TEST(PathExecution, NeverJumps) {
   execution.start(plan(), from);
   JointArray before = from;
   for (int i = 0; i < 1600; ++i) {
-    const JointArray now = execution.tick(true);
+    const JointTarget target = execution.tick(true);
+    const JointArray now = target.q;
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      EXPECT_NEAR(now[j] - before[j], target.dq[j] * 1e-3, 1e-15) << "the rate is that of this tick";
     // Peak rate of a quintic: 15/8 of the mean, here 0.2 rad in 0.5 s; of the hold 0.01 rad in 0.2 s.
     EXPECT_LT(apart(now, before), (0.2 / 0.5 + 0.01 / 0.2) * 15.0 / 8.0 * 1e-3);
     before = now;

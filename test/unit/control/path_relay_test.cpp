@@ -11,7 +11,8 @@ namespace raven2_trainer::control {
 namespace {
 
 constexpr double kDegree = kPi / 180.0;
-constexpr IncrementLimits kLimits{2000.0, 0.1};  // network.yaml
+constexpr IncrementLimits kLimits{2000.0, 0.1};          // network.yaml
+const ArmController kNoLead(ModelConfig{}, Arm::kGold);  // a law without gains
 constexpr JointArray kVelocity{0.5, 0.5, 0.1, 2.0, 2.0, 2.0, 2.0};
 constexpr JointArray kAcceleration{2.0, 2.0, 0.5, 10.0, 10.0, 10.0, 10.0};
 
@@ -138,7 +139,7 @@ TEST(PathRelay, TheRobotsInverseKinematicsComesToThePathsJointsAtEveryTick) {
       for (std::size_t j = 0; j < kJointCount; ++j)
         ASSERT_NEAR(robot.joints()[j], q[j], 2e-4) << kJointNames[j] << ", seed " << seed;
     }
-    EXPECT_TRUE(robotFollows(raven(), kLimits, plan)) << "seed " << seed;
+    EXPECT_TRUE(robotFollows(raven(), kLimits, kNoLead, plan)) << "seed " << seed;
   }
 }
 
@@ -187,34 +188,34 @@ TEST(PathRelay, SendsNothingWhileThePathStandsStill) {
 TEST(RobotFollows, NotThroughAJointLimit) {
   JointArray beyond = raven().home;
   beyond[4] = 75 * kDegree;
-  EXPECT_FALSE(robotFollows(raven(), kLimits, edgeTo(beyond)));
+  EXPECT_FALSE(robotFollows(raven(), kLimits, kNoLead, edgeTo(beyond)));
 }
 
 TEST(RobotFollows, NotWhereTheWristComesTooNearToTheRemoteCentre) {
   JointArray near_centre = raven().home;
   near_centre[2] = 0.465;  // the wrist is 470 mm along the shaft: 5 mm of 13
-  EXPECT_FALSE(robotFollows(raven(), kLimits, edgeTo(near_centre)));
+  EXPECT_FALSE(robotFollows(raven(), kLimits, kNoLead, edgeTo(near_centre)));
   near_centre[2] = 0.44;
-  EXPECT_TRUE(robotFollows(raven(), kLimits, edgeTo(near_centre)));
+  EXPECT_TRUE(robotFollows(raven(), kLimits, kNoLead, edgeTo(near_centre)));
 }
 
 TEST(RobotFollows, NotInPacketsThatAreTooSmall) {
   JointArray moved = raven().home;
   moved[0] += 0.2;
-  EXPECT_TRUE(robotFollows(raven(), kLimits, edgeTo(moved)));
-  EXPECT_FALSE(robotFollows(raven(), {2.0, 0.1}, edgeTo(moved)));
-  EXPECT_FALSE(robotFollows(raven(), {2000.0, 1e-6}, edgeTo(moved)));
+  EXPECT_TRUE(robotFollows(raven(), kLimits, kNoLead, edgeTo(moved)));
+  EXPECT_FALSE(robotFollows(raven(), {2.0, 0.1}, kNoLead, edgeTo(moved)));
+  EXPECT_FALSE(robotFollows(raven(), {2000.0, 1e-6}, kNoLead, edgeTo(moved)));
 }
 
 TEST(RobotFollows, NotAPlanThatIsNone) {
   PlanResult plan = edgeTo(raven().home);
   plan.status = PlanStatus::kNoPath;
-  EXPECT_FALSE(robotFollows(raven(), kLimits, plan));
+  EXPECT_FALSE(robotFollows(raven(), kLimits, kNoLead, plan));
   plan.status = PlanStatus::kSuccess;
   plan.waypoint_count = 0;
-  EXPECT_FALSE(robotFollows(raven(), kLimits, plan));
+  EXPECT_FALSE(robotFollows(raven(), kLimits, kNoLead, plan));
   plan.waypoint_count = kMaxWaypoints + 1;
-  EXPECT_FALSE(robotFollows(raven(), kLimits, plan));
+  EXPECT_FALSE(robotFollows(raven(), kLimits, kNoLead, plan));
 }
 
 }  // namespace

@@ -86,10 +86,9 @@ class Execution : public ::testing::Test {
     plan.arrival[2] = 2.0 * there;
     plan.clearance = 0.003;
     const ItpRules& rules = rig->config.network.itp;
-    plan.robot_follows = control::robotFollows(rig->config.arms.geometry,
-                                               {static_cast<double>(rules.max_increment_um), rules.max_rotation}, plan)
-                             ? 1
-                             : 0;
+    const control::IncrementLimits packet{static_cast<double>(rules.max_increment_um), rules.max_rotation};
+    const control::ArmController law(rig->config.model, plan.arm);
+    plan.robot_follows = control::robotFollows(rig->config.arms.geometry, packet, law, plan) ? 1 : 0;
     return plan;
   }
 
@@ -254,12 +253,15 @@ TEST_F(Execution, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
     const Vec3 stopped = tipAt(robot);
     for (int i = 0; i < 300; ++i) {
       rig->tick(false);
-      worst = std::max(worst, apart(tipAt(rig->plant.jointPositions(Arm::kGold)), stopped));
+      const JointArray now = rig->plant.jointPositions(Arm::kGold);
+      worst = std::max(worst, apart(tipAt(now), stopped));
+      for (std::size_t j = 0; j <= kInsertion; ++j)  // those with brakes; the tool's joints coast for 40 ms
+        ASSERT_NEAR(now[j], robot[j], 1e-6) << kJointNames[j];
     }
     EXPECT_LT(rig->error(Arm::kGold), 0.1e-3) << "the model is where the robot is";
     EXPECT_EQ(planning().status, PlanningStatus::kIdle);
   }
-  EXPECT_LT(worst, 0.1e-3) << "20 ms after the release the robot's true tip stands";
+  EXPECT_LT(worst, 0.15e-3) << "20 ms after the release the robot's true tip stands, but for what the tool coasts";
   std::printf("true tip moved %.4f mm from 20 ms after the release on\n", worst * 1e3);
 }
 
