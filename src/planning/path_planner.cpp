@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <stdexcept>
 
 #include "planning/free_volume.h"
 #include "planning/plan_run.h"
@@ -43,12 +44,16 @@ void clearTimes(PlanStatistics* s) {
   s->goal_time = s->sampling_time = s->neighbour_time = s->search_time = s->improvement_time = s->rollout_time = 0.0;
 }
 
-PlanResult failure(const PlanRequest& request) {
+PlanResult failure(const PlanRequest& request, const std::atomic<bool>& cancel) {
   PlanResult result;
   result.id = request.id;
   result.arm = request.arm;
-  result.status = PlanStatus::kFailed;
+  result.status = cancel.load() ? PlanStatus::kCancelled : PlanStatus::kFailed;
   return result;
+}
+
+void giveUpIf(const std::atomic<bool>& cancel) {
+  if (cancel.load()) throw std::runtime_error("the planner's preparation was given up");
 }
 
 }  // namespace
@@ -72,10 +77,11 @@ struct PathPlanner::SceneCache {
              const model::SceneModel& scene,
              const SceneObstacles& obstacles,
              const PlannerConfig& config,
-             const ModelConfig* model)
+             const ModelConfig* model,
+             const std::atomic<bool>& cancel)
       : grid(raven, scene),
-        gold(makeDesk(raven, obstacles, config, model, Arm::kGold)),
-        green(makeDesk(raven, obstacles, config, model, Arm::kGreen)) {
+        gold(makeDesk(raven, obstacles, config, model, cancel, Arm::kGold)),
+        green(makeDesk(raven, obstacles, config, model, cancel, Arm::kGreen)) {
     // From now on the desks stay where they are.
     for (ArmDesk* desk : {&gold, &green}) {
       if (desk->roll_out == nullptr) continue;
@@ -88,18 +94,26 @@ struct PathPlanner::SceneCache {
                    const SceneObstacles& obstacles,
                    const PlannerConfig& config,
                    const ModelConfig* model,
+                   const std::atomic<bool>& cancel,
                    Arm arm) const {
+    giveUpIf(cancel);
     ArmDesk desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step), nullptr};
     if (model != nullptr) desk.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
-    desk.free_volume = estimateVolume(raven.arms.geometry, config, &desk.checks);
+    desk.free_volume = estimateVolume(raven.arms.geometry, config, cancel, &desk.checks);
     return desk;
   }
 
   /** With the jaws as at home, and the other arm there. An upper bound: the radius grows with it. */
-  static double estimateVolume(const ArmGeometry& geometry, const PlannerConfig& config, ArmChecks* checks) {
+  static double estimateVolume(const ArmGeometry& geometry,
+                               const PlannerConfig& config,
+                               const std::atomic<bool>& cancel,
+                               ArmChecks* checks) {
     constexpr std::uint64_t kVolumeSeed = 1;  // of the scene, not of a plan: the same for all of them
     checks->begin(JointSpace(geometry, kinematics::jawOpening(geometry.home)), geometry.home);
-    const auto is_free = [checks](const UnitState& unit) { return checks->isFree(unit); };
+    const auto is_free = [&](const UnitState& unit) {
+      giveUpIf(cancel);
+      return checks->isFree(unit);
+    };
     return estimateFreeVolume(is_free, config.volume_samples, kVolumeSeed, config.volume_confidence).upper;
   }
 
@@ -121,19 +135,20 @@ struct PathPlanner::Impl {
     if (model_config != nullptr) model = *model_config;
   }
 
-  SceneCache& prepared() {
-    if (!cache) cache = std::make_unique<SceneCache>(raven, scene, obstacles, config, model ? &*model : nullptr);
+  SceneCache& prepared(const std::atomic<bool>& cancel) {
+    const ModelConfig* dynamics = model ? &*model : nullptr;
+    if (!cache) cache = std::make_unique<SceneCache>(raven, scene, obstacles, config, dynamics, cancel);
     return *cache;
   }
-  SceneCache* tryToPrepare() noexcept {
+  SceneCache* tryToPrepare(const std::atomic<bool>& cancel) noexcept {
     try {
-      return &prepared();
+      return &prepared(cancel);
     } catch (const std::exception&) {
       return nullptr;
     }
   }
   ArmCollision& judge(Arm arm) { return arm == Arm::kGold ? gold : green; }
-  PlanResult run(const PlanSetting& setting, PlanStatistics* statistics);
+  PlanResult run(const PlanSetting& setting, const std::atomic<bool>& cancel, PlanStatistics* statistics);
 
   const model::RavenModel& raven;
   const model::SceneModel scene;
@@ -145,7 +160,9 @@ struct PathPlanner::Impl {
   PlanProgress progress;
 };
 
-PlanResult PathPlanner::Impl::run(const PlanSetting& setting, PlanStatistics* statistics) {
+PlanResult PathPlanner::Impl::run(const PlanSetting& setting,
+                                  const std::atomic<bool>& cancel,
+                                  PlanStatistics* statistics) {
   try {
     PlanRun run(setting);
     const PlanResult result = run.run();
@@ -153,7 +170,7 @@ PlanResult PathPlanner::Impl::run(const PlanSetting& setting, PlanStatistics* st
     return result;
   } catch (const std::exception&) {
     // OMPL, FCL or the heap gave up: for who asked, there is no path. Nothing half-made is returned.
-    return failure(setting.request);
+    return failure(setting.request, cancel);
   }
 }
 
@@ -181,8 +198,8 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
                              const std::atomic<bool>& cancel,
                              const PlanOptions& options,
                              PlanStatistics* statistics) {
-  SceneCache* cache = areSound(options) ? impl_->tryToPrepare() : nullptr;
-  if (cache == nullptr) return failure(request);
+  SceneCache* cache = areSound(options) ? impl_->tryToPrepare(cancel) : nullptr;
+  if (cache == nullptr) return failure(request, cancel);
   const Clock::time_point begin = Clock::now();
   reset(&impl_->progress);
   const PlanSetting setting{impl_->raven,
@@ -196,7 +213,7 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
                             [&] { return !lockstep && secondsSince(begin) > options.time_limit; },
                             &impl_->progress};
   PlanStatistics counted;
-  PlanResult result = impl_->run(setting, &counted);
+  PlanResult result = impl_->run(setting, cancel, &counted);
   result.samples = counted.samples;
   if (!lockstep) result.planning_time = secondsSince(begin);
   setSearchTime(result.planning_time, &counted);
@@ -205,8 +222,12 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
   return result;
 }
 
+void PathPlanner::prepare(const std::atomic<bool>& cancel) {
+  impl_->prepared(cancel);
+}
+
 void PathPlanner::prepare() {
-  impl_->prepared();
+  prepare(std::atomic<bool>{false});
 }
 
 const PlanProgress& PathPlanner::progress() const noexcept {

@@ -40,7 +40,7 @@ PlanResult PlannerWorker::plan(const PlanRequest& request, bool lockstep) {
 
 void PlannerWorker::prepare() noexcept {
   try {
-    planner_.prepare();
+    planner_.prepare(ended_);
   } catch (const std::exception&) {
   }
 }

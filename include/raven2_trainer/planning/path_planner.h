@@ -91,8 +91,11 @@ class PathPlanner {
               const ModelConfig& model);
   ~PathPlanner();
 
-  /** Works out what belongs to the scene alone, some tenths of a second, unless that was done. plan() does it too,
-   *  but cannot be cancelled meanwhile. @throw ModelException, std::bad_alloc; plan() then says kFailed. */
+  /** Works out what belongs to the scene alone, some tenths of a second, unless that was done. plan() does it too.
+   *  @param[in] cancel set from another thread to give up: the next prepare() or plan() begins anew.
+   *  @throw ModelException, std::bad_alloc, std::runtime_error if given up; plan() then says kFailed or kCancelled. */
+  void prepare(const std::atomic<bool>& cancel);
+  /** The same to the end. */
   void prepare();
 
   /**
