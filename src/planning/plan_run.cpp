@@ -165,6 +165,7 @@ void PlanRun::search(PlanResult* result) {
 /** The improved path if the arm can follow it, else the path itself if it can follow that. */
 PathVerdict PlanRun::judge(const std::vector<UnitState>& path) {
   statistics_.plain_cost = plainCost(path);
+  set_.progress->best_cost.store(statistics_.plain_cost);
   const std::vector<UnitState> improved = improve(path);
   const RollOutReport report = follow(improved);
   if (report.free) {
@@ -200,8 +201,10 @@ RollOutReport PlanRun::follow(const std::vector<UnitState>& path) {
   const bool timeless = set_.options.until_time_limit;
   report = desk(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
                                        [&] { return timeless ? set_.is_cancelled() : isOver(); });
-  // Nobody is told where it went astray: the first edge stands for all.
-  if (report.free && report.tracking_error > set_.config.max_tracking_error) report.free = false;
+  if (report.free && report.tracking_error > set_.config.max_tracking_error) {
+    report.free = false;
+    report.failed_edge = report.tracking_edge;
+  }
   if (!report.free && !report.stopped) ++statistics_.failed_rollouts;
   return report;
 }

@@ -50,6 +50,7 @@ struct Progress {
   double clearance{kFar};  // [m] least so far
   double allowance{0.0};   // [m] that the arm may move from there unjudged
   double error{0.0};       // [m] greatest so far
+  std::size_t error_edge{0};
 };
 
 }  // namespace
@@ -77,6 +78,7 @@ struct RollOut::Impl {
   control::JointTarget target() const noexcept;
   void measure(const control::JointTarget& wanted);
   bool judge();
+  bool isAtRest() const noexcept { return now.still >= kStillTicks; }
   bool hasEnded() const noexcept;
   RollOutReport report(bool free) const;
 
@@ -147,7 +149,10 @@ bool RollOut::Impl::advance() {
 void RollOut::Impl::measure(const control::JointTarget& wanted) {
   const ArmGeometry& geometry = raven.arms.geometry;
   const Vector3 p_BT = kinematics::forward(geometry, arm, world.q()).p;
-  now.error = std::max(now.error, (p_BT - kinematics::forward(geometry, arm, wanted.q).p).norm());
+  const double error = (p_BT - kinematics::forward(geometry, arm, wanted.q).p).norm();
+  if (error <= now.error) return;
+  now.error = error;
+  now.error_edge = now.edge;
 }
 
 /** The allowance lets the arm move as long as it neither can touch nor come nearer than it came before. */
@@ -170,7 +175,7 @@ bool RollOut::Impl::judge() {
 bool RollOut::Impl::hasEnded() const noexcept {
   if (now.edge + 1 < waypoints.size()) return false;
   const std::int64_t settling = now.tick - static_cast<std::int64_t>(arrival.back() / kTickSeconds);
-  return now.still >= kStillTicks || settling > kSettlingTicks;
+  return isAtRest() || settling > kSettlingTicks;
 }
 
 RollOutReport RollOut::Impl::report(bool free) const {
@@ -179,6 +184,7 @@ RollOutReport RollOut::Impl::report(bool free) const {
   result.failed_edge = free || waypoints.size() < 2 ? 0 : std::min(now.edge, waypoints.size() - 2);
   result.clearance = now.clearance;
   result.tracking_error = now.error;
+  result.tracking_edge = waypoints.size() < 2 ? 0 : std::min(now.error_edge, waypoints.size() - 2);
   result.duration = static_cast<double>(now.tick) * kTickSeconds;
   return result;
 }
@@ -226,7 +232,7 @@ RollOutReport RollOut::follow(const std::vector<JointArray>& waypoints,
     }
     if (!roll.advance()) return roll.report(false);
   }
-  return roll.report(true);
+  return roll.report(roll.isAtRest());
 }
 
 }  // namespace raven2_trainer::planning

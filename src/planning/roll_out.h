@@ -23,11 +23,13 @@ enum class Asking {
 struct RollOutReport {
   bool free{};                ///< it came to rest at the end and touched nothing on the way
   bool stopped{};             ///< given up half-way because `stop` said so: nothing is known of the rest
-  std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched
+  std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched;
+                              ///< the last one if it did not come to rest within a second
   double
       clearance{};  ///< [m] least distance to scene, other arm and itself, to 0.5 mm or a quarter of it; at most 50 mm
-  double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path at that time
-  double duration{};        ///< [s] of what was followed; to rest at the end where it is free
+  double tracking_error{};      ///< [m] greatest distance of the tip from its place on the path at that time
+  std::size_t tracking_edge{};  ///< the edge on which that was
+  double duration{};            ///< [s] of what was followed; to rest at the end where it is free
 };
 
 /**
