@@ -11,7 +11,7 @@ namespace raven2_trainer::planning {
 /** What OMPL's planners are told. */
 struct StockSettings {
   std::uint32_t samples{};     ///< of FMT
-  double radius_multiplier{};  ///< of FMT and BIT*
+  double radius_multiplier{};  ///< of FMT
   bool until_stopped{};        ///< anytime planners go on after their first path
   std::uint64_t seed{};
 };

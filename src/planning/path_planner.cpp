@@ -198,7 +198,8 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
                              const std::atomic<bool>& cancel,
                              const PlanOptions& options,
                              PlanStatistics* statistics) {
-  SceneCache* cache = areSound(options) ? impl_->tryToPrepare(cancel) : nullptr;
+  const bool repeats = !lockstep || options.planner != "PRMstar";  // it searches in a thread of its own
+  SceneCache* cache = repeats && areSound(options) ? impl_->tryToPrepare(cancel) : nullptr;
   if (cache == nullptr) return failure(request, cancel);
   const Clock::time_point begin = Clock::now();
   reset(&impl_->progress);

@@ -110,7 +110,7 @@ class PathPlanner {
 
   /**
    * The same with other options. A planner that is not known, or a weight or time that is negative or 1e9 and more,
-   * gives kFailed.
+   * gives kFailed, and so does PRMstar in lockstep: its paths differ from run to run.
    * @param[out] statistics may be null.
    */
   PlanResult plan(const PlanRequest& request,

@@ -537,12 +537,20 @@ TEST_F(PathPlannerTest, EveryPlannerSolvesIt) {
     options.planner = name;
     options.eta_clearance = 0.0;  // OMPL's ask for more costs, and each would take a walk along its edge
     options.samples = std::string(name).find("FMT") == 0 ? 200 : 20000;
-    const PlanResult result = planner.plan(overTheWall(), 3, true, kGoOn, options);
+    const bool repeats = std::string(name) != "PRMstar";
+    const PlanResult result = planner.plan(overTheWall(), 3, repeats, kGoOn, options);
     EXPECT_EQ(result.status, PlanStatus::kSuccess) << name;
   }
+}
+
+TEST_F(PathPlannerTest, APlannerThatIsUnknownOrCannotRepeatItselfFails) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
   PlanOptions options = defaultOptions(config_);
-  options.planner = "A*";
-  EXPECT_EQ(planner.plan(overTheWall(), 3, true, kGoOn, options).status, PlanStatus::kFailed);
+  for (const char* name : {"A*", "PRMstar"}) {
+    options.planner = name;
+    EXPECT_EQ(planner.plan(overTheWall(), 3, /*lockstep=*/true, kGoOn, options).status, PlanStatus::kFailed) << name;
+  }
 }
 
 TEST_F(PathPlannerTest, TheConfigurationKnowsTheSamePlanners) {
