@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <type_traits>
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -25,6 +26,10 @@ std::string number(double value) {
 class Line {
  public:
   Line& operator<<(double value) { return *this << number(value); }
+  template <typename Count, typename = std::enable_if_t<std::is_integral<Count>::value>>
+  Line& operator<<(Count value) {
+    return *this << std::to_string(value);  // to the last digit: seeds go up to 2^53
+  }
   Line& operator<<(const std::string& cell) {
     text_ += (is_first_ ? "" : ",") + cell;
     is_first_ = false;
@@ -208,7 +213,7 @@ std::string runsLine(const planning::PlanOptions& options, const PlanRun& run) {
   const planning::PlanStatistics& s = run.statistics;
   const auto ofPlan = [&](double value) { return hasPlan(run) ? value : kNaN; };
   Line line;
-  line << options.samples << run.run << static_cast<double>(run.seed) << isSuccess(run) << std::string(reasonOf(run));
+  line << options.samples << run.run << run.seed << isSuccess(run) << std::string(reasonOf(run));
   line << r.planning_time << ofPlan(run.track.duration) << ofPlan(r.waypoint_count) << ofPlan(r.cost)
        << ofPlan(r.clearance) << ofPlan(kMillimetres * r.tracking_error);
   line << options.planner << options.eta_length << options.eta_acceleration << options.eta_clearance
@@ -216,7 +221,7 @@ std::string runsLine(const planning::PlanOptions& options, const PlanRun& run) {
   for (const std::uint64_t count :
        {s.draws, s.state_checks, s.edge_checks, s.cost_evaluations, s.clearance_integrals, std::uint64_t{s.rollouts},
         std::uint64_t{s.failed_rollouts}, std::uint64_t{s.rounds}})
-    line << static_cast<double>(count);
+    line << count;
   line << ofPlan(s.plain_cost) << ofPlan(s.improved_cost) << ofPlan(s.clearance_cost);
   for (const double time :
        {s.goal_time, s.sampling_time, s.neighbour_time, s.search_time, s.improvement_time, s.rollout_time})
