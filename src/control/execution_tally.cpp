@@ -1,6 +1,7 @@
 #include "raven2_trainer/control/execution_tally.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "raven2_trainer/kinematics/eigen.h"
 
@@ -20,6 +21,11 @@ double count(const Vec3& tip_B, const ExecutionSample& sample, TrackingError* er
   return off;
 }
 
+/** The larger one; what is not a number is worse than any. */
+double worse(double a, double b) noexcept {
+  return b <= a || std::isnan(a) ? a : b;
+}
+
 }  // namespace
 
 void ExecutionTally::start(std::uint32_t id, const PlanResult& plan, bool on_robot) noexcept {
@@ -37,13 +43,13 @@ void ExecutionTally::start(std::uint32_t id, const PlanResult& plan, bool on_rob
 void ExecutionTally::add(const ExecutionSample& sample) noexcept {
   ++samples_;
   deviation_ = count(sample.model_B, sample, &report_.model);
-  if (report_.on_robot != 0) deviation_ = std::max(deviation_, count(sample.robot_B, sample, &report_.robot));
+  if (report_.on_robot != 0) deviation_ = worse(deviation_, count(sample.robot_B, sample, &report_.robot));
   if (sample.contacts > 0) ++report_.contact_ticks;
   report_.contact_points = std::max(report_.contact_points, sample.contacts);
 }
 
 double ExecutionTally::distanceToGoal() const noexcept {
-  return std::max(report_.model.at_end, report_.robot.at_end);
+  return worse(report_.model.at_end, report_.robot.at_end);
 }
 
 ExecutionReport ExecutionTally::finish(ExecutionEnd end, Tick tick, double progress) const noexcept {

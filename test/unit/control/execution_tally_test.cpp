@@ -58,6 +58,19 @@ TEST(ExecutionTally, GivesMeanLargestAndLastByHand) {
   EXPECT_EQ(report.contact_points, 5U);
 }
 
+TEST(ExecutionTally, ATipThatIsNoPlaceIsWorseThanAny) {
+  for (const bool is_robot : {false, true}) {
+    ExecutionTally tally;
+    tally.start(70, plan(), /*on_robot=*/true);
+    tally.begin(1000);
+    ExecutionSample nowhere = sample(0.012, 0.0001, 0.001);
+    (is_robot ? nowhere.robot_B : nowhere.model_B)[1] = std::nan("");
+    tally.add(nowhere);
+    EXPECT_FALSE(tally.deviation() <= 1.0);
+    EXPECT_FALSE(tally.distanceToGoal() <= 1.0);
+  }
+}
+
 TEST(ExecutionTally, LeavesOutARobotThatDoesNotMove) {
   ExecutionTally tally;
   tally.start(1, plan(), /*on_robot=*/false);
