@@ -27,9 +27,11 @@ void MoveArmTask::begin(const Request& request, bool on_robot) {
 /** A plan that came meanwhile is not executed any more; how far an execution came is reported. */
 void MoveArmTask::cancel() {
   if (isOver()) return;
-  if (client_.state().plan == plan_) client_.cancel();
+  const bool is_ours = client_.state().plan == plan_;
+  const bool was_taken = !is_ours || client_.cancel().answer == PlanningAnswer::kAccepted;
   if (const std::optional<PlanResult> plan = client_.plan(plan_)) outcome_.plan = *plan;
   if (phase_ == Phase::kExecuting) lookForReport();
+  if (!isOver() && !was_taken) end(ErrorCode::kCommunicationFailure, "the cancellation was not answered");
   if (!isOver()) end(ErrorCode::kPreempted, "cancelled");
   outcome_.was_cancelled = outcome_.code != ErrorCode::kSuccess;
 }

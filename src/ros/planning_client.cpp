@@ -11,6 +11,8 @@ namespace {
 constexpr std::uint32_t kFirstId = 1000;  // smaller ids belong to the daemon's own schedule
 constexpr double kPause = 0.001;          // [s] the loop answers at the end of its tick
 constexpr double kAnswerTime = 0.5;       // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
+// The loop has dropped the plan and another one's answer stands where its own stood: a cancelled planner takes 100 ms.
+constexpr int kLooksInVain = 250;
 constexpr double kGiveUpTime = 0.03;      // [s] so that who cancels has an answer within 100 ms
 
 void sleep() {
@@ -49,7 +51,16 @@ PlanningClient::Asked PlanningClient::ask(Request request) {
     asked.answer = answerTo(request);
     return asked.answer != PlanningAnswer::kNone;
   });
+  // Who is told that there was no answer must not find a robot armed by it later. The ring keeps the order.
+  if (asked.answer == PlanningAnswer::kNone && request.kind == RequestKind::kExecutePlan) postCancel();
   return asked;
+}
+
+void PlanningClient::postCancel() {
+  Request cancel;
+  cancel.kind = RequestKind::kCancelPlan;
+  cancel.id = next_id_++;
+  post(cancel);
 }
 
 /** A plan shows in three places, of which one may be overtaken by what happens next. */
@@ -76,7 +87,12 @@ std::optional<PlanResult> PlanningClient::plan(std::uint32_t id) const {
 
 std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double limit) {
   std::optional<PlanResult> result;
-  await(limit, [&] { return (result = plan(id)).has_value(); });
+  int in_vain = 0;
+  await(limit, [&] {
+    result = plan(id);
+    in_vain = state().plan == id ? 0 : in_vain + 1;
+    return result.has_value() || in_vain > kLooksInVain;
+  });
   return result;
 }
 
@@ -95,10 +111,10 @@ bool PlanningClient::await(double limit, const std::function<bool()>& found) {
   const int looks = static_cast<int>(limit / kPause);
   for (int look = 0; look < looks && !stopped_.load(); ++look) {
     if (found()) return true;
-    if (std::chrono::steady_clock::now() > deadline) return false;
+    if (std::chrono::steady_clock::now() > deadline) break;
     pause_();
   }
-  return false;
+  return !stopped_.load() && found();
 }
 
 }  // namespace raven2_trainer::ros_bridge

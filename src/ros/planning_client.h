@@ -36,7 +36,7 @@ class PlanningClient {
   /**
    * Gives a request an id of its own and waits for the loop's answer, at most half a second. A plan that the loop
    * refused counts as accepted here: its PlanResult says the rest.
-   * @return kNone if there was no answer.
+   * @return kNone if there was no answer; an execution that was asked for is called off then.
    */
   Asked ask(Request request);
 
@@ -63,6 +63,7 @@ class PlanningClient {
   void stop() noexcept { stopped_.store(true); }
 
  private:
+  void postCancel();
   PlanningAnswer answerTo(const Request& request) const;
   /** Looks again and again. @param[in] limit [s] @return false if `found` did not hold within that time. */
   bool await(double limit, const std::function<bool()>& found);

@@ -156,6 +156,14 @@ TEST_F(MoveArmTaskTest, AnExecutionThatFinishedTogetherWithTheCancellationIsASuc
   EXPECT_FALSE(task.outcome().was_cancelled);
 }
 
+TEST_F(MoveArmTaskTest, ACancellationThatNobodyTookIsNotCalledOne) {
+  begin();
+  loop.on_request = [](const Request&) {};
+  task.cancel();
+  EXPECT_TRUE(task.isOver());
+  EXPECT_EQ(task.outcome().code, ErrorCode::kCommunicationFailure);
+}
+
 TEST_F(MoveArmTaskTest, CancellingLeavesTheOrderOfSomebodyElseAlone) {
   begin();
   set(PlanningStatus::kPlanning, 4711);  // a newer request

@@ -40,6 +40,20 @@ TEST_F(PlanningClientTest, AnAnswerToSomebodyElseIsNone) {
   EXPECT_LE(loop.ticks, 1000) << "and nobody waits for ever";
 }
 
+TEST_F(PlanningClientTest, AnExecutionThatWasNotAnsweredIsCalledOff) {
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kExecutePlan)).answer, PlanningAnswer::kNone);
+  loop.tick();
+  ASSERT_EQ(loop.seen.size(), 2U);
+  EXPECT_EQ(loop.seen[0].kind, RequestKind::kExecutePlan);
+  EXPECT_EQ(loop.seen[1].kind, RequestKind::kCancelPlan) << "it comes after, whenever the loop goes on";
+}
+
+TEST_F(PlanningClientTest, APlanWhoseAnswerIsOvertakenIsNotAwaitedForEver) {
+  loop.on_tick = [this](int) { loop.planning.plan = 77; };  // another one's
+  EXPECT_FALSE(client.awaitPlan(5, 60.0));
+  EXPECT_LE(loop.ticks, 1000);
+}
+
 TEST_F(PlanningClientTest, AFullRingIsNoAnswerAtOnce) {
   while (client.post(requestOf(RequestKind::kEngage))) {
   }
