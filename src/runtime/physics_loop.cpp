@@ -202,6 +202,7 @@ void PhysicsLoop::countFaultedPackets() noexcept {
  *  robot, which refuses in one packet what one packet may not hold. The ticks that catch up take the rest. */
 bool PhysicsLoop::fits(const MasterCommand& command) const noexcept {
   if (increments_.commands == 0 || command.pedal == 0) return true;
+  if (!pedal_) return false;  // a press after a release: in one tick nobody would see that the pedal was up
   const ItpRules& rules = config_.network.itp;
   for (const Arm arm : kArms) {
     for (const double dp : sum(at(increments_.dp_I, arm), at(command.dp_I, arm))) {
@@ -231,7 +232,8 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
       break;
     case RequestKind::kDisengage:
       state_.engaged = 0;
-      if (state_.mode == Mode::kExecuting && linked_) endExecution(ExecutionEnd::kCancelled);
+      if (state_.mode == Mode::kArmed) disarm(ExecutionEnd::kCancelled);
+      if (state_.mode == Mode::kExecuting) endExecution(ExecutionEnd::kCancelled);
       linked_ = false;  // to engage again takes a new pedal-down from a common pose
       break;
     case RequestKind::kPlan:
@@ -263,9 +265,10 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
 void PhysicsLoop::updateRobotEvents() noexcept {
   if (!world_.healthy()) raise(Event::kEmergencyStop);
   forgetOldRobot();
+  if (robot_there_ && !robot_ready_) loseRobot();  // a new one may be ready within this tick
   if (state_.robot_fresh != 0) updateRunLevelEvents();
   const bool is_there = robot_ready_ && !isRobotLost();
-  if (robot_there_ && !is_there) loseRobot();
+  if (robot_there_ && robot_ready_ && !is_there) loseRobot();
   robot_there_ = is_there;
 }
 

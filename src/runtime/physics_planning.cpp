@@ -187,19 +187,23 @@ bool PhysicsLoop::mayPress() noexcept {
 void PhysicsLoop::beginExecution() noexcept {
   const Arm arm = desk_.plan().arm;
   desk_.begin(modelJoints(arm), thisTick());
+  path_lead_ = modelJoints(arm);
+  robot_took_ = false;
   desk_.follow(at(robot_.arms, arm).q);
 }
 
-/** Both get the same path, and the same lead on it, as the roll-out that the plan passed: the model its joints, the robot
- *  what leads its own inverse kinematics to them. Their lags are alike, so they stay together. */
+/** Both get the same path, and the same lead on it, as the roll-out that the plan passed: the model its joints, the
+ * robot what leads its own inverse kinematics to them. Their lags are alike, so they stay together. */
 void PhysicsLoop::execute() noexcept {
   const Arm arm = desk_.plan().arm;
   const bool may_move = !linked_ || (robotApplies() && state_.robot_fresh != 0);
   if (linked_ && !robotApplies()) desk_.follow(at(robot_.arms, arm).q);
   const control::JointTarget& target = desk_.advance(may_move);
   aimAtPath(arm, target.q);
+  if (!may_move) return;  // both go on to what they were asked for last
   path_lead_ = driver_.leading(arm, {at(q_d_, arm), target.dq});
-  if (!linked_ || !may_move) return;
+  if (!linked_) return;
+  robot_took_ = true;
   const control::TipIncrement increment = desk_.increment(driver_.leading(arm, target));
   at(increments_.dp_I, arm) = increment.dp_I;
   at(increments_.dq_I, arm) = increment.dq_I;
@@ -217,6 +221,8 @@ void PhysicsLoop::superviseExecution() noexcept {
   if (state_.mode == Mode::kArmed && !desk_.waitForPedal()) return disarm(ExecutionEnd::kNoPedal);
   if (state_.mode != Mode::kExecuting) return;
   if (desk_.state().on_robot != 0 && !linked_) return endExecution(ExecutionEnd::kRobotLost);
+  // It went to PEDAL_UP by itself: to go on from where it stands now takes a new pedal-down.
+  if (linked_ && robot_took_ && !robotApplies()) return endExecution(ExecutionEnd::kRobotLost);
   const ExecutionEnd end = desk_.supervise(state_, robot_);
   if (end != ExecutionEnd::kNone) endExecution(end);
 }

@@ -116,12 +116,17 @@ PlanningAnswer PlanDesk::check(const Request& request, bool robot_joins) const n
 }
 
 bool PlanDesk::hasMoved(Arm arm, const JointArray& q) const noexcept {
-  const JointArray& before = at(standing_, arm);
+  const bool is_at_start = arm != plan_.arm || isNear(q, plan_.waypoints[0]);  // whatever was noted of the arms
+  return !is_at_start || !isNear(q, at(standing_, arm));
+}
+
+/** Not if anything is not a number. */
+bool PlanDesk::isNear(const JointArray& q, const JointArray& before) const noexcept {
   const JointArray& tolerance = config_.start_tolerance;
   for (std::size_t j = 0; j < kGrasp1; ++j) {
-    if (!(std::abs(q[j] - before[j]) <= tolerance[j])) return true;
+    if (!(std::abs(q[j] - before[j]) <= tolerance[j])) return false;
   }
-  return !(std::abs(kinematics::jawMidline(q) - kinematics::jawMidline(before)) <= tolerance[kGrasp1]);
+  return std::abs(kinematics::jawMidline(q) - kinematics::jawMidline(before)) <= tolerance[kGrasp1];
 }
 
 void PlanDesk::arm(const Request& request) noexcept {

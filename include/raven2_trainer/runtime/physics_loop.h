@@ -148,6 +148,7 @@ class PhysicsLoop {
   Increments increments_{};
   PerArm<JointArray> q_d_{};
   JointArray path_lead_{};     ///< [rad; m] kExecuting: what the arm on its path is asked for
+  bool robot_took_{false};     ///< kExecuting: the robot was sent a piece of the path
   PerArm<bool> collisions_{};  ///< as configured and asked for
   bool pedal_{false}, pedal_before_{false};
   Tick silent_ticks_{0};     ///< since the last master command

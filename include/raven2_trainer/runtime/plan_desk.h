@@ -79,6 +79,7 @@ class PlanDesk {
   void end(ExecutionEnd end, Tick tick) noexcept;
 
  private:
+  bool isNear(const JointArray& q, const JointArray& before) const noexcept;
   void tell(const PlanResult& result, bool refused, Tick tick) noexcept;
 
   const ExecutionConfig config_;

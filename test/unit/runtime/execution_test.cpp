@@ -351,6 +351,60 @@ TEST_F(Execution, ThePathStandsStillWhileTheRobotIsNotHeard) {
   EXPECT_GT(planning().progress, stood);
 }
 
+TEST_F(Execution, AReleaseThatComesTogetherWithTheNextPressEndsIt) {
+  arm(true);
+  rest(true, 400);
+  ASSERT_EQ(rig->model().mode, Mode::kExecuting);
+  rig->send(MasterCommand{});  // pedal up, and in the same tick down again
+  rest(true, 1);
+  EXPECT_EQ(report().end, ExecutionEnd::kReleased);
+  EXPECT_EQ(rig->last_relay.command.pedal, 0);
+  rest(true, 2);
+  EXPECT_NE(rig->model().mode, Mode::kExecuting);
+}
+
+TEST_F(Execution, ARobotThatGoesToPedalUpByItselfEndsIt) {
+  arm(true);
+  rest(true, 400);
+  ASSERT_EQ(rig->model().mode, Mode::kExecuting);
+  robotSays(RunLevel::kPedalUp, 1, true);
+  EXPECT_EQ(report().end, ExecutionEnd::kRobotLost);
+  EXPECT_EQ(rig->last_relay.command.pedal, 0);
+  robotSays(RunLevel::kPedalDown, 5, true);
+  EXPECT_NE(rig->model().mode, Mode::kExecuting) << "to go on takes a new pedal-down";
+  EXPECT_EQ(rig->last_relay.command.dp_I[0], Vec3{});
+}
+
+TEST_F(Execution, DisengagingDisarmsAndEndsATrial) {
+  arm(true);
+  Request disengage;
+  disengage.kind = RequestKind::kDisengage;
+  ASSERT_TRUE(rig->shared->requests.tryPush(disengage));
+  rest(false, 2);
+  EXPECT_EQ(report().end, ExecutionEnd::kCancelled);
+  rest(true, 10);
+  EXPECT_NE(rig->model().mode, Mode::kExecuting);
+  SetUp();
+  arm(false);
+  rest(true, 400);
+  ASSERT_EQ(rig->model().mode, Mode::kExecuting);
+  ASSERT_TRUE(rig->shared->requests.tryPush(disengage));
+  rest(true, 2);
+  EXPECT_EQ(report().end, ExecutionEnd::kCancelled);
+  EXPECT_NE(rig->model().mode, Mode::kExecuting);
+}
+
+TEST_F(Execution, ANewRobotThatIsReadyAtOnceDisarms) {
+  arm(true);
+  RobotState state = rig->software.state();
+  state.cycle = 5;  // the old one was far beyond that
+  rig->link.disconnected();
+  rig->link.connected();
+  tickWith(&state, false);
+  EXPECT_EQ(report().end, ExecutionEnd::kRobotLost);
+  EXPECT_EQ(planning().status, PlanningStatus::kIdle);
+}
+
 TEST_F(Execution, ARobotThatStaysSilentIsGivenUp) {
   arm(true);
   rest(true, 400);
