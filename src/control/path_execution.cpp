@@ -13,18 +13,21 @@ void PathExecution::start(const PlanResult& plan, const JointArray& from) noexce
     offset_[j] = from[j] - plan_.waypoints[0][j];
   target_ = {from, JointArray{}};
   elapsed_ = waiting_ = resting_ = 0;
+  rate_ = kFullRate;
   segment_ = 0;
 }
 
 const JointTarget& PathExecution::tick(bool may_move) noexcept {
   if (!may_move) {
     ++waiting_;
+    rate_ = 0;
     target_.dq = {};
     return target_;
   }
   waiting_ = 0;
   if (isOver()) ++resting_;
-  ++elapsed_;
+  rate_ = std::min(kFullRate, rate_ + 1);
+  elapsed_ += rate_;
   const JointArray q = joints();
   for (std::size_t j = 0; j < kJointCount; ++j)
     target_.dq[j] = (q[j] - target_.q[j]) / kTickSeconds;

@@ -9,7 +9,8 @@ namespace raven2_trainer::control {
 /**
  * A plan's path in time, as it is executed: from where the arm stands to the path's start in `hold_time`, then the path
  * at `speed` times its own, then its last waypoint. Time goes on only in the ticks in which the arm may move, so that a
- * robot that is not ready yet, or not heard, is waited for. Pure; real-time safe.
+ * robot that is not ready yet, or not heard, is waited for; after that it comes up to speed again in 0.1 s, for the
+ * path may have to go on where it was fast. Pure; real-time safe.
  */
 class PathExecution {
  public:
@@ -40,14 +41,16 @@ class PathExecution {
 
  private:
   JointArray joints() noexcept;
-  double held() const noexcept { return static_cast<double>(elapsed_) * kTickSeconds; }
+  static constexpr std::int64_t kFullRate = 100;  ///< [1/100 of the path's own], and the ticks that it takes
+  double held() const noexcept { return static_cast<double>(elapsed_) / kFullRate * kTickSeconds; }
   double pathTime() const noexcept { return (held() - config_.hold_time) * config_.speed; }
 
   ExecutionConfig config_;
   PlanResult plan_{};
   JointArray offset_{};  ///< of where the arm stood from where the path starts
   JointTarget target_{};
-  std::int64_t elapsed_{0}, waiting_{0}, resting_{0};  ///< [ticks]
+  std::int64_t elapsed_{0};                                 ///< [1/100 ticks] of the path's time
+  std::int64_t rate_{kFullRate}, waiting_{0}, resting_{0};  ///< [1/100]; [ticks]
   std::uint32_t segment_{0};
 };
 

@@ -109,8 +109,33 @@ TEST(PathExecution, StandsStillAsLongAsTheArmMayNotMove) {
     EXPECT_EQ(execution.tick(false).q, stood);
   EXPECT_EQ(execution.tick(false).dq, JointArray{}) << "at rest";
   EXPECT_NEAR(execution.waited(), 0.078, 1e-12);
-  EXPECT_EQ(execution.tick(true).q, undisturbed.tick(true).q) << "it goes on where it stood";
+  for (int i = 0; i < 300; ++i)
+    execution.tick(true);
+  // 1 + 2 + ... + 100 hundredths of a tick in the first hundred of them: 50.5, then whole ones.
+  EXPECT_NEAR(execution.progress(), (400 - 200 + 50.5 + 200) / 1300.0, 1e-12) << "it goes on where it stood";
   EXPECT_EQ(execution.waited(), 0.0);
+}
+
+TEST(PathExecution, ComesUpToSpeedAgainAfterAWait) {
+  // GIVEN a path that has to wait where it is fastest, at the middle of its first edge
+  PathExecution execution(configuration());
+  execution.start(plan(), kStart);
+  for (int i = 0; i < 200 + 250; ++i)
+    execution.tick(true);
+  const JointArray fastest = execution.tick(true).dq;
+  for (int i = 0; i < 30; ++i)
+    execution.tick(false);
+  // WHEN it goes on THEN no joint's rate jumps by more than a hundredth of the highest one in a tick, but for the
+  // path's own acceleration: at most 10/sqrt(3) of the distance over the square of the time
+  JointArray before{};
+  for (int i = 0; i < 100; ++i) {
+    const JointArray now = execution.tick(true).dq;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const double own = 10.0 / std::sqrt(3.0) * std::abs(kMiddle[j] - kStart[j]) / 0.25 * 1e-3;
+      EXPECT_LE(std::abs(now[j] - before[j]), 0.0101 * std::abs(fastest[j]) + own);
+    }
+    before = now;
+  }
 }
 
 TEST(PathExecution, NeverJumps) {
