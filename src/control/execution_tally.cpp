@@ -8,6 +8,8 @@
 namespace raven2_trainer::control {
 namespace {
 
+constexpr double kFar = 1e3;  // [m] farther than anything is
+
 double distance(const Vec3& a, const Vec3& b) noexcept {
   return (toEigen(a) - toEigen(b)).norm();
 }
@@ -36,6 +38,7 @@ void ExecutionTally::start(std::uint32_t id, const PlanResult& plan, bool on_rob
   report_.on_robot = on_robot ? 1 : 0;
   report_.path_time = plan.waypoint_count > 0 ? plan.arrival[plan.waypoint_count - 1] : 0.0;
   report_.planned_clearance = plan.clearance;
+  report_.model_clearance = report_.robot_clearance = kFar;
   samples_ = 0;
   deviation_ = 0.0;
 }
@@ -44,6 +47,8 @@ void ExecutionTally::add(const ExecutionSample& sample) noexcept {
   ++samples_;
   deviation_ = count(sample.model_B, sample, &report_.model);
   if (report_.on_robot != 0) deviation_ = worse(deviation_, count(sample.robot_B, sample, &report_.robot));
+  report_.model_clearance = std::min(report_.model_clearance, sample.model_clearance);
+  report_.robot_clearance = std::min(report_.robot_clearance, sample.robot_clearance);
   if (sample.contacts > 0) ++report_.contact_ticks;
   report_.contact_points = std::max(report_.contact_points, sample.contacts);
 }
@@ -57,6 +62,8 @@ ExecutionReport ExecutionTally::finish(ExecutionEnd end, Tick tick, double progr
   report.end = end;
   report.ended = tick;
   report.progress = progress;
+  if (samples_ == 0) report.model_clearance = 0.0;
+  if (samples_ == 0 || report.on_robot == 0) report.robot_clearance = 0.0;
   if (samples_ == 0) return report;
   report.model.mean /= samples_;
   report.robot.mean /= samples_;

@@ -56,7 +56,7 @@ ArmClearance::ArmClearance(const model::RavenModel& model, const DistanceGrid& g
       arm_(arm),
       clearance_(clearance),
       chain_(model, arm),
-      other_chain_(model, arm == Arm::kGold ? Arm::kGreen : Arm::kGold) {
+      other_chain_(model, otherArm(arm)) {
   const JudgedPairs judged = judgedPairs(model, arm, clearance);
   if (judged.own.size() > kMaxShapes)
     throw ModelException(model.description.file + ":1: an arm has " + std::to_string(judged.own.size()) +

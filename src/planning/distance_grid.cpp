@@ -1,6 +1,9 @@
 #include "planning/distance_grid.h"
 
 #include <limits>
+#include <utility>
+
+#include "planning/standing_solids.h"
 
 namespace raven2_trainer::planning {
 namespace {
@@ -8,20 +11,6 @@ namespace {
 constexpr double kSmall = 0.3;    // [m] a scene body no larger than this is what the fine lattice is for
 constexpr double kMargin = 0.01;  // [m] of the fine lattice about them: the radius and clearance of a tool's shaft
 constexpr double kNothing = 1e3;  // [m] told where there is no obstacle at all
-
-bool isFree(const model::SceneModel& scene, std::size_t link) {
-  return std::count(scene.free_bodies.begin(), scene.free_bodies.end(), static_cast<int>(link)) > 0;
-}
-
-/** Links that no moving joint carries. */
-std::vector<bool> fixedLinks(const model::Description& description) {
-  std::vector<bool> fixed;
-  for (const model::Link& link : description.links) {  // parents come first
-    const bool parent_fixed = link.parent < 0 || fixed[static_cast<std::size_t>(link.parent)];
-    fixed.push_back(parent_fixed && link.joint == model::JointKind::kFixed);
-  }
-  return fixed;
-}
 
 double nearestOf(const std::vector<const Solid*>& solids, const Vector3& p) {
   double nearest = kNothing;
@@ -38,7 +27,9 @@ DistanceGrid::DistanceGrid(const model::RavenModel& raven, const model::SceneMod
 DistanceGrid::DistanceGrid(const model::RavenModel& raven,
                            const model::SceneModel& scene,
                            const Resolution& resolution) {
-  addObstacles(raven, scene);
+  StandingSolids standing = standingSolids(raven, scene);
+  obstacles_ = std::move(standing.solids);
+  scene_count_ = standing.scene_count;
   Box small;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     const Box box = boxAround(obstacles_[i]);
@@ -51,25 +42,6 @@ DistanceGrid::DistanceGrid(const model::RavenModel& raven,
   if (!obstacles_.empty()) coarse_ = makeLevel(grown(all_, resolution.coarse), resolution.coarse);
   fill(&fine_);
   fill(&coarse_);
-}
-
-void DistanceGrid::addObstacles(const model::RavenModel& raven, const model::SceneModel& scene) {
-  const auto& links = scene.description.links;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (isFree(scene, i)) continue;
-    for (const model::CollisionShape& shape : links[i].collisions)
-      obstacles_.push_back(makeSolid(scene.description, links[i], shape, scene.X_WL[i], 0.0));
-  }
-  scene_count_ = obstacles_.size();
-  const auto& parts = raven.description.links;
-  const std::vector<bool> fixed = fixedLinks(raven.description);
-  std::vector<Pose> poses(parts.size());
-  model::linkPoses(raven.description, std::vector<double>(parts.size(), 0.0), &poses);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!fixed[i]) continue;
-    for (const model::CollisionShape& shape : parts[i].collisions)
-      obstacles_.push_back(makeSolid(raven.description, parts[i], shape, poses[i], 0.0));
-  }
 }
 
 DistanceGrid::Box DistanceGrid::boxAround(const Solid& solid) {

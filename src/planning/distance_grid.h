@@ -16,8 +16,7 @@ struct DistanceBounds {
 };
 
 /**
- * Distance to all that stands still: the scene without its free bodies (the goal of a plan is AT the ring, which is
- * there to be touched and gives way), and the robot's fixed parts. Exact distances are kept at the nodes of two nested
+ * Distance to all that stands still, see StandingSolids. Exact distances are kept at the nodes of two nested
  * lattices: a fine one about the small things of the scene, among which a tool works, and a coarse one about
  * everything. Beyond, what is known is the distance to the box around everything.
  *
@@ -63,8 +62,7 @@ class DistanceGrid {
   /** Edge of the cells at a point [m]; 0 beyond both lattices. */
   double cellAt(const Vector3& p) const noexcept;
 
-  /** What the grid was made of, for exact answers: first the scene, then the robot's fixed parts in the order of
-   *  JudgedPairs::fixed. */
+  /** What the grid was made of, for exact answers: StandingSolids. */
   const std::vector<Solid>& obstacles() const noexcept { return obstacles_; }
   std::size_t sceneCount() const noexcept { return scene_count_; }
   std::size_t nodeCount() const noexcept { return fine_.value.size() + coarse_.value.size(); }
@@ -87,7 +85,6 @@ class DistanceGrid {
     }
   };
 
-  void addObstacles(const model::RavenModel& raven, const model::SceneModel& scene);
   static Box boxAround(const Solid& solid);
   static Level makeLevel(const Box& box, double cell);
   void fill(Level* level) const;

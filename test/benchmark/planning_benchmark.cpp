@@ -13,6 +13,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/planning/clearance_gauge.h"
 
 namespace {
 
@@ -117,6 +118,9 @@ int main(int argc, char** argv) {
   time("isFree, free states", kStates, passes, [&](std::size_t i) { return fast.isFree(in.open[i]); });
   time("clearance to 10 mm, free states", kStates, passes,
        [&](std::size_t i) { return fast.clearance(in.open[i], 0.01) >= 0.01; });
+  ClearanceGauge gauge(raven, scene);
+  time("ClearanceGauge, free states", kStates, passes,
+       [&](std::size_t i) { return gauge.measure(Arm::kGold, in.open[i], geometry.home) >= 0.01; });
   const double fcl = time("FCL, random states", kStates, 3, [&](std::size_t i) { return !exact.touches(in.all[i]); });
   const double edge = time("isEdgeFree, 0.35 in the cube", kEdges, passes,
                            [&](std::size_t i) { return fast.isEdgeFree(in.from[i], in.to[i]); });

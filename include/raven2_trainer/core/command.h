@@ -176,6 +176,8 @@ struct ExecutionReport {
   double planned_clearance{};      ///< [m] PlanResult::clearance
   TrackingError model{};           ///< of the nominal model
   TrackingError robot{};           ///< of the robot, as received; zero if it did not move
+  double model_clearance{};        ///< [m] least distance of the model's arm to anything, at most 0.05; 0 it touched
+  double robot_clearance{};        ///< [m] the same where the robot's joints put its arms; zero if it did not move
   std::uint32_t contact_ticks{};   ///< [1 ms] in which the model's arm touched something
   std::uint32_t contact_points{};  ///< most of them in one tick
 };

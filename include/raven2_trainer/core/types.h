@@ -43,6 +43,9 @@ using PerArm = std::array<T, kArmCount>;
 constexpr std::size_t index(Arm arm) noexcept {
   return static_cast<std::size_t>(arm);
 }
+constexpr Arm otherArm(Arm arm) noexcept {
+  return arm == Arm::kGold ? Arm::kGreen : Arm::kGold;
+}
 
 template <typename T>
 constexpr T& at(PerArm<T>& values, Arm arm) noexcept {
