@@ -176,6 +176,8 @@ PlanExecution planExecution(const ExecutionReport& report, const ros::Time& stam
   message.robot_error_mean = report.robot.mean;
   message.robot_error_largest = report.robot.largest;
   message.robot_error_at_end = report.robot.at_end;
+  message.model_clearance = report.model_clearance;
+  message.robot_clearance = report.robot_clearance;
   message.contact_ticks = report.contact_ticks;
   message.contact_points = report.contact_points;
   return message;

@@ -59,7 +59,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
       driver_(config.model, &world_),
-      desk_(config, shared),
+      desk_(config, raven, scene, shared),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.itp.pedalTimeout() / kTickSeconds))) {

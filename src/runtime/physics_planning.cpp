@@ -166,7 +166,7 @@ void PhysicsLoop::armPlan(const Request& request) noexcept {
 }
 
 /** Since the plan was asked for. After a path was shown the model's arm is put back to where it starts. */
-bool PhysicsLoop::hasMoved() const noexcept {
+bool PhysicsLoop::hasMoved() noexcept {
   for (const Arm arm : kArms) {
     const bool was_shown = state_.mode == Mode::kTracking && arm == desk_.plan().arm;
     if (was_shown && !isRobotThere()) continue;

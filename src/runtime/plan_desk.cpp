@@ -27,13 +27,17 @@ PlanRequest toPlanRequest(const Request& request, const PerArm<JointArray>& stan
 
 }  // namespace
 
-PlanDesk::PlanDesk(const TrainerConfig& config, SharedState* shared) noexcept
+PlanDesk::PlanDesk(const TrainerConfig& config,
+                   const model::RavenModel& raven,
+                   const model::SceneModel& scene,
+                   SharedState* shared)
     : config_(config.execution),
       geometry_(config.arms.geometry),
       shared_(*shared),
       execution_(config.execution),
       relay_(config.arms.geometry,
-             {static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation}) {}
+             {static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation}),
+      gauge_(raven, scene) {}
 
 void PlanDesk::answer(std::uint32_t id, PlanningAnswer answer) noexcept {
   state_.answered = id;
@@ -115,9 +119,27 @@ PlanningAnswer PlanDesk::check(const Request& request, bool robot_joins) const n
   return plan_.robot_follows != 0 ? PlanningAnswer::kAccepted : PlanningAnswer::kRobotCannotFollow;
 }
 
-bool PlanDesk::hasMoved(Arm arm, const JointArray& q) const noexcept {
-  const bool is_at_start = arm != plan_.arm || isNear(q, plan_.waypoints[0]);  // whatever was noted of the arms
-  return !is_at_start || !isNear(q, at(standing_, arm));
+bool PlanDesk::hasMoved(Arm arm, const JointArray& q) noexcept {
+  if (!isNear(q, at(standing_, arm))) return true;
+  if (arm != plan_.arm) return !(tipDistance(arm, q, at(standing_, arm)) <= plan_.clearance);
+  return !isNear(q, plan_.waypoints[0]) || !isWayFree(q);  // whatever was noted of the arms
+}
+
+/** From there to where the path starts, some millimetres: in steps that no wire is thinner than. */
+bool PlanDesk::isWayFree(const JointArray& from) noexcept {
+  constexpr int kSteps = 8;
+  const JointArray& other = at(standing_, otherArm(plan_.arm));
+  for (int i = 0; i < kSteps; ++i) {
+    JointArray q = from;
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      q[j] += (plan_.waypoints[0][j] - from[j]) * i / kSteps;
+    if (gauge_.measure(plan_.arm, q, other) <= 0.0) return false;
+  }
+  return true;
+}
+
+double PlanDesk::tipDistance(Arm arm, const JointArray& a, const JointArray& b) const noexcept {
+  return (kinematics::forward(geometry_, arm, a).p - kinematics::forward(geometry_, arm, b).p).norm();
 }
 
 /** Not if anything is not a number. */
@@ -158,7 +180,10 @@ ExecutionEnd PlanDesk::supervise(const ModelState& model, const RobotState& robo
   const RobotArmState& real = at(robot.arms, plan_.arm);
   const Vec3 path_B = toArray(kinematics::forward(geometry_, plan_.arm, execution_.desired()).p);
   const Vec3 goal_B = toArray(kinematics::forward(geometry_, plan_.arm, execution_.goal()).p);
-  tally_.add({path_B, goal_B, arm.p_BT, real.p_BT, arm.contacts});
+  const Arm other = otherArm(plan_.arm);
+  const double near = gauge_.measure(plan_.arm, arm.q, at(model.arms, other).q);
+  const double real_near = state_.on_robot != 0 ? gauge_.measure(plan_.arm, real.q, at(robot.arms, other).q) : 0.0;
+  tally_.add({path_B, goal_B, arm.p_BT, real.p_BT, arm.contacts, near, real_near});
   if (!(tally_.deviation() <= config_.deviation_limit)) return ExecutionEnd::kOffPath;
   if (execution_.waited() > config_.robot_timeout) return ExecutionEnd::kRobotLost;
   if (!execution_.isOver()) return ExecutionEnd::kNone;

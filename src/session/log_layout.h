@@ -333,6 +333,8 @@ struct Layout<ExecutionReport> {
     v.field("planned_clearance", s.planned_clearance, "m", "least distance kept in the roll-out of the plan");
     v.field("model", s.model, "", "distance of the model's tip from its place on the path");
     v.field("robot", s.robot, "", "the same of the robot's tip; 0 if it did not move");
+    v.field("model_clearance", s.model_clearance, "m", "least distance of the model's arm to anything; at most 0.05");
+    v.field("robot_clearance", s.robot_clearance, "m", "the same of the robot's arm; 0 if it did not move");
     v.field("contact_ticks", s.contact_ticks, "ms", "in which the model's arm touched something");
     v.field("contact_points", s.contact_points, "points", "most of them in one tick");
   }

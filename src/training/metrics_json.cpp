@@ -134,6 +134,8 @@ Json describeExecution(const Execution& execution) {
           {"planned_clearance_mm", report.planned_clearance * kMillimetres},
           {"model_error_mm", began ? describeTracking(report.model) : Json(nullptr)},
           {"robot_error_mm", robot_moved ? describeTracking(report.robot) : Json(nullptr)},
+          {"model_clearance_mm", began ? Json(report.model_clearance * kMillimetres) : Json(nullptr)},
+          {"robot_clearance_mm", robot_moved ? Json(report.robot_clearance * kMillimetres) : Json(nullptr)},
           {"contact_ticks", report.contact_ticks},
           {"contact_points", report.contact_points}};
 }

@@ -191,6 +191,7 @@ int planAndExecute(raven2_trainer::testing::Rig* rig) {
   plan.waypoints[0] = plan.waypoints[1] = request.start;
   plan.waypoints[1][kShoulder] += 0.1;
   plan.arrival[1] = 1.0;
+  plan.clearance = 0.002;
   rig->shared->plan_results.tryPush(plan);
   rig->tick(false);
   ask(RequestKind::kExecutePlan, 1);

@@ -47,7 +47,8 @@ ERROR = [field("mean", "f64"), field("largest", "f64")]
 EXECUTION = [field("arm", "u8", names=["gold", "green"]), field("on_robot", "u8"),
              field("end", "u8", names=["none", "finished", "released", "no_pedal"]), field("started", "i64"),
              field("ended", "i64"), field("progress", "f64"), field("planned_clearance", "f64"),
-             field("model", "struct", (), ERROR), field("robot", "struct", (), ERROR), field("contact_ticks", "u32")]
+             field("model", "struct", (), ERROR), field("robot", "struct", (), ERROR), field("model_clearance", "f64"),
+             field("robot_clearance", "f64"), field("contact_ticks", "u32")]
 RECORDS = [
     {"type": 1, "name": "tick", "version": 1, "fields": [field("model", "struct", (), MODEL),
                                                          field("robot", "struct", (), ROBOT)]},
@@ -88,7 +89,7 @@ def tick_payload(tick, session_tick, error=0.0, fault=0, mode=2):
 
 def execution(started, ended, end, progress=1.0, on_robot=1, arm=0):
     report = struct.pack("<BBBqqdd", arm, on_robot, end, started, ended, progress, 0.0047)
-    return record(7, struct.pack("<q", ended) + report + struct.pack("<4dI", 0.00041, 0.00123, 0.00082, 0.00456, 17))
+    return record(7, struct.pack("<q", ended) + report + struct.pack("<6dI", 0.00041, 0.00123, 0.00082, 0.00456, 0.0061, 0.0058, 17))
 
 
 def session_bytes():
@@ -255,9 +256,10 @@ class ProgramsTest(LogCase):
         rows = [re.findall("<td[^>]*>(.*?)</td>", row) for row in re.findall("<tr>(.*?)</tr>", section)[1:]]
         self.assertEqual(rows, [
             ["0.600 s", "gold, model and robot", "released at 62 %", "0.60 s", "0.41", "1.23", "0.82", "4.56", "4.7 mm",
+             "6.1 mm", "5.8 mm", "17 ms"],
+            ["1.300 s", "green, model alone", "finished", "0.20 s", "0.41", "1.23", "–", "–", "4.7 mm", "6.1 mm", "–",
              "17 ms"],
-            ["1.300 s", "green, model alone", "finished", "0.20 s", "0.41", "1.23", "–", "–", "4.7 mm", "17 ms"],
-            ["–", "gold, model and robot", "no pedal, never begun"] + ["–"] * 7])
+            ["–", "gold, model and robot", "no pedal, never begun"] + ["–"] * 9])
 
     def test_report_without_planned_motions_does_not_speak_of_them(self):
         self.assertNotIn("Planned motions", self.report(session_bytes()))

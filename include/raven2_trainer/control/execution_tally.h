@@ -12,6 +12,8 @@ struct ExecutionSample {
   Vec3 model_B{};            ///< [m] of the nominal model
   Vec3 robot_B{};            ///< [m] of the robot, as received
   std::uint32_t contacts{};  ///< contact points on the model's arm
+  double model_clearance{};  ///< [m] of the model's arm from anything
+  double robot_clearance{};  ///< [m] of the robot's
 };
 
 /** Adds up how an execution goes, tick by tick, to its report. Pure; real-time safe. */

@@ -116,7 +116,7 @@ class PhysicsLoop {
   void moveGoal() noexcept;
   void showGoal() noexcept;
   void armPlan(const Request& request) noexcept;
-  bool hasMoved() const noexcept;
+  bool hasMoved() noexcept;
   bool mayPress() noexcept;
   void beginExecution() noexcept;
   void execute() noexcept;

@@ -9,6 +9,7 @@
 #include "raven2_trainer/control/path_relay.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/planning/clearance_gauge.h"
 
 namespace raven2_trainer::runtime {
 
@@ -26,7 +27,11 @@ inline std::atomic<bool>& planCancelled(SharedState* shared, std::uint32_t seria
  */
 class PlanDesk {
  public:
-  PlanDesk(const TrainerConfig& config, SharedState* shared) noexcept;
+  /** @throw ModelException for a collision shape that is a mesh. */
+  PlanDesk(const TrainerConfig& config,
+           const model::RavenModel& raven,
+           const model::SceneModel& scene,
+           SharedState* shared);
 
   const PlanningState& state() const noexcept { return state_; }
   /** To the request with this id. */
@@ -58,8 +63,10 @@ class PlanDesk {
   /** @return why the plan that is kept cannot be executed; kAccepted if it can. @param[in] robot_joins [-] the robot is
    *  there to follow. */
   PlanningAnswer check(const Request& request, bool robot_joins) const noexcept;
-  /** An arm is farther from where it stood when the plan was asked for than start_tolerance. @param[in] q [rad; m]. */
-  bool hasMoved(Arm arm, const JointArray& q) const noexcept;
+  /** An arm is farther from where it stood when the plan was asked for than start_tolerance; the arm that moves, with
+   *  something between it and the start of the path; the other one, by more than the path keeps away from it.
+   *  @param[in] q [rad; m]. */
+  bool hasMoved(Arm arm, const JointArray& q) noexcept;
   void arm(const Request& request) noexcept;
   /** A tick of waiting for the pedal. @return false once it was waited for too long. */
   bool waitForPedal() noexcept;
@@ -80,6 +87,8 @@ class PlanDesk {
 
  private:
   bool isNear(const JointArray& q, const JointArray& before) const noexcept;
+  bool isWayFree(const JointArray& from) noexcept;
+  double tipDistance(Arm arm, const JointArray& a, const JointArray& b) const noexcept;
   void tell(const PlanResult& result, bool refused, Tick tick) noexcept;
 
   const ExecutionConfig config_;
@@ -89,6 +98,7 @@ class PlanDesk {
   control::PathExecution execution_;
   control::PathRelay relay_;
   control::ExecutionTally tally_;
+  planning::ClearanceGauge gauge_;
   JointArray chosen_q_{}, chosen_dq_{};
   PlanResult plan_{};              ///< that is kept
   PlanResult newest_{};            ///< newest answer

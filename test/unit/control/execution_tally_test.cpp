@@ -26,6 +26,8 @@ ExecutionSample sample(double x, double model_off, double robot_off, std::uint32
   s.model_B = {x, 3.0 * model_off, 4.0 * model_off};
   s.robot_B = {x, 0.0, robot_off};
   s.contacts = contacts;
+  s.model_clearance = model_off * 10.0;
+  s.robot_clearance = robot_off + 0.005;
   return s;
 }
 
@@ -54,6 +56,8 @@ TEST(ExecutionTally, GivesMeanLargestAndLastByHand) {
   EXPECT_NEAR(report.robot.mean, 8e-3 / 3.0, 1e-15);
   EXPECT_NEAR(report.robot.largest, 4e-3, 1e-15);
   EXPECT_NEAR(report.robot.at_end, 5e-3, 1e-15);
+  EXPECT_NEAR(report.model_clearance, 0.001, 1e-15);
+  EXPECT_NEAR(report.robot_clearance, 0.001, 1e-15);
   EXPECT_EQ(report.contact_ticks, 2U);
   EXPECT_EQ(report.contact_points, 5U);
 }
@@ -80,6 +84,8 @@ TEST(ExecutionTally, LeavesOutARobotThatDoesNotMove) {
   EXPECT_NEAR(tally.distanceToGoal(), 1e-3, 1e-15);
   const ExecutionReport report = tally.finish(ExecutionEnd::kReleased, 6, 0.25);
   EXPECT_EQ(report.robot.largest, 0.0);
+  EXPECT_NEAR(report.model_clearance, 0.002, 1e-15);
+  EXPECT_EQ(report.robot_clearance, 0.0);
   EXPECT_EQ(report.progress, 0.25);
 }
 
@@ -96,6 +102,8 @@ TEST(ExecutionTally, OfOneThatNeverBeganHasNoFigures) {
   EXPECT_EQ(report.model.mean, 0.0);
   EXPECT_EQ(report.model.largest, 0.0);
   EXPECT_EQ(report.contact_ticks, 0U);
+  EXPECT_EQ(report.model_clearance, 0.0);
+  EXPECT_EQ(report.robot_clearance, 0.0);
   EXPECT_EQ(tally.deviation(), 0.0);
 }
 

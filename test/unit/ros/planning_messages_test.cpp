@@ -245,6 +245,8 @@ TEST(ExecutionMessages, HoldTheWholeReport) {
   report.planned_clearance = 7.0;
   report.model = {8.0, 9.0, 10.0};
   report.robot = {11.0, 12.0, 13.0};
+  report.model_clearance = 13.5;
+  report.robot_clearance = 13.7;
   report.contact_ticks = 14;
   report.contact_points = 15;
   const PlanExecution message = planExecution(report, ros::Time(16.0));
@@ -266,6 +268,8 @@ TEST(ExecutionMessages, HoldTheWholeReport) {
   EXPECT_EQ(message.robot_error_mean, 11.0);
   EXPECT_EQ(message.robot_error_largest, 12.0);
   EXPECT_EQ(message.robot_error_at_end, 13.0);
+  EXPECT_EQ(message.model_clearance, 13.5);
+  EXPECT_EQ(message.robot_clearance, 13.7);
   EXPECT_EQ(message.contact_ticks, 14U);
   EXPECT_EQ(message.contact_points, 15U);
 }

@@ -84,7 +84,7 @@ class Execution : public ::testing::Test {
     const double there = control::quinticDuration(delta, limits.velocity_limit, limits.acceleration_limit);
     plan.arrival[1] = there;
     plan.arrival[2] = 2.0 * there;
-    plan.clearance = 0.003;
+    plan.clearance = clearance;
     const ItpRules& rules = rig->config.network.itp;
     const control::IncrementLimits packet{static_cast<double>(rules.max_increment_um), rules.max_rotation};
     const control::ArmController law(rig->config.model, plan.arm);
@@ -136,7 +136,7 @@ class Execution : public ::testing::Test {
 
   /** A robot that is where it was, at this run level. */
   void robotSays(RunLevel level, int ticks, bool pedal) {
-    RobotState state = rig->software.state();
+    RobotState state = rig->robot();
     state.runlevel = level;
     for (int i = 0; i < ticks; ++i)
       tickWith(&state, pedal);
@@ -145,6 +145,7 @@ class Execution : public ::testing::Test {
   std::unique_ptr<Rig> rig;
   PlanRequest asked;  ///< newest that reached the planner, which is the test
   PlanResult planned;
+  double clearance{0.003};  ///< [m] that the planner says the path keeps
   std::uint32_t last_id{40};
   std::uint32_t frames{1000000};
 };
@@ -169,6 +170,10 @@ TEST_F(Execution, ReachesTheGoalOnModelAndRobotFromACommonPose) {
   EXPECT_LT(apart(robotTip(), tipAt(goal())), rig->config.execution.settle_tolerance);
   EXPECT_LT(done.model.largest, 0.008);
   EXPECT_LT(done.robot.largest, 0.008);
+  // Home is 19 mm from what is nearest, and so is the way, far from everything else.
+  EXPECT_NEAR(done.model_clearance, done.robot_clearance, 0.002);
+  EXPECT_GT(done.model_clearance, 0.005);
+  EXPECT_LT(done.model_clearance, 0.05);
   EXPECT_GT(apart(tipAt(goal()), tipAt(planned.waypoints[0])), 0.01) << "or there was no way to go";
   EXPECT_LT(apart(rig->robot().arms[1].p_BT, green), 0.5e-3) << "the other arm holds";
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
@@ -396,7 +401,7 @@ TEST_F(Execution, DisengagingDisarmsAndEndsATrial) {
 
 TEST_F(Execution, ANewRobotThatIsReadyAtOnceDisarms) {
   arm(true);
-  RobotState state = rig->software.state();
+  RobotState state = rig->robot();
   state.cycle = 5;  // the old one was far beyond that
   rig->link.disconnected();
   rig->link.connected();
@@ -474,9 +479,24 @@ TEST_F(Execution, IsRefusedOnceAnArmHasMoved) {
   }
 }
 
+TEST_F(Execution, IsRefusedAtThePedalIfTheOtherArmCameNearerThanThePathKeepsAway) {
+  const auto pressWith = [this](double shift) {
+    SetUp();
+    arm(true);
+    RobotState elsewhere = rig->robot();
+    elsewhere.arms[1].q[kInsertion] += shift;  // straight along its shaft: the tip moves by as much
+    tickWith(&elsewhere, true);
+    return report().end;
+  };
+  // Within start_tolerance, 1 mm, both times; the path keeps 0.4 mm.
+  clearance = 0.0004;
+  EXPECT_EQ(pressWith(0.0003), ExecutionEnd::kNone);
+  EXPECT_EQ(pressWith(0.0006), ExecutionEnd::kMoved);
+}
+
 TEST_F(Execution, IsRefusedAtThePedalIfAnArmMovedSinceItWasArmed) {
   arm(true);
-  RobotState elsewhere = rig->software.state();
+  RobotState elsewhere = rig->robot();
   elsewhere.arms[1].q[kElbow] += 0.05;
   tickWith(&elsewhere, true);
   EXPECT_EQ(report().end, ExecutionEnd::kMoved);
@@ -527,7 +547,7 @@ TEST_F(Execution, ARobotHeldBackEndsItOffThePath) {
   arm(true);
   rest(true, 100);
   // GIVEN a robot whose state is heard but whom our packets no longer reach
-  RobotState state = rig->software.state();
+  RobotState state = rig->robot();
   for (int i = 0; i < 3000 && rig->model().mode == Mode::kExecuting; ++i)
     tickWith(&state, true);
   EXPECT_EQ(report().end, ExecutionEnd::kOffPath);
@@ -709,6 +729,7 @@ TEST(ExecutionAlone, WithoutARobotTheModelExecutesAndGoesBackForTheNext) {
   plan.waypoints[0] = plan.waypoints[1] = request.start;
   plan.waypoints[1][kShoulder] += 0.1;
   plan.arrival[1] = 1.0;
+  plan.clearance = 0.002;
   ASSERT_TRUE(rig.shared->plan_results.tryPush(plan));
   for (int i = 0; i < 1200; ++i)  // shown to its end
     rig.tick(false);

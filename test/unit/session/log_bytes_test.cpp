@@ -171,7 +171,7 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(Request), 6 + /*padding*/ 2 + 3 * 8 + 7 * 8 + 2 * 4u);
   EXPECT_EQ(sizeof(PlanResult),
             4 + 2 + /*padding*/ 2 + 4 + /*padding*/ 4 + 64 * 8 * 8 + 4 * 8 + 4 + 1 + /*padding*/ 3u);
-  EXPECT_EQ(sizeof(ExecutionReport), 2 * 4 + 3 + /*padding*/ 5 + 2 * 8 + 3 * 8 + 2 * 3 * 8 + 2 * 4u);
+  EXPECT_EQ(sizeof(ExecutionReport), 2 * 4 + 3 + /*padding*/ 5 + 2 * 8 + 3 * 8 + 2 * 3 * 8 + 2 * 8 + 2 * 4u);
   EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
   EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
