@@ -43,15 +43,31 @@ enum class RequestKind : std::uint8_t {
   kPlan,
   kCancelPlan,  ///< gives up choosing, planning and executing, and forgets the plan
   kSetCollisions,
-  kBeginPlanning,  ///< planning mode: the masters move `arm` of the model alone, until the next two
-  kRecordGoal,     ///< where that arm is now is the goal: it goes back to where it was, and a plan is made
-  kEndPlanning,    ///< it goes back to where it was, and no plan is made
-  kExecutePlan,    ///< the plan that is there, from the next pedal-down on while the pedal is held
+  kBeginPlanning,    ///< planning mode: the masters move `arm` of the model alone, until the next two
+  kRecordGoal,       ///< where that arm is now is the goal: it goes back to where it was, and a plan is made
+  kEndPlanning,      ///< it goes back to where it was, and no plan is made
+  kExecutePlan,      ///< the plan that is there, from the next pedal-down on while the pedal is held
+  kBeginSimulation,  ///< the masters move the model alone
+  kEndSimulation,    ///< the model goes back to the robot
+  kBeginTrial,       ///< a virtual trial: as simulation, and what the model does is kept
+  kEndTrial,         ///< it is over
+  kDiscardTrial,     ///< and forgotten
+  kRepeatTrial,      ///< from the next pedal-down on while the pedal is held, on the robot too if `on_robot`
+  kEmergencyStop,
+  kClearStop,       ///< of an emergency stop by request or pedal
+  kSetView,         ///< `enabled`: 1 the real camera's picture, 0 the virtual one
+  kSetCameraPedal,  ///< `enabled`: 1 the masters move the camera
+  kToolChange,      ///< the tool of `arm` was changed
+  kStartExercise,   ///< anew: scene and arms' objects back to where they were, timer and mistakes at nothing
+  kBeginReplay,     ///< the model shows a recorded session
+  kEndReplay,
 };
-constexpr std::size_t kRequestKindCount = 10;
+constexpr std::size_t kRequestKindCount = 24;
 constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
-    "none",           "engage",         "disengage",   "plan",         "cancel_plan",
-    "set_collisions", "begin_planning", "record_goal", "end_planning", "execute_plan"};
+    "none",           "engage",           "disengage",     "plan",           "cancel_plan",      "set_collisions",
+    "begin_planning", "record_goal",      "end_planning",  "execute_plan",   "begin_simulation", "end_simulation",
+    "begin_trial",    "end_trial",        "discard_trial", "repeat_trial",   "emergency_stop",   "clear_stop",
+    "set_view",       "set_camera_pedal", "tool_change",   "start_exercise", "begin_replay",     "end_replay"};
 
 /** Where a plan shall lead. */
 enum class GoalKind : std::uint8_t {

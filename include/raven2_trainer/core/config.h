@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/types.h"
@@ -401,6 +402,12 @@ struct TrainerConfig {
   std::vector<Scenario> scenarios;            ///< the library; Fault::id is the position + 1
   std::vector<Impairment> impairments;        ///< presets that kind `impair` names by position
   std::vector<std::string> impairment_names;  ///< of the same
+  std::string exercise_name;                  ///< in config/exercises, or "none"
+  Exercise exercise{};                        ///< the one named; empty for none
+  SceneRoles roles{};                         ///< of the scene; empty for none
+  std::string drill;                          ///< scenario that the exercise runs into, or "none"
+  std::string trainee;                        ///< id, or ""
+  std::string curriculum;                     ///< in config/curricula, or "none"
   std::uint64_t seed{};
   std::vector<std::string> files;
 };

@@ -11,7 +11,8 @@
 
 namespace raven2_trainer {
 
-/** One contact point between two bodies: place, normal and overlap from the beginning of a step, force from the step. */
+/** One contact point between two bodies: place, normal and overlap from the beginning of a step, force from the step.
+ */
 struct Contact {
   std::uint16_t a{}, b{};  ///< numbers of the two bodies, a < b
   float depth{};           ///< [m] overlap
@@ -20,7 +21,7 @@ struct Contact {
   Vec3 f_W{};              ///< [N] force on a, friction included; that on b is its opposite
 };
 
-constexpr std::size_t kMaxContacts = 32;
+constexpr std::size_t kMaxContacts = 64;
 
 /** All contacts of one step, sorted by a, then b. */
 struct ContactList {

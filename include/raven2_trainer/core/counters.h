@@ -33,10 +33,10 @@ enum class Reject : std::uint8_t {
 };
 constexpr std::size_t kRejectCount = 21;
 constexpr std::array<const char*, kRejectCount> kRejectNames{
-    "none",          "wrong_size",     "not_finite",   "bad_quaternion", "out_of_range",  "duplicate",
-    "out_of_order",  "sequence_gap",   "sequence_jump", "sequence_zero",  "reset",         "foreign_source",
-    "bad_frame",     "queue_full",     "bad_version",  "rate_limited",   "unsigned",      "bad_signature",
-    "replayed",      "other_session",  "stale"};
+    "none",         "wrong_size",    "not_finite",    "bad_quaternion", "out_of_range", "duplicate",
+    "out_of_order", "sequence_gap",  "sequence_jump", "sequence_zero",  "reset",        "foreign_source",
+    "bad_frame",    "queue_full",    "bad_version",   "rate_limited",   "unsigned",     "bad_signature",
+    "replayed",     "other_session", "stale"};
 
 /** Plain copy of the counters of one link. Invariant: received == applied + sum of rejected. */
 struct LinkCounts {

@@ -92,9 +92,9 @@ enum class FaultKind : std::uint8_t {
 };
 constexpr std::size_t kFaultKindCount = 20;
 constexpr std::array<const char*, kFaultKindCount> kFaultKindNames{
-    "none",   "stuck_at",    "add",       "add_and_hold", "scale",   "sign_flip", "ramp",   "drift",
-    "random", "random_once", "hold_last", "drop",         "delay",   "duplicate", "reorder", "replay",
-    "forge",  "impair",      "crash",     "hang"};
+    "none",    "stuck_at", "add",         "add_and_hold", "scale", "sign_flip", "ramp",
+    "drift",   "random",   "random_once", "hold_last",    "drop",  "delay",     "duplicate",
+    "reorder", "replay",   "forge",       "impair",       "crash", "hang"};
 
 /** Kinds that work on numbers, as apply() does; the others are for streams and programs. */
 constexpr bool isNumberKind(FaultKind kind) noexcept {
@@ -226,8 +226,8 @@ struct FaultPlan {
 
 /** A row of a plan began to act, or ended. */
 struct FaultChange {
-  std::uint64_t number{};  ///< counts the changes of its host from 1; one that is missing was lost
-  std::uint64_t cycle{};   ///< [1 ms] on its host's clock: first that it acts in, or first that it no longer acts in
+  std::uint64_t number{};   ///< counts the changes of its host from 1; one that is missing was lost
+  std::uint64_t cycle{};    ///< [1 ms] on its host's clock: first that it acts in, or first that it no longer acts in
   std::uint32_t session{};  ///< FaultPlan::session; not on record
   std::uint32_t id{};       ///< Fault::id
   FaultHost host{FaultHost::kRobot};

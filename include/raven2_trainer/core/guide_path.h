@@ -14,7 +14,7 @@ constexpr std::size_t kMaxPathPoints = 256;
 struct GuidePath {
   std::uint32_t plan{};  ///< PlanResult::id; 0 none
   Arm arm{Arm::kGold};
-  std::uint32_t count{};                       ///< points in use
+  std::uint32_t count{};                        ///< points in use
   std::array<Vec3, kMaxPathPoints> points_B{};  ///< [m] [@frame B] of `arm`
 };
 static_assert(std::is_trivially_copyable<GuidePath>::value, "crosses threads word by word");

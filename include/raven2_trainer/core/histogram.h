@@ -9,14 +9,14 @@
 namespace raven2_trainer {
 
 /**
- * Counts durations in fixed buckets, evenly spaced in the logarithm: 8 an octave (at most 12.5 % wide) from 256 ns to 268 ms, one
- * below and one above. A plain struct that crosses threads and travels in the log. Real-time safe.
+ * Counts durations in fixed buckets, evenly spaced in the logarithm: 8 an octave (at most 12.5 % wide) from 256 ns to
+ * 268 ms, one below and one above. A plain struct that crosses threads and travels in the log. Real-time safe.
  */
 class Histogram {
  public:
-  static constexpr int kFirstOctave = 8;   ///< 2^8 ns = 256 ns
-  static constexpr int kOctaves = 20;      ///< up to 2^28 ns = 268 ms
-  static constexpr int kParts = 8;         ///< buckets an octave, linear within it
+  static constexpr int kFirstOctave = 8;  ///< 2^8 ns = 256 ns
+  static constexpr int kOctaves = 20;     ///< up to 2^28 ns = 268 ms
+  static constexpr int kParts = 8;        ///< buckets an octave, linear within it
   static constexpr std::size_t kBuckets = 2 + kOctaves * kParts;
 
   /** Counts one duration [ns]; negative ones count as the shortest. */

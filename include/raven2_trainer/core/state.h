@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/types.h"
 
@@ -25,11 +26,20 @@ enum class Mode : std::uint8_t {
   kChoosing,   ///< planning mode: pedal down moves one arm of the model, through everything, to a goal; the robot holds
   kArmed,      ///< pedal up: the model stands where the plan to be executed starts, and waits for the pedal
   kExecuting,  ///< pedal held: the model follows the plan's path, and the robot too if that was asked for
+  kSimulating,      ///< pure simulation, pedal down: increments move the model alone, the robot is disengaged
+  kSimulationHeld,  ///< the same, pedal up: the model holds
+  kTrial,           ///< virtual trial, pedal down: as kSimulating, and what the model does is kept
+  kTrialHeld,       ///< the same, pedal up: the model holds
+  kTrialReady,      ///< the trial is over and waits for what shall become of it
+  kReturning,       ///< pedal up: the model glides to where the robot is, through everything
+  kReplaying,       ///< pedal up: the model shows a recorded session
+  kCameraMoving,    ///< camera pedal held: the masters move the camera, model and robot hold
 };
-constexpr std::size_t kModeCount = 10;
-constexpr std::array<const char*, kModeCount> kModeNames{"waiting",  "pedal_up", "teleoperating", "planning",
-                                                         "tracking", "stopped",  "paused",        "choosing",
-                                                         "armed",    "executing"};
+constexpr std::size_t kModeCount = 18;
+constexpr std::array<const char*, kModeCount> kModeNames{
+    "waiting", "pedal_up",   "teleoperating", "planning",  "tracking",   "stopped",
+    "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
+    "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
 /** How far planning and executing are. Between requests the newest plan is kept, as long as it may be executed. */
 enum class PlanningStatus : std::uint8_t {
@@ -99,7 +109,12 @@ struct DaemonFaults {
   FaultSignals signals{};                 ///< what triggers look at
 };
 
-constexpr std::size_t kMaxSceneBodies = 4;
+/** Where the movable camera stands. Its lens is the configured one's. */
+struct CameraState {
+  Vec3 eye_W{};                ///< [m]
+  Vec3 target_W{};             ///< [m] looked at
+  Vec3 up_W{{0.0, 0.0, 1.0}};  ///< [-]
+};
 
 /** The nominal model at the end of tick `tick`. */
 struct ModelState {
@@ -115,9 +130,14 @@ struct ModelState {
   std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
   PerArm<Vec3> master_I{};        ///< [m] [@frame I] sum of all increments sent by the masters, used or not
   PlanningState planning{};       ///< how far planning and executing are
+  ExerciseState exercise{};       ///< how far the exercise is
+  CameraState camera{};           ///< where the movable camera stands
+  std::uint32_t pedals{};         ///< Pedal bits held
+  std::uint32_t trial_ticks{};    ///< [1 ms] of the virtual trial that are kept
+  std::uint8_t view{};            ///< 1: the real camera's picture is asked for
   DaemonFaults faults{};          ///< what they do here
   PerArm<ArmState> arms{};
-  std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies of the scene, in SceneModel order
+  std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies, then breakables, in SceneModel order
 };
 static_assert(std::is_trivially_copyable<ModelState>::value, "crosses threads word by word");
 

@@ -1,0 +1,186 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "raven2_trainer/core/scene_roles.h"
+#include "raven2_trainer/core/types.h"
+
+// Exercises: what a trainee is asked to do in a scene, as data (config/exercises/*.yaml), and what came of it. A judge
+// in the physics loop (training/exercise_judge.h) sees contacts and poses alone, never what moves the arms.
+
+namespace raven2_trainer {
+
+enum class ExerciseStatus : std::uint8_t {
+  kNone,     ///< no exercise
+  kWaiting,  ///< its timer has not started
+  kRunning,
+  kDone,
+  kFailed,
+};
+constexpr std::size_t kExerciseStatusCount = 5;
+constexpr std::array<const char*, kExerciseStatusCount> kExerciseStatusNames{"none", "waiting", "running", "done",
+                                                                             "failed"};
+
+/** Why an attempt failed. */
+enum class ExerciseFailure : std::uint8_t {
+  kNone,
+  kTimeLimit,
+  kBrokeOff,    ///< something was torn off
+  kObjectLost,  ///< an object lies where no hand can take it
+  kMistakes,    ///< more of one kind than the exercise allows
+  kGivenUp,     ///< by request
+};
+constexpr std::size_t kExerciseFailureCount = 6;
+constexpr std::array<const char*, kExerciseFailureCount> kExerciseFailureNames{"none",        "time_limit", "broke_off",
+                                                                               "object_lost", "mistakes",   "given_up"};
+
+enum class Mistake : std::uint8_t {
+  kWireTouch,   ///< tool or object at a wire
+  kCollision,   ///< tool at a tower, the dome or the other arm
+  kDrop,        ///< an object let go where it does not belong
+  kBreakOff,    ///< something torn off its foot
+  kOutOfOrder,  ///< a step done before its turn
+  kWrongArm,    ///< an object taken by the arm that should not
+};
+constexpr std::size_t kMistakeCount = 6;
+constexpr std::array<const char*, kMistakeCount> kMistakeNames{"wire_touch", "collision",    "drop",
+                                                               "break_off",  "out_of_order", "wrong_arm"};
+
+/** What an exercise may wait for, of one object, tool or camera. `value` is its number. */
+enum class PredicateKind : std::uint8_t {
+  kHeld,        ///< both jaws of `arm` press on `object`
+  kHeldAlone,   ///< and nothing else touches it
+  kUntouched,   ///< no arm touches `object`
+  kAround,      ///< peg `place` stands in the opening of `object`
+  kLifted,      ///< `object` is around none of the pegs and touches nothing fixed
+  kResting,     ///< `object` is slower than 1 mm/s and 0.05 rad/s
+  kAt,          ///< middle of `object` within `value` [m] of point `place`
+  kTipNear,     ///< tip of `arm` within `value` [m] of point `place`
+  kTipInside,   ///< tip of `arm` in region `place`
+  kTipOutside,  ///< and not
+  kAlong,       ///< `object` was led along wire `place` to `value` [-] of its length
+  kUnthreaded,  ///< wire `place` is no longer in the opening of `object`
+  kInView,      ///< point `place` is in the camera's picture, within `value` [-] of its half width about the middle
+  kCameraNear,  ///< the camera stands `value` [m] or nearer to point `place`
+};
+constexpr std::size_t kPredicateKindCount = 14;
+constexpr std::array<const char*, kPredicateKindCount> kPredicateNames{
+    "held",     "held_alone", "untouched",   "around", "lifted",     "resting", "at",
+    "tip_near", "tip_inside", "tip_outside", "along",  "unthreaded", "in_view", "camera_near"};
+
+/** Which arm a predicate means. */
+enum class Hand : std::uint8_t { kGold, kGreen, kAny, kBoth };
+constexpr std::size_t kHandCount = 4;
+constexpr std::array<const char*, kHandCount> kHandNames{"gold", "green", "any", "both"};
+
+struct Predicate {
+  PredicateKind kind{};
+  std::uint8_t negated{};        ///< 1: it must not hold
+  Hand hand{Hand::kAny};         ///< where the kind speaks of an arm
+  std::uint8_t object{kNobody};  ///< index in SceneRoles::objects
+  std::uint8_t place{kNobody};   ///< index in pegs, wires, points or regions of SceneRoles, by kind
+  double value{};                ///< by kind
+};
+
+/** Done when all of `until` held together for `dwell`. */
+struct ExerciseStep {
+  std::string name;
+  std::vector<Predicate> until;  ///< at most kMaxPredicates
+  double dwell{};                ///< [s]
+};
+
+/** Steps in a row. */
+struct ExerciseTrack {
+  std::string name;
+  std::uint8_t object{kNobody};  ///< that it is about; kNobody none
+  std::uint8_t after{kNobody};   ///< track that must be done first; kNobody none
+  std::vector<ExerciseStep> steps;
+};
+
+/** Touches that count as mistakes. */
+struct WatchRule {
+  Mistake mistake{};
+  std::vector<std::uint16_t> a, b;            ///< bodies, numbers of contact records, once resolved
+  std::vector<std::string> names_a, names_b;  ///< as configured: names of sets or links
+  double force{};                             ///< [N] least sum of forces that counts
+  double gap{};                               ///< [s] parted for longer is a new touch
+  double grace{};                             ///< [s] kDrop: from letting go to the verdict
+  std::uint32_t limit{};                      ///< more of them fail the attempt; 0 no limit
+  std::uint8_t fails{};                       ///< 1: the first fails it
+};
+
+constexpr std::size_t kMaxPredicates = 4;
+constexpr std::size_t kMaxTracks = 8;
+constexpr std::size_t kMaxSteps = 48;  ///< of all tracks together
+constexpr std::size_t kMaxWatchRules = 12;
+
+/** One file of config/exercises. Built at set-up; the judge turns it into flat arrays. */
+struct Exercise {
+  std::string name, title, source, file;
+  std::uint32_t number{};
+  std::string scene;    ///< file name in config/scenes without its ending
+  double time_limit{};  ///< [s]
+  std::vector<std::string> skills;
+  std::vector<Predicate> begin;  ///< when the timer starts; empty: with the first pedal-down
+  std::vector<ExerciseTrack> tracks;
+  std::vector<WatchRule> rules;
+  std::vector<std::uint8_t> targets;  ///< pegs on which an object may be let go
+};
+
+/** An attempt at the end of one tick. Written by physics. */
+struct ExerciseState {
+  ExerciseStatus status{ExerciseStatus::kNone};
+  ExerciseFailure failure{ExerciseFailure::kNone};
+  std::uint8_t attempt{};                       ///< counts starts and restarts
+  std::uint32_t step{};                         ///< 1 + steps done, over all tracks; 0 no exercise (FaultSignals::step)
+  std::array<std::uint8_t, kMaxTracks> done{};  ///< steps done of each track
+  Tick began{-1};                               ///< [1 ms] tick in which the timer started; -1 not yet
+  Tick ended{-1};                               ///< [1 ms] in which it was done or failed
+  std::array<std::uint8_t, kMaxSceneBodies> bodies{};  ///< of each body: the flags below
+  std::array<std::uint32_t, kMistakeCount> mistakes{};
+  double progress{};  ///< [-] along the wire of the running step, 0 to 1
+};
+constexpr std::uint8_t kHeldByGold = 1, kHeldByGreen = 2, kBodyParked = 4, kBodyBrokenOff = 8;
+static_assert(std::is_trivially_copyable<ExerciseState>::value, "part of ModelState");
+
+enum class ExerciseEventKind : std::uint8_t {
+  kStarted,     ///< an attempt waits for its beginning
+  kBegan,       ///< the timer started
+  kStepDone,    ///< `track`, `step`
+  kHeld,        ///< `arm` holds body `a`
+  kReleased,    ///< `arm` no longer does
+  kDropped,     ///< a mistake of that kind; `a` the body
+  kTouchBegan,  ///< bodies `a`, `b`
+  kTouchEnded,  ///< `value` [s] how long; a mistake if its rule says so
+  kBrokeOff,    ///< body `a`
+  kMistake,     ///< `mistake`, counted in this tick
+  kDone,
+  kFailed,
+};
+constexpr std::size_t kExerciseEventKindCount = 12;
+constexpr std::array<const char*, kExerciseEventKindCount> kExerciseEventNames{
+    "started",     "began",       "step_done", "held",    "released", "dropped",
+    "touch_began", "touch_ended", "broke_off", "mistake", "done",     "failed"};
+
+/** Something that happened in an attempt. */
+struct ExerciseEvent {
+  ExerciseEventKind kind{};
+  Mistake mistake{};
+  Hand arm{Hand::kAny};
+  std::uint8_t track{kNobody}, step{kNobody};
+  std::uint16_t a{0xFFFF}, b{0xFFFF};  ///< numbers of bodies as in contact records; 0xFFFF none
+  double value{};                      ///< by kind
+  double force{};                      ///< [N] kTouchEnded: greatest
+};
+static_assert(std::is_trivially_copyable<ExerciseEvent>::value, "travels in a ring");
+
+/** What the judge looks at in one tick beside the model's state. */
+struct BrokenOff {
+  std::uint16_t mask{};  ///< bit i: SceneRoles::breakables[i] is off its foot
+};
+
+}  // namespace raven2_trainer

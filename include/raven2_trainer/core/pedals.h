@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+namespace raven2_trainer {
+
+/** Pedals and buttons beside the one that engages, which ITP carries. */
+enum class Pedal : std::uint8_t {
+  kPlanning,    ///< begins planning, ends it at the next press
+  kSimulation,  ///< the same for pure simulation
+  kTrial,       ///< the same for a virtual trial
+  kView,        ///< virtual scene or real camera
+  kCamera,      ///< held: the masters move the camera
+  kToolChange,
+  kStop,  ///< emergency stop
+};
+constexpr std::size_t kPedalCount = 7;
+constexpr std::array<const char*, kPedalCount> kPedalNames{"planning", "simulation",  "trial", "view",
+                                                           "camera",   "tool_change", "stop"};
+
+constexpr std::uint32_t bit(Pedal pedal) noexcept {
+  return 1u << static_cast<unsigned>(pedal);
+}
+
+/** All of them at one moment. */
+struct PedalState {
+  std::uint32_t sequence{};
+  std::uint32_t held{};  ///< bits by Pedal
+};
+static_assert(std::is_trivially_copyable<PedalState>::value, "travels in a ring");
+
+}  // namespace raven2_trainer
