@@ -194,9 +194,17 @@ struct PlannerConfig {
   Vec3 goal_W{};                     ///< [m] default goal of the tip: at the ring
 };
 
+/** What moves the model's arm along a path. */
+enum class ExecutionDrive : std::uint8_t {
+  kTracking,  ///< its control law
+  kOpenLoop,  ///< torques that the law finds for an arm of its own beside it, whatever the model does (paper, 2.3.3)
+};
+constexpr std::array<const char*, 2> kExecutionDriveNames{"tracking", "open_loop"};
+
 /** config/execution.yaml */
 struct ExecutionConfig {
-  double speed{};                ///< [-] of the plan's own
+  double speed{};  ///< [-] of the plan's own
+  ExecutionDrive drive{};
   double hold_time{};            ///< [s] from where the arm stands to where the path starts
   JointArray start_tolerance{};  ///< [rad, m] an arm farther from where it stood has moved
   double deviation_limit{};      ///< [m] of either tip from its place on the path
