@@ -50,7 +50,7 @@ struct PlanStatistics {
   std::uint64_t state_checks{};         ///< states checked for collision, those within edges left aside
   std::uint64_t edge_checks{};          ///< edges checked for collision
   std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
-  std::uint64_t clearance_integrals{};  ///< edges whose clearance term was integrated
+  std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, those given up half-way included
   std::uint32_t rollouts{};             ///< paths followed by the dynamics
   std::uint32_t failed_rollouts{};      ///< of these, paths on which the arm touched something
   std::uint32_t rounds{};               ///< times that samples were added after a failure
