@@ -58,6 +58,14 @@ void giveUpIf(const std::atomic<bool>& cancel) {
 
 }  // namespace
 
+bool takesSamples(const std::string& planner) {
+  return planner == "FMTstar" || planner == "FMT";
+}
+
+bool tellsSamples(const std::string& planner) {
+  return planner == "FMTstar";
+}
+
 PlanOptions defaultOptions(const PlannerConfig& config) {
   PlanOptions options;
   options.planner = config.planner;

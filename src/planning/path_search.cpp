@@ -57,7 +57,6 @@ class StockSearch {
     while (!tryOnce(&outcome)) {
     }
     outcome.counts = problem_.counts();
-    outcome.fmt.samples = static_cast<std::uint32_t>(std::min<std::uint64_t>(outcome.counts.draws, 0xFFFFFFFFU));
     return outcome;
   }
 

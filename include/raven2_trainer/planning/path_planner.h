@@ -19,6 +19,12 @@ namespace raven2_trainer::planning {
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
+/** True of FMTstar and FMT, which take n samples; the others draw until they have a path or the time is up. */
+bool takesSamples(const std::string& planner);
+
+/** True of FMTstar: how many free samples OMPL's planners keep, and what time those cost, they do not tell. */
+bool tellsSamples(const std::string& planner);
+
 /** What one plan does otherwise than config/planner.yaml says. */
 struct PlanOptions {
   std::string planner;               ///< one of kPlannerNames
@@ -45,7 +51,7 @@ struct PlanProgress {
 
 /** What a plan cost, for tables. Times are wall clock; in lockstep they stay 0. */
 struct PlanStatistics {
-  std::uint32_t samples{};              ///< free samples used, those added after failures included
+  std::uint32_t samples{};              ///< free samples used, those added after failures included; if tellsSamples()
   std::uint64_t draws{};                ///< samples drawn, free or not
   std::uint64_t state_checks{};         ///< states checked for collision, those within edges left aside
   std::uint64_t edge_checks{};          ///< edges checked for collision
@@ -58,8 +64,8 @@ struct PlanStatistics {
   double improved_cost{};               ///< eq. (1) of the path returned
   double clearance_cost{};              ///< the eta3 term of the path returned
   double goal_time{};                   ///< [s] check of start, search of the goal, choice of the arm
-  double sampling_time{};               ///< [s]
-  double neighbour_time{};              ///< [s]
+  double sampling_time{};               ///< [s] if tellsSamples(); else part of the search
+  double neighbour_time{};              ///< [s] the same
   double search_time{};                 ///< [s] the rest of the search: costs and edge checks
   double improvement_time{};            ///< [s]
   double rollout_time{};                ///< [s]
