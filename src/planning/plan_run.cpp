@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "planning/path_improvement.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -201,6 +202,7 @@ RollOutReport PlanRun::follow(const std::vector<UnitState>& path) {
   const bool timeless = set_.options.until_time_limit;
   report = desk(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
                                        [&] { return timeless ? set_.is_cancelled() : isOver(); });
+  if (report.broken) throw std::runtime_error("the world of the roll-out gave up");  // it says nothing of the path
   if (report.free && report.tracking_error > set_.config.max_tracking_error) {
     report.free = false;
     report.failed_edge = report.tracking_edge;
