@@ -20,11 +20,12 @@ ArmChecks::ArmChecks(const model::RavenModel& raven,
                      const DistanceGrid& grid,
                      Arm arm,
                      double clearance,
-                     double edge_step)
+                     double edge_step,
+                     const Poll& poll)
     : edge_step_(edge_step),
       space_(raven.arms.geometry, 0.0),
-      kept_(raven, grid, arm, clearance),
-      bare_(raven, grid, arm, 0.0),
+      kept_(raven, grid, arm, clearance, poll),
+      bare_(raven, grid, arm, 0.0, poll),
       judge_(raven, scene, arm, 0.0) {}
 
 void ArmChecks::begin(const JointSpace& space, const JointArray& other) {
