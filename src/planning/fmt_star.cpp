@@ -31,10 +31,14 @@ const auto kLater = [](const auto& a, const auto& b) { return a.key != b.key ? a
 
 }  // namespace
 
-FmtStar::FmtStar(const ob::SpaceInformationPtr& si, const FmtSettings& settings, PathJudge judge)
+FmtStar::FmtStar(const ob::SpaceInformationPtr& si,
+                 const FmtSettings& settings,
+                 PathJudge judge,
+                 std::function<void()> on_sample)
     : ob::Planner(si, "FMTstar"),
       settings_(settings),
       judge_(std::move(judge)),
+      on_sample_(std::move(on_sample)),
       scratch_a_(si->allocState()),
       scratch_b_(si->allocState()) {
   specs_.approximateSolutions = false;
@@ -137,6 +141,7 @@ bool FmtStar::drawSamples(std::uint32_t count, const Stop& stop) {
     sampler_->sampleUniform(scratch_a_);
     if (!si_->isValid(scratch_a_)) continue;
     addPoint(fromOmpl(scratch_a_));
+    if (on_sample_) on_sample_();
     ++added;
   }
   counts_.samples += added;

@@ -59,7 +59,11 @@ struct FmtCounts {
  */
 class FmtStar : public ompl::base::Planner {
  public:
-  FmtStar(const ompl::base::SpaceInformationPtr& si, const FmtSettings& settings, PathJudge judge = {});
+  /** @param[in] on_sample told of each sample that is kept; may be empty. */
+  FmtStar(const ompl::base::SpaceInformationPtr& si,
+          const FmtSettings& settings,
+          PathJudge judge = {},
+          std::function<void()> on_sample = {});
   ~FmtStar() override;
 
   ompl::base::PlannerStatus solve(const ompl::base::PlannerTerminationCondition& stop) override;
@@ -112,6 +116,7 @@ class FmtStar : public ompl::base::Planner {
 
   const FmtSettings settings_;
   const PathJudge judge_;
+  const std::function<void()> on_sample_;
   FmtEnd end_{FmtEnd::kNone};
   FmtCounts counts_;
   ompl::base::StateSamplerPtr sampler_;

@@ -29,7 +29,7 @@ PlanStatus statusOf(FmtEnd end) {
 
 SearchOutcome searchByFmtStar(const SearchOrder& order) {
   PlanningProblem problem(order.task);
-  FmtStar planner(problem.space(), order.settings, order.judge);
+  FmtStar planner(problem.space(), order.settings, order.judge, order.on_sample);
   planner.setProblemDefinition(problem.definition());
   planner.setup();
   planner.solve(ob::PlannerTerminationCondition(order.task.stop));

@@ -134,10 +134,8 @@ SearchOrder PlanRun::order() {
   SearchOrder order;
   order.task.start = start_;
   order.task.goal = goal_;
-  order.task.is_free = [this, &own](const UnitState& unit) {
-    const bool free = own.checks.isFree(unit) || own.checks.isAllowedEnd(unit);
-    if (free) count(&set_.progress->samples);
-    return free;
+  order.task.is_free = [&own](const UnitState& unit) {
+    return own.checks.isFree(unit) || own.checks.isAllowedEnd(unit);
   };
   order.task.is_edge_free = [this, &own](const UnitState& a, const UnitState& b) {
     count(&set_.progress->edges);
@@ -151,6 +149,7 @@ SearchOrder PlanRun::order() {
   order.stops_on_draws = set_.lockstep;
   order.until_stopped = o.until_time_limit && !set_.lockstep;
   order.judge = [this](const std::vector<UnitState>& path) { return judge(path); };
+  order.on_sample = [this] { count(&set_.progress->samples); };
   return order;
 }
 

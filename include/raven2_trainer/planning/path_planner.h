@@ -43,7 +43,7 @@ PlanOptions defaultOptions(const PlannerConfig& config);
 
 /** How far the plan under way has come; any thread may read it while another one plans. Zero before the first. */
 struct PlanProgress {
-  std::atomic<std::uint32_t> samples{0};   ///< free samples drawn
+  std::atomic<std::uint32_t> samples{0};   ///< free samples kept, n and those added after failures; if tellsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
   std::atomic<std::uint32_t> rollouts{0};  ///< paths followed by the dynamics
   std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: none yet

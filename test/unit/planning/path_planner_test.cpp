@@ -537,7 +537,8 @@ TEST_F(PathPlannerTest, TellsHowFarItCameAndWhatItCost) {
   PlanStatistics s;
   const PlanResult result = planner.plan(overTheWall(), 5, false, kGoOn, defaultOptions(config_), &s);
   ASSERT_EQ(result.status, PlanStatus::kSuccess);
-  EXPECT_GE(planner.progress().samples.load(), result.samples);
+  EXPECT_EQ(planner.progress().samples.load(), result.samples) << "neither start nor goal nor what was not kept";
+  EXPECT_EQ(result.samples, config_.samples);
   EXPECT_GT(planner.progress().edges.load(), 0u);
   EXPECT_EQ(planner.progress().best_cost.load(), s.improved_cost);
   EXPECT_NEAR(s.improved_cost, result.cost, 1e-12);
@@ -566,6 +567,7 @@ TEST_F(PathPlannerTest, AddsSamplesWhereTheFirstDoNotDo) {
     const PlanResult result = planner.plan(overTheWall(), seed, true, kGoOn, options);
     EXPECT_EQ(result.status, PlanStatus::kSuccess) << "seed " << seed;
     EXPECT_GT(result.samples, 10u) << "seed " << seed;
+    EXPECT_EQ(planner.progress().samples.load(), result.samples) << "seed " << seed;
   }
   RecordProperty("failed_at_ten", failed);
 }
