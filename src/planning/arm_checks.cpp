@@ -10,7 +10,8 @@ namespace {
 /** [-] in the cube: how far from an end that is nearer than the clearance its edges are let off it. */
 constexpr double kEndReach = 0.03;
 
-/** Steps near such an end are so many times finer, for there is no clearance to cover what lies between them. */
+/** Steps along such an edge are so many times finer than edge_step, half of which moves no point of a tool by more than
+ *  2 mm, the packaged clearance: near its end there is none to cover what lies between two checks. */
 constexpr double kFiner = 8.0;
 
 }  // namespace

@@ -18,7 +18,8 @@ namespace raven2_trainer::planning {
  */
 class ArmChecks {
  public:
-  /** @param[in] edge_step [-] as PlannerConfig. Models and grid must outlive this.
+  /** @param[in] edge_step [-] as PlannerConfig: for edges at ends that are nearer than the clearance. Models and grid
+   * must outlive this.
    *  @param[in] poll called now and then. @throw ModelException as what it is made of; what `poll` throws. */
   ArmChecks(const model::RavenModel& raven,
             const SceneObstacles& scene,
