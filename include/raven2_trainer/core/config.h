@@ -187,7 +187,8 @@ struct PlannerConfig {
   std::uint32_t max_rollouts{};      ///< [-] paths that may fail in the roll-out before the plan does
   double max_tracking_error{};       ///< [m] of the tip in the roll-out; farther astray it does not follow
   double time_limit{};               ///< [s]
-  double edge_step{};                ///< [-] largest step between checks along an edge, in the unit cube
+  double edge_step{};                ///< [-] eight times the largest step, in the unit cube, between checks along an
+                                     ///< edge from or to an end that is nearer than the clearance; of no other edge
   double clearance{};                ///< [m] kept from obstacles
   JointArray velocity_limit{};       ///< [rad/s, m/s]
   JointArray acceleration_limit{};   ///< [rad/s2, m/s2]
