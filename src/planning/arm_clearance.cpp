@@ -57,7 +57,6 @@ ArmClearance::ArmClearance(const model::RavenModel& model,
                            const Poll& poll)
     : model_(model),
       grid_(grid),
-      arm_(arm),
       clearance_(clearance),
       chain_(model, arm),
       other_chain_(model, otherArm(arm)) {

@@ -156,7 +156,6 @@ class ArmClearance {
 
   const model::RavenModel& model_;
   const DistanceGrid& grid_;
-  const Arm arm_;
   const double clearance_;
   const ArmChain chain_, other_chain_;
   std::vector<Shape> shapes_;
