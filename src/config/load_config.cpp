@@ -246,6 +246,7 @@ void readPlanner(Section& root, PlannerConfig* c) {
 
 void readExecution(Section& root, ExecutionConfig* c) {
   c->speed = root.number("speed", 0.05, 1);
+  c->drive = static_cast<ExecutionDrive>(root.choice("drive", kExecutionDriveNames));
   c->hold_time = root.number("hold_time", 0.01, 5);
   c->start_tolerance = root.joints("start_tolerance", 1e-5, 1);
   c->deviation_limit = root.number("deviation_limit", 1e-4, 1);

@@ -10,7 +10,8 @@ namespace {
 /** [-] in the cube: how far from an end that is nearer than the clearance its edges are let off it. */
 constexpr double kEndReach = 0.03;
 
-/** Steps near such an end are so many times finer, for there is no clearance to cover what lies between them. */
+/** Steps along such an edge are so many times finer than edge_step, half of which moves no point of a tool by more than
+ *  2 mm, the packaged clearance: near its end there is none to cover what lies between two checks. */
 constexpr double kFiner = 8.0;
 
 }  // namespace
@@ -20,11 +21,12 @@ ArmChecks::ArmChecks(const model::RavenModel& raven,
                      const DistanceGrid& grid,
                      Arm arm,
                      double clearance,
-                     double edge_step)
+                     double edge_step,
+                     const Poll& poll)
     : edge_step_(edge_step),
       space_(raven.arms.geometry, 0.0),
-      kept_(raven, grid, arm, clearance),
-      bare_(raven, grid, arm, 0.0),
+      kept_(raven, grid, arm, clearance, poll),
+      bare_(raven, grid, arm, 0.0, poll),
       judge_(raven, scene, arm, 0.0) {}
 
 void ArmChecks::begin(const JointSpace& space, const JointArray& other) {

@@ -18,13 +18,16 @@ namespace raven2_trainer::planning {
  */
 class ArmChecks {
  public:
-  /** @param[in] edge_step [-] as PlannerConfig. Models and grid must outlive this. */
+  /** @param[in] edge_step [-] as PlannerConfig: for edges at ends that are nearer than the clearance. Models and grid
+   * must outlive this.
+   *  @param[in] poll called now and then. @throw ModelException as what it is made of; what `poll` throws. */
   ArmChecks(const model::RavenModel& raven,
             const SceneObstacles& scene,
             const DistanceGrid& grid,
             Arm arm,
             double clearance,
-            double edge_step);
+            double edge_step,
+            const Poll& poll = {});
 
   /** Begins a plan: no end is allowed any more. */
   void begin(const JointSpace& space, const JointArray& other);

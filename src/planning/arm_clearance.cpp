@@ -50,10 +50,13 @@ bool ArmClearance::Reach::take(double margin, double speed) noexcept {
   return true;
 }
 
-ArmClearance::ArmClearance(const model::RavenModel& model, const DistanceGrid& grid, Arm arm, double clearance)
+ArmClearance::ArmClearance(const model::RavenModel& model,
+                           const DistanceGrid& grid,
+                           Arm arm,
+                           double clearance,
+                           const Poll& poll)
     : model_(model),
       grid_(grid),
-      arm_(arm),
       clearance_(clearance),
       chain_(model, arm),
       other_chain_(model, otherArm(arm)) {
@@ -66,7 +69,7 @@ ArmClearance::ArmClearance(const model::RavenModel& model, const DistanceGrid& g
   addPairs(judged);
   addOthers(judged);
   addBalls();
-  addTables();
+  addTables(poll);
   for (std::size_t i = 0; i < shapes_.size(); ++i)
     unit_.shape[i].fill(1.0);
   sumUp(&unit_);
@@ -186,14 +189,20 @@ Levers ArmClearance::levers(int joint) const {
   return greatest;
 }
 
-void ArmClearance::addTables() {
+void ArmClearance::addTables(const Poll& poll) {
+  EverySoOften node(poll);
   const Levers of_elbow = levers(kElbow);
   const MarginTable::Axis shoulder = tableAxis(kShoulder, kShoulderNodes, levers(kShoulder)[kShoulder]);
   const MarginTable::Axis a = tableAxis(kShoulder, kElbowNodes, of_elbow[kShoulder]);
   const MarginTable::Axis b = tableAxis(kElbow, kElbowNodes, of_elbow[kElbow]);
-  shoulder_table_ =
-      MarginTable(shoulder, {}, [this](double s, double /*none*/) { return closestToFixed(kShoulder, {s}); });
-  elbow_table_ = MarginTable(a, b, [this](double s, double e) { return closestToFixed(kElbow, {s, e}); });
+  shoulder_table_ = MarginTable(shoulder, {}, [&](double s, double /*none*/) {
+    node();
+    return closestToFixed(kShoulder, {s});
+  });
+  elbow_table_ = MarginTable(a, b, [&](double s, double e) {
+    node();
+    return closestToFixed(kElbow, {s, e});
+  });
   shoulder_memo_ = MarginTable(shoulder, {});
   elbow_memo_ = MarginTable(a, b);
   const Solid tool = ballAroundTool();
@@ -202,6 +211,7 @@ void ArmClearance::addTables() {
   for (const Joint joint : {kElbow, kInsertion, kToolRotation})
     lever = std::max(lever, levers(joint)[kElbow]);
   self_table_ = MarginTable(tableAxis(kElbow, kElbowNodes, lever), insertion, [&](double e, double i) {
+    node();
     return closestToSelf(tool, {0.0, e, i});
   });
 }

@@ -8,8 +8,9 @@
 #include "planning/bounds.h"
 #include "planning/distance_grid.h"
 #include "planning/judged_pairs.h"
-#include "planning/margin_table.h"
 #include "planning/lever_bound.h"
+#include "planning/margin_table.h"
+#include "planning/poll.h"
 
 namespace raven2_trainer::planning {
 
@@ -27,8 +28,13 @@ namespace raven2_trainer::planning {
 class ArmClearance {
  public:
   /** Model and grid must outlive this; the grid is of this model. @param[in] clearance [m] to be kept.
-   *  @throw ModelException for a mesh, or more than kMaxShapes shapes. */
-  ArmClearance(const model::RavenModel& model, const DistanceGrid& grid, Arm arm, double clearance);
+   *  @param[in] poll called every kPieces nodes of the tables.
+   *  @throw ModelException for a mesh, or more than kMaxShapes shapes; what `poll` throws. */
+  ArmClearance(const model::RavenModel& model,
+               const DistanceGrid& grid,
+               Arm arm,
+               double clearance,
+               const Poll& poll = {});
 
   static constexpr std::size_t kMaxShapes = 32;  ///< of one arm
 
@@ -117,7 +123,7 @@ class ArmClearance {
   void addPairs(const JudgedPairs& judged);
   void addOthers(const JudgedPairs& judged);
   void addBalls();
-  void addTables();
+  void addTables(const Poll& poll);
   bool isTabled(int inner, int outer) const;
   Solid ballAroundTool() const;
   MarginTable::Axis tableAxis(Joint joint, int nodes, double lever) const;
@@ -150,7 +156,6 @@ class ArmClearance {
 
   const model::RavenModel& model_;
   const DistanceGrid& grid_;
-  const Arm arm_;
   const double clearance_;
   const ArmChain chain_, other_chain_;
   std::vector<Shape> shapes_;

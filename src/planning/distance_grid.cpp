@@ -21,12 +21,13 @@ double nearestOf(const std::vector<const Solid*>& solids, const Vector3& p) {
 
 }  // namespace
 
-DistanceGrid::DistanceGrid(const model::RavenModel& raven, const model::SceneModel& scene)
-    : DistanceGrid(raven, scene, Resolution{}) {}
+DistanceGrid::DistanceGrid(const model::RavenModel& raven, const model::SceneModel& scene, const Poll& poll)
+    : DistanceGrid(raven, scene, Resolution{}, poll) {}
 
 DistanceGrid::DistanceGrid(const model::RavenModel& raven,
                            const model::SceneModel& scene,
-                           const Resolution& resolution) {
+                           const Resolution& resolution,
+                           const Poll& poll) {
   StandingSolids standing = standingSolids(raven, scene);
   obstacles_ = std::move(standing.solids);
   scene_count_ = standing.scene_count;
@@ -40,8 +41,9 @@ DistanceGrid::DistanceGrid(const model::RavenModel& raven,
   const auto grown = [](const Box& box, double by) { return Box{box.low.array() - by, box.high.array() + by}; };
   if (small.low.x() <= small.high.x()) fine_ = makeLevel(grown(small, kMargin), resolution.fine);
   if (!obstacles_.empty()) coarse_ = makeLevel(grown(all_, resolution.coarse), resolution.coarse);
-  fill(&fine_);
-  fill(&coarse_);
+  EverySoOften node(poll);
+  fill(&fine_, &node);
+  fill(&coarse_, &node);
 }
 
 DistanceGrid::Box DistanceGrid::boxAround(const Solid& solid) {
@@ -74,7 +76,7 @@ DistanceGrid::Level DistanceGrid::makeLevel(const Box& box, double cell) {
   return level;
 }
 
-void DistanceGrid::fill(Level* level) const {
+void DistanceGrid::fill(Level* level, EverySoOften* poll) const {
   if (level->value.empty()) return;
   std::vector<const Solid*> every;
   for (const Solid& solid : obstacles_)
@@ -82,7 +84,7 @@ void DistanceGrid::fill(Level* level) const {
   std::ptrdiff_t edge = 1;
   while (edge < *std::max_element(level->count.begin(), level->count.end()))
     edge *= 2;
-  fillBlock(level, {0, 0, 0}, edge, every);
+  fillBlock(level, {0, 0, 0}, edge, every, poll);
 }
 
 /** Nodes first .. first + edge - 1 of each axis. An obstacle is left out where, seen from the middle of the block,
@@ -90,7 +92,8 @@ void DistanceGrid::fill(Level* level) const {
 void DistanceGrid::fillBlock(Level* level,
                              const std::array<std::ptrdiff_t, 3>& first,
                              std::ptrdiff_t edge,
-                             const std::vector<const Solid*>& near) const {
+                             const std::vector<const Solid*>& near,
+                             EverySoOften* poll) const {
   if (first[0] >= level->count[0] || first[1] >= level->count[1] || first[2] >= level->count[2]) return;
   const Vector3 corner(static_cast<double>(first[0]), static_cast<double>(first[1]), static_cast<double>(first[2]));
   const Vector3 middle = level->origin + level->cell * (corner.array() + 0.5 * static_cast<double>(edge - 1)).matrix();
@@ -98,6 +101,7 @@ void DistanceGrid::fillBlock(Level* level,
   if (edge == 1) {
     float& value = level->value[static_cast<std::size_t>(level->at(first[0], first[1], first[2]))];
     value = static_cast<float>(nearestOf(near, middle) - kRounding);
+    (*poll)();
     return;
   }
   std::vector<double> distances(near.size());
@@ -111,7 +115,7 @@ void DistanceGrid::fillBlock(Level* level,
   for (std::ptrdiff_t child = 0; child < 8; ++child)
     fillBlock(level,
               {first[0] + (child & 1) * half, first[1] + (child >> 1 & 1) * half, first[2] + (child >> 2) * half}, half,
-              kept);
+              kept, poll);
 }
 
 double DistanceGrid::cellAt(const Vector3& p) const noexcept {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "planning/poll.h"
 #include "planning/solid.h"
 #include "raven2_trainer/model/raven_model.h"
 
@@ -36,9 +37,13 @@ class DistanceGrid {
   static constexpr double kMaxNodes = 1.5e6;  // a lattice; 6 MB
   static constexpr double kRounding = 2e-6;   // [m] more than a distance below 16 m loses as a float
 
-  /** @throw ModelException for a mesh: obstacles are boxes, capsules and spheres. */
-  DistanceGrid(const model::RavenModel& raven, const model::SceneModel& scene, const Resolution& resolution);
-  DistanceGrid(const model::RavenModel& raven, const model::SceneModel& scene);
+  /** @param[in] poll called every kPieces nodes.
+   *  @throw ModelException for a mesh: obstacles are boxes, capsules and spheres; what `poll` throws. */
+  DistanceGrid(const model::RavenModel& raven,
+               const model::SceneModel& scene,
+               const Resolution& resolution,
+               const Poll& poll = {});
+  DistanceGrid(const model::RavenModel& raven, const model::SceneModel& scene, const Poll& poll = {});
 
   /** From the nearest node alone: one read. */
   DistanceBounds quick(const Vector3& p) const noexcept {
@@ -87,11 +92,12 @@ class DistanceGrid {
 
   static Box boxAround(const Solid& solid);
   static Level makeLevel(const Box& box, double cell);
-  void fill(Level* level) const;
+  void fill(Level* level, EverySoOften* poll) const;
   void fillBlock(Level* level,
                  const std::array<std::ptrdiff_t, 3>& first,
                  std::ptrdiff_t edge,
-                 const std::vector<const Solid*>& near) const;
+                 const std::vector<const Solid*>& near,
+                 EverySoOften* poll) const;
 
   const Level* levelAt(const Vector3& p) const noexcept {
     if (fine_.contains(p)) return &fine_;

@@ -20,11 +20,11 @@ class StagedCosts : public EdgeCosts {
     ++counts_.cost_evaluations;
     return cost_.plain(ends_[a].unit, ends_[b].unit);
   }
-  double full(std::uint32_t a, std::uint32_t b, double plain) override {
-    if (!cost_.countsClearance()) return plain;
+  double clearance(std::uint32_t a, std::uint32_t b, double limit) override {
+    if (!cost_.countsClearance()) return 0.0;
     ++counts_.clearance_integrals;
     // From the lower number on: whichever end asks, the sum is the same to the last bit.
-    return plain + cost_.clearanceTerm(ends_[std::min(a, b)].unit, ends_[std::max(a, b)].unit);
+    return cost_.clearanceTerm(ends_[std::min(a, b)].unit, ends_[std::max(a, b)].unit, limit);
   }
   double toGo(std::uint32_t a, std::uint32_t b) const override {
     return cost_.lengthWeight() * distance(ends_[a].unit, ends_[b].unit);
@@ -51,7 +51,7 @@ class ObjectiveCosts : public EdgeCosts {
     place(a, b);
     return objective_->motionCost(from_.get(), to_.get()).value();
   }
-  double full(std::uint32_t /*a*/, std::uint32_t /*b*/, double plain) override { return plain; }
+  double clearance(std::uint32_t /*a*/, std::uint32_t /*b*/, double /*limit*/) override { return 0.0; }
   double toGo(std::uint32_t a, std::uint32_t b) const override { return bound(a, b); }
 
  private:

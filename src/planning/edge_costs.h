@@ -10,7 +10,8 @@
 
 namespace raven2_trainer::planning {
 
-/** Costs of edges between numbered points, dearer the more exact they are: bound() <= plain() <= full(). */
+/** Costs of edges between numbered points, dearer the more exact they are: bound() <= plain() <= plain() + clearance().
+ */
 class EdgeCosts {
  public:
   EdgeCosts() = default;
@@ -23,8 +24,8 @@ class EdgeCosts {
   virtual void add(const UnitState& point) = 0;
   virtual double bound(std::uint32_t a, std::uint32_t b) const = 0;
   virtual double plain(std::uint32_t a, std::uint32_t b) = 0;
-  /** @param[in] plain as plain() gave it. */
-  virtual double full(std::uint32_t a, std::uint32_t b, double plain) = 0;
+  /** The clearance term if that is less than `limit`, else at least `limit` and no more than the term. */
+  virtual double clearance(std::uint32_t a, std::uint32_t b, double limit) = 0;
   /** Never more than any path from `a` to `b` costs. */
   virtual double toGo(std::uint32_t a, std::uint32_t b) const = 0;
 };

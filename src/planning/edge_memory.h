@@ -10,6 +10,7 @@ namespace raven2_trainer::planning {
 enum class CostStage : std::uint8_t {
   kBound,    ///< at least this
   kPlain,    ///< all but the clearance term
+  kFree,     ///< at least this, some of the clearance term counted, and the edge is free
   kFull,     ///< exact, and the edge is free
   kBlocked,  ///< in collision, or refused by the dynamics
 };

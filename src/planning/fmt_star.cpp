@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "planning/free_volume.h"
 
@@ -18,6 +19,8 @@ using Clock = std::chrono::steady_clock;
 /** It draws until it has n free samples, however rare they are; past this many tries a sample it gives up. */
 constexpr std::uint64_t kTriesPerSample = 200;
 
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
 double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
@@ -28,10 +31,14 @@ const auto kLater = [](const auto& a, const auto& b) { return a.key != b.key ? a
 
 }  // namespace
 
-FmtStar::FmtStar(const ob::SpaceInformationPtr& si, const FmtSettings& settings, PathJudge judge)
+FmtStar::FmtStar(const ob::SpaceInformationPtr& si,
+                 const FmtSettings& settings,
+                 PathJudge judge,
+                 std::function<void()> on_sample)
     : ob::Planner(si, "FMTstar"),
       settings_(settings),
       judge_(std::move(judge)),
+      on_sample_(std::move(on_sample)),
       scratch_a_(si->allocState()),
       scratch_b_(si->allocState()) {
   specs_.approximateSolutions = false;
@@ -134,6 +141,7 @@ bool FmtStar::drawSamples(std::uint32_t count, const Stop& stop) {
     sampler_->sampleUniform(scratch_a_);
     if (!si_->isValid(scratch_a_)) continue;
     addPoint(fromOmpl(scratch_a_));
+    if (on_sample_) on_sample_();
     ++added;
   }
   counts_.samples += added;
@@ -218,11 +226,13 @@ FmtStar::Candidate FmtStar::cheapest(Id x) {
     if (places_[y] == Place::kOpen) candidates_.push_back({to_come_[y] + costs_->bound(y, x), y, CostStage::kBound});
   }
   std::make_heap(candidates_.begin(), candidates_.end(), kDearer);
+  double best = kUnlimited;  // of those whose cost is exact
   while (!candidates_.empty()) {
     std::pop_heap(candidates_.begin(), candidates_.end(), kDearer);
     Candidate& least = candidates_.back();
     if (least.stage == CostStage::kFull) return least;
-    const bool is_new = refine(x, &least);
+    const bool is_new = refine(x, &least, best);
+    if (least.stage == CostStage::kFull) best = std::min(best, least.cost);
     if (least.stage != CostStage::kBlocked) {
       std::push_heap(candidates_.begin(), candidates_.end(), kDearer);
     } else {
@@ -233,14 +243,15 @@ FmtStar::Candidate FmtStar::cheapest(Id x) {
   return {0.0, kNobody, CostStage::kBlocked};
 }
 
-/** One stage further, or to what is known already. @return true if it was not known. */
-bool FmtStar::refine(Id x, Candidate* candidate) {
+/** One stage further, or to what is known already. @param[in] best what the candidate must fall below to be chosen.
+ *  @return true if it was not known. */
+bool FmtStar::refine(Id x, Candidate* candidate, double best) {
   const Id y = candidate->from;
   const EdgeRecord* known = memory_.find(x, y);
   EdgeRecord record = known != nullptr ? *known : EdgeRecord{};
   const bool is_new = record.stage <= candidate->stage;
   if (is_new) {
-    record = nextStage(x, y, record);
+    record = nextStage(x, y, record, best - to_come_[y]);
     memory_.set(x, y, record);
   }
   candidate->stage = record.stage;
@@ -248,10 +259,15 @@ bool FmtStar::refine(Id x, Candidate* candidate) {
   return is_new;
 }
 
-EdgeRecord FmtStar::nextStage(Id x, Id y, const EdgeRecord& record) {
+/** @param[in] limit from where on the edge is not chosen: its clearance term is followed no farther, unless it comes to
+ *  be the best of all the same. */
+EdgeRecord FmtStar::nextStage(Id x, Id y, const EdgeRecord& record, double limit) {
   if (record.stage == CostStage::kBound) return {costs_->plain(y, x), CostStage::kPlain};
+  if (record.stage == CostStage::kFree)
+    return {costs_->plain(y, x) + costs_->clearance(y, x, kUnlimited), CostStage::kFull};
   if (!isEdgeFree(y, x)) return {0.0, CostStage::kBlocked};
-  return {costs_->full(y, x, record.cost), CostStage::kFull};
+  const double room = limit - record.cost, term = costs_->clearance(y, x, room);
+  return {record.cost + term, term < room ? CostStage::kFull : CostStage::kFree};
 }
 
 bool FmtStar::isEdgeFree(Id a, Id b) const {

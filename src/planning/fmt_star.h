@@ -49,9 +49,9 @@ struct FmtCounts {
  *
  * What it does otherwise than the FMT of OMPL 1.5.2: neighbours are near in the space, not in cost, which the radius
  * of eq. (2) is no measure of; costs are refined only as far as the choice of a parent asks (a bound, the cost but
- * for the clearance term, the full cost), and kept; an edge found blocked is not chosen again; points are expanded in
- * order of cost so far plus a bound of the cost to go, so that what lies away from the goal waits; an invalid
- * goal is an answer, not a crash.
+ * for the clearance term, some of that, the full cost), and kept; an edge found blocked is not chosen again; points are
+ * expanded in order of cost so far plus a bound of the cost to go, so that what lies away from the goal waits; an
+ * invalid goal is an answer, not a crash.
  *
  * A path found is shown to the judge. The edge on which it is refused is dropped with all that hangs on it, the closed
  * neighbours of that are opened again, and the search goes on from the tree as it stands. When nothing is open any
@@ -59,7 +59,11 @@ struct FmtCounts {
  */
 class FmtStar : public ompl::base::Planner {
  public:
-  FmtStar(const ompl::base::SpaceInformationPtr& si, const FmtSettings& settings, PathJudge judge = {});
+  /** @param[in] on_sample told of each sample that is kept; may be empty. */
+  FmtStar(const ompl::base::SpaceInformationPtr& si,
+          const FmtSettings& settings,
+          PathJudge judge = {},
+          std::function<void()> on_sample = {});
   ~FmtStar() override;
 
   ompl::base::PlannerStatus solve(const ompl::base::PlannerTerminationCondition& stop) override;
@@ -98,8 +102,8 @@ class FmtStar : public ompl::base::Planner {
   void expand(Id z, const Stop& stop);
   void connect(Id x);
   Candidate cheapest(Id x);
-  bool refine(Id x, Candidate* candidate);
-  EdgeRecord nextStage(Id x, Id y, const EdgeRecord& record);
+  bool refine(Id x, Candidate* candidate, double best);
+  EdgeRecord nextStage(Id x, Id y, const EdgeRecord& record, double limit);
   bool isEdgeFree(Id a, Id b) const;
   void open(Id id);
   Id nextOpen();
@@ -112,6 +116,7 @@ class FmtStar : public ompl::base::Planner {
 
   const FmtSettings settings_;
   const PathJudge judge_;
+  const std::function<void()> on_sample_;
   FmtEnd end_{FmtEnd::kNone};
   FmtCounts counts_;
   ompl::base::StateSamplerPtr sampler_;

@@ -256,18 +256,19 @@ double MotionCost::plain(const UnitState& a, const UnitState& b) const noexcept 
          weights_.acceleration * tipEffort(geometry_, arm_, space_.toJoints(a), space_.toJoints(b), duration(a, b));
 }
 
-double MotionCost::clearanceTerm(const UnitState& a, const UnitState& b) const {
+double MotionCost::clearanceTerm(const UnitState& a, const UnitState& b, double limit) const {
   if (!countsClearance()) return 0.0;
   const double length = distance(a, b);
   const int pairs = std::max(1, static_cast<int>(std::ceil(length / (2 * kClearanceStep))));
-  double sum = 0.0;
-  for (int i = 0; i <= 2 * pairs; ++i) {
+  double sum = 0.0, term = 0.0;
+  for (int i = 0; i <= 2 * pairs && term < limit; ++i) {
     const double d = clearance_(interpolate(a, b, static_cast<double>(i) / (2 * pairs)), weights_.range);
     const double shortfall = std::max(0.0, 1.0 - d / weights_.range);
     const bool is_end = i == 0 || i == 2 * pairs;
     sum += (is_end ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * shortfall * shortfall;
+    term = weights_.clearance * sum * length / (6 * pairs);
   }
-  return weights_.clearance * sum * length / (6 * pairs);
+  return term;
 }
 
 }  // namespace raven2_trainer::planning

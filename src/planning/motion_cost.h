@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 
 #include "planning/joint_space.h"
 #include "raven2_trainer/core/config.h"
@@ -69,8 +70,13 @@ class MotionCost {
   /**
    * The clearance term, by Simpson's rule with steps of at most 0.03 in the cube: at the mean speed of a tip (0.25 m a
    * unit) some 8 mm, less than half the range. Symmetric up to rounding.
+   *
+   * Every state adds to the sum, so that a part of it is a lower bound: as soon as it reaches `limit` the rest is not
+   * asked for. Below `limit` the result is the term to the last bit, else at least `limit` and no more than the term.
    */
-  double clearanceTerm(const UnitState& a, const UnitState& b) const;
+  double clearanceTerm(const UnitState& a,
+                       const UnitState& b,
+                       double limit = std::numeric_limits<double>::infinity()) const;
 
   bool countsClearance() const noexcept { return weights_.clearance > 0.0 && clearance_; }
   double lengthWeight() const noexcept { return weights_.length; }

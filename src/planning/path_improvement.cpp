@@ -16,6 +16,12 @@ constexpr std::uint64_t kStream = 77;
 const double kGrowth = std::exp(0.4), kShrinking = std::exp(-0.1);
 constexpr double kFirstStep = 0.1, kLeastStep = 0.001;
 
+/** What may be added to `sum` below `limit`, and so much more that rounding cannot bring the sum of both below it. */
+double room(double limit, double sum) {
+  constexpr double kRounding = 1e-12;  // [-] of the limit; three roundings are 3.3e-16
+  return limit - sum + kRounding * limit;
+}
+
 class Improvement {
  public:
   Improvement(std::vector<UnitState> path, const ImprovementTask& task)
@@ -43,7 +49,8 @@ class Improvement {
   }
 
   /** Of two edges in a row, from a by way of b to c: true if they cost less than `limit` and are free. What is dear is
-   *  asked last: the costs but for clearance take a quarter of a microsecond, checks some, the clearance term most. */
+   *  asked last: the costs but for clearance take a quarter of a microsecond, checks some, the clearance term most: it
+   * is added up as far as it decides. */
   bool isBetter(const UnitState& a,
                 const UnitState& b,
                 const UnitState& c,
@@ -53,9 +60,9 @@ class Improvement {
     *first = task_.cost->plain(a, b);
     *second = task_.cost->plain(b, c);
     if (*first + *second >= limit || !task_.is_edge_free(a, b) || !task_.is_edge_free(b, c)) return false;
-    *first += task_.cost->clearanceTerm(a, b);
+    *first += task_.cost->clearanceTerm(a, b, room(limit, *first + *second));
     if (*first + *second >= limit) return false;
-    *second += task_.cost->clearanceTerm(b, c);
+    *second += task_.cost->clearanceTerm(b, c, room(limit, *first + *second));
     return *first + *second < limit;
   }
 
@@ -64,7 +71,7 @@ class Improvement {
     const double limit = costs_[i - 1] + costs_[i];
     double direct = task_.cost->plain(a, b);
     if (direct >= limit || !task_.is_edge_free(a, b)) return false;
-    direct += task_.cost->clearanceTerm(a, b);
+    direct += task_.cost->clearanceTerm(a, b, room(limit, direct));
     if (direct >= limit) return false;
     const auto at = static_cast<std::ptrdiff_t>(i);
     path_.erase(path_.begin() + at);

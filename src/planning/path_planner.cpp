@@ -58,6 +58,14 @@ void giveUpIf(const std::atomic<bool>& cancel) {
 
 }  // namespace
 
+bool takesSamples(const std::string& planner) {
+  return planner == "FMTstar" || planner == "FMT";
+}
+
+bool tellsSamples(const std::string& planner) {
+  return planner == "FMTstar";
+}
+
 PlanOptions defaultOptions(const PlannerConfig& config) {
   PlanOptions options;
   options.planner = config.planner;
@@ -79,7 +87,7 @@ struct PathPlanner::SceneCache {
              const PlannerConfig& config,
              const ModelConfig* model,
              const std::atomic<bool>& cancel)
-      : grid(raven, scene),
+      : grid(raven, scene, [&cancel] { giveUpIf(cancel); }),
         gold(makeDesk(raven, obstacles, config, model, cancel, Arm::kGold)),
         green(makeDesk(raven, obstacles, config, model, cancel, Arm::kGreen)) {
     // From now on the desks stay where they are.
@@ -96,8 +104,9 @@ struct PathPlanner::SceneCache {
                    const ModelConfig* model,
                    const std::atomic<bool>& cancel,
                    Arm arm) const {
-    giveUpIf(cancel);
-    ArmDesk desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step), nullptr};
+    const Poll poll = [&cancel] { giveUpIf(cancel); };
+    ArmDesk desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step, poll), nullptr};
+    poll();
     if (model != nullptr) desk.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
     desk.free_volume = estimateVolume(raven.arms.geometry, config, cancel, &desk.checks);
     return desk;

@@ -29,7 +29,7 @@ PlanStatus statusOf(FmtEnd end) {
 
 SearchOutcome searchByFmtStar(const SearchOrder& order) {
   PlanningProblem problem(order.task);
-  FmtStar planner(problem.space(), order.settings, order.judge);
+  FmtStar planner(problem.space(), order.settings, order.judge, order.on_sample);
   planner.setProblemDefinition(problem.definition());
   planner.setup();
   planner.solve(ob::PlannerTerminationCondition(order.task.stop));
@@ -57,7 +57,6 @@ class StockSearch {
     while (!tryOnce(&outcome)) {
     }
     outcome.counts = problem_.counts();
-    outcome.fmt.samples = static_cast<std::uint32_t>(std::min<std::uint64_t>(outcome.counts.draws, 0xFFFFFFFFU));
     return outcome;
   }
 

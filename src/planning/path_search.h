@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,14 @@ struct SearchOrder {
   bool stops_on_draws{};  ///< the others end after `samples` draws, as in lockstep, where there is no time limit
   bool until_stopped{};   ///< anytime planners go on until they are stopped
   PathJudge judge;        ///< may be empty
+  std::function<void()> on_sample;  ///< told of each sample that FMTstar keeps; may be empty
 };
 
 struct SearchOutcome {
   PlanStatus status{PlanStatus::kNoPath};  ///< kTimeLimit for whatever `stop` was meant to say
   std::vector<UnitState> path;             ///< with kSuccess: as it was found, start and goal included
   PlanningCounts counts;
-  FmtCounts fmt;  ///< of FMTstar; of the others samples, refusals and judge_time
+  FmtCounts fmt;  ///< of FMTstar; of the others refusals and judge_time
 };
 
 /**

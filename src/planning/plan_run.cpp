@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "planning/path_improvement.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -133,10 +134,8 @@ SearchOrder PlanRun::order() {
   SearchOrder order;
   order.task.start = start_;
   order.task.goal = goal_;
-  order.task.is_free = [this, &own](const UnitState& unit) {
-    const bool free = own.checks.isFree(unit) || own.checks.isAllowedEnd(unit);
-    if (free) count(&set_.progress->samples);
-    return free;
+  order.task.is_free = [&own](const UnitState& unit) {
+    return own.checks.isFree(unit) || own.checks.isAllowedEnd(unit);
   };
   order.task.is_edge_free = [this, &own](const UnitState& a, const UnitState& b) {
     count(&set_.progress->edges);
@@ -150,6 +149,7 @@ SearchOrder PlanRun::order() {
   order.stops_on_draws = set_.lockstep;
   order.until_stopped = o.until_time_limit && !set_.lockstep;
   order.judge = [this](const std::vector<UnitState>& path) { return judge(path); };
+  order.on_sample = [this] { count(&set_.progress->samples); };
   return order;
 }
 
@@ -201,6 +201,7 @@ RollOutReport PlanRun::follow(const std::vector<UnitState>& path) {
   const bool timeless = set_.options.until_time_limit;
   report = desk(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
                                        [&] { return timeless ? set_.is_cancelled() : isOver(); });
+  if (report.broken) throw std::runtime_error("the world of the roll-out gave up");  // it says nothing of the path
   if (report.free && report.tracking_error > set_.config.max_tracking_error) {
     report.free = false;
     report.failed_edge = report.tracking_edge;

@@ -21,10 +21,15 @@ constexpr std::int64_t kPollTicks = 20;
 // At rest: what is left moves a tip by less than 1 um in a tick. Dry friction lets a joint creep at a tenth of it.
 constexpr double kStill = 1e-3;  // [rad/s; m/s]
 constexpr std::int64_t kStillTicks = 20;
+constexpr double kNowhere = 100.0;             // [rad; m] no joint goes there: the numbers have, and they mean nothing
 constexpr std::int64_t kSettlingTicks = 1000;  // twice the longest decay of the law, 0.1 s, to 1 %
 
 bool isStill(const JointArray& dq) noexcept {
   return std::all_of(dq.begin(), dq.end(), [](double rate) { return std::abs(rate) < kStill; });
+}
+
+bool isSound(const JointArray& q) noexcept {
+  return std::all_of(q.begin(), q.end(), [](double angle) { return std::abs(angle) < kNowhere; });  // false for NaN
 }
 
 void check(const std::vector<JointArray>& waypoints, const std::vector<double>& arrival) {
@@ -58,13 +63,14 @@ struct Progress {
 struct RollOut::Impl {
   Impl(const model::RavenModel& raven_model,
        const SceneObstacles& scene,
-       const ModelConfig& config,
+       const ModelConfig& model_config,
        Arm which,
        Asking what)
       : raven(raven_model),
+        config(model_config),
         arm(which),
         asking(what),
-        world(raven, arm, config),
+        world(std::make_unique<physics::ArmWorld>(raven, arm, config)),
         collision(raven, scene, arm, 0.0),
         bound(raven, arm),
         controller(config, arm),
@@ -72,6 +78,8 @@ struct RollOut::Impl {
         now(controller) {}
 
   std::size_t knownEdges(const std::vector<JointArray>& path, const std::vector<double>& times, const JointArray& at);
+  bool isBroken() const noexcept { return !world->healthy() || !isSound(world->q()); }
+  void mendWorld();
   void begin(const JointArray& start);
   void resume(const Progress& from);
   bool advance();
@@ -83,9 +91,10 @@ struct RollOut::Impl {
   RollOutReport report(bool free) const;
 
   const model::RavenModel& raven;
+  const ModelConfig config;
   Arm arm;
   Asking asking;
-  physics::ArmWorld world;
+  std::unique_ptr<physics::ArmWorld> world;
   ArmCollision collision;
   MotionBound bound;
   const control::ArmController controller;  // without a past
@@ -110,14 +119,22 @@ std::size_t RollOut::Impl::knownEdges(const std::vector<JointArray>& path,
   return edges;
 }
 
+/** A world that ODE was cut off in does not move again, and nothing of what is known of a broken one is worth keeping.
+ */
+void RollOut::Impl::mendWorld() {
+  if (!isBroken()) return;
+  world = std::make_unique<physics::ArmWorld>(raven, arm, config);
+  kept.clear();
+}
+
 void RollOut::Impl::begin(const JointArray& start) {
-  world.setState(start, JointArray{});
+  world->setState(start, JointArray{});
   now = Progress(controller);
 }
 
 void RollOut::Impl::resume(const Progress& from) {
   now = from;
-  world.restore(now.motion);
+  world->restore(now.motion);
   bound.startFrom(now.judged);
 }
 
@@ -134,21 +151,21 @@ bool RollOut::Impl::advance() {
   while (now.edge + 1 < waypoints.size() && static_cast<double>(now.tick) * kTickSeconds >= arrival[now.edge + 1]) {
     Progress before = now;
     --before.tick;
-    before.motion = world.motion();
+    before.motion = world->motion();
     kept.push_back(before);
     ++now.edge;
   }
   const control::JointTarget wanted = target();
   const JointArray q_d = asking == Asking::kLeading ? now.controller.leading(wanted) : wanted.q;
-  world.step(now.controller.torque(q_d, world.q(), world.dq(), world.gravityTorque()));
-  now.still = isStill(world.dq()) ? now.still + 1 : 0;
+  world->step(now.controller.torque(q_d, world->q(), world->dq(), world->gravityTorque()));
+  now.still = isStill(world->dq()) ? now.still + 1 : 0;
   measure(wanted);
-  return world.healthy() && judge();
+  return !isBroken() && judge();
 }
 
 void RollOut::Impl::measure(const control::JointTarget& wanted) {
   const ArmGeometry& geometry = raven.arms.geometry;
-  const Vector3 p_BT = kinematics::forward(geometry, arm, world.q()).p;
+  const Vector3 p_BT = kinematics::forward(geometry, arm, world->q()).p;
   const double error = (p_BT - kinematics::forward(geometry, arm, wanted.q).p).norm();
   if (error <= now.error) return;
   now.error = error;
@@ -157,7 +174,7 @@ void RollOut::Impl::measure(const control::JointTarget& wanted) {
 
 /** The allowance lets the arm move as long as it neither can touch nor come nearer than it came before. */
 bool RollOut::Impl::judge() {
-  const JointArray& q = world.q();
+  const JointArray& q = world->q();
   if (now.tick > 0 && bound(q) < now.allowance) return true;
   if (collision.touches(q)) {
     now.clearance = 0.0;
@@ -181,6 +198,7 @@ bool RollOut::Impl::hasEnded() const noexcept {
 RollOutReport RollOut::Impl::report(bool free) const {
   RollOutReport result;
   result.free = free;
+  result.broken = isBroken();
   result.failed_edge = free || waypoints.size() < 2 ? 0 : std::min(now.edge, waypoints.size() - 2);
   result.clearance = now.clearance;
   result.tracking_error = now.error;
@@ -210,6 +228,7 @@ RollOutReport RollOut::follow(const std::vector<JointArray>& waypoints,
   check(waypoints, arrival);
   physics::attachOdeToThread();
   Impl& roll = *impl_;
+  roll.mendWorld();
   const std::size_t known = roll.knownEdges(waypoints, arrival, other);
   roll.kept.erase(roll.kept.begin() + static_cast<std::ptrdiff_t>(known), roll.kept.end());
   roll.waypoints = waypoints;
@@ -222,7 +241,7 @@ RollOutReport RollOut::follow(const std::vector<JointArray>& waypoints,
     roll.resume(from);
   } else {
     roll.begin(waypoints.front());
-    if (!roll.world.healthy() || !roll.judge()) return roll.report(false);
+    if (roll.isBroken() || !roll.judge()) return roll.report(false);
   }
   while (!roll.hasEnded()) {
     if (roll.now.tick % kPollTicks == 0 && stop && stop()) {

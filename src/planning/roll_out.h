@@ -21,8 +21,9 @@ enum class Asking {
 
 /** What became of an arm that followed a path. */
 struct RollOutReport {
-  bool free{};                ///< it came to rest at the end and touched nothing on the way
-  bool stopped{};             ///< given up half-way because `stop` said so: nothing is known of the rest
+  bool free{};     ///< it came to rest at the end and touched nothing on the way
+  bool stopped{};  ///< given up half-way because `stop` said so: nothing is known of the rest
+  bool broken{};   ///< not free because ODE gave up, or led the arm where no joint goes: nothing is known of the path
   std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched;
                               ///< the last one if it did not come to rest within a second
   double
@@ -38,7 +39,7 @@ struct RollOutReport {
  *
  * A state whose distance to everything is d is not judged again before some point of the arm can have moved by d
  * (MotionBound). The verdict is FCL's, on the shapes as they are, at each state judged. A path that begins as the one
- * before is taken up at the waypoint where they part.
+ * before is taken up at the waypoint where they part. A world in which ODE gave up is replaced before the next path.
  *
  * With the gains of model.yaml the tip stays within 0.5 mm of its place on the path while the insertion moves at 0.075
  * m/s or less; at 0.1 m/s its friction alone takes more than its motor can (95 N), and it falls behind by up to 16 mm.
@@ -66,7 +67,8 @@ class RollOut {
    * @param[in] arrival [s] Time of each, rising from 0; as many as waypoints.
    * @param[in] other [rad, m] Where the other arm stands.
    * @param[in] stop Polled every 20 ms of motion; true gives up. May be empty.
-   * @throw std::invalid_argument if there are no waypoints, or not as many times.
+   * @throw std::invalid_argument if there are no waypoints, or not as many times; ModelException if no new world can
+   *        be made after one that ODE gave up.
    */
   RollOutReport follow(const std::vector<JointArray>& waypoints,
                        const std::vector<double>& arrival,

@@ -68,6 +68,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
     world_.setJointState(arm, config.arms.geometry.home, JointArray{});
     at(collisions_, arm) = at(config.model.arm_contacts, arm);
   }
+  if (config.execution.drive == ExecutionDrive::kOpenLoop) driver_.allowOpenLoop(raven, config.model);
 }
 
 void PhysicsLoop::tick(std::int64_t now_ns) noexcept {

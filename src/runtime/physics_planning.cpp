@@ -190,6 +190,7 @@ void PhysicsLoop::beginExecution() noexcept {
   path_lead_ = modelJoints(arm);
   robot_took_ = false;
   desk_.follow(at(robot_.arms, arm).q);
+  if (config_.execution.drive == ExecutionDrive::kOpenLoop) driver_.openLoop(arm);
 }
 
 /** Both get the same path, and the same lead on it, as the roll-out that the plan passed: the model its joints, the

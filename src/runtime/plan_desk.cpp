@@ -75,12 +75,7 @@ void PlanDesk::refuse(std::uint32_t id, Tick tick) noexcept {
   PlanResult refused;
   refused.id = id;
   refused.status = PlanStatus::kCancelled;
-  tell(refused, true, tick);
-}
-
-void PlanDesk::tell(const PlanResult& result, bool refused, Tick tick) noexcept {
-  shared_.last_plan.store(result);
-  shared_.plan_records.tryPush({tick, result, static_cast<std::uint8_t>(refused ? 1 : 0)});
+  shared_.plan_records.tryPush({tick, refused, /*refused=*/1});
 }
 
 bool PlanDesk::isAwaited(const PlanResult& result) const noexcept {
@@ -99,7 +94,8 @@ const PlanResult& PlanDesk::take(const PlanResult& result, Tick tick) noexcept {
   } else {
     forget();
   }
-  tell(newest_, false, tick);
+  shared_.last_plan.store(newest_);
+  shared_.plan_records.tryPush({tick, newest_, /*refused=*/0});
   return newest_;
 }
 

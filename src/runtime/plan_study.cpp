@@ -159,7 +159,7 @@ std::vector<planning::PlanOptions> comparisonCases(const PlannerConfig& config, 
         cases.back().planner = planner;
         cases.back().time_limit = time;
         cases.back().until_time_limit = isAnytime(planner);
-        if (isAnytime(planner)) break;
+        if (!planning::takesSamples(planner)) break;
       }
     }
   }

@@ -53,6 +53,11 @@ double percent(int part, int whole) {
   return whole > 0 ? 100.0 * part / whole : kNaN;
 }
 
+/** Without added samples; NaN for a planner that has no n. */
+double exactPercent(const PlanTableRow& row) {
+  return planning::takesSamples(row.options.planner) ? percent(row.exact_successes, row.runs) : kNaN;
+}
+
 bool hasPlan(const PlanRun& run) {
   return run.result.status == PlanStatus::kSuccess;
 }
@@ -108,11 +113,14 @@ std::string aligned(const std::vector<std::vector<std::string>>& lines) {
   return text;
 }
 
+std::string whole(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.0f", value);
+  return std::isfinite(value) ? text : "-";
+}
+
 std::string successCell(const PlanTableRow& row) {
-  char text[48];
-  std::snprintf(text, sizeof(text), "%.0f (%.0f)", percent(row.successes, row.runs),
-                percent(row.exact_successes, row.runs));
-  return text;
+  return whole(percent(row.successes, row.runs)) + " (" + whole(exactPercent(row)) + ")";
 }
 
 std::string etas(const planning::PlanOptions& o) {
@@ -182,7 +190,9 @@ PlanTableRow tableRow(const planning::PlanOptions& options, const std::vector<co
   row.tracking_time = over(good, [](const PlanRun& run) { return run.track.duration; });
   row.waypoints = over(good, [](const PlanRun& run) { return static_cast<double>(run.result.waypoint_count); });
   row.cost = over(good, [](const PlanRun& run) { return run.result.cost; });
-  row.samples_used = over(good, [](const PlanRun& run) { return static_cast<double>(run.result.samples); });
+  const bool tells = planning::tellsSamples(options.planner);
+  row.samples_used =
+      tells ? over(good, [](const PlanRun& run) { return static_cast<double>(run.result.samples); }) : summarise({});
   row.clearance = over(good, [](const PlanRun& run) { return run.result.clearance; });
   row.tracking_error = over(good, [](const PlanRun& run) { return run.result.tracking_error; });
   return row;
@@ -212,19 +222,20 @@ std::string runsLine(const planning::PlanOptions& options, const PlanRun& run) {
   const PlanResult& r = run.result;
   const planning::PlanStatistics& s = run.statistics;
   const auto ofPlan = [&](double value) { return hasPlan(run) ? value : kNaN; };
+  const auto ifTold = [&](double value) { return planning::tellsSamples(options.planner) ? value : kNaN; };
   Line line;
   line << options.samples << run.run << run.seed << isSuccess(run) << std::string(reasonOf(run));
   line << r.planning_time << ofPlan(run.track.duration) << ofPlan(r.waypoint_count) << ofPlan(r.cost)
        << ofPlan(r.clearance) << ofPlan(kMillimetres * r.tracking_error);
   line << options.planner << options.eta_length << options.eta_acceleration << options.eta_clearance
-       << options.time_limit << options.max_samples << r.samples;
+       << options.time_limit << options.max_samples << ifTold(r.samples);
   for (const std::uint64_t count :
        {s.draws, s.state_checks, s.edge_checks, s.cost_evaluations, s.clearance_integrals, std::uint64_t{s.rollouts},
         std::uint64_t{s.failed_rollouts}, std::uint64_t{s.rounds}})
     line << count;
   line << ofPlan(s.plain_cost) << ofPlan(s.improved_cost) << ofPlan(s.clearance_cost);
-  for (const double time :
-       {s.goal_time, s.sampling_time, s.neighbour_time, s.search_time, s.improvement_time, s.rollout_time})
+  for (const double time : {s.goal_time, ifTold(s.sampling_time), ifTold(s.neighbour_time), s.search_time,
+                            s.improvement_time, s.rollout_time})
     line << time;
   line << ofPlan(run.track.has_touched) << ofPlan(kMillimetres * run.track.error);
   line << (hasPlan(run) ? pathName(options, run.run) : "");
@@ -242,7 +253,7 @@ std::string tableLine(const PlanTableRow& row) {
   const planning::PlanOptions& o = row.options;
   Line line;
   line << o.planner << o.eta_length << o.eta_acceleration << o.eta_clearance << o.samples << row.runs;
-  line << percent(row.successes, row.runs) << percent(row.exact_successes, row.runs);
+  line << percent(row.successes, row.runs) << exactPercent(row);
   line << row.planning_time << row.planning_time.greatest << row.tracking_time << row.waypoints << row.cost;
   line << row.samples_used << row.clearance.least << kMillimetres * row.tracking_error.greatest;
   return line.end();
@@ -256,7 +267,7 @@ std::string comparisonHeader() {
 std::string comparisonLine(const PlanTableRow& row) {
   const planning::PlanOptions& o = row.options;
   Line line;
-  line << o.planner << (o.until_time_limit ? kNaN : o.samples) << o.time_limit << row.runs
+  line << o.planner << (planning::takesSamples(o.planner) ? o.samples : kNaN) << o.time_limit << row.runs
        << percent(row.successes, row.runs);
   line << row.cost << row.cost.least << row.planning_time << row.tracking_time;
   return line.end();
@@ -310,8 +321,9 @@ std::string comparisonText(const std::vector<PlanTableRow>& rows) {
     Summary least = row.cost;
     least.mean = least.least;
     least.count = std::min<std::size_t>(1, least.count);
-    lines.push_back({o.planner, o.until_time_limit ? "-" : std::to_string(o.samples), number(o.time_limit),
-                     number(percent(row.successes, row.runs)), cell(row.cost, 4), cell(least, 4)});
+    const std::string n = planning::takesSamples(o.planner) ? std::to_string(o.samples) : "-";
+    lines.push_back({o.planner, n, number(o.time_limit), number(percent(row.successes, row.runs)), cell(row.cost, 4),
+                     cell(least, 4)});
   }
   return aligned(lines);
 }

@@ -9,7 +9,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 HEADER = "samples,run,seed,success,reason,planning_time_s,tracking_time_s,waypoints,cost,planner,eta_length," \
-         "eta_acceleration,eta_clearance,path\n"
+         "eta_acceleration,eta_clearance,time_limit_s,path\n"
 
 
 def load():
@@ -29,10 +29,10 @@ def track(folder, stem, bow):
     (folder / "paths" / (stem + ".csv")).write_text("\n".join(lines) + "\n")
 
 
-def run(samples, number, cost, eta_clearance=0.0, planner="FMTstar", eta=(0.1, 0.5), success=1):
-    path = f"n{samples}_c{eta_clearance:g}_e{eta[0]:g}_r{number}" if success else ""
+def run(samples, number, cost, eta_clearance=0.0, planner="FMTstar", eta=(0.1, 0.5), success=1, limit=5):
+    path = f"n{samples}_c{eta_clearance:g}_e{eta[0]:g}_t{limit:g}_r{number}" if success else ""
     cells = [samples, number, number, success, "success" if success else "no_path", 0.1, 3 if success else "",
-             4 if success else "", cost if success else "", planner, *eta, eta_clearance, path]
+             4 if success else "", cost if success else "", planner, *eta, eta_clearance, limit, path]
     return ",".join(map(str, cells)) + "\n", path
 
 
@@ -52,6 +52,22 @@ def test_the_run_in_the_middle_is_drawn_and_failures_are_not(tmp_path):
     assert {n: row["cost"] for n, row in chosen.items()} == {200: 7.0, 500: 1.0}
     assert plot.median_run([rows[1]]) is None
     assert rows[1]["cost"] is None and rows[1]["reason"] == "no_path"
+
+
+def test_of_several_times_the_longest_is_drawn(tmp_path):
+    write(tmp_path, "runs.csv", [run(200, 1, 9.0, limit=0.1), run(200, 2, 8.5, limit=0.1), run(200, 1, 7.0, limit=10),
+                                 run(200, 2, 6.0, limit=10), run(200, 3, 5.0, limit=10), run(500, 1, 4.0, limit=0.1),
+                                 run(500, 1, 0.0, limit=10, success=0),
+                                 run(200, 1, 1.0, planner="BITstar", limit=10)])
+    chosen = plot.by_samples(plot.read_rows(tmp_path / "runs.csv"))
+    assert {n: (row["cost"], row["time_limit_s"]) for n, row in chosen.items()} == {200: (6.0, 10.0)}
+
+
+def test_planners_without_samples_are_named_instead(tmp_path):
+    write(tmp_path, "runs.csv", [run(200, 1, 9.0), run(500, 1, 8.0, planner="FMT"), run(200, 1, 7.0, planner="BITstar")])
+    rows = plot.read_rows(tmp_path / "runs.csv")
+    labels = [plot.figure8_label(int(row["samples"]), row) for row in rows]
+    assert labels == ["n = 200, cost 9", "n = 500, cost 8", "BITstar, cost 7"]
 
 
 def test_pictures_come_of_a_study(tmp_path, capsys):

@@ -144,7 +144,7 @@ struct PlanResult {
   double planning_time{};                             ///< [s] wall clock; in lockstep the fixed simulated delay
   double clearance{};       ///< [m] least distance to the scene, the other arm and itself in the roll-out of the path
   double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path in that roll-out
-  std::uint32_t samples{};  ///< used, those added after a failure included
+  std::uint32_t samples{};  ///< used, those added after a failure included; 0 of OMPL's planners, which do not tell
   std::uint8_t robot_follows{};  ///< 1: the robot's own inverse kinematics takes the path's increments along the path
 };
 static_assert(std::is_trivially_copyable<PlanResult>::value, "travels in a ring");

@@ -188,16 +188,25 @@ struct PlannerConfig {
   std::uint32_t max_rollouts{};      ///< [-] paths that may fail in the roll-out before the plan does
   double max_tracking_error{};       ///< [m] of the tip in the roll-out; farther astray it does not follow
   double time_limit{};               ///< [s]
-  double edge_step{};                ///< [-] largest step between checks along an edge, in the unit cube
+  double edge_step{};                ///< [-] eight times the largest step, in the unit cube, between checks along an
+                                     ///< edge from or to an end that is nearer than the clearance; of no other edge
   double clearance{};                ///< [m] kept from obstacles
   JointArray velocity_limit{};       ///< [rad/s, m/s]
   JointArray acceleration_limit{};   ///< [rad/s2, m/s2]
   Vec3 goal_W{};                     ///< [m] default goal of the tip: at the ring
 };
 
+/** What moves the model's arm along a path. */
+enum class ExecutionDrive : std::uint8_t {
+  kTracking,  ///< its control law
+  kOpenLoop,  ///< torques that the law finds for an arm of its own beside it, whatever the model does (paper, 2.3.3)
+};
+constexpr std::array<const char*, 2> kExecutionDriveNames{"tracking", "open_loop"};
+
 /** config/execution.yaml */
 struct ExecutionConfig {
-  double speed{};                ///< [-] of the plan's own
+  double speed{};  ///< [-] of the plan's own
+  ExecutionDrive drive{};
   double hold_time{};            ///< [s] from where the arm stands to where the path starts
   JointArray start_tolerance{};  ///< [rad, m] an arm farther from where it stood has moved
   double deviation_limit{};      ///< [m] of either tip from its place on the path

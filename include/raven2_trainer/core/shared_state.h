@@ -49,7 +49,7 @@ struct SharedState {
   StateCell<RobotState> robot;
   // written by faults
   StateCell<FaultPlan> faults;
-  // written by physics: the newest answer to a plan request, refusals included
+  // written by physics: the newest answer of the planner, cancelled ones included
   StateCell<PlanResult> last_plan;
   // written by physics: how the newest execution of a plan went
   StateCell<ExecutionReport> last_execution;

@@ -19,6 +19,12 @@ namespace raven2_trainer::planning {
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
+/** True of FMTstar and FMT, which take n samples; the others draw until they have a path or the time is up. */
+bool takesSamples(const std::string& planner);
+
+/** True of FMTstar: how many free samples OMPL's planners keep, and what time those cost, they do not tell. */
+bool tellsSamples(const std::string& planner);
+
 /** What one plan does otherwise than config/planner.yaml says. */
 struct PlanOptions {
   std::string planner;               ///< one of kPlannerNames
@@ -37,7 +43,7 @@ PlanOptions defaultOptions(const PlannerConfig& config);
 
 /** How far the plan under way has come; any thread may read it while another one plans. Zero before the first. */
 struct PlanProgress {
-  std::atomic<std::uint32_t> samples{0};   ///< free samples drawn
+  std::atomic<std::uint32_t> samples{0};   ///< free samples kept, n and those added after failures; if tellsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
   std::atomic<std::uint32_t> rollouts{0};  ///< paths followed by the dynamics
   std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: none yet
@@ -45,12 +51,12 @@ struct PlanProgress {
 
 /** What a plan cost, for tables. Times are wall clock; in lockstep they stay 0. */
 struct PlanStatistics {
-  std::uint32_t samples{};              ///< free samples used, those added after failures included
+  std::uint32_t samples{};              ///< free samples used, those added after failures included; if tellsSamples()
   std::uint64_t draws{};                ///< samples drawn, free or not
   std::uint64_t state_checks{};         ///< states checked for collision, those within edges left aside
   std::uint64_t edge_checks{};          ///< edges checked for collision
   std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
-  std::uint64_t clearance_integrals{};  ///< edges whose clearance term was integrated
+  std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, those given up half-way included
   std::uint32_t rollouts{};             ///< paths followed by the dynamics
   std::uint32_t failed_rollouts{};      ///< of these, paths on which the arm touched something
   std::uint32_t rounds{};               ///< times that samples were added after a failure
@@ -58,8 +64,8 @@ struct PlanStatistics {
   double improved_cost{};               ///< eq. (1) of the path returned
   double clearance_cost{};              ///< the eta3 term of the path returned
   double goal_time{};                   ///< [s] check of start, search of the goal, choice of the arm
-  double sampling_time{};               ///< [s]
-  double neighbour_time{};              ///< [s]
+  double sampling_time{};               ///< [s] if tellsSamples(); else part of the search
+  double neighbour_time{};              ///< [s] the same
   double search_time{};                 ///< [s] the rest of the search: costs and edge checks
   double improvement_time{};            ///< [s]
   double rollout_time{};                ///< [s]

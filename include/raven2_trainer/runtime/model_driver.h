@@ -1,7 +1,10 @@
 #pragma once
 
+#include <memory>
+
 #include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/physics/arm_world.h"
 #include "raven2_trainer/physics/raven_world.h"
 
 namespace raven2_trainer::runtime {
@@ -13,8 +16,15 @@ class ModelDriver {
   /** @param[in] world outlives the driver. */
   ModelDriver(const ModelConfig& config, physics::RavenWorld* world) noexcept;
 
-  /** Forgets the integral of an arm: it starts anew from where it is. */
-  void reset(Arm arm) noexcept { at(controllers_, arm).reset(); }
+  /** Set-up for openLoop(). @throw ModelException if the model cannot be turned into bodies. */
+  void allowOpenLoop(const model::RavenModel& raven, const ModelConfig& config);
+
+  /** Forgets the integral of an arm: it starts anew from where it is, in closed loop. */
+  void reset(Arm arm) noexcept;
+
+  /** From now on an arm gets the torques of an arm of its own in a world of its own, which starts where it is, at rest,
+   *  and is driven by the law to what is asked for; but for the jaws, which hold what that arm does not have. */
+  void openLoop(Arm arm) noexcept;
 
   /** [rad; m] What to ask for so that an arm in motion is where it should be: the law damps velocity,
    *  so a plain `q` would be followed with a lag (control::ArmController). */
@@ -26,8 +36,17 @@ class ModelDriver {
   PerArm<JointArray> step(const PerArm<JointArray>& q_d) noexcept;
 
  private:
+  /** An arm that is predicted. */
+  struct Twin {
+    std::unique_ptr<physics::ArmWorld> world;  ///< null: not allowed
+    bool leads{false};
+  };
+  JointArray closedTorque(Arm arm, const JointArray& q_d) noexcept;
+  void takeOver(Twin& twin, Arm arm, const JointArray& q_d, JointArray* tau) noexcept;
+
   physics::RavenWorld& world_;
-  PerArm<control::ArmController> controllers_;
+  PerArm<control::ArmController> controllers_, twin_controllers_;
+  PerArm<Twin> twins_;
 };
 
 }  // namespace raven2_trainer::runtime

@@ -49,7 +49,7 @@ class PlanDesk {
   bool isFull() const noexcept { return plans_under_way_ >= kMaxPlansUnderWay; }
   /** @param[in] standing [rad; m] both arms. @param[in] tick in which it is asked for. */
   void ask(const Request& request, const PerArm<JointArray>& standing, Tick tick) noexcept;
-  /** Whoever waits for the plan with this id is told that there will be none. */
+  /** Notes for the record that a request got no plan; who asked learns it from answer(). The plan that is there stays. */
   void refuse(std::uint32_t id, Tick tick) noexcept;
   /** An answer came. @return it, cancelled if nobody waits for it any more; what was awaited is kept if it succeeded.
    */
@@ -89,7 +89,6 @@ class PlanDesk {
   bool isNear(const JointArray& q, const JointArray& before) const noexcept;
   bool isWayFree(const JointArray& from) noexcept;
   double tipDistance(Arm arm, const JointArray& a, const JointArray& b) const noexcept;
-  void tell(const PlanResult& result, bool refused, Tick tick) noexcept;
 
   const ExecutionConfig config_;
   const ArmGeometry geometry_;

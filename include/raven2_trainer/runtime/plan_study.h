@@ -32,7 +32,7 @@ std::vector<planning::PlanOptions> tableCases(const PlannerConfig& config, const
 
 /**
  * Planner by planner, time by time, all with one cost: `eta`, without a third value the paper's eq. (1) alone. Planners
- * that improve their path as long as they are let have one case a time, the others one for each n.
+ * that take n samples have one case for each n and time, the others one a time; anytime planners use all of it.
  */
 std::vector<planning::PlanOptions> comparisonCases(const PlannerConfig& config, const PlanChoice& choice);
 

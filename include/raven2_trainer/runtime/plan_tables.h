@@ -27,12 +27,12 @@ struct PlanTableRow {
   planning::PlanOptions options;
   int runs{};
   int successes{};
-  int exact_successes{};   ///< without samples added after a failure
+  int exact_successes{};   ///< without samples added after a failure; of planners that take n samples
   Summary planning_time;   ///< [s]
   Summary tracking_time;   ///< [s]
   Summary waypoints;       ///< [-] start and goal counted
   Summary cost;            ///< eq. (1)
-  Summary samples_used;    ///< [-]
+  Summary samples_used;    ///< [-] of planners that tell
   Summary clearance;       ///< [m]
   Summary tracking_error;  ///< [m]
 };

@@ -61,6 +61,24 @@ void expectAgreement(const Tally& tally, double strictness) {
   ::testing::Test::RecordProperty("free", tally.free);
 }
 
+TEST(ArmClearance, IsGivenUpWhereverItsMakingIsToldTo) {
+  struct Enough {};
+  const test::Trainer& t = test::trainer();
+  const DistanceGrid grid(t.raven, t.scene);
+  int polls = 0;
+  const ArmClearance polled(t.raven, grid, Arm::kGold, kClearance, [&polls] { ++polls; });
+  // 513 nodes by the shoulder, 129 x 129 by shoulder and elbow, 129 x 65 by elbow and insertion
+  EXPECT_EQ(polls, (513 + 129 * 129 + 129 * 65) / static_cast<int>(EverySoOften::kPieces));
+  for (const int last : {1, polls / 2, polls}) {
+    int asked = 0;
+    const auto enough = [&] {
+      if (++asked == last) throw Enough{};
+    };
+    EXPECT_THROW(ArmClearance(t.raven, grid, Arm::kGold, kClearance, enough), Enough);
+    EXPECT_EQ(asked, last);
+  }
+}
+
 TEST(ArmClearance, AgreesWithTheExactJudgeAllOverTheShippedScene) {
   Random random(1);
   const ArmGeometry& g = test::trainer().raven.arms.geometry;

@@ -106,6 +106,21 @@ TEST_F(ShippedGrid, KeepsToItsMemory) {
   EXPECT_DOUBLE_EQ(grid().cellAt({0, 0, 0.03}), 0.003);
 }
 
+TEST_F(ShippedGrid, IsGivenUpWhereverItsMakingIsToldTo) {
+  struct Enough {};
+  std::size_t polls = 0;
+  const DistanceGrid polled(test::trainer().raven, test::trainer().scene, [&polls] { ++polls; });
+  EXPECT_EQ(polls, polled.nodeCount() / EverySoOften::kPieces) << "all along";
+  for (const std::size_t last : {std::size_t{1}, polls / 2, polls}) {
+    std::size_t asked = 0;
+    const auto enough = [&] {
+      if (++asked == last) throw Enough{};
+    };
+    EXPECT_THROW(DistanceGrid(test::trainer().raven, test::trainer().scene, enough), Enough);
+    EXPECT_EQ(asked, last);
+  }
+}
+
 TEST(DistanceGridTest, LeavesFreeBodiesOut) {
   const model::RavenModel raven = test::raven();
   model::SceneModel scene = test::scene({test::sphere(0.01), test::sphere(0.01, {Matrix3::Identity(), {0.1, 0, 0}})});

@@ -18,10 +18,10 @@ namespace ob = ompl::base;
 
 using Path = std::vector<UnitState>;
 
-std::shared_ptr<const MotionCost> cost(const CostWeights& weights) {
+std::shared_ptr<const MotionCost> cost(const CostWeights& weights, const ClearanceFunction& clearance = {}) {
   const ArmGeometry geometry = test::geometry();
   return std::make_shared<MotionCost>(geometry, Arm::kGold, JointSpace(geometry, 0.5), test::plannerConfig(), weights,
-                                      ClearanceFunction{});
+                                      clearance);
 }
 
 SearchOrder orderFor(const std::function<bool(const UnitState&)>& is_free) {
@@ -132,7 +132,10 @@ TEST(FmtStar, TakesAnyObjectiveOfOmpl) {
 
 /** FMT* without a thought for speed: all costs exact, no memory, no order but cost so far plus length to go. */
 Path plainFmt(const SearchOrder& order, const std::vector<UnitState>& points, double radius) {
-  const auto exact = [&](std::size_t a, std::size_t b) { return order.task.cost->plain(points[a], points[b]); };
+  const auto exact = [&](std::size_t a, std::size_t b) {
+    return order.task.cost->plain(points[a], points[b]) +
+           order.task.cost->clearanceTerm(points[std::min(a, b)], points[std::max(a, b)]);
+  };
   std::vector<int> place(points.size(), 0), parent(points.size(), -1);  // 0 unvisited, 1 open, 2 closed
   std::vector<double> g(points.size(), 0.0);
   place[0] = 1;
@@ -197,6 +200,77 @@ TEST(FmtStar, FindsWhatThePlainAlgorithmFinds) {
     ASSERT_FALSE(expected.empty());
     // THEN the lazy search gives the same path
     EXPECT_EQ(found, expected) << "seed " << order.task.seed;
+  }
+}
+
+/** A distance that changes all over the cube, [0, 40] mm. */
+double wavyDistance(const UnitState& x, double cap) {
+  return std::min(cap, 0.02 + 0.02 * std::sin(9.0 * x[0] + 7.0 * x[1] - 5.0 * x[2] + 3.0 * x[3]));
+}
+
+TEST(FmtStar, FindsWhatThePlainAlgorithmFindsWhereTheClearanceCounts) {
+  // GIVEN nothing in the way, but a clearance term for which ways round are worth while
+  SearchOrder order = orderFor(nothingInTheWay);
+  order.task.start = {0.1, 0.2, 0.1, 0.2, 0.5, 0.5};
+  order.task.goal = {0.9, 0.8, 0.9, 0.8, 0.5, 0.5};  // farther than the radius
+  order.task.cost = cost({0.1, 0.5, 5.0, 0.03}, wavyDistance);
+  order.settings.samples = order.settings.max_samples = 150;
+  for (order.task.seed = 1; order.task.seed <= 10; ++order.task.seed) {
+    std::vector<UnitState> points;
+    order.task.is_free = [&points](const UnitState& x) {
+      points.push_back(x);
+      return true;
+    };
+    const SearchOutcome found = searchPath(order);
+    ASSERT_EQ(points.size(), 152u);
+    // THEN the terms that were followed only as far as they decide lead to the path of the full costs
+    EXPECT_EQ(found.path, plainFmt(order, points, fmtRadius(1.0, 1.4, 150))) << "seed " << order.task.seed;
+    EXPECT_GT(found.path.size(), 2u);
+    EXPECT_GT(found.counts.clearance_integrals, 0u);
+  }
+}
+
+/** The same cost in one piece: nothing of it can be left out. */
+class WholeCost : public ob::OptimizationObjective {
+ public:
+  WholeCost(const ob::SpaceInformationPtr& si, ob::OptimizationObjectivePtr of)
+      : ob::OptimizationObjective(si), of_(std::move(of)) {}
+  ob::Cost stateCost(const ob::State* /*state*/) const override { return ob::Cost(0.0); }
+  ob::Cost motionCost(const ob::State* a, const ob::State* b) const override { return of_->motionCost(a, b); }
+  ob::Cost motionCostHeuristic(const ob::State* a, const ob::State* b) const override {
+    return of_->motionCostHeuristic(a, b);
+  }
+
+ private:
+  const ob::OptimizationObjectivePtr of_;
+};
+
+TEST(FmtStar, WhatWasNotFollowedToItsEndIsTakenUpWhenPathsAreRefused) {
+  // GIVEN a judge that refuses forty paths, so that edges once dismissed are wanted after all
+  SearchOrder order = orderFor(nothingInTheWay);
+  order.task.start = {0.1, 0.2, 0.1, 0.2, 0.5, 0.5};
+  order.task.goal = {0.9, 0.8, 0.9, 0.8, 0.5, 0.5};
+  order.task.cost = cost({0.1, 0.5, 5.0, 0.03}, wavyDistance);
+  order.settings.samples = order.settings.max_samples = 200;
+  order.settings.max_refusals = 100;
+  const auto search = [&order](bool whole) {
+    std::vector<Path> shown;
+    PlanningProblem problem(order.task);
+    const auto& objective = problem.definition()->getOptimizationObjective();
+    if (whole) problem.definition()->setOptimizationObjective(std::make_shared<WholeCost>(problem.space(), objective));
+    FmtStar planner(problem.space(), order.settings, [&shown](const Path& path) -> PathVerdict {
+      shown.push_back(path);
+      return {shown.size() > 40, shown.size() % (path.size() - 1)};
+    });
+    planner.setProblemDefinition(problem.definition());
+    planner.setup();
+    planner.solve(ob::plannerNonTerminatingCondition());
+    return shown;
+  };
+  for (order.task.seed = 1; order.task.seed <= 5; ++order.task.seed) {
+    const std::vector<Path> whole = search(true);
+    EXPECT_EQ(whole.size(), 41u);
+    EXPECT_EQ(search(false), whole) << "seed " << order.task.seed;
   }
 }
 

@@ -53,13 +53,15 @@ JointArray randomFree(const PathPlanner& planner, Arm arm, const JointArray& oth
   }
 }
 
-/** A free start, and another free state or its tip as the goal; either arm, the other one at home. */
+/** A free start, and another free state or its tip as the goal; either arm. The other one stands at home, or in every
+ *  third problem where it is free with this arm at home. */
 PlanRequest randomProblem(const PathPlanner& planner, std::uint64_t seed) {
   Random random(seed, 77);
   PlanRequest request;
   request.id = static_cast<std::uint32_t>(seed);
   request.arm = seed % 2 == 0 ? Arm::kGold : Arm::kGreen;
   request.other = geometry().home;
+  if (seed % 3 == 0) request.other = randomFree(planner, otherOf(request.arm), geometry().home, &random);
   request.start = randomFree(planner, request.arm, request.other, &random);
   request.goal = seed % 4 < 2 ? GoalKind::kTip : GoalKind::kJoints;
   request.goal_q = randomFree(planner, request.arm, request.other, &random);
@@ -158,6 +160,7 @@ TEST(FollowedPaths, NoPathThatIsReturnedTouchesAnything) {
   const auto problems = static_cast<std::uint64_t>(testing::effort(20, 200));
   int returned = 0, edges = 0;
   std::array<int, kPlanStatusCount> outcomes{};
+  int beside_home = 0, beside_others = 0;
   double astray = 0.0;
   for (std::uint64_t seed = 1; seed <= problems; ++seed) {
     const PlanRequest request = randomProblem(planner, seed);
@@ -169,13 +172,18 @@ TEST(FollowedPaths, NoPathThatIsReturnedTouchesAnything) {
     const Followed followed = follow(plan, request.other);
     EXPECT_EQ(followed.fcl_contacts, 0) << "problem " << seed;
     EXPECT_EQ(followed.ode_contacts, 0) << "problem " << seed;
+    EXPECT_LE(followed.astray, trainer().config.planner.max_tracking_error) << "problem " << seed;
+    (request.other == geometry().home ? beside_home : beside_others)++;
     astray = std::max(astray, followed.astray);
   }
   for (std::size_t i = 0; i < kPlanStatusCount; ++i)
     RecordProperty(kPlanStatusNames[i], outcomes[i]);
   RecordProperty("edges", edges);
   RecordProperty("worst_tracking_error_um", std::to_string(1e6 * astray));
+  RecordProperty("beside_home", beside_home);
+  RecordProperty("beside_others", beside_others);
   EXPECT_GT(3 * returned, static_cast<int>(problems)) << "too few paths to say anything";
+  EXPECT_GT(3 * beside_others, static_cast<int>(problems) / 3) << "too few beside an arm that stands anywhere";
 }
 
 }  // namespace

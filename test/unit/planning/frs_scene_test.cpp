@@ -115,6 +115,19 @@ TEST(FrsScene, PathsThatTheArmDoesNotFollowAreRefusedForThatReason) {
   EXPECT_EQ(planner.progress().rollouts.load(), statistics.rollouts);
 }
 
+TEST(FrsScene, AModelThatBreaksDownIsAFailureAndNoVerdictOnThePath) {
+  // GIVEN motors so strong and stiff that ODE gives up on the first error of a path
+  ModelConfig mighty = trainer().config.model;
+  for (JointGains& gains : mighty.gains)
+    gains.kp = gains.limit = 1e300;
+  PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, mighty);
+  for (int i = 0; i < 2; ++i) {
+    const PlanResult result = planner.plan(insideTheDome(), 1, true, kGoOn);
+    EXPECT_EQ(result.status, PlanStatus::kFailed) << kPlanStatusNames[static_cast<std::size_t>(result.status)];
+    EXPECT_EQ(result.waypoint_count, 0u);
+  }
+}
+
 TEST(FrsScene, TheClearanceTermKeepsPathsAwayFromThings) {
   PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
   PlanOptions options = defaultOptions(trainer().config.planner);

@@ -161,6 +161,35 @@ TEST(MotionCost, TheClearanceTermAddsUpOverTheParts) {
   }
 }
 
+TEST(MotionCost, TheClearanceTermIsFollowedAsFarAsItsLimit) {
+  int asked = 0;
+  const ClearanceFunction wave = [&asked](const UnitState& x, double cap) {
+    ++asked;
+    return std::min(cap, 0.012 + 0.01 * std::sin(9.0 * x[1] + 4.0 * x[3]));
+  };
+  const MotionCost cost = makeCost({0.0, 0.0, 1.0, 0.02}, wave);
+  Random random(14);
+  int all = 0, with_half = 0;
+  for (int i = 0; i < 100; ++i) {
+    const UnitState a = randomUnit(&random), b = randomUnit(&random);
+    asked = 0;
+    const double term = cost.clearanceTerm(a, b);
+    all += asked;
+    // A limit that is not reached changes no bit; one that is gives something between it and the term.
+    for (const double above : {std::nextafter(term, 1e9), 1.001 * term + 1e-9, 1e9})
+      EXPECT_EQ(cost.clearanceTerm(a, b, above), term) << i;
+    for (const double part : {-1.0, 0.0, 0.1, 0.9, 1.0}) {
+      const double limited = cost.clearanceTerm(a, b, part * term);
+      EXPECT_GE(limited, part * term) << i;
+      EXPECT_LE(limited, term) << i;
+    }
+    asked = 0;
+    cost.clearanceTerm(a, b, 0.5 * term);
+    with_half += asked;
+  }
+  EXPECT_LT(with_half, 0.75 * all) << "half of the sum is there half-way, or nearly";
+}
+
 TEST(JointSpace, GoesThereAndBackAtAFixedOpening) {
   const double opening = 0.6;
   const JointSpace space(test::geometry(), opening);

@@ -63,15 +63,46 @@ TEST_F(PathImprovement, ComesNearTheShortestWayRoundACorner) {
   EXPECT_EQ(improved.back(), zigzag_.back());
 }
 
-TEST_F(PathImprovement, LeavesThePathAloneWithoutAttemptsAndWhenStopped) {
+TEST_F(PathImprovement, LeavesThePathAloneWithoutAttemptsOrWaypoints) {
   task_.attempts = 0;
   EXPECT_EQ(improvePath(zigzag_, task_), zigzag_);
   const Path edge{zigzag_.front(), zigzag_.back()};
   task_.attempts = 100;
   EXPECT_EQ(improvePath(edge, task_), edge);
+}
+
+TEST_F(PathImprovement, StopsWhenToldAndKeepsWhatWasGained) {
+  // GIVEN a wall to bend round, and a word to stop after so many attempts
   is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
+  const Path whole = improvePath(zigzag_, task_);
+  double before = lengthOf(zigzag_);
+  for (const std::uint32_t attempts : {1U, 20U, 100U}) {
+    std::uint32_t polls = 0;
+    task_.attempts = 500;
+    task_.stop = [&] { return polls++ >= attempts; };
+    const Path stopped = improvePath(zigzag_, task_);
+    EXPECT_EQ(polls, attempts + 1) << "asked ahead of every attempt, and no more once it was told";
+    // THEN the path is that of an improvement which was to end there
+    task_.attempts = attempts;
+    task_.stop = [] { return false; };
+    EXPECT_EQ(stopped, improvePath(zigzag_, task_)) << attempts;
+    EXPECT_NE(stopped, whole) << attempts;
+    EXPECT_LT(lengthOf(stopped), before) << attempts;
+    before = lengthOf(stopped);
+  }
+}
+
+TEST_F(PathImprovement, StoppedAtOnceItChecksNoMoreThanWhatMayBeLeftOut) {
+  is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
+  std::size_t checks = 0;
+  const auto is_edge_free = task_.is_edge_free;
+  task_.is_edge_free = [&](const UnitState& a, const UnitState& b) {
+    ++checks;
+    return is_edge_free(a, b);
+  };
   task_.stop = [] { return true; };
-  EXPECT_TRUE(isFree(improvePath(zigzag_, task_)));
+  improvePath(zigzag_, task_);
+  EXPECT_LE(checks, zigzag_.size() - 2) << "one for each waypoint between the ends";
 }
 
 TEST_F(PathImprovement, GivesTheSameForTheSameSeed) {

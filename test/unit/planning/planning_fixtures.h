@@ -3,10 +3,12 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/model/raven_model.h"
 
-// A Raven and scenes by hand, without files: the DH chain of raven2.md 2.1 with the least of collision shapes.
+// A Raven and scenes by hand: the DH chain of raven2.md 2.1 with the least of collision shapes. Planned for by the
+// packaged configuration.
 
 namespace raven2_trainer::planning::test {
 
@@ -21,26 +23,13 @@ inline ArmGeometry geometry() {
   return g;
 }
 
+/** config/planner.yaml, with time enough for a busy machine and a volume that is estimated in milliseconds. */
 inline PlannerConfig plannerConfig() {
-  PlannerConfig c;
-  c.planner = "FMTstar";
-  c.samples = 500;
-  c.max_samples = 4000;
-  c.eta_length = 0.1;
-  c.eta_acceleration = 0.5;
-  c.eta_clearance = 0.1;
-  c.clearance_range = 0.02;
-  c.radius_multiplier = 1.4;
-  c.volume_samples = 2000;
-  c.volume_confidence = 0.99;
-  c.improve_attempts = 100;
-  c.max_rollouts = 50;
-  c.max_tracking_error = 0.03;
+  static const PlannerConfig packaged =
+      config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml").planner;
+  PlannerConfig c = packaged;
   c.time_limit = 60.0;
-  c.edge_step = 0.01;
-  c.clearance = 0.002;
-  c.velocity_limit = {0.5, 0.5, 0.1, 2.0, 2.0, 2.0, 2.0};
-  c.acceleration_limit = {2.0, 2.0, 0.5, 10.0, 10.0, 10.0, 10.0};
+  c.volume_samples = 2000;
   return c;
 }
 

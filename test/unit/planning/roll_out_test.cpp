@@ -94,6 +94,7 @@ struct Scene {
 void expectEqual(const RollOutReport& a, const RollOutReport& b) {
   EXPECT_EQ(a.free, b.free);
   EXPECT_EQ(a.stopped, b.stopped);
+  EXPECT_EQ(a.broken, b.broken);
   EXPECT_EQ(a.failed_edge, b.failed_edge);
   EXPECT_EQ(a.clearance, b.clearance);
   EXPECT_EQ(a.tracking_error, b.tracking_error);
@@ -351,7 +352,31 @@ TEST(RollOut, AStateThatIsNotFiniteIsNotFree) {
   const RollOutReport report = scene.roll_out.follow(path, times(threeEdges()), home());
   EXPECT_FALSE(report.free);
   EXPECT_EQ(report.failed_edge, 1U);
+  EXPECT_TRUE(report.broken);
   EXPECT_TRUE(scene.follow(threeEdges()).free) << "and does no harm to the next one";
+}
+
+TEST(RollOut, AWorldThatOdeGaveUpIsReplaced) {
+  // GIVEN motors without limits, targets so far away that ODE is cut off in the midst of a step, and several steps a
+  // tick, so that this comes before anybody looks
+  ModelConfig mighty = config().model;
+  mighty.sub_steps = 20;
+  for (JointGains& gains : mighty.gains)
+    gains.limit = 1e308;
+  for (const double far : {1e10, 1e300}) {
+    Scene used({}, mighty), fresh({}, mighty);
+    JointArray beyond = home();
+    beyond[kShoulder] = beyond[kElbow] = far;
+    const RollOutReport report = used.roll_out.follow({home(), beyond}, {0.0, 0.002}, home());
+    EXPECT_FALSE(report.free) << far;
+    EXPECT_TRUE(report.broken) << far;
+    // THEN the next path is followed as if nothing had been
+    const Path path{home(), fromHome(0.05, 0.0, -0.01)};
+    const RollOutReport next = used.follow(path);
+    EXPECT_TRUE(next.free) << far;
+    EXPECT_FALSE(next.broken) << far;
+    expectEqual(next, fresh.follow(path));
+  }
 }
 
 TEST(RollOut, TimesThatAreNoneAreRefused) {

@@ -185,6 +185,20 @@ TEST_F(Execution, ReachesTheGoalOnModelAndRobotFromACommonPose) {
               done.robot.mean * 1e3, done.robot.largest * 1e3, done.robot.at_end * 1e3);
 }
 
+TEST_F(Execution, InOpenLoopReachesTheGoal) {
+  TrainerConfig config = configuration();
+  config.execution.drive = ExecutionDrive::kOpenLoop;
+  rig = std::make_unique<Rig>(config);
+  ASSERT_TRUE(rig->home());
+  rest(false, 200);
+  arm(/*on_robot=*/true);
+  hold();
+  const ExecutionReport done = report();
+  EXPECT_EQ(done.end, ExecutionEnd::kFinished);
+  EXPECT_LT(done.model.largest, 0.002);
+  EXPECT_LT(done.model.at_end, rig->config.execution.settle_tolerance);
+}
+
 TEST_F(Execution, TheHeldPedalMovesNothingAfterwards) {
   arm(true);
   hold();

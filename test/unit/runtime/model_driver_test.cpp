@@ -42,6 +42,52 @@ TEST(ModelDriver, AtItsTargetOnlyGravityIsCompensated) {
   EXPECT_GT(std::abs(held[kElbow]), 0.1) << "[Nm] or the test could not tell";
 }
 
+/** Gold's joints after a second of going for a little more of each joint, once moved aside by `aside` at half a second.
+ */
+JointArray afterASecond(bool open_loop, double aside) {
+  const TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  Drive drive(config);
+  drive.driver.allowOpenLoop(drive.raven, config.model);
+  if (open_loop) drive.driver.openLoop(Arm::kGold);
+  JointArray goal = drive.home;
+  for (double& q : goal)
+    q += 0.01;
+  for (int i = 0; i < 1000; ++i) {
+    if (i == 500) {
+      JointArray q, dq;
+      drive.world.jointState(Arm::kGold, &q, &dq);
+      q[kInsertion] += aside;
+      drive.world.setJointState(Arm::kGold, q, dq);
+    }
+    drive.driver.step({goal, drive.home});
+  }
+  return drive.q(Arm::kGold);
+}
+
+TEST(ModelDriver, InOpenLoopAnArmGoesWhereItsLawWouldTakeItButIsNotBroughtBack) {
+  raven2_trainer::testing::useOde();
+  const JointArray closed = afterASecond(false, 0.0), open = afterASecond(true, 0.0);
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    EXPECT_NEAR(open[j], closed[j], 1e-6) << kJointNames[j];
+  EXPECT_NEAR(afterASecond(false, 0.002)[kInsertion], closed[kInsertion], 0.0005) << "the law brings it back";
+  EXPECT_NEAR(afterASecond(true, 0.002)[kInsertion], closed[kInsertion] + 0.002, 0.0005);
+}
+
+TEST(ModelDriver, AResetClosesTheLoop) {
+  raven2_trainer::testing::useOde();
+  const TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  Drive drive(config);
+  drive.driver.allowOpenLoop(drive.raven, config.model);
+  drive.driver.openLoop(Arm::kGold);
+  drive.driver.reset(Arm::kGold);
+  JointArray aside = drive.home;
+  aside[kElbow] += 0.02;
+  drive.world.setJointState(Arm::kGold, aside, JointArray{});
+  for (int i = 0; i < 1000; ++i)
+    drive.driver.step({drive.home, drive.home});
+  EXPECT_NEAR(drive.q(Arm::kGold)[kElbow], drive.home[kElbow], 0.005);
+}
+
 TEST(ModelDriver, WithoutCompensationTheArmSags) {
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();

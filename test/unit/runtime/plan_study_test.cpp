@@ -87,16 +87,17 @@ TEST(PlanCases, TakeWhatIsChosen) {
 
 TEST(PlanCases, AComparisonLetsAnytimePlannersUseTheirTime) {
   PlanChoice choice;
-  choice.planners = {"FMTstar", "BITstar"};
+  choice.planners = {"FMTstar", "BITstar", "RRTConnect"};
   choice.samples = {200, 500};
   choice.times = {0.1, 10.0};
   const auto cases = comparisonCases(trainer().planner, choice);
-  ASSERT_EQ(cases.size(), 4U + 2U);
+  ASSERT_EQ(cases.size(), 4U + 2U + 2U) << "n is nothing to planners that do not take it";
   EXPECT_FALSE(cases[0].until_time_limit);
   EXPECT_EQ(cases[0].time_limit, 0.1);
   EXPECT_EQ(cases[3].samples, 500U);
   EXPECT_EQ(cases[3].time_limit, 10.0);
   EXPECT_TRUE(cases[5].until_time_limit);
+  EXPECT_FALSE(cases[7].until_time_limit) << "ends with its first path";
   for (const auto& each : cases)
     EXPECT_EQ(each.eta_clearance, 0.0) << "one cost for all";
 }

@@ -138,6 +138,28 @@ TEST(PlanTable, ACaseWithoutSuccessHasEmptyCells) {
   EXPECT_EQ(under("planning_time_mean_s", tableHeader(), line), "1");
 }
 
+TEST(PlanTable, WhatOmplsPlannersDoNotTellIsLeftEmpty) {
+  for (const char* planner : planning::kPlannerNames) {
+    planning::PlanOptions stock = options();
+    stock.planner = planner;
+    PlanRun run = good(1.0, 2.0, std::string(planner) == "FMTstar" ? 500 : 0);
+    run.statistics.draws = 1234;
+    const std::vector<PlanTableRow> rows = tableRows({stock}, {run});
+    const std::string line = tableLine(rows[0]), row = runsLine(stock, run);
+    // GIVEN that FMTstar and FMT take n samples, and FMTstar alone tells how many it kept
+    const bool is_ours = std::string(planner) == "FMTstar", has_n = is_ours || std::string(planner) == "FMT";
+    EXPECT_EQ(under("success_percent", tableHeader(), line), "100") << planner;
+    EXPECT_EQ(under("success_at_n_percent", tableHeader(), line), has_n ? "100" : "") << planner;
+    EXPECT_EQ(under("samples_used_mean", tableHeader(), line), is_ours ? "500" : "") << planner;
+    EXPECT_EQ(under("samples_used", runsHeader(), row), is_ours ? "500" : "") << planner;
+    EXPECT_EQ(under("sampling_time_s", runsHeader(), row), is_ours ? "0" : "") << planner;
+    EXPECT_EQ(under("neighbour_time_s", runsHeader(), row), is_ours ? "0" : "") << planner;
+    EXPECT_EQ(under("draws", runsHeader(), row), "1234") << planner;
+    EXPECT_EQ(under("samples", comparisonHeader(), comparisonLine(rows[0])), has_n ? "500" : "") << planner;
+    EXPECT_NE(tableText(rows).find(has_n ? "100 (100)" : "100 (-)"), std::string::npos) << planner;
+  }
+}
+
 TEST(PlanRuns, TheFirstColumnsAreThosePromised) {
   const std::string first =
       "samples,run,seed,success,reason,planning_time_s,tracking_time_s,waypoints,cost,clearance_m,tracking_error_mm,";
