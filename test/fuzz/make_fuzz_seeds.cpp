@@ -160,6 +160,7 @@ void logSeeds() {
   appendRecord(RequestRecord{}, &small);
   appendRecord(ContactRecord{}, &small);
   appendRecord(ExecutionRecord{}, &small);
+  appendRecord(ExerciseRecord{}, &small);
   appendRecord(SessionCounts{}, &small);
   save("session_log", "records", small);
   appendRecord(PlanRecord{}, &plan);
