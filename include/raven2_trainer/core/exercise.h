@@ -195,9 +195,9 @@ struct Exercise {
   std::vector<ClumsyHand> clumsy;
 };
 
-/** Links of an arm of the robot, each with "_L" (gold) or "_R" (green) behind; the last two are its jaws. */
-constexpr std::array<const char*, 8> kArmLinkStems{"base_link",        "link1", "link2",    "link3",
-                                                   "instrument_shaft", "wrist", "grasper1", "grasper2"};
+/** Moving links of an arm of the robot, each with "_L" (gold) or "_R" (green) behind; the last two are its jaws. */
+constexpr std::array<const char*, kJointCount> kArmLinkStems{"link1", "link2",    "link3",   "instrument_shaft",
+                                                             "wrist", "grasper1", "grasper2"};
 constexpr std::array<const char*, kArmCount> kArmLinkEndings{"_L", "_R"};
 
 /** An attempt at the end of one tick. Written by physics (training/exercise_judge.h). */
