@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using Sets = std::map<std::string, std::vector<std::string>>;
 
 constexpr std::size_t kLongestName = 32;
+constexpr std::size_t kMostLinks = 64, kMostMetrics = 64, kMostSets = 32;
 
 bool isName(const std::string& text) {
   const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
@@ -143,25 +144,27 @@ Sets builtInSets(const SceneRoles& roles) {
   return sets;
 }
 
-/** Links that names of sets and links stand for. */
-std::vector<std::string> linksOf(const std::vector<std::string>& names, const Sets& sets) {
+/** Links that the names of sets and links under `where` stand for. */
+std::vector<std::string> linksOf(const std::vector<std::string>& names, const Sets& sets, const std::string& where) {
   std::vector<std::string> links;
-  for (const std::string& name : names) {
-    const auto set = sets.find(name);
-    append(set != sets.end() ? set->second : std::vector<std::string>{name}, &links);
+  refuse(names.empty(), where, "is empty");
+  for (std::size_t i = 0; i < names.size() && links.size() <= kMostLinks; ++i) {
+    const auto set = sets.find(names[i]);
+    append(set != sets.end() ? set->second : std::vector<std::string>{names[i]}, &links);
   }
+  refuse(links.size() > kMostLinks, where, "stands for more than " + std::to_string(kMostLinks) + " links");
+  refuse(links.empty(), where, "stands for no link");
   return links;
 }
 
 Sets readSets(Section& root, const SceneRoles& roles) {
   Sets sets = builtInSets(roles);
   Section entries = root.section("sets");
+  checkCount(root, "sets", entries.keys().size(), 0, kMostSets);
   for (const std::string& name : entries.keys()) {
     refuse(!isName(name), entries.where(name), "is no name: 1 to 32 letters a to z, digits or underscores");
     refuse(sets.count(name) != 0, entries.where(name), "is a set that there is without being said");
-    const std::vector<std::string> links = linksOf(entries.texts(name), sets);
-    refuse(links.empty(), entries.where(name), "is empty");
-    sets[name] = links;
+    sets[name] = linksOf(entries.texts(name), sets, entries.where(name));
   }
   entries.finish();
   return sets;
@@ -170,9 +173,7 @@ Sets readSets(Section& root, const SceneRoles& roles) {
 std::vector<std::string> readParty(Section& entry, const char* key, const Sets& sets) {
   const std::vector<std::string> names =
       entry.isList(key) ? entry.texts(key) : std::vector<std::string>{entry.text(key)};
-  const std::vector<std::string> links = linksOf(names, sets);
-  refuse(links.empty(), entry.where(key), "is empty");
-  return links;
+  return linksOf(names, sets, entry.where(key));
 }
 
 bool isTouch(Mistake mistake) {
@@ -217,6 +218,7 @@ void readWatch(Section& root, const SceneRoles& roles, Exercise* exercise) {
 
 void readMetrics(Section& root, Exercise* exercise) {
   Section entries = root.section("metrics");
+  checkCount(root, "metrics", entries.keys().size(), 0, kMostMetrics);
   for (const std::string& name : entries.keys()) {
     refuse(!isName(name), entries.where(name), "is no name: 1 to 32 letters a to z, digits or underscores");
     Section entry = entries.section(name);

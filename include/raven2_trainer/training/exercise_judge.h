@@ -25,7 +25,7 @@ namespace raven2_trainer::training {
  * - Mistakes count from the beginning of the timer on; what breaks off counts from the start.
  * - An object was dropped if it had been lifted for 0.1 s or more, was let go, and is `grace` later neither held nor
  *   around a target nor where the step it was let go for wants it.
- * - An object is lost if it rests untouched where neither arm reaches it in any of some 600 attitudes. They are tried
+ * - An object is lost if it rests untouched where neither arm reaches it in any of 720 attitudes. They are tried
  *   one a tick.
  * - Where the model does not move by its own physics (choosing a goal, following a plan, returning, replay) and while
  *   time is lost nothing is judged: what was held counts as released, and touches end. Time goes on but in waiting,

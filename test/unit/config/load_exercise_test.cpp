@@ -14,56 +14,55 @@ namespace {
 namespace fs = std::filesystem;
 
 /** Line by line, as the refusals name lines. */
-const std::string
-    kGood =
-        "name: probe\n"                                                                                 // 1
-        "title: A test\n"                                                                               // 2
-        "number: 7\n"                                                                                   // 3
-        "source: ours\n"                                                                                // 4
-        "skills: [camera, wrist]\n"                                                                     // 5
-        "scene: room\n"                                                                                 // 6
-        "time_limit: 120.5\n"                                                                           // 7
-        "begin: {left: hoop, peg: b}\n"                                                                 // 8
-        "sets:\n"                                                                                       // 9
-        "  wires: [wire_l]\n"                                                                           // 10
-        "  hard: [tower_a, wires, tower_b]\n"                                                           // 11
-        "tracks:\n"                                                                                     // 12
-        "  - name: first\n"                                                                             // 13
-        "    object: hoop\n"                                                                            // 14
-        "    steps:\n"                                                                                  // 15
-        "      - {name: lift, until: [{lifted: true}, {held_alone: any}], dwell: 0.25}\n"               // 16
-        "      - {name: lead, until: [{along: left, to: 0.9}, {held: gold}], dwell: 0}\n"               // 17
-        "      - {name: place, until: [{around: a}, {untouched: true}, {resting: false}], dwell: 1}\n"  // 18
-        "  - name: second\n"                                                                            // 19
-        "    after: first\n"                                                                            // 20
-        "    steps:\n"                                                                                  // 21
-        "      - {name: go, until: [{tip_near: far, arm: both, within: 0.01}], dwell: 0.1}\n"           // 22
-        "      - {name: out, until: [{tip_outside: box, arm: green}, {at: middle, within: 0.02, object: block}], "
-        "dwell: 60}\n"  // 23
-        "      - {name: look, until: [{in_view: far, within: 0.5}, {camera_near: middle, within: 0.1, not: true}], "
-        "dwell: 0}\n"  // 24
-        "      - {name: off, until: [{unthreaded: left, object: hoop, not: true}, {tip_inside: box, arm: any}], dwell: "
-        "0}\n"                                                                                     // 25
-        "watch:\n"                                                                                 // 26
-        "  - {mistake: wire_touch, a: [links_L, objects], b: wires, force: 0.05, gap: 0.1}\n"      // 27
-        "  - {mistake: collision, a: jaws_R, b: [hard, table], force: 0.2, gap: 0.2, limit: 3}\n"  // 28
-        "  - {mistake: drop, grace: 0.3, limit: 5}\n"                                              // 29
-        "  - {mistake: break_off, fails: true}\n"                                                  // 30
-        "  - {mistake: out_of_order}\n"                                                            // 31
-        "targets: [b, a]\n"                                                                        // 32
-        "metrics: {time: {}, peak_force: {limit: 5.5}}\n"                                          // 33
-        "guide: {arm: green, from: begin, to: {place: far}}\n"                                     // 34
-        "drill:\n"                                                                                 // 35
-        "  scenario: sudden_jump\n"                                                                // 36
-        "  at: {step: 2, delay: 1.5, jitter: 0.5}\n"                                               // 37
-        "  right: [pedal_up, hold_still]\n"                                                        // 38
-        "  wrong: [push_on]\n"                                                                     // 39
-        "  within: 2.0\n"                                                                          // 40
-        "expert:\n"                                                                                // 41
-        "  - {grip: hoop, arm: gold}\n"                                                            // 42
-        "  - {carry: hoop, arm: gold, to: {place: far}, via_W: [0.1, -2e-2, 3], tilt: 0.5}\n"      // 43
-        "clumsy:\n"                                                                                // 44
-        "  dropper: {change: {verb: 1, let_go_at: 0.5}, expect: {mistake: drop}}\n";               // 45
+const std::string kGood =
+    "name: probe\n"                                                                                 // 1
+    "title: A test\n"                                                                               // 2
+    "number: 7\n"                                                                                   // 3
+    "source: ours\n"                                                                                // 4
+    "skills: [camera, wrist]\n"                                                                     // 5
+    "scene: room\n"                                                                                 // 6
+    "time_limit: 120.5\n"                                                                           // 7
+    "begin: {left: hoop, peg: b}\n"                                                                 // 8
+    "sets:\n"                                                                                       // 9
+    "  wires: [wire_l]\n"                                                                           // 10
+    "  hard: [tower_a, wires, tower_b]\n"                                                           // 11
+    "tracks:\n"                                                                                     // 12
+    "  - name: first\n"                                                                             // 13
+    "    object: hoop\n"                                                                            // 14
+    "    steps:\n"                                                                                  // 15
+    "      - {name: lift, until: [{lifted: true}, {held_alone: any}], dwell: 0.25}\n"               // 16
+    "      - {name: lead, until: [{along: left, to: 0.9}, {held: gold}], dwell: 0}\n"               // 17
+    "      - {name: place, until: [{around: a}, {untouched: true}, {resting: false}], dwell: 1}\n"  // 18
+    "  - name: second\n"                                                                            // 19
+    "    after: first\n"                                                                            // 20
+    "    steps:\n"                                                                                  // 21
+    "      - {name: go, until: [{tip_near: far, arm: both, within: 0.01}], dwell: 0.1}\n"           // 22
+    "      - {name: out, until: [{tip_outside: box, arm: green}, {at: middle, within: 0.02, object: block}], "
+    "dwell: 60}\n"  // 23
+    "      - {name: look, until: [{in_view: far, within: 0.5}, {camera_near: middle, within: 0.1, not: true}], "
+    "dwell: 0}\n"  // 24
+    "      - {name: off, until: [{unthreaded: left, object: hoop, not: true}, {tip_inside: box, arm: any}], dwell: "
+    "0}\n"                                                                                     // 25
+    "watch:\n"                                                                                 // 26
+    "  - {mistake: wire_touch, a: [links_L, objects], b: wires, force: 0.05, gap: 0.1}\n"      // 27
+    "  - {mistake: collision, a: jaws_R, b: [hard, table], force: 0.2, gap: 0.2, limit: 3}\n"  // 28
+    "  - {mistake: drop, grace: 0.3, limit: 5}\n"                                              // 29
+    "  - {mistake: break_off, fails: true}\n"                                                  // 30
+    "  - {mistake: out_of_order}\n"                                                            // 31
+    "targets: [b, a]\n"                                                                        // 32
+    "metrics: {time: {}, peak_force: {limit: 5.5}}\n"                                          // 33
+    "guide: {arm: green, from: begin, to: {place: far}}\n"                                     // 34
+    "drill:\n"                                                                                 // 35
+    "  scenario: sudden_jump\n"                                                                // 36
+    "  at: {step: 2, delay: 1.5, jitter: 0.5}\n"                                               // 37
+    "  right: [pedal_up, hold_still]\n"                                                        // 38
+    "  wrong: [push_on]\n"                                                                     // 39
+    "  within: 2.0\n"                                                                          // 40
+    "expert:\n"                                                                                // 41
+    "  - {grip: hoop, arm: gold}\n"                                                            // 42
+    "  - {carry: hoop, arm: gold, to: {place: far}, via_W: [0.1, -2e-2, 3], tilt: 0.5}\n"      // 43
+    "clumsy:\n"                                                                                // 44
+    "  dropper: {change: {verb: 1, let_go_at: 0.5}, expect: {mistake: drop}}\n";               // 45
 
 SceneRoles room() {
   SceneRoles roles;
@@ -357,6 +356,10 @@ TEST_F(LoadExercise, WrongSetsAndRulesAreRefused) {
   expectRefused(with("wires: [wire_l]", "Wires: [wire_l]"), 10, "is no name");
   expectRefused(with("wires: [wire_l]", "wires: []"), 10, "is empty");
   expectRefused(with("wires: [wire_l]", "wires: wire_l"), 10, "is not a list");
+  std::string many = "wires: [wire_l";
+  for (int i = 0; i < 64; ++i)
+    many += ", link_" + std::to_string(i);
+  expectRefused(with("wires: [wire_l]", many + "]"), 10, "stands for more than 64 links");
   expectRefused(with("mistake: wire_touch", "mistake: touch"), 27, "expected one of: wire_touch, collision, drop");
   expectRefused(with("force: 0.05", "force: -1"), 27, "watch[0]/force is -1, expected [0, 100]");
   expectRefused(with("gap: 0.1}", "gap: 61}"), 27, "watch[0]/gap is 61, expected [0, 60]");
