@@ -320,7 +320,7 @@ TEST_F(LoadExercise, WrongTracksAreRefused) {
   for (int i = 0; i < 49; ++i)
     steps += "      - {name: s" + std::to_string(i) + ", until: [{in_view: far, within: 1}], dwell: 0}\n";
   expectRefused(kGood.substr(0, begin) + steps + kGood.substr(end), 15, "has 49 entries, expected 1 to 48");
-  expectRefused(kGood.substr(0, begin) + kGood.substr(end), 12, "tracks is missing");
+  expectRefused(kGood.substr(0, begin) + kGood.substr(end), 13, "tracks is missing");
 }
 
 TEST_F(LoadExercise, WrongPredicatesAreRefused) {
@@ -402,7 +402,7 @@ TEST_F(LoadExercise, WrongScoresGuidesAndDrillsAreRefused) {
 
 TEST_F(LoadExercise, WrongScriptsAreRefused) {
   expectRefused(with("{grip: hoop, arm: gold}", "{}"), 42, "is empty, expected a verb");
-  expectRefused(with("{grip: hoop, arm: gold}", "grip"), 41, "holds an entry that is not a mapping");
+  expectRefused(with("{grip: hoop, arm: gold}", "grip"), 42, "holds an entry that is not a mapping");
   expectRefused(with("[0.1, -2e-2, 3]", "[[0.1, 0.2, 0.3]]"), 43, "holds an entry that is not a text");
   expectRefused(with("dropper: {", "dropper: 5 #{"), 45, "clumsy/dropper is not a mapping");
 }
