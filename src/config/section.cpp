@@ -110,6 +110,14 @@ bool Section::has(const std::string& key) const {
   return (*node_)[key].IsDefined();
 }
 
+bool Section::isList(const std::string& key) const {
+  return has(key) && (*node_)[key].IsSequence();
+}
+
+bool Section::isMapping(const std::string& key) const {
+  return has(key) && (*node_)[key].IsMap();
+}
+
 std::vector<std::string> Section::keys() const {
   std::vector<std::string> names;
   for (const auto& entry : *node_)

@@ -26,6 +26,9 @@ class Section {
   static Section fromText(const std::string& text, const std::string& name);
 
   bool has(const std::string& key) const;
+  /** What stands there, if anything does; nothing is read by asking. */
+  bool isList(const std::string& key) const;
+  bool isMapping(const std::string& key) const;
   /** All keys in the file's order; those not read later are still refused by finish(). */
   std::vector<std::string> keys() const;
   Section section(const std::string& key);

@@ -64,7 +64,7 @@ enum class PredicateKind : std::uint8_t {
   kTipOutside,  ///< and not
   kAlong,       ///< `object` was led along wire `place` to `value` [-] of its length
   kUnthreaded,  ///< wire `place` is no longer in the opening of `object`
-  kInView,      ///< point `place` is in the camera's picture, within `value` [-] of its half width about the middle
+  kInView,      ///< point `place` is in front of the camera, within `value` [-] half heights of the picture's middle
   kCameraNear,  ///< the camera stands `value` [m] or nearer to point `place`
 };
 constexpr std::size_t kPredicateKindCount = 14;
@@ -101,12 +101,12 @@ struct ExerciseTrack {
   std::vector<ExerciseStep> steps;
 };
 
-/** Touches that count as mistakes. */
+/** What counts as a mistake. A rule of kind kWireTouch or kCollision looks for touches of `names_a` with `names_b`. */
 struct WatchRule {
   Mistake mistake{};
-  std::vector<std::uint16_t> a, b;            ///< bodies, numbers of contact records, once resolved
-  std::vector<std::string> names_a, names_b;  ///< as configured: names of sets or links
-  double force{};                             ///< [N] least sum of forces that counts
+  std::vector<std::string> names_a, names_b;  ///< links of scene and robot, sets taken apart
+  std::string place_a, place_b;               ///< "FILE:LINE: key" of both, for messages
+  double force{};                             ///< [N] least sum of normal forces that counts
   double gap{};                               ///< [s] parted for longer is a new touch
   double grace{};                             ///< [s] kDrop: from letting go to the verdict
   std::uint32_t limit{};                      ///< more of them fail the attempt; 0 no limit
@@ -118,6 +118,65 @@ constexpr std::size_t kMaxTracks = 8;
 constexpr std::size_t kMaxSteps = 48;  ///< of all tracks together
 constexpr std::size_t kMaxWatchRules = 12;
 
+/** What a hand may do when a hazard strikes. */
+enum class DrillResponse : std::uint8_t {
+  kPedalUp,
+  kHoldStill,
+  kSlow,
+  kRetreat,  ///< back to where it came from
+  kStop,     ///< emergency stop
+  kPushOn,   ///< goes on as if nothing were
+};
+constexpr std::size_t kDrillResponseCount = 6;
+constexpr std::array<const char*, kDrillResponseCount> kDrillResponseNames{"pedal_up", "hold_still", "slow",
+                                                                           "retreat",  "stop",       "push_on"};
+
+/** The exercise as a hazard drill. */
+struct ExerciseDrill {
+  std::string scenario;                     ///< of config/faults; empty: no drill
+  std::uint32_t step{};                     ///< ExerciseState::step with whose beginning the clock starts
+  double delay{};                           ///< [s] from there
+  double jitter{};                          ///< [s] beside it, uniform in [0, jitter]
+  std::vector<DrillResponse> right, wrong;  ///< first responses
+  double within{};                          ///< [s] from the cue; a right one that comes later is late
+};
+
+/** A metric that is scored. */
+struct ScoredMetric {
+  std::string name;
+  std::uint8_t has_limit{};
+  double limit{};  ///< in the metric's unit, what it compares with or must not pass; by metric
+  std::string place;
+};
+
+/** Where the planned path that is shown leads. */
+struct ExerciseGuide {
+  std::uint8_t given{};  ///< 0: none is shown
+  Arm arm{};
+  std::uint8_t point{kNobody};  ///< index in SceneRoles::points
+};
+
+/** A key of a scripted hand, as written: `text`, and its `numbers` if it is one or a list of them. A key within a key
+ * is "outer/inner". */
+struct ScriptValue {
+  std::string key, text;
+  std::vector<double> numbers;
+};
+
+/** One act of the scripted expert: its first key is the verb. What verbs mean is known to whoever moves the hands. */
+struct ScriptVerb {
+  std::string verb;
+  std::vector<ScriptValue> values;  ///< that of the verb itself first
+  std::string place;                ///< "FILE:LINE: " for messages
+};
+
+/** A scripted hand that does something wrong in a known way. */
+struct ClumsyHand {
+  std::string name;
+  std::vector<ScriptValue> values;
+  std::string place;  ///< "FILE:LINE: " for messages
+};
+
 /** One file of config/exercises. Built at set-up; the judge turns it into flat arrays. */
 struct Exercise {
   std::string name, title, source, file;
@@ -125,18 +184,28 @@ struct Exercise {
   std::string scene;    ///< file name in config/scenes without its ending
   double time_limit{};  ///< [s]
   std::vector<std::string> skills;
-  std::vector<Predicate> begin;  ///< when the timer starts; empty: with the first pedal-down
+  std::vector<Predicate> begin;  ///< when all hold the timer starts; empty: with the first pedal-down
   std::vector<ExerciseTrack> tracks;
   std::vector<WatchRule> rules;
   std::vector<std::uint8_t> targets;  ///< pegs on which an object may be let go
+  std::vector<ScoredMetric> metrics;  ///< the others are told and not scored
+  ExerciseGuide guide;
+  ExerciseDrill drill;
+  std::vector<ScriptVerb> expert;  ///< what the scripted expert does, in order
+  std::vector<ClumsyHand> clumsy;
 };
 
-/** An attempt at the end of one tick. Written by physics. */
+/** Moving links of an arm of the robot, each with "_L" (gold) or "_R" (green) behind; the last two are its jaws. */
+constexpr std::array<const char*, kJointCount> kArmLinkStems{"link1", "link2",    "link3",   "instrument_shaft",
+                                                             "wrist", "grasper1", "grasper2"};
+constexpr std::array<const char*, kArmCount> kArmLinkEndings{"_L", "_R"};
+
+/** An attempt at the end of one tick. Written by physics (training/exercise_judge.h). */
 struct ExerciseState {
   ExerciseStatus status{ExerciseStatus::kNone};
   ExerciseFailure failure{ExerciseFailure::kNone};
   std::uint8_t attempt{};                       ///< counts starts and restarts
-  std::uint32_t step{};                         ///< 1 + steps done, over all tracks; 0 no exercise (FaultSignals::step)
+  std::uint32_t step{};                         ///< 1 + steps done, over all tracks; 0 no attempt (FaultSignals::step)
   std::array<std::uint8_t, kMaxTracks> done{};  ///< steps done of each track
   Tick began{-1};                               ///< [1 ms] tick in which the timer started; -1 not yet
   Tick ended{-1};                               ///< [1 ms] in which it was done or failed
