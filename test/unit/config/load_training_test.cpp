@@ -73,11 +73,11 @@ TEST_F(LoadTraining, WithoutAnExerciseTheSceneAndTheHazardAreThoseOfTheRoot) {
 TEST_F(LoadTraining, AnUnknownNameIsRefusedWithTheKnownOnes) {
   std::ofstream(folder_ / "exercises/press.yaml") << "scene: box\n";
   std::ofstream(folder_ / "exercises/notes.txt") << "no exercise\n";
-  EXPECT_EQ(message({"hop", "", "", ""}), "no exercise is called \"hop\"; known: none, press");
-  EXPECT_EQ(message({"press", "", "", ""}), "no scene is called \"box\"; known: none");
-  EXPECT_EQ(message({"", "", "", "basics"}), "no curriculum is called \"basics\"; known: none");
+  EXPECT_EQ(message({"hop", "", "", ""}), "raven2_trainer: no exercise is called \"hop\"; known: none, press");
+  EXPECT_EQ(message({"press", "", "", ""}), "raven2_trainer: no scene is called \"box\"; known: none");
+  EXPECT_EQ(message({"", "", "", "basics"}), "raven2_trainer: no curriculum is called \"basics\"; known: none");
   set("exercise", "hop");
-  EXPECT_EQ(message(), "no exercise is called \"hop\"; known: none, press");
+  EXPECT_EQ(message(), "raven2_trainer: no exercise is called \"hop\"; known: none, press");
 }
 
 TEST_F(LoadTraining, ANameLeadsToNoFileElsewhere) {
@@ -89,7 +89,7 @@ TEST_F(LoadTraining, ANameLeadsToNoFileElsewhere) {
 
 TEST_F(LoadTraining, ADrillNeedsAnExercise) {
   EXPECT_EQ(message({"", "sudden_jump", "", ""}),
-            "drill is \"sudden_jump\", but there is no exercise that could run into it");
+            "raven2_trainer: drill is \"sudden_jump\", but there is no exercise that could run into it");
 }
 
 TEST_F(LoadTraining, ATraineeIsAnIdAndNoName) {
