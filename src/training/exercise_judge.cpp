@@ -224,12 +224,12 @@ void ExerciseJudge::Impl::tick(const ModelState& model, const ContactList& conta
 void ExerciseJudge::Impl::judge(const ModelState& model, const ContactList& contacts) noexcept {
   is_suspended = false;
   senses.observe(model, contacts);
-  watchHolds();
   if (state.status == ExerciseStatus::kWaiting && hasBegun(model)) {
     state.status = ExerciseStatus::kRunning;
     state.began = now;
     push(ExerciseEventKind::kBegan);
   }
+  watchHolds();  // that which begins the timer may be a mistake
   if (!isRunning()) return;
   watchTouches(contacts);
   watchDrops();

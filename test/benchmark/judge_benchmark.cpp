@@ -13,6 +13,7 @@
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/training/exercise_judge.h"
 #include "raven2_trainer/training/tissue_distance.h"
+#include "support/frs_roles.h"
 
 namespace raven2_trainer {
 namespace {
@@ -33,20 +34,6 @@ void print(const char* what, std::vector<double>* us) {
   };
   std::printf("%-44s mean %6.2f  p50 %6.2f  p99 %6.2f  p99.9 %6.2f us\n", what, sum / static_cast<double>(us->size()),
               quantile(0.5), quantile(0.99), quantile(0.999));
-}
-
-/** Roles of urdf/frs_trainer.urdf. */
-SceneRoles frsRoles() {
-  SceneRoles roles;
-  roles.name = "frs_trainer";
-  roles.objects = {{"ring", "ring", 1, 0.007, 0.002}};
-  roles.pegs = {{"far_left", "tower_far_left", {0.044, 0.020, 0.0}, 0.026, 0.004},
-                {"far_right", "tower_far_right", {0.044, -0.020, 0.0}, 0.026, 0.004},
-                {"near_left", "tower_near_left", {-0.018, 0.028, 0.0}, 0.026, 0.004},
-                {"near_right", "tower_near_right", {-0.018, -0.028, 0.0}, 0.026, 0.004}};
-  roles.tissue = {"base_plate", "dome_wall", "dome_lid"};
-  roles.points = {{"middle", {0.010, 0.0, 0.045}}};
-  return roles;
 }
 
 std::vector<std::string> bodyNames(const model::SceneModel& scene) {
@@ -85,7 +72,7 @@ void move(Random* random, ModelState* model) {
 int run(std::size_t ticks) {
   const TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
   const model::SceneModel scene = model::loadSceneModel(config);
-  const SceneRoles roles = frsRoles();
+  const SceneRoles roles = testing::frsRoles();
   const Exercise exercise =
       config::loadExercise(RAVEN2_TRAINER_SOURCE_DIR "/config/exercises/pick_hand_over_place.yaml", roles);
   const std::vector<std::string> names = bodyNames(scene);

@@ -393,6 +393,16 @@ TEST(JudgeArm, TakenByTheArmThatNoStepSoFarAsksForIsAMistake) {
   EXPECT_EQ(bench.state().status, ExerciseStatus::kDone);
 }
 
+TEST(JudgeArm, TheHoldThatBeginsTheTimerCountsToo) {
+  Exercise exercise = Bench::with({track({step({held(Hand::kGreen)})})}, {rule(Mistake::kWrongArm)});
+  exercise.begin = {held(Hand::kAny)};
+  Bench bench(exercise);
+  bench.grip(Arm::kGold);
+  bench.run(100);
+  EXPECT_EQ(bench.state().began, 20);
+  EXPECT_EQ(bench.mistakes(Mistake::kWrongArm), 1U);
+}
+
 TEST(JudgeArm, AnyArmMayWhereNoneIsNamed) {
   Bench bench(Bench::with({track({step({when(K::kLifted), around(kPegA)})}),
                            track({step({held(Hand::kAny, kBlockObject), around(kPegA, kBlockObject)})}, kBlockObject)},
