@@ -79,7 +79,7 @@ def ring_path(ring, count_side, corner):
 def tower_mesh(t, scale=1.0):
     """`scale`: of the steps of its foot."""
     return m.lathe([(t['foot_radius'], 0.0), (t['foot_radius'], 0.002 * scale),
-                    (t['radius'] + 0.001 * scale, 0.0035 * scale), (t['radius'], 0.006 * scale),
+                    (min(t['radius'] + 0.001 * scale, t['foot_radius']), 0.0035 * scale), (t['radius'], 0.006 * scale),
                     (t['radius'], t['height'] - t['radius']), (0.87 * t['radius'], t['height'] - 0.5 * t['radius']),
                     (0.5 * t['radius'], t['height'] - 0.13 * t['radius']), (0.0, t['height'])], 24)
 
