@@ -31,6 +31,9 @@ def frame_along(direction, hint=(1.0, 0.0, 0.0)):
     return np.column_stack([x, np.cross(z, x), z])
 
 
+MARK = b'raven2_trainer'.ljust(80, b' ')  # header of a binary STL
+
+
 class Mesh:
     """Triangles as an (n, 3, 3) array [m], counter-clockwise seen from outside."""
 
@@ -62,7 +65,7 @@ class Mesh:
         keep = np.linalg.norm(n, axis=1) > 1e-14
         t, n = t[keep], n[keep]
         n = np.round(n / np.linalg.norm(n, axis=1)[:, None], 4) + 0.0
-        out = [b'raven2_trainer'.ljust(80, b' '), struct.pack('<I', len(t))]
+        out = [MARK, struct.pack('<I', len(t))]
         for normal, corners in zip(n, t):
             out.append(np.concatenate([normal, corners.ravel()]).astype('<f4').tobytes() + b'\0\0')
         return b''.join(out)

@@ -1,4 +1,4 @@
-"""The training scene: the FRS dome with half its lid cut away, towers, S-wires and a ring to pick up. Origin: W."""
+"""Shapes of the parts of training scenes: FRS dome with half its lid cut away, towers, wires, rings. Origin: W."""
 
 import numpy as np
 
@@ -10,10 +10,6 @@ MATERIALS = {
     'flesh': (0.74, 0.40, 0.35, 1), 'tower_blue': (0.13, 0.33, 0.75, 1), 'tower_orange': (0.92, 0.45, 0.08, 1),
     'wire': (0.80, 0.80, 0.83, 1), 'ring_red': (0.82, 0.10, 0.12, 1), 'stand': (0.25, 0.27, 0.30, 1),
 }
-
-# A ring goes from a far tower to the near one of the same colour, crosswise.
-TOWERS = {'far_left': 'tower_blue', 'far_right': 'tower_orange', 'near_left': 'tower_orange',
-          'near_right': 'tower_blue'}
 
 
 def lid_grid(d, inset, rings, sectors):
@@ -38,18 +34,28 @@ def lid_meshes(d):
     return {'lid_skin': skin + cut + rims, 'lid_inside': m.quads(inner)}
 
 
-def wire_path(d, mirror, count):
-    """Middle line of an S-wire: up from its far foot, an S seen from above, down to its near foot."""
-    w = d['wires']
-    start, end = np.array(w['start']), np.array(w['end'])
+def s_curve(start, end, amplitude, heights):
+    """An S seen from above, at these heights."""
+    start, end = np.array(start), np.array(end)
     run = end - start
     across = np.array([-run[1], run[0]]) / np.linalg.norm(run)
     points = []
-    for s in np.linspace(0.0, 1.0, count):
-        height = w['height'] * (1.0 - (2.0 * s - 1.0) ** 8)
-        p = start + s * run + w['amplitude'] * np.sin(2.0 * np.pi * s) * across
-        points.append((p[0], mirror * p[1], height))
+    for s, height in zip(np.linspace(0.0, 1.0, len(heights)), heights):
+        p = start + s * run + amplitude * np.sin(2.0 * np.pi * s) * across
+        points.append((p[0], p[1], height))
     return np.array(points)
+
+
+def wire_path(start, end, amplitude, height, count):
+    """Middle line of an S-wire: up from its far foot, an S seen from above, down to its near foot."""
+    heights = [height * (1.0 - (2.0 * s - 1.0) ** 8) for s in np.linspace(0.0, 1.0, count)]
+    return s_curve(start, end, amplitude, heights)
+
+
+def rail_path(start, end, amplitude, height, count):
+    """The same, but it ends in the air, at its full height."""
+    heights = [height * (1.0 - max(0.0, 1.0 - 2.0 * s) ** 8) for s in np.linspace(0.0, 1.0, count)]
+    return s_curve(start, end, amplitude, heights)
 
 
 def by_length(points, count):
@@ -59,9 +65,9 @@ def by_length(points, count):
     return np.column_stack([np.interp(at, lengths, points[:, i]) for i in range(3)])
 
 
-def ring_path(d, count_side, corner):
+def ring_path(ring, count_side, corner):
     """Middle line of the square ring with rounded corners, about its own centre."""
-    h = d['ring']['side'] / 2 - corner
+    h = ring['side'] / 2 - corner
     points = []
     for k, (cx, cy) in enumerate(((h, h), (-h, h), (-h, -h), (h, -h))):
         for a in np.linspace(0, np.pi / 2, count_side):
@@ -70,40 +76,40 @@ def ring_path(d, count_side, corner):
     return np.array(points)
 
 
-def meshes(d):
-    o, plate, t, ring = d['dome'], d['plate'], d['towers'], d['ring']
-    out = {
-        'table': m.box((plate['table_length'], plate['table_width'], plate['table_thickness']), 0.003),
-        'plate': m.cylinder(plate['radius'], -plate['thickness'], 0.0, 64, 0.0015),
-        'dome_wall': m.tube_ring(o['outer_radius'] - o['thickness'], o['outer_radius'], 0.0, o['wall_height'], 64),
-        'tower': m.lathe([(t['foot_radius'], 0.0), (t['foot_radius'], 0.002), (t['radius'] + 0.001, 0.0035),
-                          (t['radius'], 0.006), (t['radius'], t['height'] - t['radius']),
-                          (0.87 * t['radius'], t['height'] - 0.5 * t['radius']),
-                          (0.5 * t['radius'], t['height'] - 0.13 * t['radius']), (0.0, t['height'])], 24),
-        'ring': m.sweep(ring_path(d, 5, 0.0035), ring['bar_radius'], 12, closed=True),
-        'stand': stand_mesh(d),
-    }
-    for side, mirror in (('left', 1.0), ('right', -1.0)):
-        path = by_length(wire_path(d, mirror, 400), 48)
-        feet = m.Mesh()
-        for x, y, _ in (path[0], path[-1]):
-            feet += m.cylinder(0.004, 0.0, 0.002, 16, 0.0005).moved((x, y, 0))
-        out['wire_' + side] = m.sweep(path, d['wires']['radius'], 8) + feet
-    out.update(lid_meshes(d))
-    return out
+def tower_mesh(t, scale=1.0):
+    """`scale`: of the steps of its foot."""
+    return m.lathe([(t['foot_radius'], 0.0), (t['foot_radius'], 0.002 * scale),
+                    (min(t['radius'] + 0.001 * scale, t['foot_radius']), 0.0035 * scale), (t['radius'], 0.006 * scale),
+                    (t['radius'], t['height'] - t['radius']), (0.87 * t['radius'], t['height'] - 0.5 * t['radius']),
+                    (0.5 * t['radius'], t['height'] - 0.13 * t['radius']), (0.0, t['height'])], 24)
 
 
-def stand_boxes(d):
-    r = d['ring']
+def strand_mesh(path, radius, knob_radius=None):
+    """A wire on its feet; or one whose far end is a knob in the air."""
+    path = by_length(path, 48)
+    ends = m.Mesh()
+    for x, y, _ in (path[0],) if knob_radius else (path[0], path[-1]):
+        ends += m.cylinder(0.004, 0.0, 0.002, 16, 0.0005).moved((x, y, 0))
+    if knob_radius:
+        ends += ball(knob_radius).moved(path[-1])
+    return m.sweep(path, radius, 8) + ends
+
+
+def ball(radius, segments=16):
+    angles = np.linspace(-np.pi / 2, np.pi / 2, segments // 2 + 1)
+    return m.lathe([(radius * np.cos(a), radius * np.sin(a)) for a in angles], segments)
+
+
+def stand_boxes(r):
     long, w, top = r['side'] / 2 + r['bar_radius'], r['stand_width'] / 2, r['stand_height']
     p = r['peg_width'] / 2
     return [((-long, -w, 0.0), (long, w, top)), ((-w, -long, 0.0), (w, long, top)),
             ((-p, -p, 0.0), (p, p, top + r['peg_height']))]
 
 
-def stand_mesh(d):
+def stand_mesh(r):
     body = m.cylinder(0.016, 0.0, 0.0015, 32)
-    for low, high in stand_boxes(d):
+    for low, high in stand_boxes(r):
         body += m.box_between(low, high)
     return body
 
@@ -148,47 +154,34 @@ def lid_panels(d, rings=6, sectors=12):
     return out
 
 
-def ring_shapes(d):
+def ring_shapes(ring):
     """One capsule a side and one across each corner."""
-    h, corner, r = d['ring']['side'] / 2, 0.0035, d['ring']['bar_radius']
+    h, corner, r = ring['side'] / 2, 0.0035, ring['bar_radius']
     e = h - corner
     sides = [((h, -e, 0), (h, e, 0)), ((e, h, 0), (-e, h, 0)), ((-h, e, 0), (-h, -e, 0)), ((-e, -h, 0), (e, -h, 0))]
     corners = [(sides[k][1], sides[(k + 1) % 4][0]) for k in range(4)]
     return [u.capsule(a, b, r) for a, b in sides + corners]
 
 
-def tower_shapes(d):
-    t = d['towers']
+def circle(radius, count):
+    angles = 2 * np.pi * np.arange(count) / count
+    return np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.zeros(count)])
+
+
+def round_ring_mesh(ring):
+    return m.sweep(circle(ring['radius'], 36), ring['bar_radius'], 12, closed=True)
+
+
+CAPSULES = 12  # of a round ring: their ends lie on its circle, their middles 3.4 % of the radius inside
+
+
+def round_ring_shapes(ring):
+    points = circle(ring['radius'], CAPSULES)
+    return [u.capsule(points[k], points[(k + 1) % CAPSULES], ring['bar_radius']) for k in range(CAPSULES)]
+
+
+def tower_shapes(t):
     r, f = t['radius'], t['foot_radius']
     corners = f * np.array([[0.924, 0.383], [0.707, 0.707], [0.383, 0.924]])  # three boxes in the foot's circle
     foot = [u.box_shape_between((-x, -y, 0), (x, y, 0.003)) for x, y in corners]
     return [u.capsule((0, 0, r), (0, 0, t['height'] - r), r)] + foot
-
-
-def document(d, built):
-    plate, ring = d['plate'], d['ring']
-    doc = u.Document('frs_trainer', MATERIALS)
-    doc.link('world')
-
-    def fixed(name, looks, shapes, position=(0, 0, 0)):
-        doc.link(name, None, looks, shapes)
-        doc.joint(name + '_joint', 'fixed', 'world', name, position)
-
-    size = (plate['table_length'], plate['table_width'], plate['table_thickness'])
-    fixed('table', [u.Visual('table', 'table_top')], [u.box_shape(size, (0, 0, 0))],
-          (0, 0, -plate['thickness'] - plate['table_thickness'] / 2))
-    edge = 2 * plate['radius']
-    fixed('base_plate', [u.Visual('plate', 'plate')], [u.box_shape((edge, edge, 0.020), (0, 0, -0.010))])
-    fixed('dome_wall', [u.Visual('dome_wall', 'skin')], wall_panels(d))
-    fixed('dome_lid', [u.Visual('lid_skin', 'skin'), u.Visual('lid_inside', 'flesh')], lid_panels(d))
-    for name, material in TOWERS.items():
-        fixed('tower_' + name, [u.Visual('tower', material)], tower_shapes(d), (*d['towers'][name], 0.0))
-    for side, mirror in (('left', 1.0), ('right', -1.0)):
-        path = by_length(wire_path(d, mirror, 400), 15)
-        fixed('wire_' + side, [u.Visual('wire_' + side, 'wire')], u.capsule_chain(path, d['wires']['radius']))
-    fixed('ring_stand', [u.Visual('stand', 'stand')], [u.box_shape_between(a, b) for a, b in stand_boxes(d)],
-          (*ring['position'], 0.0))
-    doc.link('ring', m.mass_properties(built['ring'], d['inertia']['plastic_density']), [u.Visual('ring', 'ring_red')],
-             ring_shapes(d))
-    doc.joint('ring_joint', 'floating', 'world', 'ring', (*ring['position'], ring['stand_height'] + ring['bar_radius']))
-    return doc.text()

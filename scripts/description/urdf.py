@@ -32,6 +32,9 @@ def short_rpy(rotation):
     return np.round(rpy(rotation), 9) + 0.0
 
 
+MARK = '<!-- Written by scripts/generate_description '
+
+
 class Shape:
     """A collision primitive in its link."""
 
@@ -72,7 +75,7 @@ class Document:
 
     def __init__(self, name, materials):
         self.lines = ['<?xml version="1.0"?>',
-                      '<!-- Written by scripts/generate_description from meshes/dimensions.yaml and config/arms.yaml. -->',
+                      MARK + 'from meshes/dimensions.yaml and config/arms.yaml. -->',
                       f'<robot name="{name}">']
         for material, colour in materials.items():
             self.lines.append(f'  <material name="{material}"><color rgba="{numbers(colour)}"/></material>')

@@ -63,6 +63,17 @@ double toNumber(const YAML::Node& node, const std::string& where, double low, do
   return value;
 }
 
+template <typename Array>
+Array toNumbers(const YAML::Node& node, const std::string& where, double low, double high) {
+  Array values{};
+  if (!node.IsSequence() || node.size() != values.size()) {
+    throw ConfigException(where + " is not a list of " + std::to_string(values.size()) + " numbers");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = toNumber(node[i], where + "[" + std::to_string(i) + "]", low, high);
+  return values;
+}
+
 }  // namespace
 
 Section::Section(const YAML::Node& node, std::string file, std::string path)
@@ -182,15 +193,7 @@ std::vector<std::string> Section::texts(const std::string& key) {
 
 template <typename Array>
 Array Section::numbers(const std::string& key, double low, double high) {
-  const YAML::Node node = find(key);
-  Array values{};
-  if (!node.IsSequence() || node.size() != values.size()) {
-    throw ConfigException(where(key) + " is not a list of " + std::to_string(values.size()) + " numbers");
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = toNumber(node[i], where(key) + "[" + std::to_string(i) + "]", low, high);
-  }
-  return values;
+  return toNumbers<Array>(find(key), where(key), low, high);
 }
 
 Vec3 Section::vec3(const std::string& key, double low, double high) {
@@ -199,6 +202,22 @@ Vec3 Section::vec3(const std::string& key, double low, double high) {
 
 JointArray Section::joints(const std::string& key, double low, double high) {
   return numbers<JointArray>(key, low, high);
+}
+
+std::vector<Vec3> Section::points(const std::string& key,
+                                  std::size_t least,
+                                  std::size_t most,
+                                  double low,
+                                  double high) {
+  const YAML::Node node = find(key);
+  if (!node.IsSequence() || node.size() < least || node.size() > most) {
+    throw ConfigException(where(key) + " is not a list of " + std::to_string(least) + " to " + std::to_string(most) +
+                          " points");
+  }
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < node.size(); ++i)
+    points.push_back(toNumbers<Vec3>(node[i], where(key) + "[" + std::to_string(i) + "]", low, high));
+  return points;
 }
 
 std::size_t Section::choiceOf(const std::string& key, const std::vector<std::string>& names) {

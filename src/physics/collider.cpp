@@ -89,7 +89,8 @@ bool Collider::overlap(const Bounds& a, const Bounds& b) noexcept {
 }
 
 bool Collider::mayMeet(const Group& a, const Group& b) noexcept {
-  if (a.id == b.id || (a.body == nullptr && b.body == nullptr)) return false;
+  const auto stays = [](const Group& group) { return group.body == nullptr && group.loose_body == nullptr; };
+  if (a.id == b.id || (stays(a) && stays(b))) return false;
   return a.arm < 0 || a.arm != b.arm;
 }
 
@@ -107,21 +108,32 @@ void Collider::updateBounds(Group* group) noexcept {
   }
 }
 
-void Collider::addGroup(Group group, const model::Link& link, const Pose& X_OL, const Vector3& com) {
+std::vector<Collider::Shape> Collider::createShapes(const model::Link& link,
+                                                    const Pose& X_OL,
+                                                    const Vector3& com,
+                                                    dBodyID body) {
+  std::vector<Shape> shapes;
   for (const model::CollisionShape& shape : link.collisions) {
     Pose X_OS = X_OL * shape.X_LS;
     X_OS.p -= com;
-    Geom geom = createGeom(shape, X_OS, group.body);
-    if (geom) group.shapes.push_back({std::move(geom), {}});
+    Geom geom = createGeom(shape, X_OS, body);
+    if (geom) shapes.push_back({std::move(geom), {}});
   }
+  return shapes;
+}
+
+void Collider::addGroup(Group group, const model::Link& link, const Pose& X_OL, const Vector3& com) {
+  group.shapes = createShapes(link, X_OL, com, group.body);
   if (group.shapes.empty()) return;
   updateBounds(&group);
   groups_.push_back(std::make_unique<Group>(std::move(group)));
   Group* added = groups_.back().get();
   by_id_.resize(std::max(by_id_.size(), static_cast<std::size_t>(added->id) + 1));
   by_id_[static_cast<std::size_t>(added->id)] = added;
-  for (const Shape& shape : added->shapes)
-    dGeomSetData(shape.geom.get(), added);
+  for (const std::vector<Shape>* shapes : {&added->shapes, &added->loose_shapes}) {
+    for (const Shape& shape : *shapes)
+      dGeomSetData(shape.geom.get(), added);
+  }
   for (const std::unique_ptr<Group>& other : groups_) {
     if (mayMeet(*other, *added)) pairs_.emplace_back(other.get(), added);
   }
@@ -135,15 +147,46 @@ void Collider::addArmLink(Arm arm,
                           const Pose& X_OL,
                           const Vector3& com) {
   const bool is_jaw = joint == kGrasp1 || joint == kGrasp2;
-  addGroup({id, static_cast<int>(index(arm)), is_jaw, body, {}, {}}, link, X_OL, com);
+  Group group;
+  group.id = id;
+  group.arm = static_cast<int>(index(arm));
+  group.is_jaw = is_jaw;
+  group.body = body;
+  addGroup(std::move(group), link, X_OL, com);
 }
 
 void Collider::addFreeLink(int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com) {
-  addGroup({id, -1, false, body, {}, {}}, link, X_OL, com);
+  Group group;
+  group.id = id;
+  group.body = body;
+  addGroup(std::move(group), link, X_OL, com);
 }
 
 void Collider::addFixedLink(int id, const model::Link& link, const Pose& X_WL) {
-  addGroup({id, -1, false, nullptr, {}, {}}, link, X_WL, Vector3::Zero());
+  Group group;
+  group.id = id;
+  addGroup(std::move(group), link, X_WL, Vector3::Zero());
+}
+
+void Collider::addBreakableLink(int id, dBodyID body, const model::Link& link, const Pose& X_WL, const Vector3& com) {
+  Group group;
+  group.id = id;
+  group.loose_body = body;
+  group.loose_shapes = createShapes(link, Pose{}, com, body);
+  addGroup(std::move(group), link, X_WL, Vector3::Zero());
+}
+
+Collider::Group* Collider::find(int id) const noexcept {
+  const auto at = static_cast<std::size_t>(id);
+  return at < by_id_.size() ? by_id_[at] : nullptr;
+}
+
+void Collider::setHeld(int id, bool held) noexcept {
+  Group* group = find(id);
+  if (group == nullptr || group->loose_body == nullptr || held == (group->body == nullptr)) return;
+  std::swap(group->shapes, group->loose_shapes);
+  group->body = held ? nullptr : group->loose_body;
+  updateBounds(group);
 }
 
 bool Collider::isEnabled(const Group& group) const noexcept {
@@ -154,9 +197,13 @@ void Collider::createContacts() {
   found_.clear();
   forces_.clear();
   for (const std::unique_ptr<Group>& group : groups_) {
-    if (group->body != nullptr) updateBounds(group.get());
+    if (moves(*group)) updateBounds(group.get());
   }
+  while (wakeOnce()) {
+  }
+  parked_.show();
   for (const auto& [a, b] : pairs_) {
+    if (!moves(*a) && !moves(*b)) continue;
     if (overlap(a->bounds, b->bounds) && isEnabled(*a) && isEnabled(*b)) collide(*a, *b);
   }
   found_.reduce();
@@ -166,6 +213,117 @@ void Collider::createContacts() {
   std::sort(order_.begin(), order_.begin() + count, isBefore);
   for (std::size_t i = 0; i < count; ++i)
     createJoints(*order_[i]);
+}
+
+/** By the boxes of single shapes: an arm's shaft lies across half of the scene. */
+bool Collider::isNear(const Group& a, const Group& b) const noexcept {
+  if (!overlap(a.bounds, b.bounds) || !isEnabled(a) || !isEnabled(b)) return false;
+  for (const Shape& shape_a : a.shapes) {
+    if (!overlap(shape_a.bounds, b.bounds)) continue;
+    for (const Shape& shape_b : b.shapes) {
+      if (overlap(shape_a.bounds, shape_b.bounds)) return true;
+    }
+  }
+  return false;
+}
+
+/** Wakes what something that moves is near. @return whether there was any: it may be near others */
+bool Collider::wakeOnce() noexcept {
+  bool any = false;
+  if (parked_count_ == 0) return any;
+  for (const auto& [a, b] : pairs_) {
+    if (a->parked == b->parked || !(moves(*a) || moves(*b)) || !isNear(*a, *b)) continue;
+    setParked(a->parked ? a->id : b->id, false);
+    any = true;
+  }
+  return any;
+}
+
+/** Of the drowsy bodies, takes out those that something is near that moves and is not drowsy. */
+bool Collider::rouseOnce() noexcept {
+  bool any = false;
+  for (const auto& [a, b] : pairs_) {
+    if (a->drowsy == b->drowsy || !moves(*a) || !moves(*b) || !isNear(*a, *b)) continue;
+    setDrowsy(a->drowsy ? a->id : b->id, false);
+    any = true;
+  }
+  return any;
+}
+
+void Collider::setDrowsy(int id, bool drowsy) noexcept {
+  for (const std::unique_ptr<Group>& group : groups_) {
+    if (group->id == id) group->drowsy = drowsy;
+  }
+}
+
+void Collider::park(const int* ids, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i)
+    setDrowsy(ids[i], true);
+  while (rouseOnce()) {
+  }
+  forces_.forEach([this](const Contact& contact) {
+    if (find(contact.a)->drowsy || find(contact.b)->drowsy) parked_.add(contact);
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    const Group* group = find(ids[i]);
+    if (group != nullptr && group->drowsy) setParked(ids[i], true);
+    setDrowsy(ids[i], false);
+  }
+}
+
+bool Collider::isParked(int id) const noexcept {
+  const Group* group = find(id);
+  return group != nullptr && group->parked;
+}
+
+void Collider::setParked(int id, bool parked) noexcept {
+  const Group* first = find(id);
+  if (first == nullptr || first->parked == parked) return;
+  const dBodyID body = first->body;
+  if (parked) {
+    ++parked_count_;
+    dBodySetLinearVel(body, 0.0, 0.0, 0.0);
+    dBodySetAngularVel(body, 0.0, 0.0, 0.0);
+    dBodyDisable(body);
+  } else {
+    --parked_count_;
+    dBodyEnable(body);
+    parked_.remove(id);
+  }
+  for (const std::unique_ptr<Group>& group : groups_) {
+    if (group->id != id) continue;
+    group->parked = parked;
+    updateBounds(group.get());
+  }
+}
+
+Wrench Collider::wrenchOn(int id, const Vector3& point_W) const noexcept {
+  Wrench sum;
+  const auto add = [&](const Contact& contact) {
+    if (contact.a != id && contact.b != id) return;
+    const Vector3 force = contact.a == id ? toEigen(contact.f_W) : Vector3(-toEigen(contact.f_W));
+    sum.force += force;
+    sum.moment += (toEigen(contact.p_W) - point_W).cross(force);
+  };
+  forces_.forEach(add);
+  parked_.forEach(add);
+  return sum;
+}
+
+void Collider::report(ContactList* list) const noexcept {
+  forces_.report(found_.unseen(), list);
+  parked_.report(list);
+}
+
+void Collider::save(SceneSnapshot* snapshot) const noexcept {
+  forces_.save(snapshot);
+  parked_.save(snapshot);
+}
+
+void Collider::restore(const SceneSnapshot& snapshot) noexcept {
+  found_.clear();
+  forces_.restore(snapshot);
+  parked_.restore(snapshot);
 }
 
 void Collider::collide(const Group& a, const Group& b) {
@@ -214,8 +372,8 @@ void Collider::readForces() noexcept {
   forces_.read();
   counts_ = {};
   obstructed_ = {};
-  forces_.forEach([this](std::size_t a, std::size_t b) {
-    const Group &first = *by_id_[a], &second = *by_id_[b];
+  forces_.forEach([this](const Contact& contact) {
+    const Group &first = *find(contact.a), &second = *find(contact.b);
     const bool gives_way = (first.arm < 0 && first.body != nullptr) || (second.arm < 0 && second.body != nullptr);
     for (const Group* group : {&first, &second}) {
       if (group->arm < 0) continue;
@@ -229,6 +387,7 @@ void Collider::readForces() noexcept {
 void Collider::forget() noexcept {
   found_.clear();
   forces_.clear();
+  parked_.clear();
   counts_ = {};
   obstructed_ = {};
 }

@@ -10,11 +10,18 @@
 #include "physics/contact_forces.h"
 #include "physics/contact_set.h"
 #include "physics/ode_handles.h"
+#include "physics/parked_contacts.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::physics {
+
+/** Sum of contact forces on a body. */
+struct Wrench {
+  Vector3 force{0, 0, 0};   ///< [N] in W
+  Vector3 moment{0, 0, 0};  ///< [Nm] about a point, in W
+};
 
 /**
  * The shapes of arms and scene, and the contact joints of each step.
@@ -39,6 +46,9 @@ class Collider {
   addArmLink(Arm arm, Joint joint, int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com);
   void addFreeLink(int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com);
   void addFixedLink(int id, const model::Link& link, const Pose& X_WL);
+  /** A link that is fixed until setHeld() lets it go: it has two sets of shapes, one that stands and one on `body`. */
+  void addBreakableLink(int id, dBodyID body, const model::Link& link, const Pose& X_WL, const Vector3& com);
+  void setHeld(int id, bool held) noexcept;
 
   void setCollisions(Arm arm, bool enabled) noexcept { at(enabled_, arm) = enabled; }
   bool collisions(Arm arm) const noexcept { return at(enabled_, arm); }
@@ -50,11 +60,27 @@ class Collider {
   /** Removes the joints of createContacts(). */
   void removeContacts() noexcept { dJointGroupEmpty(joints_.get()); }
 
+  /**
+   * Bodies at rest are parked: disabled, and not met with what stands still. Of `ids` those are that nothing comes near
+   * that moves and is none of them. createContacts() wakes a parked body first if the boxes of something that moves
+   * overlap its own, so that from then on everything is as if it had never been parked.
+   */
+  void park(const int* ids, std::size_t count) noexcept;
+  bool isParked(int id) const noexcept;
+
+  /** Of the contacts of the last step on a body, about a point of W. */
+  Wrench wrenchOn(int id, const Vector3& point_W) const noexcept;
+
   std::uint32_t contacts(Arm arm) const noexcept { return at(counts_, arm); }
   /** Something that does not give way touches the arm: the fixed scene, or the other arm. */
   bool isObstructed(Arm arm) const noexcept { return at(obstructed_, arm); }
   /** Contacts of the last step; the tick is left alone. */
-  void report(ContactList* list) const noexcept { forces_.report(found_.unseen(), list); }
+  void report(ContactList* list) const noexcept;
+
+  /** Of a scene's state what is kept here; poses and velocities are the bodies'. Before restore(), setHeld(). */
+  void save(SceneSnapshot* snapshot) const noexcept;
+  void restore(const SceneSnapshot& snapshot) noexcept;
+  void setParked(int id, bool parked) noexcept;
   /** Nothing is touched: of a world that no longer moves. */
   void forget() noexcept;
 
@@ -74,14 +100,26 @@ class Collider {
     dBodyID body{nullptr};  // null: fixed
     std::vector<Shape> shapes;
     Bounds bounds{};
+    dBodyID loose_body{nullptr};      // that a breakable link becomes
+    std::vector<Shape> loose_shapes;  // and its shapes; once it is off, those that stood
+    bool parked{false};
+    bool drowsy{false};  // park() looks at it
   };
 
   static bool overlap(const Bounds& a, const Bounds& b) noexcept;
   static bool mayMeet(const Group& a, const Group& b) noexcept;
+  static bool moves(const Group& group) noexcept { return group.body != nullptr && !group.parked; }
+  bool isNear(const Group& a, const Group& b) const noexcept;
+  void setDrowsy(int id, bool drowsy) noexcept;
+  bool wakeOnce() noexcept;
+  bool rouseOnce() noexcept;
+  std::vector<Shape> createShapes(const model::Link& link, const Pose& X_OL, const Vector3& com, dBodyID body);
   static void updateBounds(Group* group) noexcept;
   void addGroup(Group group, const model::Link& link, const Pose& X_OL, const Vector3& com);
   bool isEnabled(const Group& group) const noexcept;
   static const Group& groupOf(dGeomID geom) noexcept;
+  /** Null for a body without shapes. */
+  Group* find(int id) const noexcept;
   void collide(const Group& a, const Group& b);
   void collide(dGeomID a, dGeomID b);
   void createJoints(const ContactSet::Pair& pair);
@@ -96,10 +134,12 @@ class Collider {
   PerArm<bool> enabled_{};
   PerArm<std::uint32_t> counts_{};  // of the last step
   PerArm<bool> obstructed_{};
-  std::vector<const Group*> by_id_;  // one group of each body
+  std::vector<Group*> by_id_;  // one group of each body
   ContactSet found_;
   std::array<const ContactSet::Pair*, ContactSet::kMaxPairs> order_{};
   ContactForces forces_;
+  ParkedContacts parked_;
+  std::size_t parked_count_{0};  // bodies
 };
 
 }  // namespace raven2_trainer::physics

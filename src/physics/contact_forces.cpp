@@ -49,6 +49,17 @@ void ContactForces::read() noexcept {
   }
 }
 
+void ContactForces::save(SceneSnapshot* snapshot) const noexcept {
+  snapshot->pair_count = static_cast<std::uint32_t>(pairs_.count);
+  std::copy_n(pairs_.list.begin(), pairs_.count, snapshot->pairs.begin());
+}
+
+void ContactForces::restore(const SceneSnapshot& snapshot) noexcept {
+  pairs_.count = std::min<std::size_t>(snapshot.pair_count, pairs_.list.size());
+  std::copy_n(snapshot.pairs.begin(), pairs_.count, pairs_.list.begin());
+  count_ = 0;
+}
+
 void ContactForces::report(std::uint32_t unseen, ContactList* list) const noexcept {
   *list = ContactList{};
   list->dropped = unseen;

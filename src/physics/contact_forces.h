@@ -7,6 +7,7 @@
 
 #include "physics/contact_set.h"
 #include "raven2_trainer/core/contact.h"
+#include "raven2_trainer/physics/scene_snapshot.h"
 
 namespace raven2_trainer::physics {
 
@@ -36,13 +37,17 @@ class ContactForces {
   /** Contacts with a force or an overlap; a joint across a gap that did not close is none. `unseen`: points that had no
    *  room before they came here. */
   void report(std::uint32_t unseen, ContactList* list) const noexcept;
-  /** Calls use(a, b) for each of those. */
+  /** Calls use(contact) for each of those. */
   template <typename Use>
   void forEach(const Use& use) const {
     for (std::size_t i = 0; i < count_; ++i) {
-      if (acts(records_[i])) use(records_[i].contact.a, records_[i].contact.b);
+      if (acts(records_[i])) use(records_[i].contact);
     }
   }
+
+  /** What the next step's friction depends on. */
+  void save(SceneSnapshot* snapshot) const noexcept;
+  void restore(const SceneSnapshot& snapshot) noexcept;
 
  private:
   struct Record {
@@ -53,10 +58,7 @@ class ContactForces {
   static bool acts(const Record& record) noexcept {
     return record.contact.depth > 0.0F || record.contact.f_W != Vec3{};
   }
-  struct Pair {
-    int a{}, b{};
-    double normal{};  // [N]
-  };
+  using Pair = SceneSnapshot::Pair;
   /** The pairs of one step. */
   struct Pairs {
     std::array<Pair, ContactSet::kMaxPairs> list{};

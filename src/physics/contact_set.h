@@ -6,6 +6,8 @@
 
 #include <ode/ode.h>
 
+#include "raven2_trainer/physics/scene_snapshot.h"
+
 namespace raven2_trainer::physics {
 
 /**
@@ -17,7 +19,7 @@ namespace raven2_trainer::physics {
  */
 class ContactSet {
  public:
-  static constexpr std::size_t kMaxPairs = 48;
+  static constexpr std::size_t kMaxPairs = kMaxContactPairs;
   static constexpr std::size_t kMaxCandidates = 32;  // a pair
   static constexpr std::size_t kMaxKept = 4;         // a pair
 

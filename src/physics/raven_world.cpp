@@ -13,6 +13,7 @@
 #include "physics/ode_maths.h"
 #include "physics/ode_world.h"
 #include "physics/rigid_links.h"
+#include "physics/scene_body.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
@@ -50,22 +51,6 @@ void checkShapes(const model::Description& description, const model::Link& link)
                        " collides by a mesh only, expected at least one box, cylinder or sphere");
 }
 
-/** A body of the scene that no joint holds. */
-struct FreeBody {
-  dBodyID body{nullptr};
-  Vector3 com{0, 0, 0};
-  Pose X_WL;       ///< last finite pose of the link
-  std::size_t id;  ///< by which the collider reports it
-
-  void move(const Vector3& shift, const Vector3& turn) noexcept {
-    const Pose X_WC = bodyPose(body);
-    const Quaternion small(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z());
-    const Pose moved{small.normalized().toRotationMatrix() * X_WC.R, X_WC.p + shift};
-    setBodyPose(body, moved);
-    X_WL = {moved.R, moved.p - moved.R * com};
-  }
-};
-
 }  // namespace
 
 struct RavenWorld::Impl {
@@ -75,7 +60,13 @@ struct RavenWorld::Impl {
   void addArmShapes(const model::RavenModel& raven);
   void addJawStops(const model::RavenModel& raven, const ModelConfig& config);
   void addScene(const model::SceneModel& scene);
+  void addFixed(const model::SceneModel& scene, std::size_t link);
   void addFreeBody(const model::SceneModel& scene, int link);
+  void addBreakables(const model::SceneModel& scene);
+  void breakOff() noexcept;
+  void setHeld(FreeBody* part, bool held) noexcept;
+  void parkBodies() noexcept;
+  void restoreBodyAt(std::size_t index, const SceneSnapshot::Body& in) noexcept;
   void step(const PerArm<JointArray>& tau);
   bool subStep(const PerArm<JointArray>& tau);
   bool measure() noexcept;
@@ -89,7 +80,10 @@ struct RavenWorld::Impl {
   PerArm<ArmBodies> arms;
   Collider collider;
   std::vector<JawStop> jaw_stops;
-  std::vector<FreeBody> bodies;
+  std::vector<FreeBody> bodies;      // free ones, then breakables
+  std::vector<Foot> feet;            // of the breakables
+  std::vector<FreeBody> held_parts;  // during set-up
+  bool parking{false};
   ContactList list{};
   std::vector<std::string> names;  // of bodies, by the numbers the collider reports
   bool healthy{true};
@@ -144,21 +138,61 @@ void RavenWorld::Impl::addScene(const model::SceneModel& scene) {
   for (std::size_t i = 0; i < scene_carriers.size(); ++i) {
     const int carrier = scene_carriers[i].link;
     if (carrier < 0) {
-      checkShapes(scene.description, scene.description.links[i]);
-      collider.addFixedLink(newId(scene.description, static_cast<int>(i)), scene.description.links[i],
-                            scene.X_WL.at(i));
+      addFixed(scene, i);
     } else if (std::count(scene.free_bodies.begin(), scene.free_bodies.end(), carrier) == 0) {
       const model::Link& link = scene.description.links[i];
       throw ModelException(scene.description.file + ":" + std::to_string(link.line) + ": link " + link.name +
                            " is neither fixed nor a free body");
     }
   }
-  if (scene.free_bodies.size() > kMaxSceneBodies) {
-    throw ModelException(scene.description.file + ": " + std::to_string(scene.free_bodies.size()) +
-                         " free bodies, at most " + std::to_string(kMaxSceneBodies));
+  const std::size_t count = scene.movingBodies().size();
+  if (count > kMaxSceneBodies) {
+    throw ModelException(scene.description.file + ": " + std::to_string(count) + " bodies that can move, at most " +
+                         std::to_string(kMaxSceneBodies));
   }
   for (const int link : scene.free_bodies)
     addFreeBody(scene, link);
+  addBreakables(scene);
+  parking = scene.parking;
+}
+
+/** Breakables get their number here too, among their neighbours: until one breaks off, nothing tells it from the rest.
+ */
+void RavenWorld::Impl::addFixed(const model::SceneModel& scene, std::size_t link) {
+  const model::Link& part = scene.description.links[link];
+  checkShapes(scene.description, part);
+  const int id = newId(scene.description, static_cast<int>(link));
+  const auto& breakables = scene.breakables;
+  const auto found = std::find_if(breakables.begin(), breakables.end(), [link](const model::Breakable& breakable) {
+    return breakable.link == static_cast<int>(link);
+  });
+  if (found == breakables.end()) {
+    collider.addFixedLink(id, part, scene.X_WL.at(link));
+    return;
+  }
+  std::vector<Carrier> alone(scene.description.links.size());
+  alone[link].link = static_cast<int>(link);
+  const model::Inertial inertial = combinedInertial(scene.description, alone, static_cast<int>(link));
+  const Pose& X_WL = scene.X_WL.at(link);
+  FreeBody body{createBody(world.get(), inertial), inertial.com, X_WL, static_cast<std::size_t>(id), X_WL};
+  setBodyPose(body.body, {X_WL.R, X_WL * inertial.com});
+  dBodyDisable(body.body);
+  body.held = true;
+  held_parts.push_back(body);
+  collider.addBreakableLink(id, body.body, part, X_WL, inertial.com);
+}
+
+/** In the order of the scene's list, not of its links. */
+void RavenWorld::Impl::addBreakables(const model::SceneModel& scene) {
+  for (const model::Breakable& breakable : scene.breakables) {
+    const std::string& name = scene.description.links.at(static_cast<std::size_t>(breakable.link)).name;
+    const auto part = std::find_if(held_parts.begin(), held_parts.end(),
+                                   [&](const FreeBody& body) { return names[body.id] == name; });
+    if (part == held_parts.end()) throw ModelException(scene.description.file + ": link " + name + " is not fixed");
+    feet.push_back({bodies.size(), breakable.force, breakable.moment, breakable.ticks});
+    bodies.push_back(*part);
+  }
+  held_parts.clear();
 }
 
 void RavenWorld::Impl::addFreeBody(const model::SceneModel& scene, int link) {
@@ -166,7 +200,7 @@ void RavenWorld::Impl::addFreeBody(const model::SceneModel& scene, int link) {
   const model::Inertial inertial = combinedInertial(scene.description, scene_carriers, link);
   const Pose& X_WL = scene.X_WL.at(static_cast<std::size_t>(link));
   const int id = newId(scene.description, link);
-  const FreeBody free{createBody(world.get(), inertial), inertial.com, X_WL, static_cast<std::size_t>(id)};
+  const FreeBody free{createBody(world.get(), inertial), inertial.com, X_WL, static_cast<std::size_t>(id), X_WL};
   setBodyPose(free.body, {X_WL.R, X_WL * inertial.com});
   bodies.push_back(free);
   for (std::size_t i = 0; i < scene_carriers.size(); ++i) {
@@ -183,7 +217,48 @@ void RavenWorld::Impl::step(const PerArm<JointArray>& tau) {
   for (int i = 0; i < sub_steps && finite; ++i)
     finite = subStep(tau);
   collider.removeContacts();
-  if (!finite) freeze();
+  if (!finite) {
+    freeze();
+    return;
+  }
+  breakOff();
+  if (parking) parkBodies();
+}
+
+/** By the forces of the last sub-step, as the contact list has them. */
+void RavenWorld::Impl::breakOff() noexcept {
+  for (Foot& foot : feet) {
+    FreeBody& part = bodies[foot.body];
+    if (!part.held) continue;
+    const Wrench wrench = collider.wrenchOn(static_cast<int>(part.id), part.X_WL.p);
+    const bool exceeded = wrench.force.norm() > foot.force || wrench.moment.norm() > foot.moment;
+    foot.over = exceeded ? foot.over + 1 : 0;
+    if (foot.over >= foot.ticks) setHeld(&part, false);
+  }
+}
+
+void RavenWorld::Impl::setHeld(FreeBody* part, bool held) noexcept {
+  part->held = held;
+  part->still = 0;
+  collider.setHeld(static_cast<int>(part->id), held);
+  if (held) {
+    dBodyDisable(part->body);
+    part->X_WL = part->X_WL_start;
+  } else {
+    dBodyEnable(part->body);
+  }
+}
+
+void RavenWorld::Impl::parkBodies() noexcept {
+  std::array<int, kMaxSceneBodies> resting{};
+  std::size_t count = 0;
+  for (FreeBody& body : bodies) {
+    const auto id = static_cast<int>(body.id);
+    if (body.held || collider.isParked(id)) continue;
+    body.still = body.isSlow() ? std::min(body.still + 1, kRestTicks) : 0;
+    if (body.still == kRestTicks) resting[count++] = id;
+  }
+  if (count > 0) collider.park(resting.data(), count);
 }
 
 bool RavenWorld::Impl::subStep(const PerArm<JointArray>& tau) {
@@ -200,9 +275,9 @@ bool RavenWorld::Impl::subStep(const PerArm<JointArray>& tau) {
 
 bool RavenWorld::Impl::measure() noexcept {
   for (FreeBody& free : bodies) {
+    if (free.held) continue;
     if (!isFinite(dBodyGetPosition(free.body), 3) || !isFinite(dBodyGetQuaternion(free.body), 4)) return false;
-    const Pose X_WC = bodyPose(free.body);
-    free.X_WL = {X_WC.R, X_WC.p - X_WC.R * free.com};
+    free.readPose();
   }
   // Both arms, whatever the first one says: neither keeps an older state than the other.
   const bool gold = at(arms, Arm::kGold).advance(collider.contacts(Arm::kGold) > 0);
@@ -218,6 +293,7 @@ bool RavenWorld::Impl::measure() noexcept {
 void RavenWorld::Impl::carryFreeBodies() noexcept {
   collider.report(&list);
   for (FreeBody& free : bodies) {
+    if (free.held) continue;
     Vector3 shift = Vector3::Zero(), turn = Vector3::Zero();
     double weight = 0.0;
     for (std::size_t i = 0; i < list.count; ++i) {
@@ -242,6 +318,19 @@ void RavenWorld::Impl::freeze() noexcept {
     const JointArray q = arm.q();
     arm.setState(q, JointArray{});
   }
+}
+
+/** A parked body's boxes stay as they are, so it is woken first and parked where it shall be. */
+void RavenWorld::Impl::restoreBodyAt(std::size_t index, const SceneSnapshot::Body& in) noexcept {
+  FreeBody& body = bodies[index];
+  const auto id = static_cast<int>(body.id);
+  if (!body.held) collider.setParked(id, false);
+  body.restore(in);
+  if (body.held != (in.held != 0)) setHeld(&body, in.held != 0);
+  body.still = in.still;
+  if (body.held) return;
+  body.readPose();
+  collider.setParked(id, in.parked != 0);
 }
 
 RavenWorld::RavenWorld(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config)
@@ -300,6 +389,45 @@ void RavenWorld::bodyPoses(std::array<RigidPose, kMaxSceneBodies>* poses) const 
   poses->fill(RigidPose{});
   for (std::size_t i = 0; i < impl_->bodies.size(); ++i)
     (*poses)[i] = toArray(impl_->bodies[i].X_WL);
+}
+
+BrokenOff RavenWorld::brokenOff() const noexcept {
+  BrokenOff off;
+  for (std::size_t i = 0; i < impl_->feet.size(); ++i) {
+    if (!impl_->bodies[impl_->feet[i].body].held) off.mask = static_cast<std::uint16_t>(off.mask | 1U << i);
+  }
+  return off;
+}
+
+std::uint16_t RavenWorld::parked() const noexcept {
+  unsigned mask = 0;
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) {
+    if (impl_->collider.isParked(static_cast<int>(impl_->bodies[i].id))) mask |= 1U << i;
+  }
+  return static_cast<std::uint16_t>(mask);
+}
+
+void RavenWorld::saveScene(SceneSnapshot* snapshot) const noexcept {
+  *snapshot = SceneSnapshot{};
+  snapshot->body_count = static_cast<std::uint32_t>(impl_->bodies.size());
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) {
+    const FreeBody& body = impl_->bodies[i];
+    SceneSnapshot::Body& out = snapshot->bodies[i];
+    body.save(&out);
+    out.parked = impl_->collider.isParked(static_cast<int>(body.id)) ? 1 : 0;
+  }
+  for (const Foot& foot : impl_->feet)
+    snapshot->bodies[foot.body].over = foot.over;
+  impl_->collider.save(snapshot);
+}
+
+void RavenWorld::restoreScene(const SceneSnapshot& snapshot) noexcept {
+  if (!impl_->healthy || snapshot.body_count != impl_->bodies.size()) return;
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i)
+    impl_->restoreBodyAt(i, snapshot.bodies[i]);
+  for (Foot& foot : impl_->feet)
+    foot.over = snapshot.bodies[foot.body].over;
+  impl_->collider.restore(snapshot);
 }
 
 void RavenWorld::setCollisions(Arm arm, bool enabled) noexcept {

@@ -107,8 +107,9 @@ SceneBuilder::Impl::Impl(const model::RavenModel& raven_model,
       tube(renderer->addMesh(model::Mesh{})),
       positions(raven_model.description.links.size(), 0.0),
       X_WL(raven_model.description.links.size()) {
-  for (std::size_t body = 0; body < surroundings.free_bodies.size() && body < kMaxSceneBodies; ++body) {
-    const int root = surroundings.free_bodies[body];
+  const std::vector<int> moving = surroundings.movingBodies();
+  for (std::size_t body = 0; body < moving.size() && body < kMaxSceneBodies; ++body) {
+    const int root = moving[body];
     for (std::size_t link = 0; link < body_of_link.size(); ++link) {
       if (!isBelow(surroundings.description, static_cast<int>(link), root)) continue;
       body_of_link[link] = static_cast<int>(body);

@@ -41,6 +41,8 @@ class Section {
   std::vector<std::string> texts(const std::string& key);
   Vec3 vec3(const std::string& key, double low, double high);
   JointArray joints(const std::string& key, double low, double high);
+  /** A list of `least` to `most` points. */
+  std::vector<Vec3> points(const std::string& key, std::size_t least, std::size_t most, double low, double high);
 
   /** Position of a text in a list of names. */
   template <std::size_t N>

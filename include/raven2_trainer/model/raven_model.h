@@ -23,11 +23,24 @@ struct RavenModel {
   void linkPosesInWorld(const PerArm<JointArray>& q, std::vector<double>* positions, std::vector<Pose>* poses) const;
 };
 
-/** The training scene: fixed parts, and free bodies (URDF links on a floating joint). */
+/** A link on a fixed joint that comes off when it is pushed or pulled too hard (SceneRoles::breakables). */
+struct Breakable {
+  int link{};
+  double force{};   ///< [N] of all contacts together
+  double moment{};  ///< [Nm] of them about the origin of its link, its foot
+  int ticks{};      ///< exceeded for so long in a row
+};
+
+/** The training scene: fixed parts, free bodies (URDF links on a floating joint) and parts that may break off. */
 struct SceneModel {
   Description description;
   std::vector<Pose> X_WL;        ///< pose of every link at the start
-  std::vector<int> free_bodies;  ///< link index, in the order of ModelState::bodies
+  std::vector<int> free_bodies;  ///< link index
+  std::vector<Breakable> breakables;
+  bool parking{false};  ///< free bodies at rest are left out of the equations until something comes near
+
+  /** Link indices of what can move: free bodies, then breakables, in the order of ModelState::bodies. */
+  std::vector<int> movingBodies() const;
 };
 
 /** Rotation of arm base B in W: gold x up, y toward the surgeon, z right; green x up, y forward, z left. */
@@ -36,7 +49,8 @@ Matrix3 armBaseRotation(Arm arm) noexcept;
 /**
  * Reads both files of the configuration.
  * @throw ModelException also if a joint or link named in raven2.md 5.5 is missing, if an arm's URDF chain and its DH
- * chain disagree by more than 1e-9, or if the scene has more than kMaxSceneBodies free bodies.
+ * chain disagree by more than 1e-9, if the scene has more than kMaxSceneBodies bodies that can move, or if
+ * TrainerConfig::roles names a link that is not there or cannot have that role.
  */
 RavenModel loadRavenModel(const TrainerConfig& config);
 SceneModel loadSceneModel(const TrainerConfig& config);

@@ -8,8 +8,10 @@
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/contact.h"
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/scene_snapshot.h"
 
 namespace raven2_trainer::physics {
 
@@ -19,8 +21,14 @@ namespace raven2_trainer::physics {
  * Traps of ODE 0.16.2 met here, all measured (performance.md section 0): its slider rate is wrong on a rotating
  * parent, so joint rates are computed from the bodies; each world has its own threading implementation, or two
  * worlds crash; capsule-trimesh contacts are incomplete, so collisions use primitives only, and a link that collides by
- * meshes only is refused; contacts are reduced to four a body pair; friction is bounded by the normal forces of the step
- * before (src/physics/contact_forces.h). Nothing is ever glued.
+ * meshes only is refused; contacts are reduced to four a body pair; friction is bounded by the normal forces of the
+ * step before (src/physics/contact_forces.h). Nothing is ever glued.
+ *
+ * A part that may break off (SceneModel::breakables) is fixed like the rest of the scene, to the last bit, until the
+ * forces of its contacts in the last sub-step of a tick, or their moment about its foot, have exceeded what it bears
+ * for so many ticks in a row; from the next tick on it is a free body. Where SceneModel::parking is set, free bodies
+ * that have been at rest for 300 ticks with nothing near that moves are parked: left out of the equations, with one
+ * contact for each body that holds them in the contact list, until the box of something that moves meets theirs.
  *
  * step() is real-time safe after a warm-up of some hundred steps. Not thread-safe: one thread owns a world.
  */
@@ -52,15 +60,31 @@ class RavenWorld {
   /** In the last step something touched the arm that does not give way: the fixed scene or the other arm. */
   bool isObstructed(Arm arm) const noexcept;
 
-  /** Contacts of the last step: places and normals from its beginning, the forces it made, friction included. What finds
-   *  no room is counted; `tick` is left to the caller. Fixed shapes never meet. Real-time safe. */
+  /** Contacts of the last step: places and normals from its beginning, the forces it made, friction included. What
+   * finds no room is counted; `tick` is left to the caller. Fixed shapes never meet. Real-time safe. */
   void contactList(ContactList* list) const noexcept;
 
   /** Names of the URDF links, robot's and scene's, by the numbers of the contact list. */
   const std::vector<std::string>& bodyNames() const noexcept;
 
-  /** Free bodies of the scene, in W, in SceneModel order. */
+  /** Bodies of the scene that can move, in W: free bodies, then breakables, in SceneModel order. */
   void bodyPoses(std::array<RigidPose, kMaxSceneBodies>* poses) const noexcept;
+
+  /** Which of SceneModel::breakables are off their foot. */
+  BrokenOff brokenOff() const noexcept;
+
+  /** Bit i: body i of bodyPoses() is parked. */
+  std::uint16_t parked() const noexcept;
+
+  /** The bodies of bodyPoses() with all that their future depends on beside the arms. Real-time safe. */
+  void saveScene(SceneSnapshot* snapshot) const noexcept;
+
+  /**
+   * Puts them back as they were, whatever has become of them: held parts back on their feet. From equal states of the
+   * arms it goes on with equal bits. Contacts are reported again from the next step on. Nothing happens if the world is
+   * not healthy or the snapshot is of another number of bodies. Real-time safe.
+   */
+  void restoreScene(const SceneSnapshot& snapshot) noexcept;
 
   /** Lets an arm collide with the scene and the other arm, or not (planning mode, fault runs). */
   void setCollisions(Arm arm, bool enabled) noexcept;

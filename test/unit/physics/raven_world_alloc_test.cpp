@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "post_and_weight.h"
 #include "raven2_trainer/physics/arm_world.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "support/allocation_counter.h"
@@ -74,6 +75,30 @@ TEST(RavenWorldAlloc, StepsWithMoreContactsThanBeforeTouchNoNewPage) {
   }
   EXPECT_EQ(pageFaults() - before, 0);
   EXPECT_GT(most, 3U);
+}
+
+TEST(RavenWorldAlloc, BreakingOffAndPuttingBackDoNotTouchTheHeap) {
+  const model::RavenModel raven = testing::makeRaven();
+  const JointArray home = raven.arms.geometry.home;
+  model::SceneModel scene = testing::makePostAndWeight(2.0 * testing::kForce / testing::kGravity, 0.0);
+  scene.parking = true;
+  RavenWorld world(raven, scene, testing::modelConfig());
+  SceneSnapshot snapshot;
+  world.saveScene(&snapshot);
+  const int count = allocatorCalls([&] {
+    for (int i = 0; i < 1500; ++i)
+      testing::driveStep(&world, {home, home});
+  });
+  EXPECT_EQ(world.brokenOff().mask, 1U);
+  EXPECT_NE(world.parked(), 0U);
+  const int again = allocatorCalls([&] {
+    world.restoreScene(snapshot);
+    world.saveScene(&snapshot);
+    for (int i = 0; i < 10; ++i)
+      testing::driveStep(&world, {home, home});
+  });
+  EXPECT_EQ(count, 0);
+  EXPECT_EQ(again, 0);
 }
 
 TEST(ArmWorldAlloc, StepsDoNotTouchTheHeap) {

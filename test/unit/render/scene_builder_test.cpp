@@ -5,6 +5,7 @@
 
 #include "plan_fixture.h"
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/load_scene.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/render/renderer.h"
@@ -131,6 +132,31 @@ TEST_F(SceneBuilderTest, FreeBodiesMoveWithTheModel) {
     ++moved;
   }
   EXPECT_GE(moved, 1);
+}
+
+TEST_F(SceneBuilderTest, PartsThatMayBreakOffFollowTheFreeBodies) {
+  // GIVEN a scene of two rings and towers that break off
+  TrainerConfig config = *config_;
+  config.roles = config::loadScene(RAVEN2_TRAINER_SOURCE_DIR "/config/scenes/frs_rings.yaml");
+  config.scene_urdf = config.roles.urdf;
+  const model::SceneModel scene = model::loadSceneModel(config);
+  const std::vector<int> moving = scene.movingBodies();
+  ASSERT_EQ(moving.size(), scene.free_bodies.size() + 4);
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    snapshot_.model.bodies[i] = toArray(scene.X_WL[static_cast<std::size_t>(moving[i])]);
+  SceneBuilder builder(*raven_, scene, config.haptics, &renderer_);
+  const auto before = builder.build(snapshot_).drawables;
+  const std::size_t tower = scene.free_bodies.size();
+  snapshot_.model.bodies[tower].p[2] += 0.25;
+  const auto after = builder.build(snapshot_).drawables;
+  // THEN one thing rose, and it stood where that tower stands
+  int moved = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (std::abs(after[i].X_WM.p.z() - before[i].X_WM.p.z()) < 1e-12) continue;
+    EXPECT_LT((before[i].X_WM.p - scene.X_WL[static_cast<std::size_t>(moving[tower])].p).norm(), 1e-9);
+    ++moved;
+  }
+  EXPECT_EQ(moved, 1);
 }
 
 TEST_F(SceneBuilderTest, ThePictureShowsTheArmsMove) {
