@@ -31,13 +31,18 @@ double worse(double a, double b) noexcept {
 }  // namespace
 
 void ExecutionTally::start(std::uint32_t id, const PlanResult& plan, bool on_robot) noexcept {
-  report_ = ExecutionReport{};
-  report_.id = id;
-  report_.plan = plan.id;
-  report_.arm = plan.arm;
-  report_.on_robot = on_robot ? 1 : 0;
-  report_.path_time = plan.waypoint_count > 0 ? plan.arrival[plan.waypoint_count - 1] : 0.0;
-  report_.planned_clearance = plan.clearance;
+  ExecutionReport asked;
+  asked.id = id;
+  asked.plan = plan.id;
+  asked.arm = plan.arm;
+  asked.on_robot = on_robot ? 1 : 0;
+  asked.path_time = plan.waypoint_count > 0 ? plan.arrival[plan.waypoint_count - 1] : 0.0;
+  asked.planned_clearance = plan.clearance;
+  start(asked);
+}
+
+void ExecutionTally::start(const ExecutionReport& asked) noexcept {
+  report_ = asked;
   report_.model_clearance = report_.robot_clearance = kFar;
   samples_ = 0;
   deviation_ = 0.0;

@@ -47,6 +47,42 @@ constexpr Row kRows[] = {
     {Mode::kExecuting,     Event::kExecutionEnded, Mode::kPedalUp},
     {Mode::kExecuting,     Event::kTrialEnded,    Mode::kTracking},       // the model holds away from the robot
     {Mode::kExecuting,     Event::kTimeSlip,      Mode::kPaused},
+    // pure simulation: the model alone
+    {Mode::kWaiting,        Event::kSimulationWanted, Mode::kSimulationHeld},
+    {Mode::kPedalUp,        Event::kSimulationWanted, Mode::kSimulationHeld},
+    {Mode::kTracking,       Event::kSimulationWanted, Mode::kSimulationHeld},
+    {Mode::kSimulationHeld, Event::kPedalPressed,     Mode::kSimulating},
+    {Mode::kSimulating,     Event::kPedalReleased,    Mode::kSimulationHeld},
+    {Mode::kSimulating,     Event::kTimeSlip,         Mode::kSimulationHeld},  // never to the robot by a pause
+    {Mode::kSimulationHeld, Event::kSimulationEnded,  Mode::kReturning},
+    // a virtual trial: the same, kept
+    {Mode::kWaiting,        Event::kTrialWanted,      Mode::kTrialHeld},
+    {Mode::kPedalUp,        Event::kTrialWanted,      Mode::kTrialHeld},
+    {Mode::kTrialHeld,      Event::kPedalPressed,     Mode::kTrial},
+    {Mode::kTrial,          Event::kPedalReleased,    Mode::kTrialHeld},
+    {Mode::kTrial,          Event::kTimeSlip,         Mode::kTrialHeld},
+    {Mode::kTrial,          Event::kTrialDone,        Mode::kTrialReady},
+    {Mode::kTrialHeld,      Event::kTrialDone,        Mode::kTrialReady},
+    {Mode::kTrialHeld,      Event::kTrialDiscarded,   Mode::kReturning},
+    {Mode::kTrialReady,     Event::kTrialDiscarded,   Mode::kReturning},
+    {Mode::kTrialReady,     Event::kRepeatWanted,     Mode::kReturning},
+    {Mode::kReturning,      Event::kRepeatArmed,      Mode::kArmed},
+    {Mode::kExecuting,      Event::kRepeatShown,      Mode::kTrialReady},
+    // back to the robot, at any time
+    {Mode::kPedalUp,        Event::kReturnWanted,     Mode::kReturning},
+    {Mode::kTracking,       Event::kReturnWanted,     Mode::kReturning},
+    {Mode::kPaused,         Event::kReturnWanted,     Mode::kReturning},
+    {Mode::kReturning,      Event::kReturned,         Mode::kPedalUp},
+    // the camera's pedal, beside all that the masters move
+    {Mode::kTeleoperating,  Event::kCameraPressed,    Mode::kCameraMoving},
+    {Mode::kPedalUp,        Event::kCameraPressed,    Mode::kCameraMoving},
+    {Mode::kSimulating,     Event::kCameraPressed,    Mode::kCameraMoving},
+    {Mode::kSimulationHeld, Event::kCameraPressed,    Mode::kCameraMoving},
+    {Mode::kTrial,          Event::kCameraPressed,    Mode::kCameraMoving},
+    {Mode::kTrialHeld,      Event::kCameraPressed,    Mode::kCameraMoving},
+    {Mode::kCameraMoving,   Event::kCameraLeft,       Mode::kPedalUp},
+    {Mode::kCameraMoving,   Event::kCameraLeftAlone,  Mode::kSimulationHeld},
+    {Mode::kCameraMoving,   Event::kCameraLeftOnTape, Mode::kTrialHeld},
     // clang-format on
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/pedals.h"
 #include "raven2_trainer/faults/packet_faults.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/runtime/contact_records.h"
@@ -23,22 +24,22 @@ Vec3 sum(const Vec3& a, const Vec3& b) noexcept {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-// While the pedal is up the model moves to the robot's joints, so that what the jaws hold stays held. A robot farther
-// away than this (first seen, homing) is another matter: the model is put there. Shoulder to wrist.
-constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  // [rad, m]
-
-constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
-
-bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
-  for (std::size_t j = 0; j < kFollowReach.size(); ++j) {
-    if (std::abs(q[j] - target[j]) > kFollowReach[j]) return false;
-  }
-  return true;
-}
-
 Quat product(const Quat& later, const Quat& earlier) noexcept {
   if (later == kIdentityQuat) return earlier;  // exact, and the common case
   return toArray((toEigen(later) * toEigen(earlier)).normalized());
+}
+
+/** The masters move the arms. */
+bool isTold(Mode mode) noexcept {
+  return mode == Mode::kTeleoperating || mode == Mode::kSimulating || mode == Mode::kTrial;
+}
+
+/** The one through which the surgeon looks. */
+const CameraConfig& liveCamera(const RenderConfig& render) {
+  for (const CameraConfig& camera : render.cameras) {
+    if (camera.name == render.live_camera) return camera;
+  }
+  return render.cameras.front();
 }
 
 /** What a fault made of a turn may be no turn: then there is none. */
@@ -60,6 +61,9 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
       driver_(config.model, &world_),
       desk_(config, raven, scene, shared),
+      trial_(config, raven, scene, shared),
+      return_(config.planner.velocity_limit, config.planner.acceleration_limit),
+      camera_(liveCamera(config.render)),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.itp.pedalTimeout() / kTickSeconds))) {
@@ -79,6 +83,8 @@ void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   drainRequests();
   scheduledPlan();
   superviseExecution();
+  superviseTrial();
+  superviseReturn();
   updatePedal();
   // where the arms shall be
   updateTargets();
@@ -153,7 +159,7 @@ void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
   silent_ticks_ = 0;
   increments_.last_sequence = command.sequence;
   ++increments_.commands;
-  if (!pedal_) return;
+  if (!pedal_ && state_.mode != Mode::kCameraMoving) return;  // the camera has a pedal of its own
   for (const Arm arm : kArms) {
     at(increments_.dp_I, arm) = sum(at(increments_.dp_I, arm), at(command.dp_I, arm));
     at(increments_.dq_I, arm) = product(at(command.dq_I, arm), at(increments_.dq_I, arm));
@@ -260,103 +266,27 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
     case RequestKind::kSetCollisions:
       at(collisions_, request.arm) = request.enabled != 0;
       break;
-    default:  // nothing that is served here
+    default:
+      serveTraining(request);
       break;
   }
-}
-
-void PhysicsLoop::updateRobotEvents() noexcept {
-  if (!world_.healthy()) raise(Event::kEmergencyStop);
-  forgetOldRobot();
-  if (robot_there_ && !robot_ready_) loseRobot();  // a new one may be ready within this tick
-  if (state_.robot_fresh != 0) updateRunLevelEvents();
-  const bool is_there = robot_ready_ && !isRobotLost();
-  if (robot_there_ && robot_ready_ && !is_there) loseRobot();
-  robot_there_ = is_there;
-}
-
-void PhysicsLoop::updateRunLevelEvents() noexcept {
-  const bool in_stop = robot_.runlevel == RunLevel::kEStop;
-  if (robot_ready_ && in_stop && state_.mode != Mode::kStopped) {
-    stopped_by_robot_ = true;
-    raise(Event::kEmergencyStop);
-  } else if (stopped_by_robot_ && robot_.runlevel >= RunLevel::kPedalUp) {
-    stopped_by_robot_ = false;
-    raise(Event::kStopCleared);
-  }
-  if (!robot_ready_ && robot_.homed != 0 && robot_.runlevel == RunLevel::kPedalUp) {
-    robot_ready_ = true;
-    raise(Event::kRobotReady);
-  }
-}
-
-/** A robot that went away, started anew or is not homed is another robot: nothing known of the old one holds. */
-void PhysicsLoop::forgetOldRobot() noexcept {
-  const bool is_gone = robot_.connected == 0 || robot_.frame == 0;
-  const bool is_new = robot_.cycle < last_cycle_;
-  last_cycle_ = robot_.cycle;
-  if (is_gone || is_new || robot_.homed == 0) robot_ready_ = false;
-  if (!robot_ready_ || robot_.runlevel < RunLevel::kPedalUp) linked_ = false;
-}
-
-void PhysicsLoop::updatePedal() noexcept {
-  const bool pressed = pedal_ && !pedal_before_;
-  const bool released = !pedal_ && pedal_before_;
-  const bool robot_not_ready = state_.robot_fresh != 0 && !robot_ready_;
-  if (pressed && robot_not_ready) return;  // asked again next tick: the pedal counts once the robot is homed
-  pedal_before_ = pedal_;
-  state_.pedal = pedal_ ? 1 : 0;
-  if (pressed && mayPress()) raise(Event::kPedalPressed);
-  if (!released) return;
-  if (state_.mode == Mode::kExecuting) endExecution(ExecutionEnd::kReleased);
-  raise(Event::kPedalReleased);
-}
-
-void PhysicsLoop::raise(Event event) noexcept {
-  const Mode next = control::nextMode(state_.mode, event);
-  if (next == state_.mode) return;
-  settlePlanning(next, event);
-  enter(next);
-}
-
-void PhysicsLoop::enter(Mode next) noexcept {
-  const Mode before = state_.mode;
-  state_.mode = next;
-  if (before == Mode::kTracking) follower_.stop();
-  const bool moves_robot = next == Mode::kTeleoperating || (next == Mode::kExecuting && desk_.state().on_robot != 0);
-  linked_ = moves_robot && robotJoins();
-  if (linked_) joinRobot();
-  placeForPlanning(before, next);
-  for (const Arm arm : kArms) {
-    JointArray q{}, dq{};
-    world_.jointState(arm, &q, &dq);
-    at(mappers_, arm).rebasePose(q);
-    driver_.reset(arm);
-    at(q_d_, arm) = at(mappers_, arm).desired();
-  }
-  if (next == Mode::kExecuting) beginExecution();
-  const bool begins = next == Mode::kTeleoperating || next == Mode::kExecuting;
-  if (begins && state_.session_tick < 0) state_.session_tick = 0;
-}
-
-bool PhysicsLoop::robotJoins() const noexcept {
-  return isRobotThere() && state_.engaged != 0;
-}
-
-/** Both sides must apply the same increments: the robot does so from the cycle in which it reports PEDAL_DN. */
-bool PhysicsLoop::robotApplies() const noexcept {
-  return !linked_ || robot_.runlevel == RunLevel::kPedalDown;
 }
 
 void PhysicsLoop::updateTargets() noexcept {
   state_.commands_used = 0;
   if (state_.mode == Mode::kTracking && follower_.active()) aimAtPath(follower_.arm(), follower_.tick());
   if (state_.mode == Mode::kChoosing) moveGoal();
-  if (state_.mode == Mode::kTeleoperating && robotApplies()) return aimAsTold();
+  if (state_.mode == Mode::kCameraMoving) moveCamera();
+  if (isTold(state_.mode) && robotApplies()) return aimAsTold();
+  dropMotion();
+  if (state_.mode == Mode::kExecuting) trial_.isUnderWay() ? repeat() : execute();
+}
+
+/** What the masters moved in this tick moves nothing. */
+void PhysicsLoop::dropMotion() noexcept {
   increments_.dp_I = {};
   increments_.dq_I = {{kIdentityQuat, kIdentityQuat}};
   increments_.dgrasp = {};
-  if (state_.mode == Mode::kExecuting) execute();
 }
 
 /** Where the masters want the arms. */
@@ -382,53 +312,26 @@ void PhysicsLoop::useCommands() noexcept {
 
 void PhysicsLoop::moveModel() noexcept {
   if (state_.mode == Mode::kChoosing) return showGoal();
-  const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp;
+  const bool is_returning = state_.mode == Mode::kReturning;
+  const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp ||
+                          (state_.mode == Mode::kCameraMoving && !is_apart_);
   // A robot that is not ready searches its stops, wherever that leads: the model passes through everything until then.
   for (const Arm arm : kArms)
-    world_.setCollisions(arm, at(collisions_, arm) && state_.mode != Mode::kWaiting);
+    world_.setCollisions(arm, at(collisions_, arm) && state_.mode != Mode::kWaiting && !is_returning);
   PerArm<JointArray> target = q_d_;
   if (disengaged && state_.robot_fresh != 0) {
     for (const Arm arm : kArms)
       at(target, arm) = followRobot(arm);
   }
+  if (is_returning) {
+    q_d_ = return_.tick();
+    for (const Arm arm : kArms)
+      at(target, arm) = bringTo(arm, at(q_d_, arm));
+  }
   if (state_.mode == Mode::kTracking && follower_.active())
     at(target, follower_.arm()) = driver_.leading(follower_.arm(), follower_.target());
-  if (state_.mode == Mode::kExecuting) at(target, desk_.plan().arm) = path_lead_;
+  if (state_.mode == Mode::kExecuting && !trial_.isUnderWay()) at(target, desk_.plan().arm) = path_lead_;
   driveModel(target);
-}
-
-/** Shoulder to wrist get the rates that bring them to the robot's joints within some milliseconds: they move there,
- * what the jaws hold moves along. @return what to ask of the controllers, so that they do not brake it. */
-JointArray PhysicsLoop::followRobot(Arm arm) noexcept {
-  at(mappers_, arm).rebase(at(robot_.arms, arm).q);
-  at(q_d_, arm) = at(mappers_, arm).desired();
-  const JointArray& wanted = at(q_d_, arm);
-  if (world_.isObstructed(arm)) return wanted;  // no harder than the controllers can
-  JointArray q{}, dq{};
-  world_.jointState(arm, &q, &dq);
-  if (!isWithinReach(q, wanted)) {
-    world_.setJointState(arm, wanted, JointArray{});
-    return wanted;
-  }
-  for (std::size_t j = 0; j < kFollowReach.size(); ++j)
-    dq[j] = (wanted[j] - q[j]) / kFollowTime;
-  world_.setJointState(arm, q, dq);
-  JointArray target = driver_.leading(arm, {q, dq});
-  std::copy(wanted.begin() + kGrasp1, wanted.end(), target.begin() + kGrasp1);
-  return target;
-}
-
-/** The common pose from which both start at pedal down. The jaws keep their opening: they may hold something. */
-void PhysicsLoop::joinRobot() noexcept {
-  for (const Arm arm : kArms) {
-    JointArray q{}, dq{};
-    world_.jointState(arm, &q, &dq);
-    const JointArray& robot = at(robot_.arms, arm).q;
-    const double opening = kinematics::jawOpening(q);
-    std::copy_n(robot.begin(), kFollowReach.size(), q.begin());
-    kinematics::setJaws(kinematics::jawMidline(robot), opening, &q);
-    world_.setJointState(arm, q, JointArray{});
-  }
 }
 
 void PhysicsLoop::driveModel(const PerArm<JointArray>& target) noexcept {
@@ -491,7 +394,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   ++state_.tick;
   state_.time_ns = now_ns;
   state_.linked = linked_ ? 1 : 0;
-  state_.planning = desk_.state();
+  state_.planning = trial_.overlay(desk_.state());
   state_.guide_plan = desk_.guidePlan();
   corruptConsole();
   state_.faults.relay = relay_faults_.activeMask();
@@ -503,12 +406,17 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   countFaultedPackets();
   for (const Arm arm : kArms)
     fillArm(arm, &at(state_.arms, arm));
+  if (state_.mode == Mode::kTrial) trial_.keep(state_.arms);
+  state_.trial_ticks = trial_.ticks();
+  state_.camera = camera_.state();
+  state_.pedals = state_.mode == Mode::kCameraMoving ? bit(Pedal::kCamera) : 0;
   world_.bodyPoses(&state_.bodies);
   shared_.model.store(state_);
   publishContacts();
   shared_.tick_records.tryPush({state_, robot_, static_cast<std::uint8_t>(slipped_ ? 1 : 0)});
   slipped_ = false;
   if (state_.session_tick >= 0 && state_.mode != Mode::kPaused) ++state_.session_tick;
+  if (tool_changes_ > 0) state_.faults.signals.tool_changes = tool_changes_;  // what the next tick's triggers see
 }
 
 void PhysicsLoop::publishContacts() noexcept {

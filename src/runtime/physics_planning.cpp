@@ -10,8 +10,15 @@ namespace {
 
 using control::Event;
 
-/** Why an execution ends when the mode is left by this event. */
-ExecutionEnd endBy(Event event) noexcept {
+/** A plan may be kept in this mode. */
+bool keepsPlan(Mode mode) noexcept {
+  return mode == Mode::kPedalUp || mode == Mode::kTeleoperating || mode == Mode::kTracking || mode == Mode::kArmed ||
+         mode == Mode::kExecuting || mode == Mode::kReturning || mode == Mode::kCameraMoving;
+}
+
+}  // namespace
+
+ExecutionEnd PhysicsLoop::endBy(Event event) noexcept {
   switch (event) {
     case Event::kEmergencyStop:
       return ExecutionEnd::kEStop;
@@ -23,14 +30,6 @@ ExecutionEnd endBy(Event event) noexcept {
       return ExecutionEnd::kCancelled;  // by request
   }
 }
-
-/** A plan may be kept in this mode. */
-bool keepsPlan(Mode mode) noexcept {
-  return mode == Mode::kPedalUp || mode == Mode::kTeleoperating || mode == Mode::kTracking || mode == Mode::kArmed ||
-         mode == Mode::kExecuting;
-}
-
-}  // namespace
 
 JointArray PhysicsLoop::modelJoints(Arm arm) const noexcept {
   JointArray q{}, dq{};
@@ -71,6 +70,7 @@ void PhysicsLoop::scheduledPlan() noexcept {
 
 void PhysicsLoop::cancelPlan(const Request& request) noexcept {
   follower_.stop();
+  if (state_.mode == Mode::kReturning) trial_.end(ExecutionEnd::kCancelled, thisTick());
   raise(Event::kPlanCancelled);
   desk_.forget();
   desk_.answer(request.id, PlanningAnswer::kAccepted);
@@ -86,7 +86,7 @@ void PhysicsLoop::settlePlanning(Mode next, Event event) noexcept {
 
 /** A robot that went away may come back anywhere. */
 void PhysicsLoop::loseRobot() noexcept {
-  desk_.end(ExecutionEnd::kRobotLost, thisTick());
+  endUnderWay(ExecutionEnd::kRobotLost);
   raise(Event::kPlanCancelled);
   desk_.forget();
 }
@@ -94,8 +94,7 @@ void PhysicsLoop::loseRobot() noexcept {
 // ---- choosing a goal ---------------------------------------------------------------------------------------------
 
 void PhysicsLoop::beginChoosing(const Request& request) noexcept {
-  const bool robot_not_ready = state_.robot_fresh != 0 && !robot_ready_;
-  if (!pedal_ && !pedal_before_ && !robot_not_ready) raise(Event::kGoalWanted);
+  if (mayBegin()) raise(Event::kGoalWanted);
   const bool is_begun = state_.mode == Mode::kChoosing && desk_.state().status != PlanningStatus::kChoosing;
   desk_.answer(request.id, is_begun ? PlanningAnswer::kAccepted : PlanningAnswer::kNotNow);
   if (!is_begun) return;
@@ -156,7 +155,7 @@ void PhysicsLoop::placeForPlanning(Mode before, Mode next) noexcept {
 // ---- executing ---------------------------------------------------------------------------------------------------
 
 void PhysicsLoop::armPlan(const Request& request) noexcept {
-  const bool may_arm = state_.mode != control::nextMode(state_.mode, Event::kPlanArmed) && !pedal_ && !pedal_before_;
+  const bool may_arm = state_.mode != control::nextMode(state_.mode, Event::kPlanArmed) && isPedalUp();
   PlanningAnswer answer = may_arm ? desk_.check(request, robotJoins()) : PlanningAnswer::kNotNow;
   if (answer == PlanningAnswer::kAccepted && hasMoved()) answer = PlanningAnswer::kMoved;
   desk_.answer(request.id, answer);
@@ -175,29 +174,45 @@ bool PhysicsLoop::hasMoved() noexcept {
   return false;
 }
 
+/** What is armed or executed moves the robot. */
+bool PhysicsLoop::movesRobot() const noexcept {
+  return trial_.isUnderWay() ? trial_.onRobot() : desk_.state().on_robot != 0;
+}
+
 /** A pedal-down that would begin an execution counts only if everything still is as it was when it was armed. */
 bool PhysicsLoop::mayPress() noexcept {
   if (state_.mode != Mode::kArmed) return true;
-  const bool lacks_robot = desk_.state().on_robot != 0 && !robotJoins();
-  if (!lacks_robot && !hasMoved()) return true;
+  const bool lacks_robot = movesRobot() && !robotJoins();
+  const bool has_moved =
+      trial_.isUnderWay() ? isRobotThere() && trial_.hasMoved(robotJoints()) : !lacks_robot && hasMoved();
+  if (!lacks_robot && !has_moved) return true;
   disarm(lacks_robot ? ExecutionEnd::kRobotLost : ExecutionEnd::kMoved);
   return false;
 }
 
 void PhysicsLoop::beginExecution() noexcept {
+  robot_took_ = false;
+  if (trial_.isUnderWay()) {
+    trial_.begin(q_d_, thisTick());
+    return trial_.follow(robot_.arms);
+  }
   const Arm arm = desk_.plan().arm;
   desk_.begin(modelJoints(arm), thisTick());
   path_lead_ = modelJoints(arm);
-  robot_took_ = false;
   desk_.follow(at(robot_.arms, arm).q);
   if (config_.execution.drive == ExecutionDrive::kOpenLoop) driver_.openLoop(arm);
+}
+
+/** Until the robot takes increments, and while it is not heard, what is executed stands still. */
+bool PhysicsLoop::mayMoveOn() const noexcept {
+  return !linked_ || (robotApplies() && state_.robot_fresh != 0);
 }
 
 /** Both get the same path, and the same lead on it, as the roll-out that the plan passed: the model its joints, the
  * robot what leads its own inverse kinematics to them. Their lags are alike, so they stay together. */
 void PhysicsLoop::execute() noexcept {
   const Arm arm = desk_.plan().arm;
-  const bool may_move = !linked_ || (robotApplies() && state_.robot_fresh != 0);
+  const bool may_move = mayMoveOn();
   if (linked_ && !robotApplies()) desk_.follow(at(robot_.arms, arm).q);
   const control::JointTarget& target = desk_.advance(may_move);
   aimAtPath(arm, target.q);
@@ -219,23 +234,32 @@ void PhysicsLoop::aimAtPath(Arm arm, const JointArray& q) noexcept {
 
 /** On what the tick before led to. */
 void PhysicsLoop::superviseExecution() noexcept {
-  if (state_.mode == Mode::kArmed && !desk_.waitForPedal()) return disarm(ExecutionEnd::kNoPedal);
+  const bool is_trial = trial_.isUnderWay();
+  const auto waits = [&] { return is_trial ? trial_.waitForPedal() : desk_.waitForPedal(); };
+  if (state_.mode == Mode::kArmed && !waits()) return disarm(ExecutionEnd::kNoPedal);
   if (state_.mode != Mode::kExecuting) return;
-  if (desk_.state().on_robot != 0 && !linked_) return endExecution(ExecutionEnd::kRobotLost);
+  if (movesRobot() && !linked_) return endExecution(ExecutionEnd::kRobotLost);
   // It went to PEDAL_UP by itself: to go on from where it stands now takes a new pedal-down.
   if (linked_ && robot_took_ && !robotApplies()) return endExecution(ExecutionEnd::kRobotLost);
-  const ExecutionEnd end = desk_.supervise(state_, robot_);
+  const ExecutionEnd end = is_trial ? trial_.supervise(state_, robot_) : desk_.supervise(state_, robot_);
   if (end != ExecutionEnd::kNone) endExecution(end);
 }
 
+/** A repeated trial that the robot knows nothing of can be repeated again. */
 void PhysicsLoop::endExecution(ExecutionEnd end) noexcept {
-  const Event event = desk_.state().on_robot != 0 ? Event::kExecutionEnded : Event::kTrialEnded;
-  desk_.end(end, thisTick());
+  const Event alone = trial_.isUnderWay() ? Event::kRepeatShown : Event::kTrialEnded;
+  const Event event = movesRobot() ? Event::kExecutionEnded : alone;
+  endUnderWay(end);
   raise(event);
 }
 
-void PhysicsLoop::disarm(ExecutionEnd end) noexcept {
+void PhysicsLoop::endUnderWay(ExecutionEnd end) noexcept {
   desk_.end(end, thisTick());
+  trial_.end(end, thisTick());
+}
+
+void PhysicsLoop::disarm(ExecutionEnd end) noexcept {
+  endUnderWay(end);
   raise(Event::kPlanCancelled);
 }
 

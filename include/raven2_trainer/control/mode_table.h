@@ -20,7 +20,22 @@ enum class Event : std::uint8_t {
   kPlanCancelled,   ///< choosing, planning or executing was given up
   kExecutionEnded,  ///< model and robot hold where they are
   kTrialEnded,      ///< the same of the model alone
+  kSimulationWanted,
+  kSimulationEnded,  ///< the model goes back to the robot
+  kTrialWanted,      ///< a virtual trial, whose motion is kept
+  kTrialDone,        ///< nothing more is kept
+  kTrialDiscarded,
+  kRepeatWanted,      ///< the trial shall be repeated: first back to where it began
+  kRepeatArmed,       ///< there
+  kRepeatShown,       ///< the model repeated it alone and holds
+  kReturnWanted,      ///< the model is away from a robot that is there
+  kReturned,          ///< no longer
+  kCameraPressed,     ///< the camera's pedal
+  kCameraLeft,        ///< it is up again, and was pressed with model and robot together,
+  kCameraLeftAlone,   ///< in pure simulation,
+  kCameraLeftOnTape,  ///< in a virtual trial
 };
+constexpr std::size_t kEventCount = 28;
 
 /** The mode after an event; the mode itself if the table has no row for it. Real-time safe. */
 Mode nextMode(Mode mode, Event event) noexcept;

@@ -26,12 +26,17 @@ class TeleopMapper {
    *  that of `q`, the robot's joints (raven2.md 1.4). */
   void rebase(const JointArray& q) noexcept;
 
+  /** [rad] Wanted jaw opening. */
+  double opening() const noexcept { return opening_; }
+  /** From the next rebase or increment on. @param[in] opening [rad]. */
+  void setOpening(double opening) noexcept { opening_ = opening; }
+
   /**
    * Adds one tick's increments.
    * @param[in] dp_I [m] [@frame I] position increment. @param[in] dq_I [@frame I] rotation increment.
    * @param[in] dgrasp [rad] positive closes. @param[in] current [rad; m] where the arm is.
-   * @return kOk, kClamped (a limit was reached), kSingularWrist (goes on, roll kept where possible), or why the arm stays:
-   *         kOutOfReach, kSingularRcm, kTooFar.
+   * @return kOk, kClamped (a limit was reached), kSingularWrist (goes on, roll kept where possible), or why the arm
+   * stays: kOutOfReach, kSingularRcm, kTooFar.
    */
   kinematics::IkStatus add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept;
 

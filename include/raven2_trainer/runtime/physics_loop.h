@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/control/camera_orbit.h"
 #include "raven2_trainer/control/mode_table.h"
 #include "raven2_trainer/control/path_follower.h"
+#include "raven2_trainer/control/return_path.h"
 #include "raven2_trainer/control/teleop_mapper.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
@@ -16,6 +18,7 @@
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/runtime/model_driver.h"
 #include "raven2_trainer/runtime/plan_desk.h"
+#include "raven2_trainer/runtime/trial_desk.h"
 
 namespace raven2_trainer::runtime {
 
@@ -34,6 +37,10 @@ namespace raven2_trainer::runtime {
  * while the pedal is held, from the common pose of pedal-down: the model by its controllers, the robot by increments
  * through the same relay. Whatever ends it (the pedal, E-stop, a lost link, too large a deviation) ends it for both in
  * the same tick.
+ *
+ * Away from the robot: pure simulation and virtual trials (TrialDesk keeps what is done) move the model alone, and it
+ * holds with the pedal up. Before it is linked again it glides back through everything, with the pedal up; a pedal-down
+ * waits for that. A trial is repeated as a plan is executed, by both arms.
  */
 class PhysicsLoop {
  public:
@@ -67,6 +74,7 @@ class PhysicsLoop {
   };
 
   void readInputs(std::int64_t now_ns) noexcept;
+  void readFaults() noexcept;
   void drainCommands() noexcept;
   void takeCommand(const MasterCommand& command) noexcept;
   bool mayInject() const noexcept;
@@ -83,28 +91,60 @@ class PhysicsLoop {
   void handlePlanResult(const PlanResult& result) noexcept;
   void forgetOldRobot() noexcept;
   void scheduledPlan() noexcept;
-  void updateRobotEvents() noexcept;
-  void updateRunLevelEvents() noexcept;
-  void updatePedal() noexcept;
-  void enter(Mode next) noexcept;
-  void raise(control::Event event) noexcept;
-  void readFaults() noexcept;
-  bool robotApplies() const noexcept;
-  bool robotJoins() const noexcept;
-  bool isRobotThere() const noexcept { return state_.robot_fresh != 0 && robot_ready_; }
-  bool isRobotLost() const noexcept { return !hasRobot() || robot_silent_; }
   void updateTargets() noexcept;
   void aimAsTold() noexcept;
   void useCommands() noexcept;
+  void dropMotion() noexcept;
   void moveModel() noexcept;
-  JointArray followRobot(Arm arm) noexcept;
-  void joinRobot() noexcept;
   void driveModel(const PerArm<JointArray>& target) noexcept;
   void relay() noexcept;
   void sendToRobot(const RelayPacket& packet) noexcept;
   void publish(std::int64_t now_ns) noexcept;
   void publishContacts() noexcept;
   void fillArm(Arm arm, ArmState* state) const noexcept;
+
+  // modes, what is asked for, and how model and robot are kept together: physics_modes.cpp
+  void updateRobotEvents() noexcept;
+  void updateRunLevelEvents() noexcept;
+  void updatePedal() noexcept;
+  void enter(Mode next) noexcept;
+  void rebaseArms() noexcept;
+  void raise(control::Event event) noexcept;
+  PlanningAnswer ask(control::Event event) noexcept;
+  bool robotApplies() const noexcept;
+  bool robotJoins() const noexcept;
+  bool isRobotThere() const noexcept { return state_.robot_fresh != 0 && robot_ready_; }
+  bool isRobotLost() const noexcept { return !hasRobot() || robot_silent_; }
+  bool isRobotNotReady() const noexcept { return state_.robot_fresh != 0 && !robot_ready_; }
+  bool isPedalUp() const noexcept { return !pedal_ && !pedal_before_; }
+  bool mayBegin() const noexcept { return isPedalUp() && !isRobotNotReady(); }
+  JointArray followRobot(Arm arm) noexcept;
+  JointArray bringTo(Arm arm, const JointArray& wanted) noexcept;
+  void joinRobot() noexcept;
+  void serveTraining(const Request& request) noexcept;
+  PlanningAnswer answerTraining(const Request& request) noexcept;
+  void stop() noexcept;
+  PlanningAnswer clearStop() noexcept;
+  PlanningAnswer changeTool() noexcept;
+  PlanningAnswer pressCamera(bool is_pressed) noexcept;
+  void moveCamera() noexcept;
+  void leaveRobot() noexcept;
+  bool mustReturn() const noexcept { return is_apart_ && isRobotThere(); }
+  bool waitsForReturn() noexcept;
+  void beginReturn() noexcept;
+  bool isAstray() const noexcept;
+  void superviseReturn() noexcept;
+  PerArm<JointArray> robotJoints() const noexcept;
+  PerArm<JointArray> standing() const noexcept;
+
+  // virtual trials: physics_trial.cpp
+  PlanningAnswer beginTrial() noexcept;
+  PlanningAnswer repeatTrial(const Request& request) noexcept;
+  PlanningAnswer checkRepeat(const Request& request) const noexcept;
+  void superviseTrial() noexcept;
+  void armRepeat() noexcept;
+  void repeat() noexcept;
+  void settleTrial(Mode next, control::Event event) noexcept;
 
   // planning and executing: physics_planning.cpp
   Tick thisTick() const noexcept { return state_.tick + 1; }
@@ -125,6 +165,10 @@ class PhysicsLoop {
   void endExecution(ExecutionEnd end) noexcept;
   void disarm(ExecutionEnd end) noexcept;
   void loseRobot() noexcept;
+  bool movesRobot() const noexcept;
+  static ExecutionEnd endBy(control::Event event) noexcept;
+  void endUnderWay(ExecutionEnd end) noexcept;
+  bool mayMoveOn() const noexcept;
   void settlePlanning(Mode next, control::Event event) noexcept;
   void placeForPlanning(Mode before, Mode next) noexcept;
   JointArray modelJoints(Arm arm) const noexcept;
@@ -136,6 +180,9 @@ class PhysicsLoop {
   ModelDriver driver_;
   control::PathFollower follower_;
   PlanDesk desk_;
+  TrialDesk trial_;
+  control::ReturnPath return_;
+  control::CameraOrbit camera_;
   faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster},
       console_faults_{FaultHost::kConsole};
   faults::CommandStream relay_stream_{FaultVariable::kPacket}, master_stream_{FaultVariable::kPacket};
@@ -158,6 +205,11 @@ class PhysicsLoop {
   bool linked_{false};       ///< model and robot started from a common pose and nothing came between
   bool plan_scheduled_{false};
   bool stopped_by_robot_{false};
+  bool stop_asked_{false};            ///< by request or pedal
+  bool is_apart_{false};              ///< the model left the robot on purpose
+  PerArm<double> joint_opening_{};    ///< [rad] of the jaws, wanted by both when it left
+  Mode camera_from_{Mode::kPedalUp};  ///< kCameraMoving: what it was before
+  std::uint32_t tool_changes_{0};
   std::uint32_t relay_sequence_{0};
   bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/pedals.h"
+#include "raven2_trainer/core/state.h"
+
+namespace raven2_trainer::runtime {
+
+/** Most requests that one packet of pedals can make: each of them, and the camera's release. */
+constexpr std::size_t kMaxPedalRequests = kPedalCount;
+
+/** In the order in which they are meant. */
+struct PedalRequests {
+  std::array<Request, kMaxPedalRequests> items{};
+  std::size_t count{};
+};
+
+/**
+ * From what is held of the pedals beside the one that engages to what is asked for: a press asks, and so does the
+ * release of the camera's pedal, which alone is held. What a press means depends on what there is: planning's begins it
+ * and records the goal at the next press, simulation's and the trial's begin and end. The stop comes first; it is
+ * cleared by a request, never by a pedal. Packets may be lost or doubled, and come late: each tells all that is held.
+ * Pure; real-time safe.
+ */
+class PedalGate {
+ public:
+  /** @param[in] timeout [s] of silence after which all count as up. */
+  explicit PedalGate(double timeout) noexcept : timeout_ns_(static_cast<std::int64_t>(timeout * 1e9)) {}
+
+  /** A packet of the master's. @param[in] mode, view as the model's newest state has them. */
+  PedalRequests take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
+
+  /** At least every 100 ms: silence. */
+  PedalRequests idle(std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
+
+  /** Bits by Pedal. */
+  std::uint32_t held() const noexcept { return held_; }
+
+ private:
+  PedalRequests change(std::uint32_t held, Mode mode, std::uint8_t view) noexcept;
+  bool isHeard(std::int64_t now_ns) const noexcept { return is_heard_ && now_ns - heard_ns_ <= timeout_ns_; }
+
+  std::int64_t timeout_ns_;
+  std::int64_t heard_ns_{0};
+  std::uint32_t sequence_{0}, held_{0};
+  bool is_heard_{false};
+};
+
+}  // namespace raven2_trainer::runtime

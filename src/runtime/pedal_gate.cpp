@@ -1,0 +1,77 @@
+#include "raven2_trainer/runtime/pedal_gate.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+RequestKind planningPressed(Mode mode) noexcept {
+  if (mode == Mode::kChoosing) return RequestKind::kRecordGoal;
+  return mode == Mode::kPlanning ? RequestKind::kCancelPlan : RequestKind::kBeginPlanning;
+}
+
+RequestKind simulationPressed(Mode mode) noexcept {
+  const bool is_begun = mode == Mode::kSimulating || mode == Mode::kSimulationHeld;
+  return is_begun ? RequestKind::kEndSimulation : RequestKind::kBeginSimulation;
+}
+
+RequestKind trialPressed(Mode mode) noexcept {
+  const bool is_begun = mode == Mode::kTrial || mode == Mode::kTrialHeld;
+  return is_begun ? RequestKind::kEndTrial : RequestKind::kBeginTrial;
+}
+
+RequestKind pressed(Pedal pedal, Mode mode) noexcept {
+  switch (pedal) {
+    case Pedal::kPlanning:
+      return planningPressed(mode);
+    case Pedal::kSimulation:
+      return simulationPressed(mode);
+    case Pedal::kTrial:
+      return trialPressed(mode);
+    case Pedal::kView:
+      return RequestKind::kSetView;
+    case Pedal::kCamera:
+      return RequestKind::kSetCameraPedal;
+    case Pedal::kToolChange:
+      return RequestKind::kToolChange;
+    case Pedal::kStop:
+      return RequestKind::kEmergencyStop;
+  }
+  return RequestKind::kNone;
+}
+
+void add(RequestKind kind, bool enabled, PedalRequests* requests) noexcept {
+  Request& request = requests->items[requests->count++];
+  request.kind = kind;
+  request.enabled = enabled ? 1 : 0;
+}
+
+}  // namespace
+
+PedalRequests PedalGate::take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
+  const bool is_newer = static_cast<std::int32_t>(pedals.sequence - sequence_) > 0;
+  if (isHeard(now_ns) && !is_newer) return {};
+  is_heard_ = true;
+  heard_ns_ = now_ns;
+  sequence_ = pedals.sequence;
+  return change(pedals.held, mode, view);
+}
+
+PedalRequests PedalGate::idle(std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
+  if (isHeard(now_ns)) return {};
+  is_heard_ = false;
+  return change(0, mode, view);
+}
+
+PedalRequests PedalGate::change(std::uint32_t held, Mode mode, std::uint8_t view) noexcept {
+  const std::uint32_t down = held & ~held_, up = held_ & ~held;
+  held_ = held;
+  PedalRequests requests;
+  if ((up & bit(Pedal::kCamera)) != 0) add(RequestKind::kSetCameraPedal, false, &requests);
+  for (std::size_t i = kPedalCount; i-- > 0;) {  // the stop is the last of them
+    const auto pedal = static_cast<Pedal>(i);
+    const bool enabled = pedal == Pedal::kCamera || (pedal == Pedal::kView && view == 0);
+    if ((down & bit(pedal)) != 0) add(pressed(pedal, mode), enabled, &requests);
+  }
+  return requests;
+}
+
+}  // namespace raven2_trainer::runtime
