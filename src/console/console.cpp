@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hand_model.h"
 #include "increment.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/haptics/hand_model.h"
+#include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::console {
 namespace {
@@ -30,7 +31,7 @@ struct Console::Impl {
   /** One hand, its master and what it has sent. */
   struct Master {
     explicit Master(const ConsoleConfig& config) : hand(config) {}
-    HandModel hand;
+    haptics::HandModel hand;
     std::array<Increment, 3> position;
     Increment grasp;
   };
