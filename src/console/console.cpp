@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hand_model.h"
 #include "increment.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/haptics/hand_model.h"
+#include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::console {
 namespace {
 
 constexpr double kMicrometresPerMetre = 1e6;
 constexpr double kMilliradiansPerRadian = 1e3;
-constexpr double kMaxForce = 20.0;  ///< [N] far above any such device (the Omni's peak is 3.3 N): what came is broken
-constexpr int kForceLifetime = 50;  ///< [ticks] a force not renewed is gone (reliability.md 2.2, rule 7)
+constexpr double kMaxForce = 20.0;   ///< [N] far above any such device (the Omni's peak is 3.3 N): what came is broken
+constexpr int kSightLifetime = 500;  ///< [ticks] after so long without a picture their numbers may start anew
+constexpr int kForceLifetime = 50;   ///< [ticks] a force not renewed is gone (reliability.md 2.2, rule 7)
 
 bool isPlausible(const ForcePacket& packet) noexcept {
   for (const Vec3& force : packet.force_I) {
@@ -24,14 +26,24 @@ bool isPlausible(const ForcePacket& packet) noexcept {
   return true;
 }
 
+bool isFinite(const RigidPose& pose) noexcept {
+  return toEigen(pose.p).allFinite() && std::isfinite(toEigen(pose.q).norm()) && toEigen(pose.q).norm() > 0.5;
+}
+
+bool isPlausible(const Sight& sight) noexcept {
+  const auto all = [](const auto& poses) { return std::all_of(poses.begin(), poses.end(), isFinite); };
+  return all(sight.tool_W) && all(sight.bodies_W) && std::isfinite(sight.opening[0]) && std::isfinite(sight.opening[1]);
+}
+
 }  // namespace
 
 struct Console::Impl {
   /** One hand, its master and what it has sent. */
   struct Master {
     explicit Master(const ConsoleConfig& config) : hand(config) {}
-    HandModel hand;
+    haptics::HandModel hand;
     std::array<Increment, 3> position;
+    TurnIncrement turn;
     Increment grasp;
   };
 
@@ -40,14 +52,17 @@ struct Console::Impl {
 
   bool mayMove() noexcept;
   Vector3 forceOn(Arm arm) const noexcept;
+  void feel() noexcept;
   void moveMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept;
+  void turnMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept;
 
   const ConsoleConfig config;
   std::unique_ptr<MotionSource> source;
   PerArm<Master> masters;
   Intent intent;
+  Senses senses;
   ForcePacket force;
-  int force_age{kForceLifetime};
+  int force_age{kForceLifetime}, sight_age{kSightLifetime};
   bool ready{false};
   bool started{false};
   Tick ready_ticks{0};
@@ -73,6 +88,20 @@ Reject Console::applyForce(const ForcePacket& force) noexcept {
   return Reject::kNone;
 }
 
+Reject Console::applySight(const Sight& sight) noexcept {
+  const std::optional<Sight>& last = impl_->senses.sight;
+  const bool is_late = last && static_cast<std::int32_t>(sight.sequence - last->sequence) < 0;
+  if (is_late && impl_->sight_age < kSightLifetime) return Reject::kOutOfOrder;
+  if (!isPlausible(sight)) return Reject::kNotFinite;
+  impl_->senses.sight = sight;
+  impl_->sight_age = 0;
+  return Reject::kNone;
+}
+
+std::uint32_t Console::pedals() const noexcept {
+  return impl_->intent.pedals;
+}
+
 bool Console::finished() const noexcept {
   return impl_->intent.finished;
 }
@@ -87,12 +116,16 @@ wire::ItpPacket Console::tick() {
   if (impl_->mayMove()) {
     const bool is_first = !impl_->started;
     impl_->started = true;
-    impl_->intent = impl_->source->tick();
+    impl_->feel();
+    impl_->intent = impl_->source->tick(impl_->senses);
     packet.surgeon_mode = impl_->intent.pedal ? 1 : 0;
-    for (const Arm arm : kArms)
+    for (const Arm arm : kArms) {
       impl_->moveMaster(arm, impl_->intent.pedal && !is_first, &packet);
+      impl_->turnMaster(arm, impl_->intent.pedal && !is_first, &packet);
+    }
   }
   impl_->force_age = std::min(impl_->force_age + 1, kForceLifetime);
+  impl_->sight_age = std::min(impl_->sight_age + 1, kSightLifetime);
   packet.checksum = wire::itpChecksum(packet);
   return packet;
 }
@@ -102,6 +135,14 @@ bool Console::Impl::mayMove() noexcept {
   const bool is_over = ready && static_cast<double>(ready_ticks) * kTickSeconds >= config.start_delay;
   ready_ticks = ready ? ready_ticks + 1 : 0;
   return is_over;
+}
+
+void Console::Impl::feel() noexcept {
+  senses.sequence = sequence;
+  senses.force = force_age < kForceLifetime ? force : ForcePacket{};
+  senses.force.runlevel = force.runlevel;
+  for (const Arm arm : kArms)
+    at(senses.deflection, arm) = toArray(at(masters, arm).hand.deflection());
 }
 
 Vector3 Console::Impl::forceOn(Arm arm) const noexcept {
@@ -125,6 +166,16 @@ void Console::Impl::moveMaster(Arm arm, bool counts, wire::ItpPacket* packet) no
   at(packet->dely_um, arm) = master.position[1].take(steps.y());
   at(packet->delz_um, arm) = master.position[2].take(steps.z());
   at(packet->grasp_mrad, arm) = master.grasp.take(closing);
+}
+
+void Console::Impl::turnMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept {
+  TurnIncrement& turn = at(masters, arm).turn;
+  if (!counts) return turn.hold(at(intent.turn_I, arm));
+  const Quat step = turn.take(at(intent.turn_I, arm));
+  at(packet->Qx, arm) = step[0];
+  at(packet->Qy, arm) = step[1];
+  at(packet->Qz, arm) = step[2];
+  at(packet->Qw, arm) = step[3];
 }
 
 }  // namespace raven2_trainer::console

@@ -7,14 +7,10 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::console {
-namespace {
 
-/** W (x forward, y left, z up) to I (x forward, y right, z down): a half turn about x. */
 Vector3 worldToItp(const Vector3& v_W) noexcept {
   return {v_W.x(), -v_W.y(), -v_W.z()};
 }
-
-}  // namespace
 
 double minimumJerk(double s) noexcept {
   const double x = std::clamp(s, 0.0, 1.0);

@@ -13,6 +13,9 @@ namespace raven2_trainer::console {
 /** Fraction of a minimum-jerk move at fraction `s` of its time (Flash and Hogan 1985, eq. 11); clamped to [0, 1]. */
 double minimumJerk(double s) noexcept;
 
+/** W (x forward, y left, z up) to I (x forward, y right, z down), and back: a half turn about x. */
+Vector3 worldToItp(const Vector3& v_W) noexcept;
+
 /** A point in W as a displacement from the arm's tip at home, in I. */
 Vector3 fromHome(const ArmsConfig& arms, Arm arm, const Vector3& p_W) noexcept;
 

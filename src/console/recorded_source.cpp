@@ -22,7 +22,7 @@ class RecordedSource : public MotionSource {
       at(home_B_, arm) = homeTip(arms, arm);
   }
 
-  Intent tick() override {
+  Intent tick(const Senses&) override {
     const Tick now = now_++;
     const Tick rows = static_cast<Tick>(recording_.tips.size());
     const Tick row = std::clamp<Tick>(now - lead_in_, 0, rows - 1);

@@ -32,7 +32,7 @@ class ScriptedSource : public MotionSource {
     startRest(0);
   }
 
-  Intent tick() override {
+  Intent tick(const Senses&) override {
     const Tick now = now_++;
     if (now >= phase_end_ && now < end_) nextPhase(now);
     Intent intent;

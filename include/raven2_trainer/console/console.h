@@ -4,10 +4,14 @@
 #include <cstdint>
 #include <iosfwd>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/pedals.h"
+#include "raven2_trainer/core/sight.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::console {
@@ -29,16 +33,27 @@ Recording readRecording(std::istream& stream, const std::string& path);
 /** What the hands do with the pedals and grips, before the hand model adds the force's effect. */
 struct Intent {
   bool pedal{};
-  PerArm<Vec3> hand_I{};   ///< [m] [@frame I] where each hand wants to be, from its start
-  PerArm<double> grasp{};  ///< [rad] wanted jaw opening
-  bool finished{};         ///< the motion is over, the pedal stays up
+  PerArm<Vec3> hand_I{};                                ///< [m] [@frame I] where each hand wants to be, from its start
+  PerArm<Quat> turn_I{{kIdentityQuat, kIdentityQuat}};  ///< [@frame I] how it wants to be turned, from its start
+  PerArm<double> grasp{};                               ///< [rad] wanted jaw opening
+  std::uint32_t pedals{};                               ///< core/pedals.h: those held beside the one above
+  bool finished{};                                      ///< the motion is over, the pedal stays up
+};
+
+/** What the surgeon sees and feels. */
+struct Senses {
+  std::uint32_t sequence{};    ///< of the ITP packet that what is done now goes out with
+  std::optional<Sight> sight;  ///< the newest picture; none before the first
+  ForcePacket force{};         ///< the newest force; none once it is 50 ms old
+  PerArm<Vec3> deflection{};   ///< [m] [@frame I] how far it pushes each hand now
+  bool was_interrupted{};      ///< since the last tick the pedal was up, by somebody else's will, and is down again
 };
 
 /** A source of motion, stepped once a millisecond. */
 class MotionSource {
  public:
   virtual ~MotionSource() = default;
-  virtual Intent tick() = 0;
+  virtual Intent tick(const Senses& senses) = 0;
 };
 
 /** Seeded, human-like two-arm ring task: minimum-jerk strokes between targets, pauses, 8 to 12 Hz tremor, clutching. */
@@ -49,7 +64,8 @@ std::unique_ptr<MotionSource> makeRecorded(const ConsoleConfig& config, const Ar
 
 /**
  * The surgeon's hands on two masters: intent plus a mass-spring-damper that the force pushes, differenced into ITP
- * increments with the rounding remainder carried. No sockets, no clock.
+ * increments with the rounding remainder carried; turns of the hands in increments of at most 0.099 rad, which follow
+ * until the whole turn is done. No sockets, no clock.
  */
 class Console {
  public:
@@ -62,9 +78,14 @@ class Console {
   /** Newest force from the daemon. @return why it was not used: overtaken on the way, or no force of this world. */
   Reject applyForce(const ForcePacket& force) noexcept;
 
+  /** A picture. @return kOutOfOrder if a newer one was seen, kNotFinite if it shows what cannot be. */
+  Reject applySight(const Sight& sight) noexcept;
+
   /** One millisecond: the next packet. */
   wire::ItpPacket tick();
 
+  /** Pedals held beside the one that ITP carries, bits of core/pedals.h. */
+  std::uint32_t pedals() const noexcept;
   bool finished() const noexcept;
   /** [m] how far the force pushes each hand now. */
   PerArm<Vec3> deflection() const noexcept;

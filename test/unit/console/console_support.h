@@ -45,7 +45,7 @@ inline ArmsConfig testArms() {
 class FunctionSource : public MotionSource {
  public:
   explicit FunctionSource(std::function<Intent(Tick)> function) : function_(std::move(function)) {}
-  Intent tick() override { return function_(now_++); }
+  Intent tick(const Senses&) override { return function_(now_++); }
 
  private:
   std::function<Intent(Tick)> function_;

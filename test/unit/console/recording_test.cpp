@@ -144,7 +144,7 @@ TEST(Recorded, TheHandMovesTenTimesAsFarAsTheTip) {
   const auto source = makeRecorded(config, testArms(), recording);
   std::vector<Intent> intents;
   for (int i = 0; i < 2100; ++i)
-    intents.push_back(source->tick());
+    intents.push_back(source->tick({}));
   for (const Arm arm : kArms) {
     const Vector3 hand = toEigen(at(intents[2099].hand_I, arm)) - toEigen(at(intents[2000].hand_I, arm));
     const Vector3 tip = toEigen(at(recording.tips[99], arm)) - toEigen(at(recording.tips[0], arm));
@@ -157,7 +157,7 @@ TEST(Recorded, TheLeadInIsASmoothMoveFromHome) {
   const auto source = makeRecorded(config, testArms(), wandering(10));
   std::vector<Vector3> hands;
   for (int i = 0; i <= 2000; ++i)
-    hands.push_back(toEigen(source->tick().hand_I[0]));
+    hands.push_back(toEigen(source->tick({}).hand_I[0]));
   EXPECT_EQ(hands[0].norm(), 0.0);
   double peak = 0.0;
   for (std::size_t i = 1; i < hands.size(); ++i)

@@ -22,7 +22,7 @@ std::vector<Intent> run(const ConsoleConfig& config, std::uint64_t seed, int tic
   const auto source = makeScripted(config, testArms(), seed);
   std::vector<Intent> intents;
   for (int i = 0; i < ticks; ++i)
-    intents.push_back(source->tick());
+    intents.push_back(source->tick({}));
   return intents;
 }
 

@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "console/hand_model.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/haptics/hand_model.h"
 #include "raven2_trainer/runtime/haptic_loop.h"
 
 // The haptic loop closed over a hand on a slow link: what the port gives that hand, with and without the passivity
@@ -217,7 +217,7 @@ class ClosedLoop {
 
   const TrainerConfig config;
   const Bench bench;
-  console::HandModel hand;
+  haptics::HandModel hand;
   SharedState shared;
   HapticLoop loop;
   Vector3 master_I{0, 0, 0}, p_before_B{bench.offset_B};

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "raven2_trainer/console/expert.h"
+
+namespace raven2_trainer::console {
+
+/** What somebody does worse than the expert, so that a score can be seen to tell. */
+struct Clumsiness {
+  std::size_t verb{};               ///< the one that is changed, from 0
+  std::optional<double> let_go_at;  ///< [-] [0, 1] kCarry: share of the way at which the jaws open
+  std::optional<Vec3> via_W;        ///< [m] kCarry, kTouch: passed first
+  std::optional<Vec3> push_W;       ///< [m] kPutOver: the tool pushes that far before it lets go
+  std::optional<double> speed;      ///< [-] factor on both speeds
+  std::optional<double> pause;      ///< [s]
+  std::optional<double> tremor;     ///< [-]
+};
+
+/** @throw ConfigException for a verb that is not there or cannot be changed so, and for numbers out of range. */
+void makeClumsy(const Clumsiness& clumsiness, std::vector<Verb>* verbs, Skill* skill);
+
+}  // namespace raven2_trainer::console

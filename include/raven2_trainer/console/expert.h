@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/console/truth_log.h"
+#include "raven2_trainer/core/scene_roles.h"
+
+namespace raven2_trainer::console {
+
+/** What a scripted surgeon can be told to do. */
+enum class VerbKind : std::uint8_t {
+  kGrip,        ///< `arm` takes hold of `object` where it lies
+  kCarry,       ///< and takes its middle to `to_W`, level
+  kTakeOver,    ///< `arm` takes hold of `object` while the other one holds it, which then lets go
+  kPutOver,     ///< `arm` puts `object`, which it holds, over `peg` and lets go
+  kFollowWire,  ///< `arm` leads `object`, which it holds and which `wire` goes through, along it and off its end
+  kTouch,       ///< the tip of `arm` goes to `to_W`, turned as it is
+  kPark,        ///< `arm` goes back to where it was at the start
+  kCameraTo,    ///< camera pedal down, and both hands bring its eye to `to_W`; it goes on looking at the same place
+  kClutch,      ///< pedal up, both hands to their middle, pedal down
+  kWait,        ///< for `seconds`
+  kPress,       ///< `pedal` for `seconds`
+};
+constexpr std::size_t kVerbKindCount = 11;
+constexpr std::array<const char*, kVerbKindCount> kVerbNames{
+    "grip", "carry", "take_over", "put_over", "follow_wire", "touch", "park", "camera_to", "clutch", "wait", "press"};
+
+struct Verb {
+  VerbKind kind{};
+  Arm arm{Arm::kGold};
+  std::uint8_t object{kNobody};  ///< index in SceneRoles::objects
+  std::uint8_t peg{kNobody};     ///< index in SceneRoles::pegs
+  std::uint8_t wire{kNobody};    ///< index in SceneRoles::wires
+  Vec3 to_W{};                   ///< [m]
+  double seconds{};              ///< [s]
+  Pedal pedal{};
+  // What a clumsy one does besides.
+  double let_go_at{-1.0};     ///< [-] kCarry: share of the way at which the jaws open; negative: they do not
+  std::optional<Vec3> via_W;  ///< [m] kCarry, kTouch: another place that is passed first
+  Vec3 push_W{};              ///< [m] kPutOver: the tool pushes that far before it lets go
+};
+
+/** How well a surgeon does it. The figures are an expert's, ours; those of aim and speed as in test/grasp. */
+struct Skill {
+  double aim_error{0.0005};               ///< [m] along each axis, of a grip
+  double aim_angle{0.087};                ///< [rad] about any axis
+  double tremor{1.0};                     ///< [-] on console.yaml's
+  double slowest{0.020}, fastest{0.060};  ///< [m/s] mean speeds of the tool
+  double pause{0.2};                      ///< [s] between verbs, up to twice as long
+  double clutch_reach{0.25};  ///< [m] of a hand from its middle before it clutches; the longest of the other script's
+  int tries{3};               ///< [-] of a verb that went wrong
+};
+
+/**
+ * A scripted surgeon that does verbs through ITP alone: it acts by increments, jaws and pedals, and sees pictures 30
+ * times a second. It is told neither joints nor contacts nor what a judge says. Each move is minimum-jerk; before jaws
+ * close or open and after each move with an object it looks and corrects; what went wrong is tried again. Which grip it
+ * takes is searched by inverse kinematics. Finished once all verbs are done or given up.
+ *
+ * @param[in] truth Told when each verb begins and ends; may be null, else it must outlive the source.
+ * @throw ConfigException for a verb whose object or peg the scene does not have.
+ */
+std::unique_ptr<MotionSource> makeExpert(const ConsoleConfig& config,
+                                         const ArmsConfig& arms,
+                                         const SceneRoles& roles,
+                                         const std::vector<Verb>& verbs,
+                                         const Skill& skill,
+                                         std::uint64_t seed,
+                                         TruthLog* truth = nullptr);
+
+}  // namespace raven2_trainer::console

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace raven2_trainer::console {
+
+/** Something that a scripted surgeon did, and knows that it did. */
+struct TruthEvent {
+  std::uint32_t sequence{};  ///< of the ITP packet it went out with
+  std::string what;          ///< begin, end, retry, given_up, let_go, pushed, pedal_up, ...
+  int verb{-1};              ///< number of the verb from 0; -1 none
+  std::string detail;        ///< no commas
+};
+
+/**
+ * What a scripted surgeon did, for whoever checks what a judge made of it: a judge never sees this. The packet's number
+ * leads to the tick that used it (command records of the session).
+ */
+class TruthLog {
+ public:
+  void add(TruthEvent event) { events_.push_back(std::move(event)); }
+  const std::vector<TruthEvent>& events() const noexcept { return events_; }
+  /** CSV: sequence,what,verb,detail. */
+  void write(std::ostream& stream) const;
+
+ private:
+  std::vector<TruthEvent> events_;
+};
+
+}  // namespace raven2_trainer::console

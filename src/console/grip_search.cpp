@@ -1,0 +1,259 @@
+#include "grip_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "raven2_trainer/control/axis_map.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "tool_hand.h"
+
+namespace raven2_trainer::console {
+namespace {
+
+constexpr double kWireStep = 0.001;      ///< [m]
+constexpr double kStepLength = 0.004;    ///< [m] of a trail
+constexpr double kStepAngle = 0.1;       ///< [rad]
+constexpr double kMaxJointStep = 0.5;    ///< [rad] in one such step: farther is a jump to another branch
+constexpr double kInsertionScale = 8.7;  ///< [rad/m] 16 mm of insertion are as far as 8 degrees
+constexpr double kJawsApart = 0.0045;    ///< [m] half of the way from opened jaws to what must not touch them
+constexpr double kShaftApart = 0.0055;   ///< [m] the same of a shaft of 4 mm radius
+constexpr double kPlentyMargin = 0.35;   ///< [rad] more is no better
+
+// Turns of the ring from the heading it has, the nearest first.
+constexpr std::array<double, 7> kSpins{0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2};
+constexpr std::array<double, 5> kLeans{0.17, 0.0, 0.52, 0.79, 1.05};  ///< [rad]
+
+// Half open, the jaws reach 9.6 mm beyond their pivot, and shall keep off the plate (z = 0), on which a ring may lie.
+constexpr double kJawsReach = 0.0096, kOffPlate = 0.0006;   ///< [m]
+constexpr double kUsualReach = 0.0075, kFarReach = 0.0092;  ///< [m] pivot to bar
+
+/** W from B: rotations from ITP axes, remote centre. */
+Pose baseInWorld(const ArmsConfig& arms, Arm arm) noexcept {
+  Pose X_WB;
+  const Matrix3 R_IB = control::itpToBase(arm).transpose();
+  for (int i = 0; i < 3; ++i)
+    X_WB.R.col(i) = worldToItp(R_IB.col(i));
+  X_WB.p = toEigen(at(arms.rcm_W, arm));
+  return X_WB;
+}
+
+double marginOf(const ArmGeometry& geometry, const JointArray& q) noexcept {
+  double least = 1e9;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const double scale = j == kInsertion ? kInsertionScale : 1.0;
+    least = std::min({least, scale * (q[j] - geometry.q_min[j]), scale * (geometry.q_max[j] - q[j])});
+  }
+  return least;
+}
+
+bool jumps(const JointArray& from, const JointArray& to) noexcept {
+  for (std::size_t j = 0; j <= kWrist; ++j) {
+    const double scale = j == kInsertion ? kInsertionScale : 1.0;
+    if (scale * std::abs(to[j] - from[j]) > kMaxJointStep) return true;
+  }
+  return std::abs(kinematics::jawMidline(to) - kinematics::jawMidline(from)) > kMaxJointStep;
+}
+
+/** A straight part of a tool. */
+struct Line {
+  Vector3 a, b;
+  double clear;  ///< [m] half of what is kept from it
+};
+
+/** Jaws and shaft of a tool that stands there, its shaft through the remote centre `rcm_W`. */
+std::array<Line, 2> linesOf(const Pose& X_WT, const Vector3& rcm_W, double lw) {
+  Vector3 towards_T = X_WT.inverse() * rcm_W;
+  towards_T.z() = 0.0;  // the wrist turns about an axis across the jaws' hinge
+  const Vector3 wrist = X_WT * Vector3(lw * towards_T.normalized());
+  return {Line{X_WT * Vector3(0.010, 0, 0), wrist, kJawsApart}, Line{wrist, rcm_W, kShaftApart}};
+}
+
+/** Least distance of two lines, by points of the first 2 mm apart: within half a millimetre, which suffices here. */
+double distanceOf(const Line& one, const Line& other) {
+  const Vector3 d = other.b - other.a;
+  double least = 1e9;
+  const int points = std::max(1, static_cast<int>(std::min(0.08, (one.b - one.a).norm()) / 0.002));
+  const Vector3 step = (one.b - one.a).normalized() * 0.002;
+  for (int i = 0; i <= points; ++i) {
+    const Vector3 p = one.a + i * step;
+    const double s = std::clamp((p - other.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (p - other.a - s * d).norm());
+  }
+  return least;
+}
+
+double reachFor(const Pose& X_WR) noexcept {
+  return std::clamp(kJawsReach + kOffPlate - X_WR.p.z(), kUsualReach, kFarReach);
+}
+
+std::vector<Grip> candidates(const SceneObject& ring, double reach) {
+  std::vector<Grip> grips;
+  const int azimuths = ring.square != 0 ? 4 : 24;
+  // a square ring's stand or peg may reach under the middle of its bars
+  const std::vector<double> along =
+      ring.square != 0 ? std::vector<double>{-ring.inner_radius / 2, ring.inner_radius / 2} : std::vector<double>{0.0};
+  for (const double lean : kLeans) {
+    for (int i = 0; i < azimuths; ++i) {
+      const double azimuth = 2.0 * kPi * i / azimuths;
+      for (const double place : along) {
+        for (const bool turned : {false, true})
+          grips.push_back({{std::cos(azimuth), std::sin(azimuth), 0.0}, turned, place, lean, reach});
+      }
+    }
+  }
+  return grips;
+}
+
+/** A millimetre apart on a Catmull-Rom curve through the points. */
+std::vector<Vector3> smooth(const std::vector<Vector3>& points) {
+  std::vector<Vector3> line;
+  const std::size_t last = points.size() - 1;
+  for (std::size_t i = 0; i < last; ++i) {
+    const Vector3 &a = points[i > 0 ? i - 1 : 0], &b = points[i], &c = points[i + 1],
+                  &d = points[std::min(i + 2, last)];
+    const int parts = std::max(1, static_cast<int>((c - b).norm() / kWireStep));
+    for (int k = 0; k < parts; ++k) {
+      const double t = static_cast<double>(k) / parts;
+      const Vector3 linear = c - a, square = 2.0 * a - 5.0 * b + 4.0 * c - d, cubic = 3.0 * (b - c) + d - a;
+      line.push_back(b + 0.5 * t * (linear + t * (square + t * cubic)));
+    }
+  }
+  line.push_back(points[last]);
+  return line;
+}
+
+}  // namespace
+
+Pose toolInRing(const Grip& grip, const SceneObject& ring) noexcept {
+  const Vector3 up = Vector3::UnitZ(), bar = up.cross(grip.outward);
+  const Vector3 approach = -(std::cos(grip.lean) * up + std::sin(grip.lean) * grip.outward);
+  Pose X_RT;
+  X_RT.R.col(0) = approach;
+  X_RT.R.col(2) = grip.turned ? Vector3(-bar) : bar;
+  X_RT.R.col(1) = X_RT.R.col(2).cross(approach);
+  X_RT.p = (ring.inner_radius + ring.bar_radius) * grip.outward + grip.along * bar - grip.reach * approach;
+  return X_RT;
+}
+
+Pose drawnBack(Pose X_WT, double distance) noexcept {
+  X_WT.p -= distance * X_WT.R.col(0);
+  return X_WT;
+}
+
+Pose facing(const Pose& X_WR, const Vector3& up_W) noexcept {
+  if (X_WR.R.col(2).dot(up_W) >= 0.0) return X_WR;
+  const Vector3 half_turn(1.0, -1.0, -1.0);
+  return {X_WR.R * half_turn.asDiagonal(), X_WR.p};
+}
+
+Pose level(const Vector3& p_W, double heading) noexcept {
+  return {Eigen::AngleAxisd(heading, Vector3::UnitZ()).toRotationMatrix(), p_W};
+}
+
+double headingOf(const Pose& X_WR) noexcept {
+  return std::atan2(X_WR.R(1, 0), X_WR.R(0, 0));
+}
+
+Pose spun(Pose X_WR, double angle) noexcept {
+  X_WR.R = X_WR.R * Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix();
+  return X_WR;
+}
+
+std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, double beyond) {
+  std::vector<Vector3> points;
+  for (const Vec3& p : line_W)
+    points.push_back(toEigen(p));
+  std::vector<Vector3> line = smooth(points);
+  const Vector3 end = (line.back() - line[line.size() - 2]).normalized();
+  for (double s = kWireStep; s <= beyond; s += kWireStep)
+    line.push_back(toEigen(line_W.back()) + s * end);
+  std::vector<Pose> poses;
+  Pose X_WR = level(line.front(), heading);
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vector3 along = line[std::min(i + 1, line.size() - 1)] - line[i > 0 ? i - 1 : 0];
+    X_WR.R = Quaternion::FromTwoVectors(X_WR.R.col(2), along).toRotationMatrix() * X_WR.R;
+    X_WR.p = line[i];
+    poses.push_back(X_WR);
+  }
+  return poses;
+}
+
+std::size_t nearestTo(const Vector3& p_W, const std::vector<Pose>& poses) noexcept {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if ((poses[i].p - p_W).norm() < (poses[best].p - p_W).norm()) best = i;
+  }
+  return best;
+}
+
+Pose JointTrail::pose() const noexcept {
+  return baseInWorld(*arms_, arm_) * kinematics::forward(arms_->geometry, arm_, q_);
+}
+
+bool JointTrail::go(const Pose& X_WT) noexcept {
+  const Pose from = pose();
+  const PoseError way = errorOf(from, X_WT);
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(std::max(way.distance / kStepLength, way.angle / kStepAngle))));
+  for (int i = 1; i <= steps; ++i) {
+    if (!step(between(from, X_WT, static_cast<double>(i) / steps))) return false;
+  }
+  return true;
+}
+
+bool JointTrail::step(const Pose& X_WT) noexcept {
+  const Pose X_BT = baseInWorld(*arms_, arm_).inverse() * X_WT;
+  const kinematics::IkResult result = kinematics::inverse(arms_->geometry, arm_, X_BT, kOpenJaws, q_);
+  if (result.status != kinematics::IkStatus::kOk || jumps(q_, result.q)) return false;
+  q_ = result.q;
+  margin_ = std::min(margin_, marginOf(arms_->geometry, q_));
+  return margin_ > 0.0;
+}
+
+GripSearch::GripSearch(const ArmsConfig& arms, const GripTask& task)
+    : arms_(arms), task_(task), grips_(candidates(task.ring, reachFor(task.X_WR))) {}
+
+bool GripSearch::proceed(int count) {
+  const std::size_t spins = task_.stations_W.empty() ? 1 : kSpins.size();
+  const std::size_t all = grips_.size() * spins;
+  for (int i = 0; i < count && next_ < all; ++i, ++next_) {
+    const Grip& grip = grips_[next_ / spins];
+    const double spin = kSpins[next_ % spins];
+    const double score = std::min(kPlentyMargin, judge(grip, spin));
+    if (score > best_.score) best_ = {grip, spin, score};
+  }
+  return next_ >= all;
+}
+
+/** Least margin on the whole way: there, with the ring from station to station, and off it. Negative: it cannot be. */
+double GripSearch::judge(const Grip& grip, double spin) const {
+  const Pose X_RT = toolInRing(grip, task_.ring);
+  const Pose X_WT = task_.X_WR * X_RT, before = drawnBack(X_WT, kStandOff);
+  if (!keepsApart(X_WT) || !keepsApart(before)) return -1.0;
+  JointTrail trail(arms_, task_.arm, task_.q);
+  if (!trail.go(before) || !trail.go(X_WT)) return -1.0;
+  Pose last = X_WT;
+  if (task_.lifted_W) {
+    last = level(*task_.lifted_W, headingOf(task_.X_WR)) * X_RT;
+    if (!trail.go(last)) return -1.0;
+  }
+  for (const Pose& station : task_.stations_W) {
+    last = spun(station, spin) * X_RT;
+    if (!trail.go(last)) return -1.0;
+  }
+  return trail.go(drawnBack(last, kStandOff)) ? trail.margin() : -1.0;
+}
+
+bool GripSearch::keepsApart(const Pose& X_WT) const {
+  if (!task_.X_WT_other) return true;
+  const double lw = arms_.geometry.lw;
+  for (const Line& one : linesOf(X_WT, toEigen(at(arms_.rcm_W, task_.arm)), lw)) {
+    for (const Line& other : linesOf(*task_.X_WT_other, toEigen(at(arms_.rcm_W, otherArm(task_.arm))), lw)) {
+      if (distanceOf(one, other) < one.clear + other.clear) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace raven2_trainer::console

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/scene_roles.h"
+#include "raven2_trainer/kinematics/eigen.h"
+
+// How to take hold of a ring so that all that comes after can be done with that grip. Poses of the ring are those of
+// its link: the opening lies in the x-y plane.
+
+namespace raven2_trainer::console {
+
+constexpr double kOpenJaws = 0.8;       ///< [rad] for a bar
+constexpr double kClosedJaws = -0.05;   ///< [rad] a little beyond each other: they press on what is between them
+constexpr double kStandOff = 0.018;     ///< [m] along the tool, before and after a grip
+constexpr double kEnoughMargin = 0.14;  ///< [rad] of a joint inside its limits: 8 degrees
+
+/** How a bar is taken: the jaws' hinge along the bar, the tool from the ring's upper side. */
+struct Grip {
+  Vector3 outward{1, 0, 0};  ///< [@frame ring] from the ring's middle to the bar
+  bool turned{false};        ///< jaws changed over
+  double along{0.0};         ///< [m] from the bar's middle
+  double lean{0.17};         ///< [rad] of the tool about the bar, 0 along the ring's axis, positive leaning outward
+  double reach{0.0075};      ///< [m] pivot to the bar's middle line; the jaws are 10 mm long
+};
+
+/** Tool pose of a grip in the ring's frame. */
+Pose toolInRing(const Grip& grip, const SceneObject& ring) noexcept;
+
+/** The same tool, drawn back along its jaws. */
+Pose drawnBack(Pose X_WT, double distance) noexcept;
+
+/** A ring looks the same from both sides: the one that looks most along `up_W`. */
+Pose facing(const Pose& X_WR, const Vector3& up_W) noexcept;
+
+/** Level, its x axis along `heading` [rad] from x. */
+Pose level(const Vector3& p_W, double heading) noexcept;
+double headingOf(const Pose& X_WR) noexcept;
+
+/** Turned about its own axis. */
+Pose spun(Pose X_WR, double angle) noexcept;
+
+/** A ring led along a wire from where the wire begins: its axis along the wire, its x axis as little turned as can be,
+ * at the start as of level(). A millimetre apart, along a smooth line through `line_W` [m], and `beyond` [m] past its
+ * end. */
+std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, double beyond);
+
+/** The one nearest to a point. */
+std::size_t nearestTo(const Vector3& p_W, const std::vector<Pose>& poses) noexcept;
+
+/** Follows the joints of one arm along tool poses, as the robot's own inverse kinematics would lead it. */
+class JointTrail {
+ public:
+  JointTrail(const ArmsConfig& arms, Arm arm, const JointArray& q) noexcept : arms_(&arms), arm_(arm), q_(q) {}
+
+  /** Along the straight way there. @return false if the arm cannot follow. */
+  bool go(const Pose& X_WT) noexcept;
+  /** Least distance of a joint from its limits on the way so far [rad]; of the insertion, 0.115 m count as one. */
+  double margin() const noexcept { return margin_; }
+  const JointArray& joints() const noexcept { return q_; }
+  Pose pose() const noexcept;
+
+ private:
+  bool step(const Pose& X_WT) noexcept;
+
+  const ArmsConfig* arms_;
+  Arm arm_;
+  JointArray q_;
+  double margin_{1.0};
+};
+
+/** What is asked of a grip. */
+struct GripTask {
+  Arm arm{};
+  JointArray q{};                   ///< [rad, m] of that arm now
+  Pose X_WR;                        ///< ring, upright
+  SceneObject ring;                 ///< its shape
+  std::optional<Vector3> lifted_W;  ///< [m] its middle once it is off what it lies on, turned as it is
+  std::vector<Pose> stations_W;     ///< where the ring shall go with it, one after the other; it may be spun
+  std::optional<Pose> X_WT_other;   ///< tool of the other arm that stands near
+};
+
+struct GripPlan {
+  Grip grip;
+  double spin{};     ///< [rad] of the ring at the stations, about its own axis
+  double score{-1};  ///< [rad] least margin; negative: there is none
+};
+
+/** The search, a few candidates at a time; ties go to the earlier one. */
+class GripSearch {
+ public:
+  GripSearch(const ArmsConfig& arms, const GripTask& task);
+
+  /** Judges the next `count` candidates. @return true once all are judged. */
+  bool proceed(int count);
+  const GripPlan& best() const noexcept { return best_; }
+
+ private:
+  double judge(const Grip& grip, double spin) const;
+  bool keepsApart(const Pose& X_WT) const;
+
+  const ArmsConfig& arms_;
+  GripTask task_;
+  std::vector<Grip> grips_;
+  std::size_t next_{0};
+  GripPlan best_;
+};
+
+}  // namespace raven2_trainer::console

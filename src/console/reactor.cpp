@@ -1,0 +1,75 @@
+#include "raven2_trainer/console/reactor.h"
+
+#include <cmath>
+
+#include "raven2_trainer/kinematics/eigen.h"
+
+namespace raven2_trainer::console {
+namespace {
+
+Tick toTicks(double seconds) noexcept {
+  return static_cast<Tick>(std::lround(seconds / kTickSeconds));
+}
+
+class ReactingSource : public MotionSource {
+ public:
+  ReactingSource(std::unique_ptr<MotionSource> source, const Reaction& reaction, TruthLog* truth)
+      : source_(std::move(source)), reaction_(reaction), truth_(truth) {}
+
+  Intent tick(const Senses& senses) override {
+    const Tick now = now_++;
+    if (phase_ == Phase::kNone && intent_.pedal && feels(senses)) enter(Phase::kFeeling, now, "felt", senses);
+    if (phase_ == Phase::kFeeling && now >= since_ + toTicks(reaction_.delay)) {
+      enter(Phase::kUp, now, "pedal_up", senses);
+    } else if (phase_ == Phase::kUp && now >= since_ + toTicks(reaction_.rest)) {
+      enter(Phase::kLooking, now, "pedal_down", senses);
+    } else if (phase_ == Phase::kLooking && now >= since_ + toTicks(reaction_.look)) {
+      phase_ = Phase::kNone;
+      return goOn(senses, /*was_interrupted=*/true);
+    }
+    if (phase_ == Phase::kNone || phase_ == Phase::kFeeling) return goOn(senses, false);
+    Intent still = intent_;
+    still.pedal = phase_ == Phase::kLooking && intent_.pedal;
+    return still;
+  }
+
+ private:
+  enum class Phase { kNone, kFeeling, kUp, kLooking };
+
+  bool feels(const Senses& senses) const noexcept {
+    for (const Vec3& force : senses.force.force_I) {
+      if (toEigen(force).norm() > reaction_.force) return true;
+    }
+    return false;
+  }
+
+  void enter(Phase phase, Tick now, const char* what, const Senses& senses) {
+    phase_ = phase;
+    since_ = now;
+    if (truth_ != nullptr) truth_->add({senses.sequence, what, -1, "reaction"});
+  }
+
+  const Intent& goOn(const Senses& senses, bool was_interrupted) {
+    Senses sensed = senses;
+    sensed.was_interrupted = was_interrupted;
+    intent_ = source_->tick(sensed);
+    return intent_;
+  }
+
+  std::unique_ptr<MotionSource> source_;
+  const Reaction reaction_;
+  TruthLog* truth_;
+  Intent intent_;
+  Phase phase_{Phase::kNone};
+  Tick now_{0}, since_{0};
+};
+
+}  // namespace
+
+std::unique_ptr<MotionSource> makeReacting(std::unique_ptr<MotionSource> source,
+                                           const Reaction& reaction,
+                                           TruthLog* truth) {
+  return std::make_unique<ReactingSource>(std::move(source), reaction, truth);
+}
+
+}  // namespace raven2_trainer::console

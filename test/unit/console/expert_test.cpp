@@ -1,0 +1,413 @@
+#include "raven2_trainer/console/expert.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "fake_world.h"
+#include "raven2_trainer/console/clumsy.h"
+#include "raven2_trainer/console/reactor.h"
+#include "raven2_trainer/core/exceptions.h"
+
+// The verbs, in a world without mass: what they lead to, not how well jaws hold.
+
+namespace raven2_trainer::console {
+namespace {
+
+Verb verb(VerbKind kind, Arm arm, std::uint8_t object = 0) {
+  Verb v;
+  v.kind = kind;
+  v.arm = arm;
+  v.object = object;
+  return v;
+}
+
+Verb carry(Arm arm, const Vec3& to_W) {
+  Verb v = verb(VerbKind::kCarry, arm);
+  v.to_W = to_W;
+  return v;
+}
+
+Verb putOver(Arm arm, std::uint8_t peg) {
+  Verb v = verb(VerbKind::kPutOver, arm);
+  v.peg = peg;
+  return v;
+}
+
+const Vec3 kMiddle{0.010, 0.0, 0.045};
+
+/** Gold takes it up, green over and puts it down. */
+std::vector<Verb> wholeTask() {
+  return {verb(VerbKind::kGrip, Arm::kGold), carry(Arm::kGold, kMiddle), verb(VerbKind::kTakeOver, Arm::kGreen),
+          putOver(Arm::kGreen, 0)};
+}
+
+class ExpertTest : public ::testing::Test {
+ protected:
+  FakeWorld& start(std::vector<Verb> verbs, const Skill& skill = {}, std::uint64_t seed = 1) {
+    return startIn(fakeScene(), std::move(verbs), skill, seed);
+  }
+  FakeWorld& startIn(const SceneRoles& roles, std::vector<Verb> verbs, const Skill& skill, std::uint64_t seed = 1) {
+    world_ = std::make_unique<FakeWorld>(
+        config_, makeExpert(config_.console, config_.arms, roles, std::move(verbs), skill, seed, &truth_));
+    return *world_;
+  }
+
+  int told(const std::string& what) const {
+    int count = 0;
+    for (const TruthEvent& event : truth_.events())
+      count += event.what == what ? 1 : 0;
+    return count;
+  }
+  static double off(const Pose& ring, const Vec3& place) { return (ring.p - toEigen(place)).norm(); }
+  static double tilt(const Pose& ring) { return std::acos(std::min(1.0, ring.R(2, 2))); }
+
+  const TrainerConfig config_ = shippedConfig();
+  TruthLog truth_;
+  std::unique_ptr<FakeWorld> world_;
+};
+
+TEST_F(ExpertTest, PutsTheRingOverTheTowerFromOneHandToTheOther) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    FakeWorld& world = start(wholeTask(), {}, seed);
+    world.sag = 0.001;
+    world.run(200.0);
+    ASSERT_TRUE(world.finished()) << seed;
+    EXPECT_LT(off(world.ring(), {-0.018, -0.028, 0.002}), 0.002) << seed;
+    EXPECT_EQ(world.drops(), 0) << seed;
+    EXPECT_EQ(world.refusals(), 0) << seed;
+    EXPECT_GT(world.leastMargin(), 0.03) << seed << ": rad inside the joints' limits";
+    EXPECT_GT(world.pedalUps(), 2) << "a hand's reach is not a table's";
+  }
+}
+
+TEST_F(ExpertTest, CarriesTheRingLevelToWhereItShouldBe) {
+  Skill sure;
+  sure.tremor = 0.0;
+  FakeWorld& world = start({verb(VerbKind::kGrip, Arm::kGold), carry(Arm::kGold, kMiddle)}, sure);
+  world.sag = 0.002;
+  world.run(100.0);
+  ASSERT_TRUE(world.finished());
+  EXPECT_TRUE(world.isHeldBy(Arm::kGold));
+  EXPECT_LT(off(world.ring(), kMiddle), 0.0007) << "by what it saw: it was told nothing of the sag";
+  EXPECT_LT(tilt(world.ring()), 0.05);
+}
+
+TEST_F(ExpertTest, TriesAgainWhenTheJawsDidNotTake) {
+  FakeWorld& world = start(wholeTask());
+  world.slips = 1;
+  world.run(250.0);
+  ASSERT_TRUE(world.finished());
+  EXPECT_GE(told("retry"), 1);
+  EXPECT_LT(off(world.ring(), {-0.018, -0.028, 0.002}), 0.002);
+}
+
+TEST_F(ExpertTest, GivesUpInTheEnd) {
+  FakeWorld& world = start({verb(VerbKind::kGrip, Arm::kGold), carry(Arm::kGold, kMiddle)});
+  world.slips = 100;
+  world.run(250.0);
+  EXPECT_TRUE(world.finished());
+  EXPECT_EQ(told("given_up"), 1);
+  EXPECT_EQ(world.highest(), 0.0);
+}
+
+TEST_F(ExpertTest, KeepsThePedalUpAsLongAsItSeesNothing) {
+  FakeWorld& world = start(wholeTask());
+  world.is_blind = true;
+  for (int i = 0; i < 3000; ++i) {
+    world.tick();
+    ASSERT_EQ(world.packet().surgeon_mode, 0);
+  }
+  EXPECT_FALSE(world.finished());
+}
+
+TEST_F(ExpertTest, TheSameSeedSendsTheSameBytesAndAnotherSeedDoesNot) {
+  const auto bytes = [this](std::uint64_t seed) {
+    FakeWorld& world = start(wholeTask(), {}, seed);
+    std::string all;
+    for (int i = 0; i < 20000; ++i) {
+      world.tick();
+      const wire::ItpBytes packet = wire::encodeItp(world.packet());
+      all.append(reinterpret_cast<const char*>(packet.data()), packet.size());
+    }
+    return all;
+  };
+  const std::string first = bytes(3);
+  EXPECT_EQ(bytes(3), first);
+  EXPECT_NE(bytes(4), first);
+}
+
+TEST_F(ExpertTest, StaysWithinWhatADaemonTakesOfItp) {
+  FakeWorld& world = start(wholeTask());
+  const wire::ItpLimits limits{config_.network.itp.max_increment_um, config_.network.itp.max_rotation};
+  while (!world.finished() && world.seconds() < 200.0) {
+    world.tick();
+    ASSERT_EQ(wire::checkItp(world.packet(), limits), Reject::kNone);
+    for (const Arm arm : kArms) {
+      // 60 mm/s on average is 113 at a minimum-jerk move's peak, and some of tremor and correction on it
+      ASSERT_LT(std::abs(at(world.packet().delx_um, arm)), 160);
+    }
+  }
+}
+
+TEST_F(ExpertTest, TouchesAPointAndParksWhereItStarted) {
+  Skill sure;
+  sure.tremor = 0.0;
+  Verb touch = verb(VerbKind::kTouch, Arm::kGreen, kNobody);
+  touch.to_W = {-0.010, -0.045, 0.060};
+  FakeWorld& world = start({touch, verb(VerbKind::kWait, Arm::kGold, kNobody)}, sure);
+  const Vector3 home = world.tool(Arm::kGreen).p;
+  world.sag = 0.001;
+  world.run(60.0);
+  ASSERT_TRUE(world.finished());
+  EXPECT_LT((world.tool(Arm::kGreen).p - toEigen(touch.to_W)).norm(), 0.0005);
+
+  FakeWorld& back = start({touch, verb(VerbKind::kPark, Arm::kGreen, kNobody)}, sure);
+  back.run(60.0);
+  ASSERT_TRUE(back.finished());
+  EXPECT_LT((back.tool(Arm::kGreen).p - home).norm(), 0.001);
+}
+
+/** A rail: up from the plate, over in a bow, back towards the surgeon, its end open. */
+SceneRoles railScene() {
+  SceneRoles roles = fakeScene();
+  SceneWire rail{"left", "rail_left", 0.00125, {}};
+  for (int i = 0; i <= 3; ++i)
+    rail.line_W.push_back({0.034, 0.034, 0.004 * i});
+  for (int i = 1; i <= 6; ++i) {
+    const double a = kPi / 2 * i / 6;
+    rail.line_W.push_back({0.024 + 0.010 * std::cos(a), 0.034, 0.012 + 0.010 * std::sin(a)});
+  }
+  for (int i = 1; i <= 6; ++i)
+    rail.line_W.push_back({0.024 - 0.004 * i, 0.034 + 0.004 * std::sin(kPi * i / 6.0), 0.022});
+  roles.wires.push_back(rail);
+  return roles;
+}
+
+TEST_F(ExpertTest, LeadsTheRingAlongAWireWithoutLeavingIt) {
+  const SceneRoles roles = railScene();
+  Verb follow = verb(VerbKind::kFollowWire, Arm::kGold);
+  follow.wire = 0;
+  FakeWorld& world = startIn(roles, {verb(VerbKind::kGrip, Arm::kGold), follow}, {});
+  world.place({Matrix3::Identity(), toEigen(roles.wires[0].line_W[0]) + Vector3(0, 0, 0.002)});
+  std::size_t passed = 0;
+  while (!world.finished() && world.seconds() < 200.0) {
+    world.tick();
+    const std::vector<Vec3>& line = roles.wires[0].line_W;
+    if (passed < line.size() && (toEigen(line[passed]) - world.ring().p).norm() < 0.003) ++passed;
+    if (!world.isHeldBy(Arm::kGold) || passed == 0 || passed >= line.size()) continue;
+    // the ring's opening has a radius of 7 mm, the wire one of 1.25
+    double nearest = 1e9;
+    for (const Vec3& p : line)
+      nearest = std::min(nearest, (toEigen(p) - world.ring().p).norm());
+    ASSERT_LT(nearest, 0.0045) << world.seconds();
+  }
+  EXPECT_TRUE(world.finished());
+  EXPECT_TRUE(world.isHeldBy(Arm::kGold));
+  EXPECT_EQ(passed, roles.wires[0].line_W.size());
+  EXPECT_GT((toEigen(roles.wires[0].line_W.back()) - world.ring().p).norm(), 0.009) << "off its end";
+  EXPECT_LT(std::abs(world.ring().R.col(2).z()), 0.3) << "its axis along the level end";
+  for (const TruthEvent& event : truth_.events())
+    EXPECT_TRUE(event.what == "begin" || event.what == "end") << event.what << " " << event.detail;
+}
+
+TEST_F(ExpertTest, BringsTheCameraThereAndLeavesTheToolsWhereTheyAre) {
+  Skill sure;
+  sure.tremor = 0.0;
+  for (const double eye_by_tip : {1.5, 3.0, 4.5}) {  // it only knows about how far the eye goes
+    Verb look = verb(VerbKind::kCameraTo, Arm::kGold, kNobody);
+    look.to_W = {-0.10, 0.12, 0.20};
+    FakeWorld& world = start({look}, sure);
+    world.eye_by_tip = eye_by_tip;
+    const PerArm<Vector3> before{world.tool(Arm::kGold).p, world.tool(Arm::kGreen).p};
+    world.run(120.0);
+    EXPECT_TRUE(world.finished());
+    EXPECT_LT((world.eye_W - toEigen(look.to_W)).norm(), 0.011) << eye_by_tip;
+    for (const Arm arm : kArms)
+      EXPECT_LT((world.tool(arm).p - at(before, arm)).norm(), 0.0005);
+    EXPECT_EQ(told("given_up"), 0);
+  }
+}
+
+TEST_F(ExpertTest, ClutchesWhenToldTo) {
+  FakeWorld& world = start({verb(VerbKind::kClutch, Arm::kGold, kNobody)});
+  world.run(30.0);
+  EXPECT_TRUE(world.finished());
+  EXPECT_EQ(world.pedalUps(), 2) << "the clutch, and the end";
+}
+
+TEST(ExpertPress, HoldsAPedalForAsLongAsItIsTold) {
+  const TrainerConfig config = shippedConfig();
+  Verb press = verb(VerbKind::kPress, Arm::kGold, kNobody);
+  press.pedal = Pedal::kTrial;
+  press.seconds = 0.2;
+  auto source = makeExpert(config.console, config.arms, fakeScene(), {press}, {}, 1);
+  Senses senses;
+  senses.sight = Sight{};
+  for (RigidPose& pose : senses.sight->tool_W)
+    pose.p = {0.0, 0.0, 0.1};
+  senses.force.runlevel = static_cast<std::uint8_t>(RunLevel::kPedalDown);
+  int held = 0;
+  for (int i = 0; i < 5000; ++i)
+    held += source->tick(senses).pedals == bit(Pedal::kTrial) ? 1 : 0;
+  EXPECT_EQ(held, 200);
+}
+
+TEST_F(ExpertTest, TellsWhatItDidAndWithWhichPacket) {
+  FakeWorld& world = start(wholeTask());
+  world.run(200.0);
+  ASSERT_TRUE(world.finished());
+  ASSERT_EQ(told("begin"), 4);
+  ASSERT_EQ(told("end"), 4);
+  std::uint32_t last = 0;
+  for (const TruthEvent& event : truth_.events()) {
+    EXPECT_GE(event.sequence, last);
+    last = event.sequence;
+  }
+  EXPECT_LE(last, world.packet().sequence);
+  std::ostringstream csv;
+  truth_.write(csv);
+  EXPECT_EQ(csv.str().find("sequence,what,verb,detail\n"), 0u);
+  EXPECT_NE(csv.str().find(",begin,2,take_over\n"), std::string::npos);
+}
+
+TEST_F(ExpertTest, ThrowsForAVerbThatTheSceneDoesNotHave) {
+  EXPECT_THROW(start({verb(VerbKind::kGrip, Arm::kGold, 1)}), ConfigException);
+  EXPECT_THROW(start({putOver(Arm::kGold, 2)}), ConfigException);
+  EXPECT_NO_THROW(start({putOver(Arm::kGold, 1)}));
+}
+
+// ---- clumsy ---------------------------------------------------------------------------------------------------------
+
+TEST_F(ExpertTest, WhoLetsGoOnTheWayDropsTheRing) {
+  std::vector<Verb> verbs = wholeTask();
+  Skill skill;
+  Clumsiness dropper;
+  dropper.verb = 1;
+  dropper.let_go_at = 0.5;
+  makeClumsy(dropper, &verbs, &skill);
+  FakeWorld& world = start(verbs, skill);
+  world.run(250.0);
+  EXPECT_TRUE(world.finished());
+  EXPECT_GE(world.drops(), 1);
+  EXPECT_EQ(told("let_go"), 1);
+}
+
+TEST_F(ExpertTest, WhoGoesOutOfTheWayPassesThere) {
+  std::vector<Verb> verbs{verb(VerbKind::kGrip, Arm::kGold), carry(Arm::kGold, kMiddle)};
+  Skill skill;
+  Clumsiness high;
+  high.verb = 1;
+  high.via_W = Vec3{0.0, 0.020, 0.080};
+  makeClumsy(high, &verbs, &skill);
+  FakeWorld& world = start(verbs, skill);
+  world.run(200.0);
+  EXPECT_TRUE(world.finished());
+  EXPECT_GT(world.highest(), 0.078);
+  EXPECT_LT(off(world.ring(), kMiddle), 0.001);
+}
+
+TEST_F(ExpertTest, WhoIsSlowTakesLonger) {
+  const auto seconds = [this](double speed, double pause) {
+    std::vector<Verb> verbs = wholeTask();
+    Skill skill;
+    Clumsiness slow;
+    slow.speed = speed;
+    slow.pause = pause;
+    makeClumsy(slow, &verbs, &skill);
+    FakeWorld& world = start(verbs, skill);
+    world.run(1000.0);
+    EXPECT_TRUE(world.finished());
+    return world.seconds();
+  };
+  EXPECT_GT(seconds(0.25, 1.5), 1.3 * seconds(1.0, 0.2));
+}
+
+TEST_F(ExpertTest, WhoTremblesMovesTheRestingToolMore) {
+  const auto spread = [this](double tremor) {
+    Skill skill;
+    skill.tremor = tremor;
+    Verb wait = verb(VerbKind::kWait, Arm::kGold, kNobody);
+    wait.seconds = 3.0;
+    FakeWorld& world = start({wait}, skill);
+    world.run(1.5);
+    double least = 1e9, most = -1e9;
+    for (int i = 0; i < 1000; ++i) {
+      world.tick();
+      least = std::min(least, world.tool(Arm::kGold).p.x());
+      most = std::max(most, world.tool(Arm::kGold).p.x());
+    }
+    return most - least;
+  };
+  // a hand's 0.2 mm at scale 0.1 are at most 40 um from peak to peak
+  EXPECT_LT(spread(1.0), 45e-6);
+  EXPECT_GT(spread(12.0), 150e-6);
+  EXPECT_LT(spread(0.0), 3e-6);
+}
+
+TEST(Clumsiness, IsRefusedWhereItDoesNotFit) {
+  std::vector<Verb> verbs = wholeTask();
+  Skill skill;
+  Clumsiness wrong;
+  wrong.verb = 0;
+  wrong.let_go_at = 0.5;
+  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException) << "one cannot let go while gripping";
+  wrong.verb = 4;
+  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException) << "there are four";
+  wrong.verb = 1;
+  wrong.let_go_at = 1.1;
+  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException);
+  Clumsiness still;
+  still.speed = 0.0;
+  EXPECT_THROW(makeClumsy(still, &verbs, &skill), ConfigException);
+}
+
+// ---- reaction -------------------------------------------------------------------------------------------------------
+
+TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
+  const TrainerConfig config = shippedConfig();
+  TruthLog truth;
+  Reaction reaction;
+  reaction.delay = 0.4;
+  reaction.rest = 2.0;
+  reaction.look = 0.5;
+  FakeWorld world(
+      config, makeReacting(makeExpert(config.console, config.arms, fakeScene(), wholeTask(), {}, 5), reaction, &truth));
+  while (!world.isHeldBy(Arm::kGold) && world.seconds() < 100.0)
+    world.tick();
+  ASSERT_TRUE(world.isHeldBy(Arm::kGold));
+  for (int i = 0; i < 100; ++i) {
+    world.push_I = {0.29, 0.0, 0.0};
+    world.tick();
+    ASSERT_EQ(world.packet().surgeon_mode, 1);
+  }
+  world.push_I = {0.0, 0.0, 0.31};
+  world.tick();
+  const std::uint32_t felt = world.packet().sequence;
+  int down = 0, up = 0;
+  for (int i = 0; i < 100; ++i) {
+    world.tick();
+    down += world.packet().surgeon_mode;
+  }
+  world.push_I = {0.0, 0.0, 0.0};  // gone again: the reaction is under way
+  while (world.packet().surgeon_mode == 1 && down < 1000) {
+    world.tick();
+    down += world.packet().surgeon_mode;
+  }
+  EXPECT_EQ(down, 399) << "ticks with the pedal down after the one in which it was felt";
+  while (world.packet().surgeon_mode == 0 && up < 5000) {
+    ++up;
+    world.tick();
+  }
+  EXPECT_EQ(up, 2000);
+  ASSERT_EQ(truth.events().size(), 3u);
+  EXPECT_EQ(truth.events()[0].sequence, felt);
+  EXPECT_EQ(truth.events()[1].sequence, felt + 400);
+  EXPECT_EQ(truth.events()[2].sequence, felt + 2400);
+  world.run(200.0);
+  EXPECT_TRUE(world.finished());
+  EXPECT_LT((world.ring().p - Vector3(-0.018, -0.028, 0.002)).norm(), 0.002) << "and goes on where it was";
+}
+
+}  // namespace
+}  // namespace raven2_trainer::console
