@@ -80,6 +80,7 @@ class Series:
         self.teleoperating = model["mode"] == modes.index("teleoperating")
         self.tracking = self._in_modes(model, modes, "tracking", "executing")
         self.choosing = self._in_modes(model, modes, "choosing")
+        self.model_alone = self._in_modes(model, modes, "simulating", "trial", "camera_moving")
         comparable = self.teleoperating & seen & (model["robot_fresh"] != 0)
         if "linked" in model.dtype.names:
             comparable &= model["linked"] != 0
@@ -123,7 +124,7 @@ def _mark(axes, series):
         axes.axvspan(first, last, color=FAULT, alpha=0.45, linewidth=0, label=None if i else "fault acting")
     for i, (a, b) in enumerate(runs(series.tracking)):
         axes.axvspan(series.t[a], series.t[b], color=PLAN, alpha=0.25, linewidth=0, label=None if i else "plan followed")
-    for i, (a, b) in enumerate(runs(~series.teleoperating & ~series.tracking & ~series.choosing)):
+    for i, (a, b) in enumerate(runs(~(series.teleoperating | series.tracking | series.choosing | series.model_alone))):
         axes.axvspan(series.t[a], series.t[b], 0, 0.025, color=PEDAL_UP, linewidth=0,
                      label=None if i else "pedal up, stopped")
     if len(series.t) > 1:

@@ -27,6 +27,7 @@ MAX_PAYLOAD = 16 * 1024  # bytes, of any record but the first
 MAX_HEADER = 1024 * 1024  # bytes, of the first
 FORMAT_NAME = "raven2_trainer session log"
 FORMAT_VERSION = 1
+NO_TRAINING = {"exercise": "none", "drill": "none", "trainee": "", "curriculum": "none"}
 
 
 class SessionError(Exception):
@@ -141,8 +142,9 @@ def _packed(memory, packed):
 
 
 class SessionLog:
-    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `executions`, `contacts`, `counts`,
-    `gaps`, `recovery` as structured arrays.
+    """One log, all in memory: `ticks`, `haptic`, `commands`, `requests`, `plans`, `executions`, `exercise_events`,
+    `contacts`, `counts`, `gaps`, `recovery` as structured arrays. `training` has the header's `exercise`, `drill`,
+    `trainee` and `curriculum`, "none" and "" in logs older than they.
 
     Damaged records are left out, as the C++ reader does: `bad_bytes` says how much. `clean` is true if the log ends
     with the session's counters, `recovered` if its writer was killed and recover_session completed it,
@@ -168,6 +170,8 @@ class SessionLog:
         self.requests = self._arrays["request"]
         self.plans = self._arrays["plan"]
         self.executions = self._arrays.get("execution")  # None in logs older than they
+        self.exercise_events = self._arrays.get("exercise")  # None in logs older than they
+        self.training = {key: self.header.get(key, missing) for key, missing in NO_TRAINING.items()}
         self.faults = self._arrays.get("faults")  # None in logs older than they
         self.contacts = self._arrays.get("contact")  # None in logs older than contact records
         self.counts = self._arrays["counts"]

@@ -9,6 +9,8 @@
 #include "apps/common/paths.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/render/session_renderer.h"
+#include "raven2_trainer/session/session_directory.h"
+#include "raven2_trainer/session/session_log.h"
 
 namespace {
 
@@ -47,7 +49,11 @@ void addOptions(CLI::App* app, Options* o) {
 
 raven2_trainer::TrainerConfig load(const Options& o) {
   namespace apps = raven2_trainer::apps;
-  auto config = raven2_trainer::config::loadTrainerConfig(o.config.empty() ? apps::defaultConfigPath() : o.config);
+  const std::string log = raven2_trainer::session::openSessionDirectory(o.directory).log();
+  raven2_trainer::config::TrainingNames training;
+  training.exercise = raven2_trainer::session::readLogHeader(log).exercise;  // it brings its scene along
+  auto config =
+      raven2_trainer::config::loadTrainerConfig(o.config.empty() ? apps::defaultConfigPath() : o.config, training);
   auto& render = config.render;
   if (!o.size.empty()) std::sscanf(o.size.c_str(), "%dx%d", &render.video_width, &render.video_height);
   if (o.fps > 0) render.video_fps = o.fps;

@@ -466,6 +466,15 @@ void readImpairments(const std::string& folder, TrainerConfig* c) {
   }
 }
 
+TrainingNames readTrainingNames(Section& root, const TrainingNames& instead) {
+  const auto name = [&](const char* key, const std::string& other) {
+    const std::string text = root.text(key);
+    return other.empty() ? text : other;
+  };
+  return {name("exercise", instead.exercise), name("drill", instead.drill), name("trainee", instead.trainee),
+          name("curriculum", instead.curriculum)};
+}
+
 std::vector<std::string> scenarioFiles(const std::string& folder) {
   if (!fs::is_directory(folder)) throw ConfigException(folder + ":1: no such folder of scenarios");
   std::vector<std::string> files;
@@ -500,7 +509,7 @@ std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* al
 
 }  // namespace
 
-TrainerConfig loadTrainerConfig(const std::string& path) {
+TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead) {
   TrainerConfig c;
   c.files.push_back(path);
   Section root = Section::fromFile(path);
@@ -527,10 +536,16 @@ TrainerConfig loadTrainerConfig(const std::string& path) {
   c.scenarios = readScenarios(file("faults"), &c);
   c.robot_urdf = file("robot_urdf");
   c.scene_urdf = file("scene_urdf");
+  c.exercises = file("exercises");
+  c.scenes = file("scenes");
+  c.curricula = file("curricula");
+  c.bands = file("bands");
+  const TrainingNames names = readTrainingNames(root, instead);
   c.hazard = root.text("hazard");
   c.seed = static_cast<std::uint64_t>(root.integer("seed", 0, std::int64_t{1} << 53));
   root.finish();
   checkHazard(c);
+  loadTraining(names, &c);
   return c;
 }
 

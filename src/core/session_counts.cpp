@@ -48,8 +48,9 @@ const char* wrongRecord(const SessionCounts& c) noexcept {
       {"records: dropped = sum over their rings", c.records_dropped == dropped},
       {"commands taken = their records",
        ring(c, RingId::kMasterCommands).taken == ring(c, RingId::kCommandRecords).offered()},
-      {"requests taken = their records",
-       ring(c, RingId::kRequests).taken == ring(c, RingId::kRequestRecords).offered()},
+      {"requests and pedals' requests taken = their records",
+       ring(c, RingId::kRequests).taken + ring(c, RingId::kPedalRequests).taken ==
+           ring(c, RingId::kRequestRecords).offered()},
       {"plans taken <= their records", ring(c, RingId::kPlanResults).taken <= ring(c, RingId::kPlanRecords).offered()},
   }});
 }

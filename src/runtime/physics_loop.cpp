@@ -216,9 +216,11 @@ bool PhysicsLoop::fits(const MasterCommand& command) const noexcept {
 
 void PhysicsLoop::drainRequests() noexcept {
   Request request;
-  while (shared_.requests.tryPop(&request)) {
-    shared_.request_records.tryPush({state_.tick + 1, request});
-    handleRequest(request);
+  for (auto* ring : {&shared_.pedal_requests, &shared_.requests}) {
+    while (ring->tryPop(&request)) {
+      shared_.request_records.tryPush({state_.tick + 1, request});
+      handleRequest(request);
+    }
   }
   PlanResult result;
   while (shared_.plan_results.tryPop(&result))
@@ -257,7 +259,7 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
     case RequestKind::kSetCollisions:
       at(collisions_, request.arm) = request.enabled != 0;
       break;
-    case RequestKind::kNone:
+    default:  // nothing that is served here
       break;
   }
 }

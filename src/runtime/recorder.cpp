@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <type_traits>
+#include <utility>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
@@ -15,6 +16,15 @@ namespace {
 
 constexpr std::int64_t kRetryNs = 500'000'000;   // [ns] a quarter of the 2 s that the queues hold
 constexpr std::int64_t kSyncNs = 1'000'000'000;  // [ns] what a loss of power can cost
+
+/** Kinds of record that the metrics are made from. */
+template <typename Record, typename = void>
+struct CountsForMetrics : std::false_type {};
+template <typename Record>
+struct CountsForMetrics<
+    Record,
+    std::void_t<decltype(std::declval<training::MetricsAccumulator&>().add(std::declval<const Record&>()))>>
+    : std::true_type {};
 
 RecordTally minus(const RecordTally& a, const RecordTally& b) noexcept {
   RecordTally difference{};
@@ -45,6 +55,31 @@ std::vector<std::string> configurationFiles(const TrainerConfig& config) {
   return files;
 }
 
+session::HeaderCamera videoCamera(const RenderConfig& render) {
+  session::HeaderCamera camera{render.video_camera, 0.0, 1.0 * render.video_width / render.video_height};
+  for (const CameraConfig& each : render.cameras) {
+    if (each.name == render.video_camera) camera.vertical_fov = each.vertical_fov;
+  }
+  return camera;
+}
+
+void describeTraining(const TrainerConfig& config, session::LogHeader* header) {
+  header->exercise = config.exercise_name;
+  header->drill = config.drill;
+  header->trainee = config.trainee;
+  header->curriculum = config.curriculum;
+  header->motion_scale = config.console.scale;
+  header->hand = {config.console.hand_mass, config.console.hand_stiffness, config.console.hand_damping};
+  header->camera = videoCamera(config.render);
+  for (const ExerciseTrack& track : config.exercise.tracks) {
+    header->step_names.emplace_back();
+    for (const ExerciseStep& step : track.steps)
+      header->step_names.back().push_back(step.name);
+  }
+  for (const SceneObject& object : config.roles.objects)
+    header->object_names.push_back(object.name);
+}
+
 }  // namespace
 
 session::LogHeader logHeader(const TrainerConfig& config,
@@ -59,6 +94,7 @@ session::LogHeader logHeader(const TrainerConfig& config,
   header.robot_urdf_hash = session::fileHash(config.robot_urdf);
   header.scene_urdf_hash = session::fileHash(config.scene_urdf);
   header.config_hash = combinedHash(config.files);
+  describeTraining(config, &header);
   header.motion = motion;
   header.d4 = config.arms.geometry.d4;
   header.tolerance = config.haptics.tolerance;
@@ -130,11 +166,7 @@ void Recorder::release(const RecordTally& tails) {
     const std::uint64_t tail = tails[static_cast<std::size_t>(kind)];
     for (std::uint64_t i = ring.head(); i < tail; ++i) {
       if constexpr (std::is_same_v<Record, TickRecord>) session_tick_ = ring.at(i).model.session_tick;
-      if constexpr (std::is_same_v<Record, TickRecord> || std::is_same_v<Record, HapticRecord> ||
-                    std::is_same_v<Record, PlanRecord> || std::is_same_v<Record, FaultRecord> ||
-                    std::is_same_v<Record, FaultChangeRecord> || std::is_same_v<Record, ExecutionRecord>) {
-        metrics_.add(ring.at(i));
-      }
+      if constexpr (CountsForMetrics<Record>::value) metrics_.add(ring.at(i));
     }
     ring.release(tail);
   });

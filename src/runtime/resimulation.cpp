@@ -31,14 +31,20 @@ void push(SpscRing<T, Capacity>* ring, const T& element, Tick tick) {
                          " elements of one kind: it cannot be simulated again");
 }
 
+std::string nameOf(const ExerciseRecord& record) {
+  return kExerciseEventNames[static_cast<std::size_t>(record.event.kind)];
+}
+
 }  // namespace
 
 TrainerConfig sessionConfig(const session::SessionPaths& paths) {
   const session::LogHeader header = session::readLogHeader(paths.log());
-  TrainerConfig config = config::loadTrainerConfig(session::checkConfiguration(paths, header));
+  const config::TrainingNames training{header.exercise, header.drill, header.trainee, header.curriculum};
+  TrainerConfig config = config::loadTrainerConfig(session::checkConfiguration(paths, header), training);
   config::faultId(config, header.hazard);
   config.hazard = header.hazard;
   config.seed = header.seed;
+  config.console.scale = header.motion_scale;
   config.model.arm_contacts = header.arm_contacts;
   return config;
 }
@@ -72,6 +78,7 @@ struct Resimulation::Impl {
       if (record.change.host == FaultHost::kRobot) changes.add(record);  // the others come again by themselves
     });
     visitor.execution = upToDifference<ExecutionRecord>([this](const auto& record) { executions.add(record); });
+    visitor.exercise = upToDifference<ExerciseRecord>([this](const auto& record) { exercises.add(record); });
     visitor.contact = upToDifference<ContactRecord>([this](const auto& record) { contacts.add(record); });
     visitor.haptic = upToDifference<HapticRecord>([this](const auto& record) { addForce(record); });
     visitor.tick = upToDifference<TickRecord>([this](const auto& record) { tick(record); });
@@ -125,7 +132,8 @@ struct Resimulation::Impl {
       if (r.refused == 0) push(&shared->plan_results, r.result, now);
     });
     shared->robot.store(recorded.robot);
-    physics.setSignals(recorded.model.faults.signals);
+    // With an exercise its judge gives them again, and the comparison covers them.
+    if (config.exercise_name == "none") physics.setSignals(recorded.model.faults.signals);
     if (recorded.slipped != 0) physics.timeSlip();
   }
 
@@ -136,6 +144,8 @@ struct Resimulation::Impl {
     if (field.empty()) field = contact;
     const std::string execution = compareExecution(recorded.model.tick);
     if (field.empty()) field = execution;
+    const std::string exercise = compareExercise(recorded.model.tick);
+    if (field.empty()) field = exercise;
     if (!field.empty()) result.difference = Difference{recorded.model.tick, field};
     forces.add(recorded);
     if (!result.difference) result.difference = forces.compare(/*at_end=*/false, &result);
@@ -170,6 +180,21 @@ struct Resimulation::Impl {
     return field.empty() ? "" : "execution." + field;
   }
 
+  /** What happened in the exercise, in order; those that found their ring full were never recorded. */
+  std::string compareExercise(Tick now) {
+    std::deque<ExerciseRecord> recorded;
+    exercises.take(now, [&](const ExerciseRecord& r) { recorded.push_back(r); });
+    const auto& ring = shared->exercise_records;
+    std::string field;
+    for (std::uint64_t i = ring.head(); i < ring.tail() && field.empty(); ++i) {
+      if (recorded.empty()) return "exercise." + nameOf(ring.at(i)) + " was not recorded";
+      field = session::difference(ring.at(i), recorded.front());
+      recorded.pop_front();
+    }
+    if (!field.empty()) return "exercise." + field;
+    return recorded.empty() ? "" : "exercise." + nameOf(recorded.front()) + " is missing";
+  }
+
   void drain() {
     discard(&shared->plan_requests);
     discard(&shared->relay_packets);
@@ -182,6 +207,7 @@ struct Resimulation::Impl {
     discard(&shared->fault_records);
     discard(&shared->change_records);
     discard(&shared->execution_records);
+    discard(&shared->exercise_records);
     discard(&shared->contact_records);
   }
 
@@ -208,6 +234,7 @@ struct Resimulation::Impl {
   InputQueue<FaultChangeRecord> changes{"a robot's fault"};
   InputQueue<ContactRecord> contacts{"a contact"};
   InputQueue<ExecutionRecord> executions{"an execution"};
+  InputQueue<ExerciseRecord> exercises{"an event of the exercise"};
   SessionCounts counts{};
   ResimulationResult result;
   std::uint64_t told{0};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "raven2_trainer/core/pedals.h"
 #include "record_codec.h"
 #include "record_frame.h"
 
@@ -27,8 +28,9 @@ Json describeRecords() {
                       describeRecord<CommandRecord>("command"), describeRecord<RequestRecord>("request"),
                       describeRecord<PlanRecord>("plan"), describeRecord<FaultRecord>("faults"),
                       describeRecord<FaultChangeRecord>("fault_change"), describeRecord<ExecutionRecord>("execution"),
-                      describeRecord<ContactRecord>("contact"), describeRecord<SessionCounts>("counts"),
-                      describeRecord<GapRecord>("gap"), describeRecord<RecoveryRecord>("recovery")});
+                      describeRecord<ExerciseRecord>("exercise"), describeRecord<ContactRecord>("contact"),
+                      describeRecord<SessionCounts>("counts"), describeRecord<GapRecord>("gap"),
+                      describeRecord<RecoveryRecord>("recovery")});
 }
 
 /** What decides over bytes: names, types and shapes; units and meanings may be reworded. */
@@ -63,6 +65,22 @@ Json describeConfiguration(const LogHeader& header) {
   return files;
 }
 
+Json describeHand(const HeaderHand& hand) {
+  return {{"mass", hand.mass}, {"stiffness", hand.stiffness}, {"damping", hand.damping}};
+}
+
+Json describeCamera(const HeaderCamera& camera) {
+  return {{"name", camera.name}, {"vertical_fov", camera.vertical_fov}, {"aspect", camera.aspect}};
+}
+
+HeaderHand readHand(const Json& json) {
+  return {json.at("mass"), json.at("stiffness"), json.at("damping")};
+}
+
+HeaderCamera readCamera(const Json& json) {
+  return {json.at("name"), json.at("vertical_fov"), json.at("aspect")};
+}
+
 }  // namespace
 
 std::string headerToJson(const LogHeader& header) {
@@ -76,6 +94,15 @@ std::string headerToJson(const LogHeader& header) {
                   {"scene_urdf_hash", header.scene_urdf_hash},
                   {"config_hash", header.config_hash},
                   {"motion", header.motion},
+                  {"exercise", header.exercise},
+                  {"drill", header.drill},
+                  {"trainee", header.trainee},
+                  {"curriculum", header.curriculum},
+                  {"motion_scale", header.motion_scale},
+                  {"hand", describeHand(header.hand)},
+                  {"camera", describeCamera(header.camera)},
+                  {"step_names", header.step_names},
+                  {"object_names", header.object_names},
                   {"d4", header.d4},
                   {"tolerance", header.tolerance},
                   {"arm_contacts", header.arm_contacts},
@@ -87,6 +114,8 @@ std::string headerToJson(const LogHeader& header) {
                   {"reject_names", kRejectNames},
                   {"ring_names", kRingNames},
                   {"record_kind_names", kRecordKindNames},
+                  {"mistake_names", kMistakeNames},
+                  {"pedal_names", kPedalNames},
                   {"records", describeRecords()}};
   // A file name in `motion` may hold any bytes; those that are not UTF-8 become U+FFFD.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -108,6 +137,15 @@ LogHeader headerFromJson(const std::string& text) {
   json.at("scene_urdf_hash").get_to(header.scene_urdf_hash);
   json.at("config_hash").get_to(header.config_hash);
   json.at("motion").get_to(header.motion);
+  json.at("exercise").get_to(header.exercise);
+  json.at("drill").get_to(header.drill);
+  json.at("trainee").get_to(header.trainee);
+  json.at("curriculum").get_to(header.curriculum);
+  json.at("motion_scale").get_to(header.motion_scale);
+  header.hand = readHand(json.at("hand"));
+  header.camera = readCamera(json.at("camera"));
+  json.at("step_names").get_to(header.step_names);
+  json.at("object_names").get_to(header.object_names);
   json.at("d4").get_to(header.d4);
   json.at("tolerance").get_to(header.tolerance);
   json.at("arm_contacts").get_to(header.arm_contacts);

@@ -62,6 +62,31 @@ struct EnumNames<ExecutionEnd> {
 };
 
 template <>
+struct EnumNames<ExerciseStatus> {
+  static constexpr const auto& kNames = kExerciseStatusNames;
+};
+
+template <>
+struct EnumNames<ExerciseFailure> {
+  static constexpr const auto& kNames = kExerciseFailureNames;
+};
+
+template <>
+struct EnumNames<ExerciseEventKind> {
+  static constexpr const auto& kNames = kExerciseEventNames;
+};
+
+template <>
+struct EnumNames<Mistake> {
+  static constexpr const auto& kNames = kMistakeNames;
+};
+
+template <>
+struct EnumNames<Hand> {
+  static constexpr const auto& kNames = kHandNames;
+};
+
+template <>
 struct EnumNames<FaultSite> {
   static constexpr const auto& kNames = kFaultSiteNames;
 };
@@ -172,6 +197,50 @@ struct Layout<PlanningState> {
 };
 
 template <>
+struct Layout<ExerciseState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("status", s.status, "", "how far the attempt is");
+    v.field("failure", s.failure, "", "why it failed");
+    v.field("attempt", s.attempt, "", "counts starts and restarts");
+    v.field("step", s.step, "", "1 + steps done over all tracks; 0 no exercise");
+    v.field("done", s.done, "", "steps done of each track");
+    v.field("began", s.began, "ms", "tick in which the timer started; -1 not yet");
+    v.field("ended", s.ended, "ms", "tick in which the attempt was done or failed; -1 not yet");
+    v.field("bodies", s.bodies, "",
+            "of each body: 1 held by gold, 2 held by green, 4 parked, 8 broken off, added up (body order of `bodies`)");
+    v.field("mistakes", s.mistakes, "", "counted so far, by kind (mistake_names)");
+    v.field("progress", s.progress, "", "along the wire of the running step, 0 to 1");
+  }
+};
+
+template <>
+struct Layout<CameraState> {
+  template <typename Visitor, typename State>
+  static void visit(Visitor& v, State& s) {
+    v.field("eye_W", s.eye_W, "m", "where it stands");
+    v.field("target_W", s.target_W, "m", "what it looks at");
+    v.field("up_W", s.up_W, "", "what is up in the picture");
+  }
+};
+
+template <>
+struct Layout<ExerciseEvent> {
+  template <typename Visitor, typename Event>
+  static void visit(Visitor& v, Event& s) {
+    v.field("kind", s.kind, "", "what happened");
+    v.field("mistake", s.mistake, "", "of which kind, where it is one");
+    v.field("arm", s.arm, "", "that did it");
+    v.field("track", s.track, "", "of the exercise; 255 none");
+    v.field("step", s.step, "", "of the track; 255 none");
+    v.field("a", s.a, "", "body: position in body_names; 65535 none");
+    v.field("b", s.b, "", "other body of a touch");
+    v.field("value", s.value, "by kind", "touch_ended: s it lasted");
+    v.field("force", s.force, "N", "touch_ended: greatest");
+  }
+};
+
+template <>
 struct Layout<ModelState> {
   template <typename Visitor, typename State>
   static void visit(Visitor& v, State& s) {
@@ -187,9 +256,14 @@ struct Layout<ModelState> {
     v.field("guide_plan", s.guide_plan, "", "id of the plan along whose path the hand may be guided; 0 none");
     v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent, in master (ITP) axes");
     v.field("planning", s.planning, "", "how far planning and executing are");
+    v.field("exercise", s.exercise, "", "how far the exercise is");
+    v.field("camera", s.camera, "", "where the movable camera stands, in the world frame W");
+    v.field("pedals", s.pedals, "", "bit i: pedal or button i beside the one that engages is held (pedal_names)");
+    v.field("trial_ticks", s.trial_ticks, "ms", "of the virtual trial that are kept");
+    v.field("view", s.view, "", "1 while the real camera's picture is asked for, 0 the virtual scene");
     v.field("faults", s.faults, "", "what faults do in the daemon");
     v.field("arms", s.arms, "", "gold, green");
-    v.field("bodies", s.bodies, "", "free bodies of the scene in the world frame W");
+    v.field("bodies", s.bodies, "", "of the scene in the world frame W: free ones, then those that break off");
   }
 };
 
@@ -522,6 +596,16 @@ struct Layout<ExecutionRecord> {
   static void visit(Visitor& v, Record& s) {
     v.field("tick", s.tick, "ms", "physics tick that ended it");
     v.field("report", s.report, "", "tracking errors, contacts, why it ended");
+  }
+};
+
+template <>
+struct Layout<ExerciseRecord> {
+  static constexpr const char* kMeaning = "something that happened in an exercise";
+  template <typename Visitor, typename Record>
+  static void visit(Visitor& v, Record& s) {
+    v.field("tick", s.tick, "ms", "physics tick in which it was seen");
+    v.field("event", s.event, "", "what, and to whom");
   }
 };
 

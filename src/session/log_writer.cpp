@@ -20,7 +20,7 @@ namespace raven2_trainer::session {
 
 namespace {
 
-/** [bytes] A batch that nobody commits is written at this size; the recorder's largest, all queues full, is 6 MiB. */
+/** [bytes] A batch that nobody commits is written at this size; the recorder's largest, all queues full, is 8 MiB. */
 constexpr std::size_t kMaxBatch = 16U << 20U;
 constexpr int kLockTries = 20;
 constexpr unsigned kLockWait = 5000;  // [us]
@@ -159,6 +159,10 @@ void LogWriter::write(const FaultChangeRecord& record) {
 }
 
 void LogWriter::write(const ExecutionRecord& record) {
+  impl_->write(record);
+}
+
+void LogWriter::write(const ExerciseRecord& record) {
   impl_->write(record);
 }
 

@@ -44,6 +44,8 @@ Outcome dispatch(const FrameHeader& header, const std::uint8_t* payload, const L
       return deliver(header, payload, visitor.fault_change);
     case RecordType::kExecution:
       return deliver(header, payload, visitor.execution);
+    case RecordType::kExercise:
+      return deliver(header, payload, visitor.exercise);
     case RecordType::kContact:
       return deliver(header, payload, visitor.contact);
     case RecordType::kCounts:

@@ -12,7 +12,7 @@
 namespace raven2_trainer::session {
 
 constexpr std::uint32_t kMagic = 0x4C325652;    ///< the bytes "RV2L"
-constexpr std::uint16_t kRecordVersion = 7;     ///< of every record; raised when a layout changes
+constexpr std::uint16_t kRecordVersion = 8;     ///< of every record; raised when a layout changes
 constexpr int kFormatVersion = 1;               ///< of the frame
 constexpr std::size_t kFrameHeaderSize = 20;    ///< [bytes]
 constexpr std::size_t kCrcSize = 4;             ///< [bytes]
@@ -32,7 +32,8 @@ enum class RecordType : std::uint16_t {
   kGap,
   kRecovery,
   kFaultChange,
-  kExecution
+  kExecution,
+  kExercise
 };
 
 /** Type number of each record struct. */
@@ -73,6 +74,10 @@ struct RecordTypeOf<FaultChangeRecord> {
 template <>
 struct RecordTypeOf<ExecutionRecord> {
   static constexpr RecordType kType = RecordType::kExecution;
+};
+template <>
+struct RecordTypeOf<ExerciseRecord> {
+  static constexpr RecordType kType = RecordType::kExercise;
 };
 template <>
 struct RecordTypeOf<GapRecord> {

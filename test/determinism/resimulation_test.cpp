@@ -198,7 +198,10 @@ class ResimulationTest : public ::testing::Test {
 
   /** Writes the log anew, each record as `change` leaves it; false leaves it out. */
   template <typename Record>
-  static session::SessionPaths rewritten(const std::string& name, const std::function<bool(Record&)>& change) {
+  static session::SessionPaths rewritten(
+      const std::string& name,
+      const std::function<bool(Record&)>& change,
+      const std::function<void(Tick, session::LogWriter&)>& before = [](Tick, session::LogWriter&) {}) {
     const session::SessionPaths copy = session::createSessionDirectory((folder / name).string());
     session::LogWriter log(copy.log(), session::readLogHeader(paths.log()));
     session::LogVisitor visitor;
@@ -208,6 +211,7 @@ class ResimulationTest : public ::testing::Test {
       if constexpr (std::is_same_v<Given, Record>) {
         if (!change(changed)) return;
       }
+      if constexpr (std::is_same_v<Given, TickRecord>) before(record.model.tick, log);
       log.write(changed);
     };
     visitor.tick = pass;
@@ -217,6 +221,7 @@ class ResimulationTest : public ::testing::Test {
     visitor.plan = pass;
     visitor.faults = pass;
     visitor.execution = pass;
+    visitor.exercise = pass;
     visitor.contact = pass;
     visitor.counts = [&](const SessionCounts& counts) { log.finish(counts); };
     session::readLog(paths.log(), visitor);
@@ -416,6 +421,19 @@ TEST_F(ResimulationTest, NamesAReportThatIsNotThatOfItsExecution) {
   EXPECT_EQ(result.difference->field.rfind("execution.report.robot.mean", 0), 0U) << result.difference->field;
   const auto without = rewritten<ExecutionRecord>("no_report", [](ExecutionRecord&) { return false; });
   EXPECT_TRUE(resimulate(without).difference);
+}
+
+TEST_F(ResimulationTest, NamesAnEventOfAnExerciseThatDoesNotHappenAgain) {
+  const auto keep = [](ExerciseRecord&) { return true; };
+  const auto other = rewritten<ExerciseRecord>("event", keep, [](Tick tick, session::LogWriter& log) {
+    ExerciseRecord record{tick, {}};
+    record.event.kind = ExerciseEventKind::kDropped;
+    if (tick == 3000) log.write(record);
+  });
+  const ResimulationResult result = resimulate(other);
+  ASSERT_TRUE(result.difference);
+  EXPECT_EQ(result.difference->tick, 3000);
+  EXPECT_EQ(result.difference->field, "exercise.dropped is missing");
 }
 
 TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {

@@ -4,7 +4,9 @@
 
 #include "fuzz/fuzz_target.h"
 #include "raven2_trainer/wire/itp.h"
+#include "raven2_trainer/wire/pedals.h"
 #include "raven2_trainer/wire/robot_frame.h"
+#include "raven2_trainer/wire/sight.h"
 #include "session/record_codec.h"
 #include "session/record_frame.h"
 
@@ -95,6 +97,34 @@ void forceSeeds() {
   save("force", "short", bytes);
 }
 
+void pedalSeeds() {
+  Bytes bytes{0};
+  append(wire::encodePedals({5, bit(Pedal::kCamera) | bit(Pedal::kStop)}), &bytes);
+  save("pedals", "packet", bytes);
+  bytes[0] = 1;
+  bytes[1 + 12] = 0x7F;
+  save("pedals", "all_held", bytes);
+  bytes.resize(20);
+  save("pedals", "short", bytes);
+}
+
+void sightSeeds() {
+  Sight sight;
+  sight.sequence = 5;
+  sight.tick = 1234;
+  sight.mode = Mode::kTeleoperating;
+  sight.runlevel = RunLevel::kPedalDown;
+  sight.tool_W[0] = {{0.01, -0.02, 0.03}, {0.0, 0.6, 0.0, 0.8}};
+  sight.step = 2;
+  Bytes bytes{0};
+  append(wire::encodeSight(sight), &bytes);
+  save("sight", "packet", bytes);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  bytes[0] = 1;
+  std::memcpy(bytes.data() + 1 + 32, &nan, sizeof(nan));
+  save("sight", "not_finite", bytes);
+}
+
 Bytes frame(const std::function<std::size_t(std::uint8_t*)>& encode) {
   Bytes bytes(wire::kMaxFrame);
   bytes.resize(encode(bytes.data()));
@@ -160,6 +190,7 @@ void logSeeds() {
   appendRecord(RequestRecord{}, &small);
   appendRecord(ContactRecord{}, &small);
   appendRecord(ExecutionRecord{}, &small);
+  appendRecord(ExerciseRecord{}, &small);
   appendRecord(SessionCounts{}, &small);
   save("session_log", "records", small);
   appendRecord(PlanRecord{}, &plan);
@@ -173,6 +204,8 @@ void logSeeds() {
 int main() {
   raven2_trainer::fuzz::itpSeeds();
   raven2_trainer::fuzz::forceSeeds();
+  raven2_trainer::fuzz::pedalSeeds();
+  raven2_trainer::fuzz::sightSeeds();
   raven2_trainer::fuzz::frameSeeds();
   raven2_trainer::fuzz::logSeeds();
   std::puts("seeds written");

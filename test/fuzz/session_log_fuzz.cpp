@@ -76,6 +76,12 @@ void read(const std::string& path, std::size_t size) {
     require(static_cast<std::size_t>(r.report.end) < kExecutionEndCount, "an enum is one of its names");
     ++seen;
   };
+  visitor.exercise = [&](const ExerciseRecord& r) {
+    require(static_cast<std::size_t>(r.event.kind) < kExerciseEventKindCount &&
+                static_cast<std::size_t>(r.event.mistake) < kMistakeCount,
+            "an enum is one of its names");
+    ++seen;
+  };
   visitor.contact = [&](const ContactRecord&) { ++seen; };
   visitor.counts = [&](const SessionCounts&) { ++seen; };
   const session::LogSummary summary = session::readLog(path, visitor);

@@ -129,6 +129,23 @@ class ReaderTest(LogCase):
         self.assertTrue(log.clean)
         self.assertEqual(log.header["seed"], 42)
 
+    def test_reads_logs_with_and_without_exercises(self):
+        old = self.read(header_record())
+        self.assertIsNone(old.exercise_events)
+        self.assertEqual(old.training, {"exercise": "none", "drill": "none", "trainee": "", "curriculum": "none"})
+        event = [field("kind", "u8", names=["started", "dropped"]), field("a", "u16"), field("value", "f64")]
+        kind = {"type": 13, "name": "exercise", "version": 8,
+                "fields": [field("tick", "i64"), field("event", "struct", (), event)]}
+        new = self.read(header_record(records=RECORDS + [kind], exercise="peg_transfer", drill="sudden_jump", trainee="t1",
+                                      curriculum="basics") +
+                        record(13, struct.pack("<qBHd", 77, 1, 5, 0.25), version=8) + request(1))
+        self.assertEqual(new.exercise_events["tick"].tolist(), [77])
+        self.assertEqual(new.exercise_events["event"]["a"].tolist(), [5])
+        self.assertEqual(new.names("exercise", "event.kind"), ["started", "dropped"])
+        self.assertEqual(new.training["exercise"], "peg_transfer")
+        self.assertEqual(new.training["trainee"], "t1")
+        self.assertEqual(len(new.requests), 1)
+
     def test_names_the_values_of_an_enum(self):
         log = self.read(header_record())
         self.assertEqual(log.names("tick", "model.mode"), MODES)

@@ -172,6 +172,7 @@ class Rig {
     discard(&shared->fault_records);
     discard(&shared->change_records);
     discard(&shared->execution_records);
+    discard(&shared->exercise_records);
     discard(&shared->contact_records);
   }
 

@@ -3,16 +3,18 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/config/load_training.h"
 #include "raven2_trainer/core/config.h"
 
 namespace raven2_trainer::config {
 
 /**
  * Reads the root file (config/trainer.yaml) and every file it names, relative to its folder.
+ * @param[in] instead names that replace those of the file; an empty one does not.
  * @throw ConfigException with FILE:LINE for a missing file, a missing or unknown key, a value that is not of its type
  * or out of its range, or a hazard that is not in the library.
  */
-TrainerConfig loadTrainerConfig(const std::string& path);
+TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead = {});
 
 /** The arms' geometry with another tool. @throw ConfigException listing the known names. */
 ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name);

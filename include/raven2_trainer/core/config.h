@@ -399,15 +399,16 @@ struct TrainerConfig {
   std::string hazard;      ///< scenario armed at the start, or "none"
   InjectionConfig injection{};
   DetectorConfig detector{};
-  std::vector<Scenario> scenarios;            ///< the library; Fault::id is the position + 1
-  std::vector<Impairment> impairments;        ///< presets that kind `impair` names by position
-  std::vector<std::string> impairment_names;  ///< of the same
-  std::string exercise_name;                  ///< in config/exercises, or "none"
-  Exercise exercise{};                        ///< the one named; empty for none
-  SceneRoles roles{};                         ///< of the scene; empty for none
-  std::string drill;                          ///< scenario that the exercise runs into, or "none"
-  std::string trainee;                        ///< id, or ""
-  std::string curriculum;                     ///< in config/curricula, or "none"
+  std::vector<Scenario> scenarios;                  ///< the library; Fault::id is the position + 1
+  std::vector<Impairment> impairments;              ///< presets that kind `impair` names by position
+  std::vector<std::string> impairment_names;        ///< of the same
+  std::string exercises, scenes, curricula, bands;  ///< absolute paths of the folders
+  std::string exercise_name{"none"};                ///< file in `exercises` without its ending, or "none"
+  Exercise exercise{};                              ///< the one named; empty for none
+  SceneRoles roles{};                               ///< of the scene; empty for none
+  std::string drill{"none"};                        ///< scenario that the exercise runs into, or "none"
+  std::string trainee;                              ///< id, or ""
+  std::string curriculum{"none"};                   ///< file in `curricula` without its ending, or "none"
   std::uint64_t seed{};
   std::vector<std::string> files;
 };

@@ -6,6 +6,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/histogram.h"
 #include "raven2_trainer/core/state.h"
@@ -64,6 +65,12 @@ struct ExecutionRecord {
   ExecutionReport report{};
 };
 
+/** Something that happened in an exercise, stamped with the physics tick in which its judge saw it. */
+struct ExerciseRecord {
+  Tick tick{};
+  ExerciseEvent event{};
+};
+
 /** All contact points of one pair of bodies in one physics tick, taken together. */
 struct ContactRecord {
   Tick tick{};             ///< [1 ms] of the ModelState they belong to
@@ -84,11 +91,12 @@ enum class RecordKind : std::uint8_t {
   kContact,
   kFaults,
   kFaultChange,
-  kExecution
+  kExecution,
+  kExercise
 };
-constexpr std::size_t kRecordKindCount = 9;
+constexpr std::size_t kRecordKindCount = 10;
 constexpr std::array<const char*, kRecordKindCount> kRecordKindNames{
-    "tick", "haptic", "command", "request", "plan", "contact", "faults", "fault_change", "execution"};
+    "tick", "haptic", "command", "request", "plan", "contact", "faults", "fault_change", "execution", "exercise"};
 /** A number of records of each kind, by RecordKind. */
 using RecordTally = std::array<std::uint64_t, kRecordKindCount>;
 
@@ -156,6 +164,7 @@ static_assert(sizeof(LoopTiming) <= 2048, "copied every tick");
 enum class RingId : std::uint8_t {
   kMasterCommands,
   kRequests,
+  kPedalRequests,
   kFaultRequests,
   kFaultChanges,
   kPlanRequests,
@@ -171,20 +180,22 @@ enum class RingId : std::uint8_t {
   kContactRecords,
   kFaultChangeRecords,
   kExecutionRecords,
+  kExerciseRecords,
 };
-constexpr std::size_t kRingCount = 17;
+constexpr std::size_t kRingCount = 19;
 constexpr std::array<const char*, kRingCount> kRingNames{
-    "master_commands",      "requests",         "fault_requests", "fault_changes", "plan_requests",
-    "plan_results",         "relay_packets",    "force_packets",  "tick_records",  "haptic_records",
-    "command_records",      "request_records",  "plan_records",   "fault_records", "contact_records",
-    "fault_change_records", "execution_records"};
+    "master_commands",      "requests",          "pedal_requests",  "fault_requests",
+    "fault_changes",        "plan_requests",     "plan_results",    "relay_packets",
+    "force_packets",        "tick_records",      "haptic_records",  "command_records",
+    "request_records",      "plan_records",      "fault_records",   "contact_records",
+    "fault_change_records", "execution_records", "exercise_records"};
 
 /** The queue of each kind of record. */
 constexpr RingId ringOf(RecordKind kind) noexcept {
   constexpr std::array<RingId, kRecordKindCount> kRings{
-      RingId::kTickRecords,    RingId::kHapticRecords,      RingId::kCommandRecords,
-      RingId::kRequestRecords, RingId::kPlanRecords,        RingId::kContactRecords,
-      RingId::kFaultRecords,   RingId::kFaultChangeRecords, RingId::kExecutionRecords};
+      RingId::kTickRecords,      RingId::kHapticRecords,  RingId::kCommandRecords, RingId::kRequestRecords,
+      RingId::kPlanRecords,      RingId::kContactRecords, RingId::kFaultRecords,   RingId::kFaultChangeRecords,
+      RingId::kExecutionRecords, RingId::kExerciseRecords};
   return kRings[static_cast<std::size_t>(kind)];
 }
 

@@ -7,7 +7,7 @@ namespace raven2_trainer {
 
 /**
  * The queues from the 1 kHz loops to the recorder, in one piece of memory without pointers, so that it can be a mapped
- * file (session::FlightRecorder). About 5 MiB: 2 s of ticks.
+ * file (session::FlightRecorder). About 8 MiB: 2 s of ticks.
  */
 struct RecordRings {
   // physics -> recorder
@@ -28,6 +28,8 @@ struct RecordRings {
   RecordRing<FaultChangeRecord, 2048> changes;
   // physics -> recorder
   RecordRing<ExecutionRecord, 8> executions;
+  // physics -> recorder
+  RecordRing<ExerciseRecord, 4096> exercises;
 
   /** call(RecordKind, ring) for each, in the order in which they are written to the log. */
   template <typename Call>
@@ -55,6 +57,7 @@ struct RecordRings {
     call(RecordKind::kRequest, self.requests);
     call(RecordKind::kPlan, self.plans);
     call(RecordKind::kExecution, self.executions);
+    call(RecordKind::kExercise, self.exercises);
     call(RecordKind::kContact, self.contacts);
     call(RecordKind::kTick, self.ticks);
     call(RecordKind::kHaptic, self.haptics);

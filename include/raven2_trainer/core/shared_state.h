@@ -36,7 +36,8 @@ struct SharedState {
         fault_records(records.faults),
         contact_records(records.contacts),
         change_records(records.changes),
-        execution_records(records.executions) {}
+        execution_records(records.executions),
+        exercise_records(records.exercises) {}
 
   // --- latest values -------------------------------------------------------------------------------------------
   // written by physics
@@ -81,6 +82,8 @@ struct SharedState {
   SpscRing<MasterCommand, 256> master_commands;
   // ros -> physics
   SpscRing<Request, 32> requests;
+  // ingest -> physics: what the pedals and buttons beside the one that engages ask for
+  SpscRing<Request, 32> pedal_requests;
   // ros -> faults
   SpscRing<FaultRequest, 32> fault_requests;
   // robot_link -> physics
@@ -107,6 +110,7 @@ struct SharedState {
   RecordRing<ContactRecord, 8192>& contact_records;
   RecordRing<FaultChangeRecord, 2048>& change_records;
   RecordRing<ExecutionRecord, 8>& execution_records;
+  RecordRing<ExerciseRecord, 4096>& exercise_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;  // physics
@@ -131,12 +135,12 @@ struct SharedState {
 
 /** The counters of all rings, by RingId. Any thread. */
 inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexcept {
-  return {s.master_commands.counts(), s.requests.counts(),         s.fault_requests.counts(),
-          s.fault_changes.counts(),   s.plan_requests.counts(),    s.plan_results.counts(),
-          s.relay_packets.counts(),   s.force_packets.counts(),    s.tick_records.counts(),
-          s.haptic_records.counts(),  s.command_records.counts(),  s.request_records.counts(),
-          s.plan_records.counts(),    s.fault_records.counts(),    s.contact_records.counts(),
-          s.change_records.counts(),  s.execution_records.counts()};
+  return {
+      s.master_commands.counts(), s.requests.counts(),          s.pedal_requests.counts(),  s.fault_requests.counts(),
+      s.fault_changes.counts(),   s.plan_requests.counts(),     s.plan_results.counts(),    s.relay_packets.counts(),
+      s.force_packets.counts(),   s.tick_records.counts(),      s.haptic_records.counts(),  s.command_records.counts(),
+      s.request_records.counts(), s.plan_records.counts(),      s.fault_records.counts(),   s.contact_records.counts(),
+      s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
 }
 
 /** The counters that live in the shared state; whoever owns links and loops adds theirs. Any thread. */

@@ -32,7 +32,7 @@ class Recorder {
            SharedState* shared,
            session::FlightRecorder* flight = nullptr);
 
-  /** Takes the memory for a batch of all that the queues hold, some 7 MiB: a recorder that comes late needs no more
+  /** Takes the memory for a batch of all that the queues hold, some 10 MiB: a recorder that comes late needs no more
    *  then. For one that has a thread of its own; in lockstep no batch is large. @throw std::bad_alloc. */
   void takeMemory();
 

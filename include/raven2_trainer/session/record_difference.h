@@ -14,5 +14,6 @@ std::string difference(const ModelState& now, const ModelState& before);
 std::string difference(const HapticState& now, const HapticState& before);
 std::string difference(const ContactRecord& now, const ContactRecord& before);
 std::string difference(const ExecutionRecord& now, const ExecutionRecord& before);
+std::string difference(const ExerciseRecord& now, const ExerciseRecord& before);
 
 }  // namespace raven2_trainer::session

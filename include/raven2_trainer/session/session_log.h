@@ -22,12 +22,32 @@ struct ConfigurationFile {
   std::string fnv1a;  ///< of its bytes, hex
 };
 
+/** The surgeon's hand on the master, as configured. */
+struct HeaderHand {
+  double mass{};       ///< [kg]
+  double stiffness{};  ///< [N/m]
+  double damping{};    ///< [Ns/m]
+};
+
+/** The lens through which the surgeon looks. */
+struct HeaderCamera {
+  std::string name;
+  double vertical_fov{};  ///< [rad]
+  double aspect{};        ///< [-] width / height of the picture
+};
+
 /** What one open log holds besides ticks. */
 struct LogHeader {
   std::uint64_t seed{};
-  std::vector<std::string> scenarios;                         ///< names; Fault::id is the position + 1
-  std::string hazard;                                         ///< armed at the start, or "none"
-  std::string robot_urdf_hash, scene_urdf_hash, config_hash;  ///< FNV-1a, hex
+  std::vector<std::string> scenarios;                                        ///< names; Fault::id is the position + 1
+  std::string hazard;                                                        ///< armed at the start, or "none"
+  std::string robot_urdf_hash, scene_urdf_hash, config_hash;                 ///< FNV-1a, hex
+  std::string exercise{"none"}, drill{"none"}, trainee, curriculum{"none"};  ///< as in trainer.yaml
+  double motion_scale{};                                                     ///< [-] of the master, as configured
+  HeaderHand hand{};
+  HeaderCamera camera{};
+  std::vector<std::vector<std::string>> step_names;  ///< of the exercise, by ExerciseEvent::track and ::step
+  std::vector<std::string> object_names;             ///< of its scene, in the order of SceneRoles::objects
   std::string motion;                   ///< "scripted" or "recording:FILE", as the console was started; "" unknown
   double d4{};                          ///< [m] for conversions of joint coordinates
   double tolerance{};                   ///< [m] of the haptic cue
@@ -67,6 +87,7 @@ class LogWriter {
   void write(const FaultRecord& record);
   void write(const FaultChangeRecord& record);
   void write(const ExecutionRecord& record);
+  void write(const ExerciseRecord& record);
   void write(const ContactRecord& record);
   void write(const GapRecord& record);
   /** Takes memory for a batch of so many bytes now, every page of it touched: none so large takes more later. */
@@ -102,6 +123,7 @@ struct LogVisitor {
   std::function<void(const FaultRecord&)> faults;
   std::function<void(const FaultChangeRecord&)> fault_change;
   std::function<void(const ExecutionRecord&)> execution;
+  std::function<void(const ExerciseRecord&)> exercise;
   std::function<void(const ContactRecord&)> contact;
   std::function<void(const GapRecord&)> gap;
   std::function<void(const SessionCounts&)> counts;

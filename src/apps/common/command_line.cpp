@@ -46,6 +46,11 @@ void setPort(int option, std::uint16_t* port) {
 void CommonOptions::add(CLI::App* app, bool with_ports) {
   app->add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)");
   app->add_option("--hazard", hazard, "Hazard scenario to arm, or none (default: the configuration's)");
+  app->add_option("--exercise", training.exercise,
+                  "Exercise (config/exercises), in the scene that it asks for, or none (default: the configuration's)");
+  app->add_option("--drill", training.drill, "Hazard scenario that the exercise runs into, or none");
+  app->add_option("--trainee", training.trainee, "Id of whoever is trained: at most 32 of a-z, 0-9, _ and -");
+  app->add_option("--curriculum", training.curriculum, "Curriculum (config/curricula) that the session belongs to");
   app->add_option("--seed", seed, "Seed of everything random (default: the configuration's)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
   app->add_option("--arm-contacts", arm_contacts, "Let the model's arms touch the scene (default: the configuration's)")
@@ -60,7 +65,7 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
 }
 
 TrainerConfig CommonOptions::load() const {
-  TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config);
+  TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config, training);
   if (!hazard.empty()) {
     loaded.hazard = hazard;
     config::checkHazard(loaded);

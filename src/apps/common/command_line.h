@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "raven2_trainer/config/load_training.h"
 #include "raven2_trainer/core/config.h"
 
 namespace CLI {
@@ -18,6 +19,7 @@ struct CommonOptions {
   std::int64_t seed{-1};                                                ///< --seed N; config's if negative
   std::string arm_contacts;                                             ///< --arm-contacts on|off; config's if empty
   std::string plant;                                                    ///< --plant NAME|FILE; config's if empty
+  config::TrainingNames training{};                                     ///< --exercise, ...; config's if empty
   int master_port{-1}, robot_port{-1}, force_port{-1}, state_port{-1};  ///< config's if negative
 
   void add(CLI::App* app, bool with_ports);

@@ -33,7 +33,8 @@ SessionCounts rightSums() {
   at(c, RingId::kTickRecords) = {998, 998, 2};
   at(c, RingId::kHapticRecords) = {1000, 1000, 0};
   at(c, RingId::kRequests) = {3, 3, 0};
-  at(c, RingId::kRequestRecords) = {3, 3, 0};
+  at(c, RingId::kPedalRequests) = {5, 4, 1};  // one waits
+  at(c, RingId::kRequestRecords) = {7, 7, 0};
   c.records_dropped = 3;
   c.loops[0].ticks = 1000;
   c.loops[0].on_time = 990;
@@ -73,6 +74,9 @@ TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {
       [](SessionCounts& c) { ++at(c, RingId::kHapticRecords).dropped; },
       [](SessionCounts& c) { ++c.records_dropped; },
       [](SessionCounts& c) { --at(c, RingId::kRequestRecords).pushed, --at(c, RingId::kRequestRecords).taken; },
+      [](SessionCounts& c) { ++at(c, RingId::kPedalRequests).taken; },
+      [](SessionCounts& c) { ++at(c, RingId::kExerciseRecords).pushed; },
+      [](SessionCounts& c) { ++at(c, RingId::kExerciseRecords).dropped; },
       [](SessionCounts& c) { ++c.loops[0].ticks; },
       [](SessionCounts& c) { ++c.loops[1].slips; },
       [](SessionCounts& c) {
@@ -100,13 +104,18 @@ TEST(SessionCounts, OfTheSharedStateAreThoseOfEveryRing) {
     shared->requests.tryPop(&request);
   for (int i = 0; i < 20; ++i)
     shared->fault_records.tryPush({});
+  for (int i = 0; i < 4097; ++i)
+    shared->exercise_records.tryPush({});
+  shared->pedal_requests.tryPush(request);
   const SessionCounts counts = sharedCounts(*shared);
   const RingCounts& requests = ring(counts, RingId::kRequests);
   EXPECT_EQ(requests.pushed, 32U) << "as many as the ring holds";
   EXPECT_EQ(requests.taken, 5U);
   EXPECT_EQ(requests.dropped, 8U);
   EXPECT_EQ(ring(counts, RingId::kFaultRecords).dropped, 4U);
-  EXPECT_EQ(counts.records_dropped, 4U) << "records alone, not requests";
+  EXPECT_EQ(ring(counts, RingId::kPedalRequests).pushed, 1U);
+  EXPECT_EQ(ring(counts, RingId::kExerciseRecords).dropped, 1U);
+  EXPECT_EQ(counts.records_dropped, 5U) << "records alone, not requests";
 }
 
 }  // namespace

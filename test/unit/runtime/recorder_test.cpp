@@ -111,6 +111,52 @@ TEST_F(RecorderTest, SaysThatItDidNotKeepUp) {
   EXPECT_EQ(gaps[0].lost, (RecordTally{3, 3, 0, 0, 0, 0, 0}));
 }
 
+TEST_F(RecorderTest, PutsWhatHappenedInAnExerciseAheadOfItsTick) {
+  ExerciseRecord event;
+  event.event.kind = ExerciseEventKind::kDropped;
+  push(2);
+  event.tick = 1;
+  shared.exercise_records.tryPush(event);
+  recorder->drain(kSecond);
+  recorder->finish(SessionCounts{});
+  std::string order;
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& record) { order += " t" + std::to_string(record.model.tick); };
+  visitor.exercise = [&](const ExerciseRecord& record) {
+    order += " e" + std::to_string(record.tick);
+    EXPECT_EQ(record.event.kind, ExerciseEventKind::kDropped);
+  };
+  EXPECT_TRUE(session::readLog(paths.log(), visitor).clean);
+  EXPECT_EQ(order, " e1 t0 t1");
+}
+
+TEST_F(RecorderTest, DescribesInTheHeaderWhatIsTrained) {
+  config.exercise_name = "press";
+  config.drill = "sudden_jump";
+  config.trainee = "t1";
+  config.curriculum = "basics";
+  config.exercise.tracks.resize(2);
+  config.exercise.tracks[0].steps.resize(2);
+  config.exercise.tracks[0].steps[0].name = "lift";
+  config.exercise.tracks[0].steps[1].name = "place";
+  config.roles.objects.resize(1);
+  config.roles.objects[0].name = "ring";
+  const session::LogHeader header = logHeader(config, {}, "", paths);
+  EXPECT_EQ(header.exercise, "press");
+  EXPECT_EQ(header.drill, "sudden_jump");
+  EXPECT_EQ(header.trainee, "t1");
+  EXPECT_EQ(header.curriculum, "basics");
+  EXPECT_EQ(header.step_names, (std::vector<std::vector<std::string>>{{"lift", "place"}, {}}));
+  EXPECT_EQ(header.object_names, (std::vector<std::string>{"ring"}));
+  EXPECT_EQ(header.motion_scale, config.console.scale);
+  EXPECT_EQ(header.hand.mass, config.console.hand_mass);
+  EXPECT_EQ(header.hand.stiffness, config.console.hand_stiffness);
+  EXPECT_EQ(header.hand.damping, config.console.hand_damping);
+  EXPECT_EQ(header.camera.name, config.render.video_camera);
+  EXPECT_GT(header.camera.vertical_fov, 0.0);
+  EXPECT_DOUBLE_EQ(header.camera.aspect * config.render.video_height, config.render.video_width);
+}
+
 TEST_F(RecorderTest, InLockstepGivesUpOnADiskThatRefuses) {
   limitFileSize(fs::file_size(paths.log()));
   push(1);

@@ -56,7 +56,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 7, 2);                      // version
+  append(&expected, 8, 2);                      // version
   append(&expected, 8 + 6 + 24 + 56 + 8, 4);    // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
@@ -78,6 +78,41 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   EXPECT_EQ(bytesBehindHeader(path), expected);
 }
 
+TEST(SessionLogBytes, AreThoseOfAnExercisesEventWrittenByHand) {
+  ExerciseRecord record;
+  record.tick = 0x102030405;
+  record.event.kind = ExerciseEventKind::kTouchEnded;
+  record.event.mistake = Mistake::kCollision;
+  record.event.arm = Hand::kGreen;
+  record.event.track = 2;
+  record.event.step = kNobody;
+  record.event.a = 0x0102;
+  record.event.value = -2.0;
+  record.event.force = 0.5;
+  const std::string path = scratchPath("golden_event.rlog");
+  {
+    LogWriter log(path, LogHeader{});
+    log.write(record);
+  }
+  Bytes expected{'R', 'V', '2', 'L'};
+  append(&expected, 13, 2);                     // type: exercise
+  append(&expected, 8, 2);                      // version
+  append(&expected, 8 + 5 + 4 + 16, 4);         // payload length
+  append(&expected, 1, 8);                      // record number
+  append(&expected, 0x102030405ULL, 8);         // tick
+  append(&expected, 7, 1);                      // touch_ended
+  append(&expected, 1, 1);                      // collision
+  append(&expected, 1, 1);                      // green
+  append(&expected, 2, 1);                      // track
+  append(&expected, 255, 1);                    // no step
+  append(&expected, 0x0102, 2);                 // a
+  append(&expected, 0xFFFF, 2);                 // b: none
+  append(&expected, 0xC000000000000000ULL, 8);  // -2.0
+  append(&expected, 0x3FE0000000000000ULL, 8);  // 0.5
+  append(&expected, slowCrc32(expected), 4);
+  EXPECT_EQ(bytesBehindHeader(path), expected);
+}
+
 TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   const std::string path = scratchPath("start.rlog");
   LogHeader header;
@@ -85,7 +120,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 7, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 8, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
@@ -131,7 +166,8 @@ TEST(SessionLogSchema, AnnouncesAsManyBytesAsAreWritten) {
                                                    {"gap", payloadSize<GapRecord>()},
                                                    {"recovery", payloadSize<RecoveryRecord>()},
                                                    {"fault_change", payloadSize<FaultChangeRecord>()},
-                                                   {"execution", payloadSize<ExecutionRecord>()}};
+                                                   {"execution", payloadSize<ExecutionRecord>()},
+                                                   {"exercise", payloadSize<ExerciseRecord>()}};
   ASSERT_EQ(json.at("records").size(), written.size());
   for (const auto& record : json.at("records")) {
     EXPECT_EQ(schemaSize(record.at("fields")), written.at(record.at("name"))) << record.at("name");
@@ -149,9 +185,19 @@ TEST(SessionLogSchema, NamesUnitsAndMeanings) {
                                                       {"unit", "ms"},
                                                       {"meaning", "physics step that produced this state"}}));
   EXPECT_EQ(model.at("fields").at(3).at("names").at(2), "teleoperating");
-  const auto& arms = model.at("fields").at(13);
+  const auto& arms = model.at("fields").at(18);
   EXPECT_EQ(arms.at("shape"), nlohmann::json::array({2}));
   EXPECT_EQ(arms.at("fields").at(0).at("shape"), nlohmann::json::array({7}));
+}
+
+TEST(SessionLogSchema, NamesWhatNumbersOfTheExerciseMean) {
+  const auto json = nlohmann::json::parse(headerToJson(LogHeader{}));
+  EXPECT_EQ(json.at("mistake_names").at(2), "drop");
+  EXPECT_EQ(json.at("pedal_names").at(4), "camera");
+  const auto& exercise = json.at("records").at(0).at("fields").at(0).at("fields").at(12);
+  EXPECT_EQ(exercise.at("name"), "exercise");
+  EXPECT_EQ(exercise.at("fields").at(0).at("names").at(3), "done");
+  EXPECT_EQ(exercise.at("fields").at(7).at("shape"), nlohmann::json::array({12}));
 }
 
 TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
@@ -161,7 +207,10 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(FaultSignals), 2 * 8 + 2 * 4u);
   EXPECT_EQ(sizeof(DaemonFaults), 4 + 4 + 4 + /*padding*/ 4 + 2 * 8 + 6 * 8 + sizeof(FaultSignals));
   EXPECT_EQ(sizeof(ModelState), 3 * 8 + 5 + /*padding*/ 3 + 2 * 4 + 6 * 8 + sizeof(PlanningState) +
-                                    sizeof(DaemonFaults) + 2 * sizeof(ArmState) + 4 * 7 * 8u);
+                                    sizeof(ExerciseState) + sizeof(CameraState) + 2 * 4 + 1 + /*padding*/ 7 +
+                                    sizeof(DaemonFaults) + 2 * sizeof(ArmState) + 12 * 7 * 8u);
+  EXPECT_EQ(sizeof(ExerciseState), 3 + /*padding*/ 1 + 4 + 8 + 2 * 8 + 12 + 6 * 4 + /*padding*/ 4 + 8u);
+  EXPECT_EQ(sizeof(CameraState), 9 * 8u);
   EXPECT_EQ(sizeof(PlanningState), 4 + 2 * 4 + /*padding*/ 4 + 8u);
   EXPECT_EQ(sizeof(RobotArmState), 21 * 8 + 7 * 4 + 7 + /*padding*/ 5 + 6 * 8u);
   EXPECT_EQ(sizeof(LinkCounts), (2 + kRejectCount) * 8u);
@@ -182,7 +231,8 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(payloadSize<FaultRecord>(), 8 + /*generation, count*/ 8 + 4 + 8 * sizeof(Fault));
   EXPECT_EQ(sizeof(FaultChange), 2 * 8 + 2 * 4 + 3 + /*padding*/ 5u);
   EXPECT_EQ(payloadSize<FaultChangeRecord>(), 8 + sizeof(FaultChange) - 5 - /*session*/ 4);
-  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 - 4 + sizeof(RobotState) - 1 - 2 * 5 + 1);
+  EXPECT_EQ(payloadSize<TickRecord>(), sizeof(ModelState) - 3 - 4 - 4 - 5 - 7 + sizeof(RobotState) - 1 - 2 * 5 + 1);
+  EXPECT_EQ(payloadSize<TickRecord>(), 2391u) << "as doc/session.md says";
   EXPECT_EQ(payloadSize<HapticRecord>(), sizeof(HapticState) - 2);
   EXPECT_EQ(payloadSize<CommandRecord>(), 8 + sizeof(MasterCommand) - 3);
   EXPECT_EQ(payloadSize<RequestRecord>(), 8 + sizeof(Request) - 2);
@@ -190,10 +240,12 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(payloadSize<ContactRecord>(), sizeof(ContactRecord));
   EXPECT_EQ(payloadSize<PlanRecord>(), 8 + sizeof(PlanResult) - 9 + 1);
   EXPECT_EQ(payloadSize<ExecutionRecord>(), 8 + sizeof(ExecutionReport) - 5);
-  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 9 * 8u);
+  EXPECT_EQ(sizeof(ExerciseEvent), 5 + /*padding*/ 1 + 2 * 2 + /*padding*/ 6 + 2 * 8u);
+  EXPECT_EQ(payloadSize<ExerciseRecord>(), 8 + sizeof(ExerciseEvent) - 7);
+  EXPECT_EQ(sizeof(GapRecord), 8 + 1 + /*padding*/ 3 + 4 + 10 * 8u);
   EXPECT_EQ(payloadSize<GapRecord>(), sizeof(GapRecord) - 3);
-  EXPECT_EQ(sizeof(RecoveryRecord), 10 * 8u);
-  EXPECT_EQ(payloadSize<RecoveryRecord>(), 10 * 8u);
+  EXPECT_EQ(sizeof(RecoveryRecord), 11 * 8u);
+  EXPECT_EQ(payloadSize<RecoveryRecord>(), 11 * 8u);
   EXPECT_EQ(payloadSize<SessionCounts>(), sizeof(SessionCounts) - 6);
 }
 

@@ -179,7 +179,7 @@ constexpr std::size_t kRequestSize = 8 + 6 + 3 * 8 + 7 * 8 + 2 * 4;  ///< [bytes
 
 TEST(DamagedLog, RefusesAValueBeyondItsEnumEvenWithARightCrc) {
   Bytes request(kRequestSize);
-  request[8] = 200;  // RequestKind has ten
+  request[8] = 200;  // RequestKind has 24
   const Bytes record = sealed(4, kRecordVersion, request);
   const Found found = readWithRecord(record);
   EXPECT_TRUE(found.ids.empty());

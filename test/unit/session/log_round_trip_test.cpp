@@ -20,6 +20,7 @@ struct Contents {
     v.faults = [this](const FaultRecord& r) { values.push_back(valuesOf(r)); };
     v.fault_change = [this](const FaultChangeRecord& r) { values.push_back(valuesOf(r)); };
     v.execution = [this](const ExecutionRecord& r) { values.push_back(valuesOf(r)); };
+    v.exercise = [this](const ExerciseRecord& r) { values.push_back(valuesOf(r)); };
     v.contact = [this](const ContactRecord& r) { values.push_back(valuesOf(r)); };
     v.gap = [this](const GapRecord& r) { values.push_back(valuesOf(r)); };
     v.counts = [this](const SessionCounts& r) { values.push_back(valuesOf(r)); };
@@ -40,7 +41,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
   Contents expected;
   LogWriter log(path, LogHeader{});
   for (int i = 0; i < rounds; ++i) {
-    switch (random.next() % 10) {
+    switch (random.next() % 11) {
       case 0:
         writeRandom<TickRecord>(&log, random, &expected);
         break;
@@ -67,6 +68,9 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
         break;
       case 8:
         writeRandom<ExecutionRecord>(&log, random, &expected);
+        break;
+      case 9:
+        writeRandom<ExerciseRecord>(&log, random, &expected);
         break;
       default:
         writeRandom<PlanRecord>(&log, random, &expected);
@@ -139,6 +143,15 @@ TEST(SessionLog, GivesBackItsHeader) {
   header.tolerance = 0.1 + 0.2;  // not a short decimal
   header.arm_contacts = {true, false};
   header.body_names = {"link1_L", "ring"};
+  header.exercise = "peg_transfer";
+  header.drill = "sudden_jump";
+  header.trainee = "t-01_x";
+  header.curriculum = "frs_basics";
+  header.motion_scale = 0.1 + 0.2;
+  header.hand = {0.3, 100.0 / 3.0, 7.0};
+  header.camera = {"endoscope", 0.7, 16.0 / 9.0};
+  header.step_names = {{"lift", "place"}, {}, {"press"}};
+  header.object_names = {"ring_left", "ring_right"};
   LogWriter(path, header).finish({});
   for (const LogHeader& got : {readLog(path, {}).header, readLogHeader(path)}) {
     EXPECT_EQ(got.seed, header.seed);
@@ -152,6 +165,19 @@ TEST(SessionLog, GivesBackItsHeader) {
     EXPECT_EQ(got.tolerance, header.tolerance);
     EXPECT_EQ(got.arm_contacts, header.arm_contacts);
     EXPECT_EQ(got.body_names, header.body_names);
+    EXPECT_EQ(got.exercise, header.exercise);
+    EXPECT_EQ(got.drill, header.drill);
+    EXPECT_EQ(got.trainee, header.trainee);
+    EXPECT_EQ(got.curriculum, header.curriculum);
+    EXPECT_EQ(got.motion_scale, header.motion_scale);
+    EXPECT_EQ(got.hand.mass, header.hand.mass);
+    EXPECT_EQ(got.hand.stiffness, header.hand.stiffness);
+    EXPECT_EQ(got.hand.damping, header.hand.damping);
+    EXPECT_EQ(got.camera.name, header.camera.name);
+    EXPECT_EQ(got.camera.vertical_fov, header.camera.vertical_fov);
+    EXPECT_EQ(got.camera.aspect, header.camera.aspect);
+    EXPECT_EQ(got.step_names, header.step_names);
+    EXPECT_EQ(got.object_names, header.object_names);
   }
 }
 

@@ -49,6 +49,22 @@ TEST(RecordDifference, NamesTheFieldAndBothValues) {
   EXPECT_EQ(difference(force, none), "force_B[0][1] is 1.0000000000000002, was 1") << "one bit is a difference";
 }
 
+TEST(RecordDifference, NamesWhatOfAnExerciseIsAnother) {
+  ExerciseRecord before, now;
+  before.event.kind = ExerciseEventKind::kDropped;
+  before.event.a = 7;
+  now = before;
+  EXPECT_EQ(difference(now, before), "");
+  now.event.a = 0xFFFF;
+  EXPECT_EQ(difference(now, before), "event.a is 65535, was 7");
+  now = before;
+  now.event.kind = ExerciseEventKind::kHeld;
+  EXPECT_EQ(difference(now, before), "event.kind is held, was dropped");
+  ModelState state, other;
+  other.exercise.mistakes[2] = 3;
+  EXPECT_EQ(difference(state, other), "exercise.mistakes[2] is 0, was 3");
+}
+
 TEST(RecordDifference, FindsEveryBitOfAContact) {
   Random random(8);
   const auto contact = randomRecord<ContactRecord>(random);
