@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/curriculum.h"
+
+namespace raven2_trainer::training {
+
+/** An attempt of a trainee, as far as a curriculum asks. */
+struct CurriculumAttempt {
+  std::string exercise, drill;  ///< drill empty: none
+  bool passed{};
+};
+
+struct StageProgress {
+  std::int64_t in_a_row{};  ///< passes, newest run; at most CurriculumStage::passes
+  std::int64_t extra{};     ///< passes behind those
+  std::int64_t attempts{};  ///< that counted for it
+  bool done{};
+};
+
+struct Progress {
+  std::vector<StageProgress> stages;
+  std::size_t current{};  ///< index of the first stage that is not done; stages.size(): all are
+};
+
+/**
+ * How far a trainee is. An attempt counts for the stage under way if it is of its exercise and drill, and else for
+ * none; a failure begins the passes in a row anew, but takes nothing from the extra ones.
+ * @param[in] attempts in the order in which they were made.
+ */
+Progress follow(const Curriculum& curriculum, const std::vector<CurriculumAttempt>& attempts);
+
+}  // namespace raven2_trainer::training

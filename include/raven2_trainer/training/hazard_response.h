@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/types.h"
+#include "raven2_trainer/training/contact_tally.h"
+
+// What a surgeon did when a hazard struck. Ours (field.md 5.4, "reaction time to hazard"); thresholds in doc/scores.md.
+
+namespace raven2_trainer::training {
+
+enum class Response : std::uint8_t {
+  kNone,
+  kPedalUp,
+  kHoldStill,  ///< the hand stands
+  kSlow,       ///< and is a fifth as fast as before, or slower
+  kRetreat,    ///< the hand goes back the way that it came
+  kStop,       ///< emergency stop
+  kPushOn,     ///< the hand goes on as if nothing were
+};
+constexpr std::size_t kResponseCount = 7;
+constexpr std::array<const char*, kResponseCount> kResponseNames{"none",    "pedal_up", "hold_still", "slow",
+                                                                 "retreat", "stop",     "push_on"};
+
+enum class Verdict : std::uint8_t {
+  kNone,   ///< no response that the rule names
+  kRight,  ///< a right one, in time
+  kLate,   ///< a right one, too late
+  kWrong,
+};
+constexpr std::array<const char*, 4> kVerdictNames{"none", "right", "late", "wrong"};
+
+/** What is right. A response in neither list does not decide; the first that is in one does. */
+struct ResponseRule {
+  std::vector<Response> right{Response::kPedalUp, Response::kHoldStill, Response::kRetreat, Response::kStop};
+  std::vector<Response> wrong{Response::kPushOn};
+  double within{2.0};  ///< [s] from the cue, or from the injection without one
+};
+
+/** One millisecond about a hazard. */
+struct HandSample {
+  std::uint8_t pedal{};               ///< 1 down
+  std::uint8_t stop{};                ///< 1 an emergency stop was asked for
+  std::uint8_t has_robot{};           ///< 1 the robot's tips are known
+  PerArm<Vec3> master_I{};            ///< [m] ModelState::master_I: tip, not hand
+  PerArm<Vec3> force_I{};             ///< [N] given to the hands
+  PerArm<Vec3> model_B{}, robot_B{};  ///< [m] tips
+};
+
+/** Samples without a gap: kLead before the injection or more, until recovery and kWatch behind the injection. */
+struct HazardWindow {
+  std::vector<HandSample> samples;
+  std::size_t injection{};   ///< index of the first sample that the fault acts in
+  double motion_scale{1.0};  ///< [-] tip by hand
+  std::size_t recovery{};    ///< index behind the last sample of the fault's aftermath; at most samples.size()
+  bool recovered{};          ///< false: the session ended before
+};
+
+/** By a hand model, where the force put a hand: deflections by sample; empty: nothing is explained. */
+using ForceMotion = PerArm<std::vector<Vec3>>;  // [m] [@frame I]
+
+/** The hand of config/console.yaml under the samples' forces, from rest at the first. */
+ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand);
+
+struct TimedResponse {
+  Response response{Response::kNone};
+  Tick after{-1};  ///< [1 ms] from the injection; -1 never
+};
+
+struct HazardResponse {
+  Tick force_after{-1};    ///< [1 ms] from the injection to the first force on a hand; -1 never
+  Tick cue_after{-1};      ///< [1 ms] the same to more than kCueForce, which a hand notices
+  TimedResponse first;     ///< deliberate: kCoincidence or later; its time is the reaction time
+  TimedResponse deciding;  ///< the first that the rule names
+  Verdict verdict{Verdict::kNone};
+  std::vector<TimedResponse> coincidences;  ///< what came sooner than anybody reacts, in order of time
+  bool recovered{};
+  Tick duration{};      ///< [1 ms] from the injection to recovery
+  double excursion{};   ///< [m] of the robot's tip from where it was at the injection, larger arm
+  double error{};       ///< [m] of the robot's tip from the model's, larger arm
+  double peak_force{};  ///< [N] larger hand
+  double impulse{};     ///< [Ns] the same
+  std::array<Touches, kPartnerCount> touches{};  ///< of the model in that time; for whoever has the contacts
+};
+
+constexpr Tick kCoincidence = 100;  ///< [ms] sooner is no reaction; athletes' simple reactions take longer
+constexpr double kCueForce = 0.3;   ///< [N] ours, a tenth of the Omni's peak
+constexpr Tick kLead = 500;         ///< [1 ms] before the injection that a window should have
+constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a fault that is soon over
+
+/**
+ * Judges one hazard: responses in all samples, figures until recovery.
+ * A response is the start of a run of samples with the pedal down in which, of a hand's velocity w less what the force
+ * explains, u its mean over the 200 ms before the injection, if |u| >= 10 mm/s:
+ * kRetreat w u / |u| <= -10 mm/s for 30 ms; kSlow |w| <= max(|u| / 5, 5 mm/s) for 150 ms; kHoldStill the same and |w|
+ * <= 5 mm/s for 150 ms beginning 150 ms later at the latest. kPedalUp, kStop: the pedal goes up, a stop is asked for.
+ * kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along u
+ * (anywhere, if it had stood).
+ */
+HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained);
+
+}  // namespace raven2_trainer::training

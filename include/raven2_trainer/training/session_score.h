@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/band.h"
+#include "raven2_trainer/session/session_log.h"
+#include "raven2_trainer/training/score.h"
+#include "raven2_trainer/training/transit.h"
+
+namespace raven2_trainer::training {
+
+/** What a log alone does not tell. */
+struct ScoreSettings {
+  MotionSettings motion;
+  ConsoleConfig hand;      ///< mass, stiffness, damping: what forces explain of its motion
+  ResponseRule response;   ///< to a hazard
+  const Band* band{};      ///< of the exercise; nullptr: nothing is judged. It must outlive the result
+  double deviations{1.0};  ///< [-] of the band that a metric may be worse than its mean
+  WayPlanner plan;         ///< of transits; none: no economy
+};
+
+/** When something of an attempt was done. */
+struct StepTime {
+  std::string name;
+  double at{};  ///< [s] from the beginning of the attempt
+};
+
+/** A step done, or a mistake. */
+struct AttemptHistory {
+  std::vector<StepTime> steps, mistakes;
+};
+
+struct SessionScore {
+  session::LogHeader header;
+  std::vector<AttemptScore> attempts;
+  std::vector<AttemptHistory> histories;  ///< by attempt
+  std::vector<HazardScore> hazards;       ///< of the whole session, in order
+  std::uint64_t hazards_beyond{};         ///< beyond the longest list, kMaxHazards
+};
+
+constexpr std::size_t kMaxHazards = 1000;
+
+/**
+ * Scores a session: each attempt at its exercise, or, without one, all of it from the first pedal-down as one attempt
+ * without a verdict. Paused time does not count. Reads the log twice; about 20 KB of memory a second of session.
+ * @throw SessionException.
+ */
+SessionScore scoreSession(const std::string& log_path, const ScoreSettings& settings);
+
+/** score.json: the same bytes for the same log and settings. Format: doc/scores.md. @throw SessionException. */
+void writeScore(const std::string& path, const SessionScore& score, const ScoreSettings& settings);
+
+}  // namespace raven2_trainer::training

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/kinematics/eigen.h"
+
+// How much farther a tip went than it had to while it carried something: its way against the planner's.
+
+namespace raven2_trainer::training {
+
+/** An arm carries a body, from taking it to letting go, less kTransitEnd of the way at both ends. */
+struct Transit {
+  Arm arm{};
+  JointArray start{}, other{};  ///< [rad, m] joints of the arm and of the other one where it begins
+  std::vector<Vec3> way_W;      ///< [m] of the tip, 100 Hz
+};
+
+constexpr double kTransitEnd = 0.015;    ///< [m] about the places of taking and letting go, where jaws are near things
+constexpr double kLeastTransit = 0.020;  ///< [m] between the ends; nearer ones are no transit
+
+/** Shortest way of the tip from a transit's begin to its end [m, W]; empty: none was found. */
+using WayPlanner = std::function<std::vector<Vec3>(const Transit&)>;
+
+/** [m] Of a polyline. */
+double lengthOf(const std::vector<Vec3>& way) noexcept;
+
+/** [m] From a point to a polyline of one point or more. */
+double distanceTo(const std::vector<Vec3>& way, const Vec3& point) noexcept;
+
+struct Economy {
+  std::uint32_t transits{}, planned{};  ///< and of how many there is a plan; the others count for nothing
+  std::optional<double> ratio;          ///< [-] planned by real lengths, all together, at most 1
+  std::optional<double> off_path;       ///< [m] mean distance of the tip to the planned way
+  std::optional<double> off_path_p95;   ///< [m] its 95th percentile
+};
+
+Economy compare(const std::vector<Transit>& transits, const WayPlanner& plan);
+
+/** Cuts transits out of an attempt. */
+class TransitCollector {
+ public:
+  explicit TransitCollector(const PerArm<Pose>& X_WB) : X_WB_(X_WB) {}
+  /** A tick that counts, in order; events of the tick first. */
+  void add(const ModelState& model);
+  void add(const ExerciseEvent& event);
+  /** Those that were let go. */
+  const std::vector<Transit>& transits() const noexcept { return transits_; }
+
+ private:
+  struct Sample {
+    Vec3 tip_W{};
+    PerArm<JointArray> q{};
+  };
+  struct Carrying {
+    bool holds{false};
+    std::int32_t ticks{0};  ///< in the sum
+    Vec3 sum_W{};
+    std::vector<Sample> samples;
+  };
+
+  void close(Arm arm);
+
+  PerArm<Pose> X_WB_;
+  PerArm<Carrying> carrying_{};
+  std::vector<Transit> transits_;
+};
+
+}  // namespace raven2_trainer::training

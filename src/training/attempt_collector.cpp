@@ -1,0 +1,83 @@
+#include "training/attempt_collector.h"
+
+#include <iterator>
+
+namespace raven2_trainer::training {
+
+AttemptCollector::AttemptCollector(const MotionSettings& settings, const session::LogHeader& header)
+    : settings_(settings), header_(header) {}
+
+/** While an exercise runs; without one from the first pedal-down. */
+bool AttemptCollector::counts(const ModelState& model) const {
+  if (model.mode == Mode::kPaused) return false;
+  if (model.exercise.status == ExerciseStatus::kNone) return !has_exercise_ && model.session_tick >= 0;
+  return model.exercise.status == ExerciseStatus::kRunning;
+}
+
+/** The newest, if it is the one that the state speaks of. */
+CollectedAttempt* AttemptCollector::attemptOf(const ExerciseState& exercise) {
+  if (attempts_.empty()) return nullptr;
+  CollectedAttempt* newest = &attempts_.back();
+  const bool is_free = exercise.status == ExerciseStatus::kNone;
+  const bool was_free = newest->outcome.status == ExerciseStatus::kNone;
+  if (is_free || was_free) return is_free && was_free ? newest : nullptr;
+  return newest->outcome.number == exercise.attempt ? newest : nullptr;
+}
+
+void AttemptCollector::add(const TickRecord& record) {
+  const ModelState& model = record.model;
+  const ExerciseState& exercise = model.exercise;
+  has_exercise_ = has_exercise_ || exercise.status != ExerciseStatus::kNone;
+  CollectedAttempt* attempt = attemptOf(exercise);
+  if (attempt == nullptr && counts(model)) {
+    attempts_.push_back({{}, {}, MotionAccumulator(settings_), TransitCollector(settings_.X_WB)});
+    attempt = &attempts_.back();
+    attempt->outcome.number = exercise.status == ExerciseStatus::kNone ? 1 : exercise.attempt;
+    attempt->outcome.first = model.session_tick;
+    attempt->outcome.is_drill = header_.drill != "none";
+  }
+  if (attempt != nullptr) {
+    attempt->outcome.status = exercise.status;
+    attempt->outcome.failure = exercise.failure;
+    attempt->outcome.steps = exercise.step > 0 ? exercise.step - 1 : 0;
+    attempt->outcome.mistakes = exercise.mistakes;
+    for (const ExerciseRecord& event : events_)
+      note(event.event, attempt);
+    if (counts(model)) {
+      attempt->motion.add(record);
+      attempt->transits.add(model);
+      attempt->outcome.last = model.session_tick;
+    }
+  }
+  events_.clear();
+}
+
+void AttemptCollector::add(const ExerciseRecord& record) {
+  events_.push_back(record);
+}
+
+void AttemptCollector::note(const ExerciseEvent& event, CollectedAttempt* attempt) const {
+  attempt->transits.add(event);
+  const double at = attempt->motion.duration();
+  if (event.kind == ExerciseEventKind::kStepDone) {
+    const bool is_named =
+        event.track < header_.step_names.size() && event.step < header_.step_names[event.track].size();
+    const std::string number = std::to_string(event.track) + "." + std::to_string(event.step);
+    attempt->history.steps.push_back({is_named ? header_.step_names[event.track][event.step] : number, at});
+  }
+  if (event.kind == ExerciseEventKind::kMistake) {
+    attempt->history.mistakes.push_back({kMistakeNames[static_cast<std::size_t>(event.mistake) % kMistakeCount], at});
+  }
+}
+
+std::vector<CollectedAttempt> AttemptCollector::take() {
+  std::vector<CollectedAttempt> all;
+  for (CollectedAttempt& attempt : attempts_) {
+    const bool is_free = attempt.outcome.status == ExerciseStatus::kNone;
+    if (!(has_exercise_ && is_free)) all.push_back(std::move(attempt));
+  }
+  attempts_.clear();
+  return all;
+}
+
+}  // namespace raven2_trainer::training

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/training/motion_metrics.h"
+#include "raven2_trainer/training/score.h"
+#include "raven2_trainer/training/session_score.h"
+
+namespace raven2_trainer::training {
+
+/** An attempt while a log is read. */
+struct CollectedAttempt {
+  AttemptOutcome outcome;
+  AttemptHistory history;
+  MotionAccumulator motion;
+  TransitCollector transits;
+};
+
+/**
+ * Sorts a session's records into attempts. Ticks in order; events before their tick; haptic and contact records once
+ * their tick was given.
+ */
+class AttemptCollector {
+ public:
+  AttemptCollector(const MotionSettings& settings, const session::LogHeader& header);
+  void add(const TickRecord& record);
+  void add(const ExerciseRecord& record);
+  template <typename Record>
+  void addLater(Tick tick, const Record& record) {
+    for (auto attempt = attempts_.rbegin(); attempt != attempts_.rend(); ++attempt) {
+      if (attempt->motion.has(tick)) return attempt->motion.add(record);
+    }
+  }
+  /** Those at the exercise; without one the whole session. */
+  std::vector<CollectedAttempt> take();
+
+ private:
+  bool counts(const ModelState& model) const;
+  CollectedAttempt* attemptOf(const ExerciseState& exercise);
+  void note(const ExerciseEvent& event, CollectedAttempt* attempt) const;
+
+  MotionSettings settings_;
+  session::LogHeader header_;
+  std::deque<CollectedAttempt> attempts_;  // in order, not more than 256: ExerciseState::attempt counts to there
+  std::vector<ExerciseRecord> events_;     // of the tick that comes next
+  bool has_exercise_{false};
+};
+
+}  // namespace raven2_trainer::training

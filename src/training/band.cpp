@@ -1,0 +1,38 @@
+#include "raven2_trainer/training/band.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raven2_trainer::training {
+
+namespace {
+
+constexpr double kFar = 1e9;  // stands for what no spread can measure
+
+}  // namespace
+
+BandJudgement judge(double value, const BandMetric& metric, double least_spread, double deviations) {
+  BandJudgement result;
+  result.spread = std::max({metric.deviation, least_spread * std::abs(metric.mean), metric.least});
+  const bool is_always_zero = metric.mean == 0.0 && metric.deviation == 0.0;
+  const double granted = is_always_zero ? metric.least : deviations * result.spread;
+  const double sign = metric.better == Better::kLower ? 1.0 : -1.0;
+  result.limit = metric.mean + sign * granted;
+  const double beyond = sign * (value - result.limit);
+  result.passed = beyond <= 0.0;
+  if (result.spread > 0.0) {
+    result.excess = std::clamp(beyond / result.spread, -kFar, kFar);
+  } else if (beyond != 0.0) {
+    result.excess = beyond > 0.0 ? kFar : -kFar;
+  }
+  if (!std::isfinite(value)) result.excess = kFar;
+  return result;
+}
+
+const BandMetric* find(const Band& band, const std::string& metric) {
+  const auto found =
+      std::find_if(band.metrics.begin(), band.metrics.end(), [&](const BandMetric& m) { return m.name == metric; });
+  return found == band.metrics.end() ? nullptr : &*found;
+}
+
+}  // namespace raven2_trainer::training

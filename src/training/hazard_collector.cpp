@@ -1,0 +1,140 @@
+#include "training/hazard_collector.h"
+
+#include <algorithm>
+
+#include "raven2_trainer/core/pedals.h"
+
+namespace raven2_trainer::training {
+
+namespace {
+
+constexpr Tick kLateness = 5000;   // [1 ms] the recorder's queues hold a little over four seconds
+constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 12 MB
+
+}  // namespace
+
+HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics) : settings_(settings) {
+  for (const FaultEvent& event : metrics.faults) {
+    if (coming_.size() < kMaxHazards) {
+      coming_.push_back(describe(event, metrics));
+    } else {
+      ++beyond_;
+    }
+  }
+}
+
+/** The robot tells its own faults' first cycle, which the daemon learns of later. */
+HazardCollector::Hazard HazardCollector::describe(const FaultEvent& event, const SessionMetrics& metrics) {
+  Hazard hazard{event.name, event.first_tick, event.end_tick, 0};
+  for (const Injection& injection : metrics.injections) {
+    const bool is_its = injection.inject_tick >= event.first_tick && injection.inject_tick <= event.last_tick &&
+                        injection.name == event.name;
+    if (!is_its) continue;
+    if (injection.fault.host == FaultHost::kRobot) hazard.cycle = injection.inject_cycle;
+    break;
+  }
+  return hazard;
+}
+
+Tick HazardCollector::lastOf(const Hazard& hazard) {
+  const Tick recovery = hazard.end >= 0 ? std::min(hazard.end, hazard.begin + kLongest) : hazard.begin + kLongest;
+  return std::max(recovery, hazard.begin + kWatch);
+}
+
+void HazardCollector::openWindows(Tick now) {
+  while (!coming_.empty() && now >= coming_.front().begin - kLead) {
+    open_.push_back(
+        {coming_.front(), -1, {}, -1, {}, ContactTally(settings_.motion.bodies, settings_.motion.force_limit)});
+    open_.back().window.motion_scale = settings_.motion.motion_scale.value_or(1.0);
+    coming_.pop_front();
+  }
+}
+
+HandSample HazardCollector::sampleOf(const TickRecord& record) const {
+  HandSample sample;
+  const ModelState& model = record.model;
+  sample.pedal = model.pedal;
+  sample.stop = stop_tick_ == model.tick || (model.pedals & bit(Pedal::kStop)) != 0 ? 1 : 0;
+  sample.has_robot = record.robot.frame > 0 && record.robot.connected != 0 ? 1 : 0;
+  sample.master_I = model.master_I;
+  for (const Arm arm : kArms) {
+    at(sample.model_B, arm) = at(model.arms, arm).p_BT;
+    at(sample.robot_B, arm) = at(record.robot.arms, arm).p_BT;
+  }
+  return sample;
+}
+
+/** A tick that is missing is as the one before it: samples stand for milliseconds. */
+void HazardCollector::append(const TickRecord& record, Open* open) const {
+  const Tick now = record.model.session_tick;
+  if (now <= open->newest || now > lastOf(open->hazard)) return;
+  HazardWindow& window = open->window;
+  for (Tick missing = open->newest + 1; !window.samples.empty() && missing < now; ++missing) {
+    window.samples.push_back(HandSample(window.samples.back()));
+    open->ticks.push_back(open->ticks.back());
+  }
+  const Hazard& hazard = open->hazard;
+  // Its cycle may be seen a little before the daemon is told whose it was, but not long before.
+  const bool is_early = hazard.cycle > 0 && record.robot.cycle >= hazard.cycle && now >= hazard.begin - kCoincidence;
+  if (open->injection < 0 && (is_early || now >= hazard.begin)) {
+    open->injection = now;
+    window.injection = window.samples.size();
+  }
+  window.samples.push_back(sampleOf(record));
+  open->ticks.push_back(record.model.tick);
+  open->newest = now;
+  if (hazard.end < 0 || now <= hazard.end) window.recovery = window.samples.size();
+}
+
+void HazardCollector::add(const TickRecord& record) {
+  const Tick now = record.model.session_tick;
+  if (now < 0) return;
+  openWindows(now);
+  for (Open& open : open_)
+    append(record, &open);
+  while (!open_.empty() && now > lastOf(open_.front().hazard) + kLateness) {
+    close(&open_.front());
+    open_.pop_front();
+  }
+}
+
+void HazardCollector::add(const RequestRecord& record) {
+  if (record.request.kind == RequestKind::kEmergencyStop) stop_tick_ = record.tick;
+}
+
+void HazardCollector::addLater(Tick tick, const HapticRecord& record) {
+  for (Open& open : open_) {
+    const auto found = std::lower_bound(open.ticks.begin(), open.ticks.end(), tick);
+    if (found == open.ticks.end() || *found != tick) continue;
+    open.window.samples[static_cast<std::size_t>(found - open.ticks.begin())].force_I = record.haptic.force_I;
+  }
+}
+
+void HazardCollector::addLater(Tick tick, const ContactRecord& record) {
+  for (Open& open : open_) {
+    const HazardWindow& window = open.window;
+    if (open.injection < 0 || window.recovery == 0) continue;
+    const std::size_t last = std::min(window.recovery, open.ticks.size()) - 1;
+    if (window.injection < open.ticks.size() && tick >= open.ticks[window.injection] && tick <= open.ticks[last])
+      open.contacts.add(record);
+  }
+}
+
+void HazardCollector::close(Open* open) {
+  if (open->injection < 0) return;
+  open->window.recovered = open->hazard.end >= 0 && open->hazard.end <= open->newest;
+  HazardScore score{open->hazard.scenario, open->injection, {}};
+  score.response =
+      judgeResponse(open->window, settings_.response, explainByForce(open->window.samples, settings_.hand));
+  score.response.touches = open->contacts.touches();
+  scores_.push_back(score);
+}
+
+std::vector<HazardScore> HazardCollector::take() {
+  for (Open& open : open_)
+    close(&open);
+  open_.clear();
+  return std::move(scores_);
+}
+
+}  // namespace raven2_trainer::training

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "raven2_trainer/core/record.h"
+#include "raven2_trainer/training/hazard_response.h"
+#include "raven2_trainer/training/session_metrics.h"
+#include "raven2_trainer/training/session_score.h"
+
+namespace raven2_trainer::training {
+
+/**
+ * Cuts the milliseconds about each fault of a session out of its records, and judges what was done about it. Order as
+ * in AttemptCollector. Holds what lies up to kLateness behind a window's end.
+ */
+class HazardCollector {
+ public:
+  /** @param[in] metrics of the same log: when faults began and were over. */
+  HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics);
+  void add(const TickRecord& record);
+  void add(const RequestRecord& record);
+  void addLater(Tick tick, const HapticRecord& record);
+  void addLater(Tick tick, const ContactRecord& record);
+  std::vector<HazardScore> take();
+  std::uint64_t beyond() const noexcept { return beyond_; }
+
+ private:
+  /** A fault as the first reading of the log knew it; session ticks. */
+  struct Hazard {
+    std::string scenario;
+    Tick begin{}, end{-1};  ///< end: of its aftermath, -1 the log ended before
+    std::uint64_t cycle{};  ///< first robot cycle with it; 0: not the robot's own
+  };
+  struct Open {
+    Hazard hazard;
+    Tick injection{-1};       ///< session tick
+    std::vector<Tick> ticks;  ///< model ticks of the samples
+    Tick newest{-1};          ///< session tick of the newest sample
+    HazardWindow window;
+    ContactTally contacts;
+  };
+
+  static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
+  void openWindows(Tick now);
+  void append(const TickRecord& record, Open* open) const;
+  HandSample sampleOf(const TickRecord& record) const;
+  void close(Open* open);
+  static Tick lastOf(const Hazard& hazard);
+
+  ScoreSettings settings_;
+  std::deque<Hazard> coming_;
+  std::deque<Open> open_;
+  std::vector<HazardScore> scores_;
+  Tick stop_tick_{-1};
+  std::uint64_t beyond_{0};
+};
+
+}  // namespace raven2_trainer::training

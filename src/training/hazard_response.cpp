@@ -1,0 +1,249 @@
+#include "raven2_trainer/training/hazard_response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "raven2_trainer/haptics/hand_model.h"
+#include "raven2_trainer/kinematics/eigen.h"
+
+namespace raven2_trainer::training {
+
+namespace {
+
+// Ours, all of the hand, not of the tip (doc/scores.md).
+constexpr std::size_t kHalfBox = 5;       // [1 ms] of the centred mean over ten
+constexpr std::size_t kBefore = 200;      // [1 ms] of the speed before the injection
+constexpr double kMoving = 0.010;         // [m/s] slower is not on its way anywhere
+constexpr double kBack = 0.010;           // [m/s] against the old direction
+constexpr std::size_t kBackTicks = 30;    // [1 ms]
+constexpr double kSlowShare = 0.2;        // [-] of the speed before
+constexpr double kStill = 0.005;          // [m/s]
+constexpr std::size_t kSlowTicks = 150;   // [1 ms]
+constexpr std::size_t kPushTicks = 1500;  // [1 ms] behind the cue
+constexpr double kPushPath = 0.020;       // [m]
+
+/** The hand's deliberate motion: velocities by sample. */
+class HandMotionTrack {
+ public:
+  HandMotionTrack(const HazardWindow& window, const ForceMotion& explained, Arm arm) {
+    const std::vector<Vec3>& force = at(explained, arm);
+    std::vector<Vector3> places;
+    for (std::size_t k = 0; k < window.samples.size(); ++k) {
+      Vector3 place = toEigen(at(window.samples[k].master_I, arm)) / window.motion_scale;
+      if (k < force.size()) place -= toEigen(force[k]);
+      places.push_back(place);
+    }
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const std::size_t from = k >= kHalfBox ? k - kHalfBox : 0, to = std::min(k + kHalfBox, places.size() - 1);
+      velocity_.push_back(to > from
+                              ? Vector3((places[to] - places[from]) / (static_cast<double>(to - from) * kTickSeconds))
+                              : Vector3(Vector3::Zero()));
+    }
+    before_ = meanBefore(window.injection);
+  }
+
+  const Vector3& velocity(std::size_t k) const { return velocity_[k]; }
+  double speedBefore() const { return before_.norm(); }
+  bool wasMoving() const { return speedBefore() >= kMoving; }
+  double along(const Vector3& v) const { return v.dot(before_) / speedBefore(); }
+
+ private:
+  Vector3 meanBefore(std::size_t injection) const {
+    const std::size_t from = injection >= kBefore ? injection - kBefore : 0;
+    // The box of the last samples before the injection would reach behind it.
+    const std::size_t to = injection >= kHalfBox ? injection - kHalfBox : 0;
+    Vector3 sum = Vector3::Zero();
+    for (std::size_t k = from; k < to; ++k)
+      sum += velocity_[k];
+    return to > from ? Vector3(sum / static_cast<double>(to - from)) : sum;
+  }
+
+  std::vector<Vector3> velocity_;
+  Vector3 before_{Vector3::Zero()};
+};
+
+using Responses = std::vector<TimedResponse>;
+
+/** Every run of at least `ticks` samples with `holds`: its start, or the injection if it was on before. */
+void findRuns(const HazardWindow& window,
+              Response response,
+              std::size_t ticks,
+              const std::function<bool(std::size_t)>& holds,
+              Responses* found) {
+  std::size_t length = 0;
+  for (std::size_t k = window.injection; k < window.samples.size(); ++k) {
+    const bool counts = window.samples[k].pedal != 0 && holds(k);
+    length = counts ? length + 1 : 0;
+    if (length == ticks) found->push_back({response, static_cast<Tick>(k + 1 - ticks - window.injection)});
+  }
+}
+
+void findEdges(const HazardWindow& window,
+               Response response,
+               const std::function<bool(const HandSample&)>& is_on,
+               Responses* found) {
+  for (std::size_t k = std::max<std::size_t>(window.injection, 1); k < window.samples.size(); ++k) {
+    if (is_on(window.samples[k]) && !is_on(window.samples[k - 1]))
+      found->push_back({response, static_cast<Tick>(k - window.injection)});
+  }
+}
+
+/** Who comes to stand is slow on the way there: one response, the stronger, from where the slowing began. */
+void joinSlowing(Responses slow, const Responses& still, Responses* found) {
+  for (const TimedResponse& stand : still) {
+    const auto before = std::find_if(slow.rbegin(), slow.rend(), [&](const TimedResponse& s) {
+      return s.response == Response::kSlow && s.after <= stand.after &&
+             stand.after - s.after <= static_cast<Tick>(kSlowTicks);
+    });
+    if (before == slow.rend()) {
+      found->push_back(stand);
+    } else {
+      before->response = Response::kHoldStill;
+    }
+  }
+  found->insert(found->end(), slow.begin(), slow.end());
+}
+
+void findMotion(const HazardWindow& window, const HandMotionTrack& hand, Responses* found) {
+  if (!hand.wasMoving()) return;
+  findRuns(
+      window, Response::kRetreat, kBackTicks, [&](std::size_t k) { return hand.along(hand.velocity(k)) <= -kBack; },
+      found);
+  const double limit = std::max(kSlowShare * hand.speedBefore(), kStill);
+  Responses slow, still;
+  findRuns(
+      window, Response::kSlow, kSlowTicks, [&](std::size_t k) { return hand.velocity(k).norm() <= limit; }, &slow);
+  findRuns(
+      window, Response::kHoldStill, kSlowTicks, [&](std::size_t k) { return hand.velocity(k).norm() <= kStill; },
+      &still);
+  joinSlowing(slow, still, found);
+}
+
+/** Told at the end of its time: a hand on its way goes far while its owner takes notice. */
+void findPush(const HazardWindow& window, const HandMotionTrack& hand, Tick cue, Responses* found) {
+  const std::size_t begin = window.injection + static_cast<std::size_t>(std::max<Tick>(cue, 0));
+  const std::size_t end = begin + kPushTicks;
+  if (end >= window.samples.size()) return;
+  double path = 0.0;
+  Vector3 displacement = Vector3::Zero();
+  for (std::size_t k = begin; k < end; ++k) {
+    if (window.samples[k].pedal == 0) return;
+    path += hand.velocity(k).norm() * kTickSeconds;
+    displacement += hand.velocity(k) * kTickSeconds;
+  }
+  const bool goes_on = !hand.wasMoving() || hand.along(displacement) > 0.0;
+  if (path > kPushPath && goes_on) found->push_back({Response::kPushOn, static_cast<Tick>(end - window.injection)});
+}
+
+double norm(const Vec3& v) {
+  return std::hypot(v[0], v[1], v[2]);
+}
+
+double distance(const Vec3& a, const Vec3& b) {
+  return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+}
+
+std::size_t recovery(const HazardWindow& window) {
+  return std::min(window.recovery, window.samples.size());
+}
+
+void measureForce(const HazardWindow& window, HazardResponse* result) {
+  for (std::size_t k = window.injection; k < recovery(window); ++k) {
+    const PerArm<Vec3>& force = window.samples[k].force_I;
+    const double newton = std::max(norm(force[0]), norm(force[1]));
+    const auto after = static_cast<Tick>(k - window.injection);
+    if (newton > 0.0 && result->force_after < 0) result->force_after = after;
+    if (newton > kCueForce && result->cue_after < 0) result->cue_after = after;
+    result->peak_force = std::max(result->peak_force, newton);
+    result->impulse += newton * kTickSeconds;
+  }
+}
+
+/** Where the robot is not known, nothing is added. */
+void measureExcursion(const HazardWindow& window, HazardResponse* result) {
+  const HandSample& start = window.samples[window.injection];
+  for (std::size_t k = window.injection; k < recovery(window); ++k) {
+    const HandSample& sample = window.samples[k];
+    if (sample.has_robot == 0) continue;
+    for (const Arm arm : kArms) {
+      if (start.has_robot != 0) {
+        result->excursion = std::max(result->excursion, distance(at(sample.robot_B, arm), at(start.robot_B, arm)));
+      }
+      result->error = std::max(result->error, distance(at(sample.robot_B, arm), at(sample.model_B, arm)));
+    }
+  }
+}
+
+bool contains(const std::vector<Response>& list, Response response) {
+  return std::find(list.begin(), list.end(), response) != list.end();
+}
+
+/** Standing is being slow, too. */
+bool isRight(const ResponseRule& rule, Response response) {
+  return contains(rule.right, response) || (response == Response::kHoldStill && contains(rule.right, Response::kSlow));
+}
+
+/** By the first response that the rule names. */
+void decide(const Responses& responses, const ResponseRule& rule, HazardResponse* result) {
+  const auto is_named = [&](const TimedResponse& r) {
+    return isRight(rule, r.response) || contains(rule.wrong, r.response);
+  };
+  const auto deciding = std::find_if(responses.begin(), responses.end(), is_named);
+  if (deciding == responses.end()) return;
+  result->deciding = *deciding;
+  const double since_cue = static_cast<double>(deciding->after - std::max<Tick>(result->cue_after, 0)) * kTickSeconds;
+  if (contains(rule.wrong, deciding->response)) {
+    result->verdict = Verdict::kWrong;
+  } else {
+    result->verdict = since_cue <= rule.within ? Verdict::kRight : Verdict::kLate;
+  }
+}
+
+/** By time; of those at once the one that stands first in the list of responses. */
+bool isEarlier(const TimedResponse& a, const TimedResponse& b) {
+  return a.after != b.after ? a.after < b.after : a.response < b.response;
+}
+
+}  // namespace
+
+ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand) {
+  ForceMotion motion;
+  for (const Arm arm : kArms) {
+    haptics::HandModel model(hand);
+    for (const HandSample& sample : samples) {
+      model.step(toEigen(at(sample.force_I, arm)));
+      at(motion, arm).push_back(toArray(Vector3(model.deflection())));
+    }
+  }
+  return motion;
+}
+
+HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained) {
+  HazardResponse result;
+  result.recovered = window.recovered;
+  if (window.injection >= window.samples.size()) return result;
+  result.duration = static_cast<Tick>(std::max(recovery(window), window.injection) - window.injection);
+  measureForce(window, &result);
+  measureExcursion(window, &result);
+  Responses all;
+  findEdges(
+      window, Response::kPedalUp, [](const HandSample& s) { return s.pedal == 0; }, &all);
+  findEdges(
+      window, Response::kStop, [](const HandSample& s) { return s.stop != 0; }, &all);
+  for (const Arm arm : kArms) {
+    const HandMotionTrack hand(window, explained, arm);
+    findMotion(window, hand, &all);
+    findPush(window, hand, result.cue_after, &all);
+  }
+  std::sort(all.begin(), all.end(), isEarlier);
+  const auto deliberate =
+      std::find_if(all.begin(), all.end(), [](const TimedResponse& r) { return r.after >= kCoincidence; });
+  result.coincidences.assign(all.begin(), deliberate);
+  const Responses responses(deliberate, all.end());
+  if (!responses.empty()) result.first = responses.front();
+  decide(responses, rule, &result);
+  return result;
+}
+
+}  // namespace raven2_trainer::training

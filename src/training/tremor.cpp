@@ -1,0 +1,65 @@
+#include "raven2_trainer/training/tremor.h"
+
+#include <cmath>
+
+#include "raven2_trainer/training/fft.h"
+
+namespace raven2_trainer::training {
+
+namespace {
+
+/** Less its least-squares line: a hand on its way has its slope in every bin. */
+void takeLineOut(std::vector<double>* x) {
+  const auto n = static_cast<double>(x->size());
+  const double middle = 0.5 * (n - 1.0);
+  double mean = 0.0, slope = 0.0;
+  for (std::size_t k = 0; k < x->size(); ++k) {
+    mean += (*x)[k] / n;
+    slope += (*x)[k] * (static_cast<double>(k) - middle);
+  }
+  slope /= n * (n * n - 1.0) / 12.0;
+  for (std::size_t k = 0; k < x->size(); ++k)
+    (*x)[k] -= mean + slope * (static_cast<double>(k) - middle);
+}
+
+/** @return the sum of the window's squares. */
+double applyHann(std::vector<double>* x) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < x->size(); ++k) {
+    const double w = 0.5 - 0.5 * std::cos(2.0 * kPi * static_cast<double>(k) / static_cast<double>(x->size()));
+    (*x)[k] *= w;
+    sum += w * w;
+  }
+  return sum;
+}
+
+double bandPower(std::vector<double> x, double rate) {
+  takeLineOut(&x);
+  const double window = applyHann(&x);
+  const std::size_t length = powerOfTwo(x.size());
+  const std::vector<double> spectrum = magnitudes(x, length);
+  double sum = 0.0;
+  for (std::size_t k = 1; k < length / 2; ++k) {
+    const double frequency = static_cast<double>(k) * rate / static_cast<double>(length);
+    if (frequency >= kTremorLow && frequency <= kTremorHigh) sum += 2.0 * spectrum[k] * spectrum[k];
+  }
+  return sum / (static_cast<double>(length) * window);
+}
+
+}  // namespace
+
+std::optional<double> tremorPower(const std::vector<Vec3>& places, double rate) {
+  if (places.size() < 4 || static_cast<double>(places.size()) < rate) return std::nullopt;
+  double power = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> x;
+    x.reserve(places.size());
+    for (const Vec3& place : places)
+      x.push_back(place[axis]);
+    power += bandPower(x, rate);
+  }
+  if (!std::isfinite(power)) return std::nullopt;
+  return power;
+}
+
+}  // namespace raven2_trainer::training

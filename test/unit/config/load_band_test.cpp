@@ -1,0 +1,163 @@
+#include "raven2_trainer/config/load_band.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "gtest/gtest.h"
+#include "raven2_trainer/config/load_curriculum.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kBand = R"(origin: scripted expert, not surgeons
+sessions: 20
+least_spread: 0.25
+metrics:
+  time: {mean: 61.5, deviation: 2.0, better: lower, least: 0.0}
+  sparc: {mean: -9.5, deviation: 0.4, better: higher, least: 0.1}
+)";
+
+constexpr const char* kCurriculum = R"(title: Two stages
+deviations: 1.5
+stages:
+  - {exercise: peg_transfer, drill: none, passes: 2, extra: 10}
+  - {exercise: ring_tower_transfer, drill: sudden_jump, passes: 1, extra: 0}
+)";
+
+/** A file that is there for the time of a test. */
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& text)
+      : folder_(fs::temp_directory_path() / ("load_band_test_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    path_ = (folder_ / name).string();
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { fs::remove_all(folder_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+  std::string folder() const { return folder_.string(); }
+
+ private:
+  fs::path folder_;
+  std::string path_;
+};
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+Band bandOf(const std::string& text) {
+  return loadBand(TemporaryFile("peg_transfer.yaml", text).path());
+}
+
+Curriculum curriculumOf(const std::string& text) {
+  return loadCurriculum(TemporaryFile("basics.yaml", text).path());
+}
+
+template <typename Load>
+void expectRefused(Load load, const std::string& text, const std::string& from, const std::string& to, int line) {
+  try {
+    load(replaced(text, from, to));
+    ADD_FAILURE() << to << " was taken";
+  } catch (const ConfigException& e) {
+    EXPECT_NE(std::string(e.what()).find(".yaml:" + std::to_string(line) + ":"), std::string::npos) << e.what();
+  }
+}
+
+TEST(LoadBand, ReadsEveryMetricInOrder) {
+  const Band band = bandOf(kBand);
+  EXPECT_EQ(band.exercise, "peg_transfer");
+  EXPECT_EQ(band.origin, "scripted expert, not surgeons");
+  EXPECT_EQ(band.sessions, 20);
+  EXPECT_EQ(band.least_spread, 0.25);
+  ASSERT_EQ(band.metrics.size(), 2u);
+  EXPECT_EQ(band.metrics[0].name, "time");
+  EXPECT_EQ(band.metrics[0].mean, 61.5);
+  EXPECT_EQ(band.metrics[0].better, Better::kLower);
+  EXPECT_EQ(band.metrics[1].deviation, 0.4);
+  EXPECT_EQ(band.metrics[1].better, Better::kHigher);
+  EXPECT_EQ(band.metrics[1].least, 0.1);
+}
+
+TEST(LoadBand, RefusesWhatIsWrongWithItsLine) {
+  expectRefused(bandOf, kBand, "sessions: 20", "sessions: 1", 2);
+  expectRefused(bandOf, kBand, "least_spread: 0.25", "least_spread: -0.1", 3);
+  expectRefused(bandOf, kBand, "deviation: 2.0", "deviation: -2.0", 5);
+  expectRefused(bandOf, kBand, "better: higher", "better: more", 6);
+  expectRefused(bandOf, kBand, ", least: 0.0", "", 5);
+  expectRefused(bandOf, kBand, "least: 0.1", "least: 0.1, most: 3", 6);
+  expectRefused(bandOf, kBand, "mean: 61.5", "mean: .nan", 5);
+  expectRefused(bandOf, kBand, "origin:", "orgin:", 1);
+}
+
+TEST(LoadBand, ABandWithoutMetricsIsNone) {
+  EXPECT_THROW(bandOf("origin: x\nsessions: 2\nleast_spread: 0\nmetrics: {}\n"), ConfigException);
+}
+
+TEST(FindBand, OfAnExerciseWithoutOneIsNothing) {
+  const TemporaryFile file("peg_transfer.yaml", kBand);
+  EXPECT_TRUE(findBand(file.folder(), "peg_transfer"));
+  EXPECT_FALSE(findBand(file.folder(), "camera_clutch"));
+}
+
+TEST(LoadCurriculum, ReadsItsStages) {
+  const Curriculum curriculum = curriculumOf(kCurriculum);
+  EXPECT_EQ(curriculum.name, "basics");
+  EXPECT_EQ(curriculum.title, "Two stages");
+  EXPECT_EQ(curriculum.deviations, 1.5);
+  ASSERT_EQ(curriculum.stages.size(), 2u);
+  EXPECT_EQ(curriculum.stages[0].exercise, "peg_transfer");
+  EXPECT_EQ(curriculum.stages[0].drill, "");
+  EXPECT_EQ(curriculum.stages[0].extra, 10);
+  EXPECT_EQ(curriculum.stages[1].drill, "sudden_jump");
+  EXPECT_EQ(curriculum.stages[1].passes, 1);
+}
+
+TEST(LoadCurriculum, RefusesWhatIsWrongWithItsLine) {
+  expectRefused(curriculumOf, kCurriculum, "deviations: 1.5", "deviations: 0", 2);
+  expectRefused(curriculumOf, kCurriculum, "passes: 2", "passes: 0", 4);
+  expectRefused(curriculumOf, kCurriculum, "exercise: peg_transfer", "exercise: ../peg_transfer", 4);
+  expectRefused(curriculumOf, kCurriculum, "drill: sudden_jump", "drill: \"\"", 5);
+  expectRefused(curriculumOf, kCurriculum, "extra: 10", "extra: ten", 4);
+  expectRefused(curriculumOf, kCurriculum, ", extra: 0", "", 5);
+  expectRefused(curriculumOf, kCurriculum, "title:", "titel:", 1);
+}
+
+TEST(LoadCurriculum, ACurriculumWithoutStagesIsNone) {
+  EXPECT_THROW(curriculumOf("title: x\ndeviations: 1\nstages: []\n"), ConfigException);
+}
+
+TEST(FindCurriculum, ListsTheKnownOnes) {
+  const TemporaryFile file("basics.yaml", kCurriculum);
+  EXPECT_EQ(findCurriculum(file.folder(), "basics").stages.size(), 2u);
+  try {
+    findCurriculum(file.folder(), "advanced");
+    ADD_FAILURE();
+  } catch (const ConfigException& e) {
+    EXPECT_NE(std::string(e.what()).find("basics"), std::string::npos);
+  }
+}
+
+TEST(FindCurriculum, ThePackagedOnesAreReadable) {
+  const std::string folder = std::string(RAVEN2_TRAINER_SOURCE_DIR) + "/config/curricula";
+  const std::vector<std::string> names = curriculumNames(folder);
+  EXPECT_NE(std::find(names.begin(), names.end(), "frs_basics"), names.end());
+  for (const std::string& name : names)
+    EXPECT_FALSE(findCurriculum(folder, name).stages.empty()) << name;
+  const Curriculum basics = findCurriculum(folder, "frs_basics");
+  for (const CurriculumStage& stage : basics.stages) {
+    const fs::path scenario = fs::path(RAVEN2_TRAINER_SOURCE_DIR) / "config/faults" / (stage.drill + ".yaml");
+    EXPECT_TRUE(stage.drill.empty() || fs::exists(scenario)) << stage.drill;
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::config

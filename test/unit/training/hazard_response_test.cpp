@@ -1,0 +1,265 @@
+#include "raven2_trainer/training/hazard_response.h"
+
+#include <cmath>
+#include <functional>
+
+#include "gtest/gtest.h"
+
+namespace raven2_trainer::training {
+namespace {
+
+constexpr std::size_t kInjection = 600;
+constexpr double kScale = 0.1;
+
+/** [m/s] of the gold hand along x, by milliseconds from the injection. */
+using Speed = std::function<double(Tick)>;
+
+double goingOn(Tick) {
+  return 0.08;
+}
+
+Speed then(double before, Tick when, double after) {
+  return [=](Tick t) { return t < when ? before : after; };
+}
+
+HazardWindow makeWindow(const Speed& speed, Tick until = 4000) {
+  HazardWindow window;
+  window.motion_scale = kScale;
+  window.injection = kInjection;
+  window.recovered = true;
+  double place = 3.0;
+  for (Tick t = -static_cast<Tick>(kInjection); t < until; ++t) {
+    HandSample sample;
+    sample.pedal = 1;
+    sample.has_robot = 1;
+    place += speed(t) * kTickSeconds;
+    at(sample.master_I, Arm::kGold) = {place * kScale, 0.4, 0.0};
+    window.samples.push_back(sample);
+  }
+  window.recovery = window.samples.size();
+  return window;
+}
+
+HandSample& sampleAt(HazardWindow* window, Tick after) {
+  return window->samples[kInjection + static_cast<std::size_t>(after)];
+}
+
+/** Force on the gold hand from `begin` to `end` ms behind the injection. */
+void push(HazardWindow* window, Tick begin, Tick end, const Vec3& force) {
+  for (Tick t = begin; t < end; ++t)
+    at(sampleAt(window, t).force_I, Arm::kGold) = force;
+}
+
+void liftPedal(HazardWindow* window, Tick begin, Tick end) {
+  for (Tick t = begin; t < end; ++t)
+    sampleAt(window, t).pedal = 0;
+}
+
+void expectFirst(const HazardResponse& result, Response response, Tick after, Tick tolerance = 6) {
+  EXPECT_EQ(result.first.response, response) << kResponseNames[static_cast<std::size_t>(result.first.response)];
+  EXPECT_NEAR(static_cast<double>(result.first.after), static_cast<double>(after), static_cast<double>(tolerance));
+}
+
+HazardResponse judge(const HazardWindow& window, const ResponseRule& rule = {}) {
+  return judgeResponse(window, rule, {});
+}
+
+TEST(HazardResponse, PedalUpIsExactAndRight) {
+  HazardWindow window = makeWindow(goingOn);
+  push(&window, 40, 900, {0.0, 1.0, 0.0});
+  liftPedal(&window, 437, 1500);
+  const HazardResponse result = judge(window);
+  expectFirst(result, Response::kPedalUp, 437, 0);
+  EXPECT_EQ(result.deciding.after, 437);
+  EXPECT_EQ(result.verdict, Verdict::kRight);
+  EXPECT_EQ(result.force_after, 40);
+  EXPECT_EQ(result.cue_after, 40);
+}
+
+TEST(HazardResponse, RetreatBeginsWithTheFirstTickOfItsRun) {
+  const HazardResponse result = judge(makeWindow(then(0.08, 300, -0.05)));
+  expectFirst(result, Response::kRetreat, 300);
+  EXPECT_EQ(result.verdict, Verdict::kRight);
+}
+
+TEST(HazardResponse, AShortStepBackIsNoRetreat) {
+  const Speed twitch = [](Tick t) { return t >= 300 && t < 320 ? -0.05 : 0.08; };
+  EXPECT_NE(judge(makeWindow(twitch)).first.response, Response::kRetreat);
+  const Speed longer = [](Tick t) { return t >= 300 && t < 345 ? -0.05 : 0.08; };
+  expectFirst(judge(makeWindow(longer)), Response::kRetreat, 300);
+}
+
+TEST(HazardResponse, SlowingDownAndStandingAreTold) {
+  expectFirst(judge(makeWindow(then(0.08, 250, 0.012))), Response::kSlow, 250);  // below a fifth of 80 mm/s
+  expectFirst(judge(makeWindow(then(0.08, 250, 0.002))), Response::kHoldStill, 250);
+  EXPECT_NE(judge(makeWindow(then(0.08, 250, 0.02))).first.response, Response::kSlow);  // a quarter
+}
+
+TEST(HazardResponse, StandingStillCountsAsSlowWhereThatIsRight) {
+  ResponseRule rule;
+  rule.right = {Response::kSlow};
+  const HazardResponse result = judge(makeWindow(then(0.08, 250, 0.0)), rule);
+  EXPECT_EQ(result.deciding.response, Response::kHoldStill);
+  EXPECT_EQ(result.verdict, Verdict::kRight);
+  rule.right = {Response::kHoldStill};
+  EXPECT_NE(judge(makeWindow(then(0.08, 250, 0.012)), rule).verdict, Verdict::kRight);
+}
+
+TEST(HazardResponse, WhoStandsLongAfterSlowingDidTwoThings) {
+  const Speed in_two = [](Tick t) { return t < 250 ? 0.08 : t < 800 ? 0.012 : 0.0; };
+  ResponseRule rule;
+  rule.right = {Response::kHoldStill};
+  const HazardResponse result = judge(makeWindow(in_two), rule);
+  expectFirst(result, Response::kSlow, 250);
+  EXPECT_NEAR(static_cast<double>(result.deciding.after), 800.0, 6.0);
+}
+
+TEST(HazardResponse, AHandThatStoodCanNeitherSlowDownNorTurnBack) {
+  const HazardResponse result = judge(makeWindow(then(0.0, 300, 0.0)));
+  EXPECT_EQ(result.first.response, Response::kNone);
+  EXPECT_EQ(result.first.after, -1);
+  EXPECT_EQ(result.verdict, Verdict::kNone);
+}
+
+TEST(HazardResponse, AnEmergencyStopIsOne) {
+  HazardWindow window = makeWindow(goingOn);
+  for (Tick t = 700; t < 4000; ++t)
+    sampleAt(&window, t).stop = 1;
+  expectFirst(judge(window), Response::kStop, 700, 0);
+}
+
+TEST(HazardResponse, PushingOnIsWrongIfItDecidesFirst) {
+  HazardWindow window = makeWindow(goingOn);
+  push(&window, 50, 4000, {0.0, 0.5, 0.0});
+  const HazardResponse result = judge(window);
+  expectFirst(result, Response::kPushOn, 1550, 0);
+  EXPECT_EQ(result.verdict, Verdict::kWrong);
+  liftPedal(&window, 1400, 4000);
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight);
+}
+
+TEST(HazardResponse, AHandThatStoodPushesOnInAnyDirection) {
+  expectFirst(judge(makeWindow(then(0.0, 200, -0.05))), Response::kPushOn, 1500, 0);
+  EXPECT_EQ(judge(makeWindow(then(0.0, 200, -0.01))).first.response, Response::kNone);  // 13 mm in all
+}
+
+TEST(HazardResponse, ALateOneIsLate) {
+  HazardWindow window = makeWindow(then(0.0, 0, 0.0));
+  push(&window, 500, 4000, {0.0, 0.5, 0.0});
+  liftPedal(&window, 2400, 4000);
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight);  // 1.9 s behind the cue
+  ResponseRule rule;
+  rule.within = 1.5;
+  EXPECT_EQ(judge(window, rule).verdict, Verdict::kLate);
+  EXPECT_EQ(judge(window, rule).deciding.after, 2400);
+}
+
+TEST(HazardResponse, WhatComesSoonerThanAnybodyReactsIsACoincidence) {
+  HazardWindow window = makeWindow(goingOn);
+  liftPedal(&window, 60, 80);
+  liftPedal(&window, 500, 600);
+  const HazardResponse result = judge(window);
+  expectFirst(result, Response::kPedalUp, 500, 0);
+  ASSERT_EQ(result.coincidences.size(), 1u);
+  EXPECT_EQ(result.coincidences[0].response, Response::kPedalUp);
+  EXPECT_EQ(result.coincidences[0].after, 60);
+}
+
+TEST(HazardResponse, AResponseThatTheRuleDoesNotNameDoesNotDecide) {
+  HazardWindow window = makeWindow(then(0.08, 250, 0.012));
+  liftPedal(&window, 600, 4000);
+  ResponseRule rule;
+  rule.right = {Response::kPedalUp};
+  const HazardResponse result = judge(window, rule);
+  expectFirst(result, Response::kSlow, 250);
+  EXPECT_EQ(result.deciding.response, Response::kPedalUp);
+  EXPECT_EQ(result.deciding.after, 600);
+  rule.wrong = {Response::kSlow};
+  EXPECT_EQ(judge(window, rule).verdict, Verdict::kWrong);
+}
+
+/** A hand on 200 N/m and 10 Ns/m with 0.5 kg: as config/console.yaml's kind. */
+ConsoleConfig makeHand() {
+  ConsoleConfig hand;
+  hand.hand_mass = 0.5;
+  hand.hand_stiffness = 200.0;
+  hand.hand_damping = 10.0;
+  return hand;
+}
+
+/** The place of such a hand under a step of force, by Euler steps far smaller than the model's. */
+std::vector<double> pushed(const std::vector<double>& newton) {
+  std::vector<double> places;
+  double x = 0.0, v = 0.0;
+  for (const double force : newton) {
+    for (int i = 0; i < 100; ++i) {
+      v += 1e-5 * (force - 200.0 * x - 10.0 * v) / 0.5;
+      x += 1e-5 * v;
+    }
+    places.push_back(x);
+  }
+  return places;
+}
+
+/** A force of 3 N against the motion pushes the hand back, whatever its owner does. */
+HazardWindow makePushedWindow() {
+  HazardWindow window = makeWindow(then(0.03, 0, 0.03));
+  push(&window, 150, 4000, {-3.0, 0.0, 0.0});
+  std::vector<double> newton;
+  for (const HandSample& sample : window.samples)
+    newton.push_back(at(sample.force_I, Arm::kGold)[0]);
+  const std::vector<double> places = pushed(newton);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    at(window.samples[k].master_I, Arm::kGold)[0] += places[k] * kScale;
+  return window;
+}
+
+TEST(HazardResponse, WhatTheForceDidToTheHandIsNoResponse) {
+  const HazardWindow window = makePushedWindow();
+  EXPECT_EQ(judge(window).first.response, Response::kRetreat);  // what it would be taken for
+  const HazardResponse result = judgeResponse(window, {}, explainByForce(window.samples, makeHand()));
+  expectFirst(result, Response::kPushOn, 1650, 0);
+}
+
+TEST(HazardResponse, ADeliberateRetreatUnderForceIsFoundAtItsTime) {
+  HazardWindow window = makePushedWindow();
+  double back = 0.0;
+  for (Tick t = 420; t < 4000; ++t) {
+    back += 0.08 * kTickSeconds;  // 30 mm/s on, then 50 mm/s back
+    at(sampleAt(&window, t).master_I, Arm::kGold)[0] -= back * kScale;
+  }
+  expectFirst(judgeResponse(window, {}, explainByForce(window.samples, makeHand())), Response::kRetreat, 420);
+}
+
+TEST(HazardResponse, MeasuresExcursionForceAndDurationUntilRecovery) {
+  HazardWindow window = makeWindow(goingOn);
+  window.recovery = kInjection + 1000;
+  push(&window, 100, 1500, {0.0, 0.0, -0.2});
+  at(sampleAt(&window, 700).force_I, Arm::kGreen) = {0.0, 2.0, 0.0};
+  at(sampleAt(&window, 1200).force_I, Arm::kGreen) = {0.0, 3.0, 0.0};
+  for (HandSample& sample : window.samples)
+    at(sample.robot_B, Arm::kGreen) = at(sample.model_B, Arm::kGreen) = {0.1, 0.1, 0.1};
+  at(sampleAt(&window, 500).robot_B, Arm::kGreen) = {0.1, 0.13, 0.14};
+  at(sampleAt(&window, 500).model_B, Arm::kGreen) = {0.1, 0.12, 0.1};
+  at(sampleAt(&window, 1100).robot_B, Arm::kGreen) = {9.0, 0.0, 0.0};
+  const HazardResponse result = judge(window);
+  EXPECT_EQ(result.duration, 1000);
+  EXPECT_TRUE(result.recovered);
+  EXPECT_NEAR(result.excursion, 0.05, 1e-12);
+  EXPECT_NEAR(result.error, std::hypot(0.01, 0.04), 1e-12);
+  EXPECT_NEAR(result.peak_force, 2.0, 1e-12);
+  EXPECT_NEAR(result.impulse, 0.899 * 0.2 + 0.002, 1e-9);
+  EXPECT_EQ(result.force_after, 100);
+  EXPECT_EQ(result.cue_after, 700);  // 0.2 N is not noticed
+}
+
+TEST(HazardResponse, OfNothingIsNothing) {
+  EXPECT_EQ(judge({}).verdict, Verdict::kNone);
+  HazardWindow window = makeWindow(goingOn, 1);
+  EXPECT_EQ(judge(window).first.response, Response::kNone);
+  window.injection = 0;
+  EXPECT_EQ(judge(window).first.response, Response::kNone);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::training

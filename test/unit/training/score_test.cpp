@@ -1,0 +1,172 @@
+#include "raven2_trainer/training/score.h"
+
+#include <algorithm>
+
+#include "gtest/gtest.h"
+
+namespace raven2_trainer::training {
+namespace {
+
+const Metric& metricOf(const std::vector<Metric>& metrics, const std::string& name) {
+  return *std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
+}
+
+Touches& touches(MotionMetrics* motion, Partner partner) {
+  return motion->touches[static_cast<std::size_t>(partner)];
+}
+
+MotionMetrics makeMotion() {
+  MotionMetrics motion;
+  motion.duration = 50.0;
+  at(motion.hands, Arm::kGold).path = 0.3;
+  at(motion.hands, Arm::kGreen).path = 0.1;
+  at(motion.hands, Arm::kGold).sparc = -4.0;
+  at(motion.hands, Arm::kGreen).sparc = -8.0;
+  at(motion.hands, Arm::kGold).master_radius = 0.02;
+  at(motion.hands, Arm::kGreen).master_radius = 0.05;
+  motion.clutches = 3;
+  motion.contact_force.peak = 2.5;
+  return motion;
+}
+
+AttemptOutcome makeOutcome(ExerciseStatus status = ExerciseStatus::kDone) {
+  AttemptOutcome outcome;
+  outcome.status = status;
+  return outcome;
+}
+
+/** That makeMotion() passes. */
+Band makeBand() {
+  Band band;
+  band.metrics = {{"time", 45.0, 6.0, Better::kLower, 0.0},
+                  {"path", 380.0, 50.0, Better::kLower, 0.0},
+                  {"sparc", -4.8, 0.5, Better::kHigher, 0.0},
+                  {"drops", 0.0, 0.0, Better::kLower, 0.0}};
+  return band;
+}
+
+AttemptScore score(const Band& band,
+                   const MotionMetrics& motion = makeMotion(),
+                   const AttemptOutcome& outcome = makeOutcome(),
+                   const std::vector<HazardScore>& hazards = {}) {
+  return scoreAttempt(outcome, motion, {}, hazards, &band, 1.0);
+}
+
+TEST(Metrics, ComeInTheirUnits) {
+  const std::vector<Metric> metrics = listMetrics(makeMotion(), makeOutcome(), {});
+  EXPECT_NEAR(*metricOf(metrics, "path").value, 400.0, 1e-9);
+  EXPECT_EQ(metricOf(metrics, "path").unit, "mm");
+  EXPECT_NEAR(*metricOf(metrics, "sparc").value, 0.75 * -4.0 + 0.25 * -8.0, 1e-12);  // by the hands' paths
+  EXPECT_NEAR(*metricOf(metrics, "master_radius").value, 50.0, 1e-9);                // the larger
+  EXPECT_EQ(metricOf(metrics, "master_radius").group, MetricGroup::kControl);
+  EXPECT_EQ(metricOf(metrics, "peak_force").group, MetricGroup::kSafety);
+  EXPECT_EQ(metricOf(metrics, "sparc").better, Better::kHigher);
+}
+
+TEST(Metrics, ThatWereNotMeasuredHaveNoValue) {
+  const std::vector<Metric> metrics = listMetrics(makeMotion(), makeOutcome(ExerciseStatus::kNone), {});
+  for (const char* name : {"ldlj", "tremor", "out_of_view", "bimanual", "tracking", "drops", "break_offs"})
+    EXPECT_FALSE(metricOf(metrics, name).value) << name;
+}
+
+TEST(Metrics, TakeTheJudgesCountWhereThereIsAnExercise) {
+  MotionMetrics motion = makeMotion();
+  touches(&motion, Partner::kWire).count = 4;
+  touches(&motion, Partner::kObjectWire).count = 5;
+  touches(&motion, Partner::kTower).count = 2;
+  touches(&motion, Partner::kOtherArm).count = 1;
+  touches(&motion, Partner::kObject).count = 70;
+  AttemptOutcome outcome = makeOutcome(ExerciseStatus::kNone);
+  outcome.mistakes[static_cast<std::size_t>(Mistake::kWireTouch)] = 1;
+  EXPECT_EQ(*metricOf(listMetrics(motion, outcome, {}), "wire_touches").value, 9.0);
+  EXPECT_EQ(*metricOf(listMetrics(motion, outcome, {}), "collisions").value, 3.0);
+  outcome.status = ExerciseStatus::kFailed;
+  EXPECT_EQ(*metricOf(listMetrics(motion, outcome, {}), "wire_touches").value, 1.0);
+  EXPECT_EQ(*metricOf(listMetrics(motion, outcome, {}), "collisions").value, 0.0);
+}
+
+TEST(Score, PassesWithinTheBand) {
+  const Band band = makeBand();
+  const AttemptScore result = score(band);
+  EXPECT_EQ(result.passed, true);
+  EXPECT_EQ(result.composite, 1.0);
+  EXPECT_TRUE(result.not_judged.empty());
+}
+
+TEST(Score, OneBadMetricFailsAll) {
+  const Band band = makeBand();
+  MotionMetrics slow = makeMotion();
+  slow.duration = 52.0;
+  EXPECT_EQ(score(band, slow).passed, false);
+  EXPECT_EQ(score(band, slow).composite, 0.75);
+  AttemptOutcome dropped = makeOutcome();
+  dropped.mistakes[static_cast<std::size_t>(Mistake::kDrop)] = 1;
+  EXPECT_EQ(score(band, makeMotion(), dropped).passed, false);
+}
+
+TEST(Score, AnAttemptThatWasNotDoneDoesNotPass) {
+  const Band band = makeBand();
+  for (const ExerciseStatus status : {ExerciseStatus::kFailed, ExerciseStatus::kRunning})
+    EXPECT_EQ(score(band, makeMotion(), makeOutcome(status)).passed, false);
+}
+
+TEST(Score, WithoutABandNothingIsJudged) {
+  const AttemptScore result = scoreAttempt(makeOutcome(), makeMotion(), {}, {}, nullptr, 1.0);
+  EXPECT_FALSE(result.passed);
+  EXPECT_FALSE(result.composite);
+  EXPECT_TRUE(result.improve.empty());
+}
+
+TEST(Score, WhatWasNotMeasuredIsNotJudgedAndSaid) {
+  Band band = makeBand();
+  band.metrics.push_back({"ldlj", -9.0, 1.0, Better::kHigher, 0.0});
+  band.metrics.push_back({"unheard_of", 0.0, 1.0, Better::kLower, 0.0});
+  const AttemptScore result = score(band);
+  EXPECT_EQ(result.passed, true);
+  EXPECT_EQ(result.not_judged, (std::vector<std::string>{"ldlj", "unheard_of"}));
+}
+
+TEST(Score, OfNothingMeasuredIsNoPass) {
+  Band band;
+  band.metrics = {{"ldlj", -9.0, 1.0, Better::kHigher, 0.0}};
+  EXPECT_EQ(score(band).passed, false);
+  EXPECT_FALSE(score(band).composite);
+}
+
+TEST(Score, NamesTheThreeWorstFirst) {
+  const Band band = makeBand();
+  MotionMetrics motion = makeMotion();
+  motion.duration = 45.0 + 6.0 + 12.0;       // two spreads beyond the limit
+  at(motion.hands, Arm::kGold).path = 0.55;  // 650: 220 mm, 4.4 spreads beyond; sparc then -4.6 passes
+  const AttemptScore result = score(band, motion);
+  EXPECT_EQ(result.improve, (std::vector<std::string>{"path", "time", "drops"}));  // drops stands at its limit
+}
+
+HazardScore makeHazard(Verdict verdict) {
+  HazardScore hazard;
+  hazard.response.verdict = verdict;
+  return hazard;
+}
+
+TEST(Score, AHazardThatIsNotAnsweredRightlyFailsAndComesFirst) {
+  const Band band = makeBand();
+  EXPECT_EQ(score(band, makeMotion(), makeOutcome(), {makeHazard(Verdict::kRight)}).passed, true);
+  for (const Verdict verdict : {Verdict::kNone, Verdict::kLate, Verdict::kWrong}) {
+    const AttemptScore result =
+        score(band, makeMotion(), makeOutcome(), {makeHazard(Verdict::kRight), makeHazard(verdict)});
+    EXPECT_EQ(result.passed, false);
+    EXPECT_EQ(result.improve.size(), 3u);
+    EXPECT_EQ(result.improve.front(), kHazardMetric);
+  }
+}
+
+TEST(Score, ADrillWithoutItsHazardIsNoPass) {
+  const Band band = makeBand();
+  AttemptOutcome drill = makeOutcome();
+  drill.is_drill = true;
+  EXPECT_EQ(score(band, makeMotion(), drill).passed, false);
+  EXPECT_EQ(score(band, makeMotion(), drill, {makeHazard(Verdict::kRight)}).passed, true);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::training

@@ -1,0 +1,290 @@
+#include "raven2_trainer/training/session_score.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "gtest/gtest.h"
+#include "motion_support.h"
+
+namespace raven2_trainer::training {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double kScale = 0.1;
+
+session::LogHeader makeHeader() {
+  session::LogHeader header;
+  header.scenarios = {"sudden_jump"};
+  header.tolerance = 0.003;
+  header.body_names = {"grasper1_L", "tower_far_left"};
+  header.exercise = "peg_transfer";
+  header.step_names = {{"lift", "place"}};
+  return header;
+}
+
+ScoreSettings makeSettings() {
+  ScoreSettings settings;
+  settings.motion.motion_scale = kScale;
+  settings.motion.bodies = classifyBodies(makeHeader().body_names, {});
+  settings.hand.hand_mass = 0.3;
+  settings.hand.hand_stiffness = 300.0;
+  settings.hand.hand_damping = 17.0;
+  return settings;
+}
+
+/** A log that a test writes and scores. */
+class SessionScoreTest : public ::testing::Test {
+ protected:
+  SessionScoreTest() { fs::create_directories(folder_); }
+  ~SessionScoreTest() override { fs::remove_all(folder_); }
+  SessionScoreTest(const SessionScoreTest&) = delete;
+  SessionScoreTest& operator=(const SessionScoreTest&) = delete;
+
+  std::string log() const { return (folder_ / "session.rlog").string(); }
+  void begin(const session::LogHeader& header = makeHeader()) {
+    writer_ = std::make_unique<session::LogWriter>(log(), header);
+  }
+  SessionScore finish(const ScoreSettings& settings = makeSettings()) {
+    writer_->finish({});
+    writer_.reset();
+    return scoreSession(log(), settings);
+  }
+  std::string write(const SessionScore& score, const ScoreSettings& settings) const {
+    const std::string path = (folder_ / "score.json").string();
+    writeScore(path, score, settings);
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+
+  fs::path folder_{fs::temp_directory_path() / ("score_test_" + std::to_string(::getpid()))};
+  std::unique_ptr<session::LogWriter> writer_;
+};
+
+TEST_F(SessionScoreTest, WithoutAnExerciseTheWholeSessionIsOneAttemptWithoutAVerdict) {
+  begin();
+  for (Tick k = -500; k < 3000; ++k) {
+    TickRecord record = makeRecord(k, {1e-5 * static_cast<double>(k), 0.0, 0.0});
+    if (k < 0) record.model.session_tick = -1;
+    if (k >= 1000 && k < 1500) record.model.mode = Mode::kPaused;
+    writer_->write(record);
+  }
+  const SessionScore score = finish();
+  ASSERT_EQ(score.attempts.size(), 1u);
+  EXPECT_EQ(score.attempts[0].motion.ticks, 2500);
+  EXPECT_EQ(score.attempts[0].outcome.status, ExerciseStatus::kNone);
+  EXPECT_EQ(score.attempts[0].outcome.first, 0);
+  EXPECT_EQ(score.attempts[0].outcome.last, 2999);
+  EXPECT_FALSE(score.attempts[0].passed);
+  EXPECT_NEAR(at(score.attempts[0].motion.hands, Arm::kGold).path, 0.01 + 0.015, 3e-4);
+  EXPECT_TRUE(score.hazards.empty());
+}
+
+TickRecord makeExerciseTick(Tick k, std::uint8_t attempt, ExerciseStatus status) {
+  TickRecord record = makeRecord(k);
+  record.model.exercise.attempt = attempt;
+  record.model.exercise.status = status;
+  record.model.exercise.step = 1;
+  return record;
+}
+
+ExerciseRecord makeEvent(Tick k, ExerciseEventKind kind) {
+  ExerciseRecord record;
+  record.tick = kFirstTick + k;
+  record.event.kind = kind;
+  return record;
+}
+
+TEST_F(SessionScoreTest, ScoresEachAttemptAtAnExercise) {
+  begin();
+  for (Tick k = 0; k < 100; ++k)
+    writer_->write(makeRecord(k));  // before there is one
+  for (Tick k = 100; k < 300; ++k)
+    writer_->write(makeExerciseTick(k, 1, ExerciseStatus::kWaiting));
+  for (Tick k = 300; k < 1300; ++k) {
+    if (k == 800) writer_->write(makeEvent(k, ExerciseEventKind::kMistake));
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.model.exercise.mistakes[static_cast<std::size_t>(Mistake::kWireTouch)] = k >= 800 ? 1 : 0;
+    writer_->write(record);
+  }
+  for (Tick k = 1300; k < 1400; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kFailed);
+    record.model.exercise.failure = ExerciseFailure::kBrokeOff;
+    record.model.exercise.mistakes[static_cast<std::size_t>(Mistake::kWireTouch)] = 1;
+    writer_->write(record);
+  }
+  for (Tick k = 1400; k < 3400; ++k)
+    writer_->write(makeExerciseTick(k, 2, ExerciseStatus::kRunning));
+  ExerciseRecord step = makeEvent(3400, ExerciseEventKind::kStepDone);
+  step.event.track = 0;
+  step.event.step = 1;
+  writer_->write(step);
+  TickRecord done = makeExerciseTick(3400, 2, ExerciseStatus::kDone);
+  done.model.exercise.step = 3;
+  writer_->write(done);
+  const SessionScore score = finish();
+  ASSERT_EQ(score.attempts.size(), 2u);
+  const AttemptOutcome& first = score.attempts[0].outcome;
+  EXPECT_EQ(first.number, 1);
+  EXPECT_EQ(first.status, ExerciseStatus::kFailed);
+  EXPECT_EQ(first.failure, ExerciseFailure::kBrokeOff);
+  EXPECT_EQ(first.first, 300);
+  EXPECT_EQ(first.last, 1299);
+  EXPECT_EQ(score.attempts[0].motion.ticks, 1000);
+  EXPECT_EQ(first.mistakes[static_cast<std::size_t>(Mistake::kWireTouch)], 1u);
+  ASSERT_EQ(score.histories[0].mistakes.size(), 1u);
+  EXPECT_EQ(score.histories[0].mistakes[0].name, "wire_touch");
+  EXPECT_NEAR(score.histories[0].mistakes[0].at, 0.5, 1e-9);
+  EXPECT_EQ(score.attempts[1].outcome.status, ExerciseStatus::kDone);
+  EXPECT_EQ(score.attempts[1].outcome.steps, 2u);
+  EXPECT_NEAR(score.attempts[1].motion.duration, 2.0, 1e-12);
+  ASSERT_EQ(score.histories[1].steps.size(), 1u);
+  EXPECT_EQ(score.histories[1].steps[0].name, "place");
+  EXPECT_NEAR(score.histories[1].steps[0].at, 2.0, 1e-9);
+}
+
+TEST_F(SessionScoreTest, ComparesWhatWasCarriedWithItsPlannedWay) {
+  begin();
+  for (Tick k = 0; k < 2000; ++k) {
+    ExerciseRecord event = makeEvent(k, k == 500 ? ExerciseEventKind::kHeld : ExerciseEventKind::kReleased);
+    event.event.arm = Hand::kGold;
+    if (k == 500 || k == 1500) writer_->write(event);
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    const double t = kTickSeconds * static_cast<double>(k - 500);
+    at(record.model.arms, Arm::kGold).p_BT = {0.05 * std::cos(kPi * t), 0.05 * std::sin(kPi * t), 0.0};
+    writer_->write(record);
+  }
+  ScoreSettings settings = makeSettings();
+  settings.plan = [](const Transit& t) { return std::vector<Vec3>{t.way_W.front(), t.way_W.back()}; };
+  const SessionScore score = finish(settings);
+  // A half circle of 50 mm less 15 mm of chord at both ends: an arc of pi - 4 asin(0.15) and its chord.
+  const double arc = kPi - 4.0 * std::asin(0.15);
+  EXPECT_EQ(score.attempts[0].economy.transits, 1u);
+  EXPECT_NEAR(score.attempts[0].economy.ratio.value(), 2.0 * std::sin(arc / 2.0) / arc,
+              0.012);  // both ends wait for a sample: 0.06 rad less at most
+}
+
+TEST_F(SessionScoreTest, TakesRecordsOfOtherThreadsBeforeAndBehindTheirTick) {
+  begin();
+  const auto write_others = [&](Tick k) {
+    HapticRecord haptic;
+    haptic.haptic.tick = kFirstTick + k;
+    at(haptic.haptic.force_I, Arm::kGold) = {1.0, 0.0, 0.0};
+    writer_->write(haptic);
+    ContactRecord contact;
+    contact.tick = kFirstTick + k;
+    contact.b = 1;
+    contact.f_W = {0.0, 2.0, 0.0};
+    writer_->write(contact);
+  };
+  for (Tick k = 0; k < 1000; ++k) {
+    if (k < 500) write_others(k);  // before
+    writer_->write(makeRecord(k));
+    if (k >= 700) write_others(k - 200);  // behind
+  }
+  for (Tick k = 800; k < 1000; ++k)
+    write_others(k);
+  const SessionScore score = finish();
+  EXPECT_EQ(score.attempts[0].motion.haptic_force.with_force, 1000);
+  EXPECT_EQ(score.attempts[0].motion.contact_force.with_force, 1000);
+  EXPECT_EQ(score.attempts[0].motion.touches[static_cast<std::size_t>(Partner::kTower)].count, 1u);
+}
+
+constexpr Tick kInjection = 2000;  // session tick
+
+/** The robot's tip is 10 mm astray for 400 ms; the pedal goes up 350 ms behind that, for half a second. */
+void writeFault(session::LogWriter* writer) {
+  for (Tick k = 0; k < 9000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, k < 8000 ? ExerciseStatus::kRunning : ExerciseStatus::kDone);
+    record.robot.connected = 1;
+    record.robot.cycle = 50000 + static_cast<std::uint64_t>(k);
+    const bool acts = k >= kInjection && k < kInjection + 400;
+    if (acts) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
+    const bool is_up = k >= kInjection + 350 && k < kInjection + 850;
+    record.model.pedal = is_up ? 0 : 1;
+    if (k == kInjection || k == kInjection + 400) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.cycle = record.robot.cycle;
+      change.change.id = 1;
+      change.change.acts = acts ? 1 : 0;
+      writer->write(change);
+    }
+    writer->write(record);
+    HapticRecord haptic;
+    haptic.haptic.tick = record.model.tick;
+    if (k >= kInjection + 5 && k < kInjection + 350) at(haptic.haptic.force_I, Arm::kGold) = {0.0, 0.0, 1.5};
+    writer->write(haptic);
+    ContactRecord contact;
+    contact.tick = record.model.tick;
+    contact.b = 1;
+    contact.f_W = {0.0, 2.0, 0.0};
+    if (k == kInjection + 100 || k == kInjection - 200) writer->write(contact);
+  }
+}
+
+TEST_F(SessionScoreTest, JudgesWhatWasDoneAboutAHazard) {
+  begin();
+  writeFault(writer_.get());
+  const SessionScore score = finish();
+  ASSERT_EQ(score.hazards.size(), 1u);
+  const HazardScore& hazard = score.hazards[0];
+  EXPECT_EQ(hazard.scenario, "sudden_jump");
+  EXPECT_EQ(hazard.injection, kInjection);
+  EXPECT_EQ(hazard.response.first.response, Response::kPedalUp);
+  EXPECT_EQ(hazard.response.first.after, 350);
+  EXPECT_EQ(hazard.response.verdict, Verdict::kRight);
+  EXPECT_EQ(hazard.response.force_after, 5);
+  EXPECT_NEAR(hazard.response.excursion, 0.01, 1e-12);
+  EXPECT_NEAR(hazard.response.impulse, 0.345 * 1.5, 1e-9);
+  EXPECT_EQ(hazard.response.touches[static_cast<std::size_t>(Partner::kTower)].count, 1u);
+  EXPECT_TRUE(hazard.response.recovered);
+  EXPECT_EQ(hazard.response.duration, 900);  // 400 astray, 500 calm
+  ASSERT_EQ(score.attempts.size(), 1u);
+  EXPECT_EQ(score.attempts[0].hazards.size(), 1u);
+}
+
+TEST_F(SessionScoreTest, WritesTheSameBytesTwice) {
+  begin();
+  writeFault(writer_.get());
+  Band band;
+  band.origin = "a test";
+  band.sessions = 3;
+  band.metrics = {{"time", 9.0, 1.0, Better::kLower, 0.0}, {"ldlj", -9.0, 1.0, Better::kHigher, 0.0}};
+  ScoreSettings settings = makeSettings();
+  settings.band = &band;
+  const std::string text = write(finish(settings), settings);
+  EXPECT_EQ(write(scoreSession(log(), settings), settings), text);
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["version"], 1);
+  EXPECT_EQ(json["exercise"], "peg_transfer");
+  EXPECT_TRUE(json["drill"].is_null());
+  EXPECT_EQ(json["band"]["origin"], "a test");
+  const auto& attempt = json["attempts"][0];
+  EXPECT_EQ(attempt["status"], "done");
+  EXPECT_EQ(attempt["passed"], true);
+  EXPECT_EQ(attempt["metrics"]["time"]["value"], 8.0);
+  EXPECT_EQ(attempt["metrics"]["time"]["limit"], 10.0);
+  EXPECT_EQ(attempt["metrics"]["time"]["unit"], "s");
+  EXPECT_TRUE(attempt["metrics"]["path"]["passed"].is_null());
+  EXPECT_TRUE(attempt["metrics"]["ldlj"]["value"].is_null());  // nothing moved
+  EXPECT_EQ(attempt["not_judged"], nlohmann::json::array({"ldlj"}));
+  EXPECT_EQ(attempt["hazards"][0]["reaction"]["response"], "pedal_up");
+  EXPECT_EQ(attempt["hazards"][0]["reaction"]["after_ms"], 350);
+  EXPECT_EQ(attempt["touches"]["tower"]["count"], 2);
+}
+
+TEST_F(SessionScoreTest, OfALogWithoutASessionHasNoAttempts) {
+  begin();
+  TickRecord record = makeRecord(0);
+  record.model.session_tick = -1;
+  writer_->write(record);
+  EXPECT_TRUE(finish().attempts.empty());
+}
+
+}  // namespace
+}  // namespace raven2_trainer::training

@@ -1,0 +1,130 @@
+#include "raven2_trainer/training/transit.h"
+
+#include "gtest/gtest.h"
+#include "motion_support.h"
+
+namespace raven2_trainer::training {
+namespace {
+
+ExerciseEvent makeEvent(ExerciseEventKind kind, Hand hand) {
+  ExerciseEvent event;
+  event.kind = kind;
+  event.arm = hand;
+  return event;
+}
+
+/** The arm takes something at once, carries it along the path for so long, and lets go. */
+std::vector<Transit> carry(const Path& path, Tick ticks, const PerArm<Pose>& X_WB = {}) {
+  TransitCollector collector(X_WB);
+  collector.add(makeEvent(ExerciseEventKind::kHeld, Hand::kGreen));
+  for (Tick k = 0; k < ticks; ++k) {
+    ModelState model = makeRecord(k, {9.0, 9.0, 9.0}, path(kTickSeconds * static_cast<double>(k))).model;
+    at(model.arms, Arm::kGreen).q[0] = static_cast<double>(k);
+    at(model.arms, Arm::kGold).q[0] = -static_cast<double>(k);
+    collector.add(model);
+  }
+  EXPECT_TRUE(collector.transits().empty());
+  collector.add(makeEvent(ExerciseEventKind::kReleased, Hand::kGreen));
+  return collector.transits();
+}
+
+Vec3 straight(double t) {
+  return {0.1 * t, 0.02, -0.03};  // 100 mm/s
+}
+
+TEST(Transit, IsTheWayBetweenTheEndsOfACarry) {
+  const std::vector<Transit> transits = carry(straight, 1000);
+  ASSERT_EQ(transits.size(), 1u);
+  EXPECT_EQ(transits[0].arm, Arm::kGreen);
+  EXPECT_NEAR(transits[0].way_W.front()[0], kTransitEnd, 0.002);
+  EXPECT_NEAR(transits[0].way_W.back()[0], 0.1 - kTransitEnd, 0.002);
+  EXPECT_NEAR(lengthOf(transits[0].way_W), 0.1 - 2 * kTransitEnd, 0.003);
+  EXPECT_NEAR(transits[0].start[0], 155.0, 15.0);  // the joints of where it begins
+  EXPECT_EQ(transits[0].other[0], -transits[0].start[0]);
+}
+
+TEST(Transit, OfAShortCarryIsNone) {
+  EXPECT_TRUE(carry(straight, 400).empty());
+  EXPECT_TRUE(carry([](double) { return Vec3{}; }, 400).empty());
+  EXPECT_TRUE(carry(straight, 0).empty());
+}
+
+TEST(Transit, StandsInTheWorld) {
+  PerArm<Pose> X_WB;
+  at(X_WB, Arm::kGreen).p = {0.0, 1.0, 0.0};
+  EXPECT_NEAR(carry(straight, 1000, X_WB).at(0).way_W[0][1], 1.02, 1e-9);
+}
+
+TEST(Transit, NeedsAHandThatHolds) {
+  TransitCollector collector({});
+  collector.add(makeEvent(ExerciseEventKind::kReleased, Hand::kGold));
+  collector.add(makeEvent(ExerciseEventKind::kHeld, Hand::kAny));
+  for (Tick k = 0; k < 1000; ++k)
+    collector.add(makeRecord(k, straight(kTickSeconds * static_cast<double>(k))).model);
+  collector.add(makeEvent(ExerciseEventKind::kReleased, Hand::kGold));
+  EXPECT_TRUE(collector.transits().empty());
+}
+
+TEST(DistanceTo, APolylineIsThatToItsNearestSegment) {
+  const std::vector<Vec3> corner{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}};
+  EXPECT_NEAR(distanceTo(corner, {0.5, -0.2, 0.0}), 0.2, 1e-12);
+  EXPECT_NEAR(distanceTo(corner, {1.0, 0.5, 0.3}), 0.3, 1e-12);
+  EXPECT_NEAR(distanceTo(corner, {-3.0, 0.0, 4.0}), 5.0, 1e-12);
+  EXPECT_NEAR(distanceTo({{1.0, 1.0, 1.0}}, {1.0, 1.0, 3.0}), 2.0, 1e-12);
+  EXPECT_NEAR(lengthOf(corner), 2.0, 1e-12);
+  EXPECT_EQ(lengthOf({}), 0.0);
+}
+
+Transit makeTransit(const std::vector<Vec3>& way) {
+  Transit transit;
+  transit.way_W = way;
+  return transit;
+}
+
+/** 60 mm by way of a corner that is 40 mm off. */
+Transit makeDetour() {
+  std::vector<Vec3> way;
+  for (int i = 0; i <= 50; ++i)
+    way.push_back({0.0006 * i, 0.0008 * i, 0.0});
+  for (int i = 1; i <= 50; ++i)
+    way.push_back({0.03 + 0.0006 * i, 0.04 - 0.0008 * i, 0.0});
+  return makeTransit(way);
+}
+
+std::vector<Vec3> ends(const Transit& transit) {
+  return {transit.way_W.front(), transit.way_W.back()};
+}
+
+TEST(Economy, OfAWayAgainstItselfIsOne) {
+  const Economy economy = compare({makeDetour()}, [](const Transit& t) { return t.way_W; });
+  EXPECT_NEAR(economy.ratio.value(), 1.0, 1e-12);
+  EXPECT_NEAR(economy.off_path.value(), 0.0, 1e-12);
+}
+
+TEST(Economy, OfADetourIsTheShareOfTheStraightLine) {
+  const Economy economy = compare({makeDetour()}, ends);
+  EXPECT_NEAR(economy.ratio.value(), 0.06 / 0.10, 1e-9);
+  EXPECT_NEAR(economy.off_path.value(), 0.02, 0.001);        // half the height of the triangle
+  EXPECT_NEAR(economy.off_path_p95.value(), 0.038, 0.0005);  // all but a twentieth of the way is below 38 mm
+}
+
+TEST(Economy, AddsLengthsUpAndLeavesOutWhatHasNoPlan) {
+  const Transit line = makeTransit({{0.0, 0.0, 0.0}, {0.0, 0.0, 0.06}});
+  const Transit unplanned = makeTransit({{5.0, 0.0, 0.0}, {6.0, 0.0, 0.0}});
+  const auto plan = [](const Transit& t) { return t.way_W[0][0] > 1.0 ? std::vector<Vec3>{} : ends(t); };
+  const Economy economy = compare({line, makeDetour(), unplanned}, plan);
+  EXPECT_NEAR(economy.ratio.value(), (0.06 + 0.06) / (0.06 + 0.10), 1e-9);
+  EXPECT_EQ(economy.transits, 3u);
+  EXPECT_EQ(economy.planned, 2u);
+}
+
+TEST(Economy, IsNoMoreThanOneAndNothingWithoutPlans) {
+  const auto longer = [](const Transit& t) { return std::vector<Vec3>{t.way_W[0], {9.0, 0.0, 0.0}, t.way_W.back()}; };
+  EXPECT_EQ(compare({makeDetour()}, longer).ratio, 1.0);
+  EXPECT_FALSE(compare({makeDetour()}, nullptr).ratio);
+  EXPECT_FALSE(compare({}, ends).ratio);
+  EXPECT_FALSE(compare({}, ends).off_path);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::training
