@@ -64,6 +64,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       trial_(config, raven, scene, shared),
       return_(config.planner.velocity_limit, config.planner.acceleration_limit),
       camera_(liveCamera(config.render)),
+      exercise_(config, scene, liveCamera(config.render), &world_, shared),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.itp.pedalTimeout() / kTickSeconds))) {
@@ -411,19 +412,25 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   state_.camera = camera_.state();
   state_.pedals = state_.mode == Mode::kCameraMoving ? bit(Pedal::kCamera) : 0;
   world_.bodyPoses(&state_.bodies);
+  listContacts();
+  exercise_.tick(&state_, contacts_);
   shared_.model.store(state_);
   publishContacts();
   shared_.tick_records.tryPush({state_, robot_, static_cast<std::uint8_t>(slipped_ ? 1 : 0)});
   slipped_ = false;
   if (state_.session_tick >= 0 && state_.mode != Mode::kPaused) ++state_.session_tick;
+  if (exercise_.hasExercise()) state_.faults.signals = exercise_.signals();
   if (tool_changes_ > 0) state_.faults.signals.tool_changes = tool_changes_;  // what the next tick's triggers see
 }
 
-void PhysicsLoop::publishContacts() noexcept {
+void PhysicsLoop::listContacts() noexcept {
   contacts_.count = 0;
   contacts_.dropped = 0;
   if (state_.mode != Mode::kChoosing) world_.contactList(&contacts_);  // else those of the last step are long past
   contacts_.tick = state_.tick;
+}
+
+void PhysicsLoop::publishContacts() noexcept {
   shared_.contacts.store(contacts_);
   shared_.contacts_dropped.add(contacts_.dropped);
   if (contacts_.count == 0) return;

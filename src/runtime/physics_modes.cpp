@@ -191,9 +191,20 @@ PlanningAnswer PhysicsLoop::answerTraining(const Request& request) noexcept {
       return pressCamera(request.enabled != 0);
     case RequestKind::kToolChange:
       return changeTool();
+    case RequestKind::kStartExercise:
+      return restartExercise();
     default:
       return PlanningAnswer::kNotNow;  // nothing that is served here
   }
+}
+
+/** Not while anything moves: what the jaws hold would be gone from between them. */
+PlanningAnswer PhysicsLoop::restartExercise() noexcept {
+  const bool rests =
+      state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp || state_.mode == Mode::kSimulationHeld;
+  if (!exercise_.hasExercise() || !rests || !isPedalUp()) return PlanningAnswer::kNotNow;
+  exercise_.restart();
+  return PlanningAnswer::kAccepted;
 }
 
 /** The robot is told pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */
@@ -332,7 +343,7 @@ void PhysicsLoop::superviseReturn() noexcept {
   if (state_.mode != Mode::kReturning || !return_.isOver()) return;
   if (isAstray()) return beginReturn();
   if (trial_.isUnderWay() && pedal_) return;  // to repeat it takes a pedal-down of its own
-  if (isRobotThere()) is_apart_ = false;  // else whoever comes is gone to
+  if (isRobotThere()) is_apart_ = false;      // else whoever comes is gone to
   for (const Arm arm : kArms)
     at(mappers_, arm).setOpening(kinematics::jawOpening(at(return_.goal(), arm)));
   if (trial_.isUnderWay()) return armRepeat();

@@ -16,6 +16,7 @@
 #include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/runtime/exercise_desk.h"
 #include "raven2_trainer/runtime/model_driver.h"
 #include "raven2_trainer/runtime/plan_desk.h"
 #include "raven2_trainer/runtime/trial_desk.h"
@@ -100,6 +101,7 @@ class PhysicsLoop {
   void relay() noexcept;
   void sendToRobot(const RelayPacket& packet) noexcept;
   void publish(std::int64_t now_ns) noexcept;
+  void listContacts() noexcept;
   void publishContacts() noexcept;
   void fillArm(Arm arm, ArmState* state) const noexcept;
 
@@ -126,6 +128,7 @@ class PhysicsLoop {
   void stop() noexcept;
   PlanningAnswer clearStop() noexcept;
   PlanningAnswer changeTool() noexcept;
+  PlanningAnswer restartExercise() noexcept;
   PlanningAnswer pressCamera(bool is_pressed) noexcept;
   void moveCamera() noexcept;
   void leaveRobot() noexcept;
@@ -183,6 +186,7 @@ class PhysicsLoop {
   TrialDesk trial_;
   control::ReturnPath return_;
   control::CameraOrbit camera_;
+  ExerciseDesk exercise_;
   faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster},
       console_faults_{FaultHost::kConsole};
   faults::CommandStream relay_stream_{FaultVariable::kPacket}, master_stream_{FaultVariable::kPacket};

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/training/exercise_judge.h"
+
+namespace raven2_trainer::runtime {
+
+/**
+ * The exercise of a session within the physics loop: its judge, how the scene was at first, and the way of its events
+ * to the recorder. Without an exercise it does nothing. The constructor is set-up; the rest is real-time safe; one
+ * thread.
+ */
+class ExerciseDesk {
+ public:
+  /** The first attempt begins with the first tick. @param[in] world as the session begins; outlives this.
+   *  @throw ConfigException as training::ExerciseJudge. */
+  ExerciseDesk(const TrainerConfig& config,
+               const model::SceneModel& scene,
+               const CameraConfig& camera,
+               physics::RavenWorld* world,
+               SharedState* shared);
+
+  bool hasExercise() const noexcept { return judge_ != nullptr; }
+  /** Objects back to where they were, and a new attempt. */
+  void restart() noexcept;
+  /** Judges what the tick did: fills in `state->exercise`. @param[in] contacts of the same tick. */
+  void tick(ModelState* state, const ContactList& contacts) noexcept;
+  /** For the triggers of the next tick. */
+  FaultSignals signals() const noexcept { return judge_ != nullptr ? judge_->signals() : FaultSignals{}; }
+
+ private:
+  physics::RavenWorld& world_;
+  SharedState& shared_;
+  std::unique_ptr<training::ExerciseJudge> judge_;
+  physics::SceneSnapshot at_first_;
+};
+
+}  // namespace raven2_trainer::runtime

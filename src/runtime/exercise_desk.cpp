@@ -1,0 +1,36 @@
+#include "raven2_trainer/runtime/exercise_desk.h"
+
+namespace raven2_trainer::runtime {
+
+ExerciseDesk::ExerciseDesk(const TrainerConfig& config,
+                           const model::SceneModel& scene,
+                           const CameraConfig& camera,
+                           physics::RavenWorld* world,
+                           SharedState* shared)
+    : world_(*world), shared_(*shared) {
+  if (config.exercise.tracks.empty()) return;
+  judge_ = std::make_unique<training::ExerciseJudge>(config.exercise, config.roles, scene, config.arms, camera,
+                                                     world->bodyNames());
+  world_.saveScene(&at_first_);
+  judge_->start();
+}
+
+void ExerciseDesk::restart() noexcept {
+  if (judge_ == nullptr) return;
+  world_.restoreScene(at_first_);
+  judge_->start();
+}
+
+void ExerciseDesk::tick(ModelState* state, const ContactList& contacts) noexcept {
+  if (judge_ == nullptr) return;
+  judge_->tick(*state, contacts, world_.brokenOff());
+  state->exercise = judge_->state();
+  const std::uint16_t parked = world_.parked();
+  for (std::size_t i = 0; i < state->exercise.bodies.size(); ++i) {
+    if ((parked >> i & 1U) != 0) state->exercise.bodies[i] |= kBodyParked;
+  }
+  for (std::size_t i = 0; i < judge_->eventCount(); ++i)
+    shared_.exercise_records.tryPush({state->tick, judge_->event(i)});
+}
+
+}  // namespace raven2_trainer::runtime

@@ -1,0 +1,88 @@
+#include "raven2_trainer/runtime/exercise_desk.h"
+
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/config/load_config.h"
+#include "support/rig.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using raven2_trainer::testing::Rig;
+
+TrainerConfig configWith(const std::string& exercise) {
+  raven2_trainer::testing::useOde();
+  TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
+                                                   config::TrainingNames{exercise, "none", "", "none"});
+  config.virtual_raven.full_homing = false;
+  config.hazard = "none";
+  config.runtime.plan_at = -1.0;
+  return config;
+}
+
+PlanningAnswer ask(Rig* rig, RequestKind kind, std::uint32_t id) {
+  Request request;
+  request.kind = kind;
+  request.id = id;
+  EXPECT_TRUE(rig->shared->requests.tryPush(request));
+  rig->tick(false);
+  EXPECT_EQ(rig->model().planning.answered, id);
+  return rig->model().planning.answer;
+}
+
+TEST(ExerciseDesk, WaitsForTheFirstAttemptFromTheFirstTickOn) {
+  Rig rig(configWith("pick_hand_over_place"));
+  rig.tick(false);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
+  EXPECT_EQ(rig.model().exercise.attempt, 1);
+  EXPECT_EQ(rig.model().faults.signals.step, 0U) << "of the tick before";
+  rig.tick(false);
+  EXPECT_EQ(rig.model().exercise.step, 1U);
+  EXPECT_EQ(rig.model().faults.signals.step, 1U) << "what the engines of faults saw";
+}
+
+TEST(ExerciseDesk, BeginsAnewWithTheSceneAsItWas) {
+  Rig rig(configWith("pick_hand_over_place"));
+  ASSERT_TRUE(rig.home());
+  const RigidPose ring = rig.model().bodies[0];
+  for (int i = 0; i < 500; ++i)  // the ring settles
+    rig.tick(false);
+  EXPECT_EQ(ask(&rig, RequestKind::kStartExercise, 7), PlanningAnswer::kAccepted);
+  EXPECT_EQ(rig.model().exercise.attempt, 2);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
+  EXPECT_LT((toEigen(rig.model().bodies[0].p) - toEigen(ring.p)).norm(), 1e-3);
+}
+
+TEST(ExerciseDesk, DoesNotBeginAnewWhileTheHandMoves) {
+  Rig rig(configWith("pick_hand_over_place"));
+  ASSERT_TRUE(rig.home());
+  for (int i = 0; i < 200; ++i)
+    rig.tick(true);
+  Request request;
+  request.kind = RequestKind::kStartExercise;
+  request.id = 8;
+  ASSERT_TRUE(rig.shared->requests.tryPush(request));
+  rig.tick(true);
+  EXPECT_EQ(rig.model().planning.answer, PlanningAnswer::kNotNow);
+  EXPECT_EQ(rig.model().exercise.attempt, 1);
+}
+
+TEST(ExerciseDesk, WithoutAnExerciseThereIsNothingToBegin) {
+  Rig rig(configWith("none"));
+  EXPECT_EQ(ask(&rig, RequestKind::kStartExercise, 9), PlanningAnswer::kNotNow);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kNone);
+}
+
+TEST(ExerciseDesk, EveryShippedExerciseCanBegin) {
+  for (const char* name : {"pick_hand_over_place", "ring_tower_transfer", "ring_along_loops", "peg_transfer",
+                           "retrieve_and_reach", "camera_clutch"}) {
+    Rig rig(configWith(name));
+    for (int i = 0; i < 100; ++i)
+      rig.tick(false);
+    EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting) << name;
+    EXPECT_EQ(rig.model().exercise.mistakes, (std::array<std::uint32_t, kMistakeCount>{})) << name;
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
