@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include "support/allocation_counter.h"
+#include "support/mode_driver.h"
+
+#ifdef RAVEN2_COUNTS_ALLOCATIONS
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using raven2_trainer::testing::allocatorCalls;
+using raven2_trainer::testing::ModeDriver;
+using raven2_trainer::testing::mutexLocks;
+
+/** Simulation and back, the camera, a stop, a trial repeated on model and robot, and a trial given up. @return ticks of
+ *  repeating with the robot. */
+int allModes(ModeDriver* d) {
+  d->ask(RequestKind::kBeginSimulation);
+  d->stroke(300, 1.0);
+  d->rest(false, 20);
+  d->ask(RequestKind::kEndSimulation);
+  d->waitFor(Mode::kPedalUp);
+  d->ask(RequestKind::kSetCameraPedal, true, 0, 1);
+  d->stroke(100, 1.0);
+  d->ask(RequestKind::kSetCameraPedal, false, 0, 0);
+  d->rest(false, 20);
+  d->ask(RequestKind::kEmergencyStop);
+  d->ask(RequestKind::kClearStop);
+  d->rest(false, 50);
+  d->ask(RequestKind::kBeginTrial);
+  d->stroke(300, 1.0, 0.004);
+  d->rest(false, 20);
+  d->stroke(300, -1.0);
+  d->rest(false, 20);
+  d->ask(RequestKind::kEndTrial);
+  int repeated = 0;
+  for (const std::uint8_t on_robot : {0, 1}) {
+    d->ask(RequestKind::kRepeatTrial, false, on_robot);
+    d->waitFor(Mode::kArmed);
+    d->rest(false, 20);
+    for (int i = 0; i < 1500; ++i) {
+      d->rest(true, 1);
+      repeated += d->mode() == Mode::kExecuting && d->rig.model().linked != 0 ? 1 : 0;
+    }
+    d->rest(false, 50);
+  }
+  d->ask(RequestKind::kBeginTrial);
+  d->stroke(100, -1.0);
+  d->rest(false, 20);
+  d->ask(RequestKind::kDiscardTrial);
+  d->waitFor(Mode::kPedalUp);
+  return repeated;
+}
+
+TEST(ModesAlloc, SimulatingTryingRepeatingAndReturningDoNotTouchTheHeap) {
+  raven2_trainer::testing::useOde();
+  ModeDriver driver;
+  ASSERT_TRUE(driver.begin());
+  allModes(&driver);  // warm
+  int repeated = 0;
+  EXPECT_EQ(allocatorCalls([&] { repeated = allModes(&driver); }), 0);
+  EXPECT_EQ(mutexLocks(), 0);
+  EXPECT_GT(repeated, 500) << "or the trial never reached the robot";
+  EXPECT_EQ(driver.report().end, ExecutionEnd::kFinished);
+  EXPECT_EQ(driver.mode(), Mode::kPedalUp);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
+
+#endif
