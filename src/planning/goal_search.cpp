@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -49,6 +50,93 @@ std::vector<JointArray> seeds(const ArmGeometry& geometry, const JointSpace& spa
   return all;
 }
 
+/** Turns shoulder and elbow and slides the insertion until the tip is at `p_BT`, by Newton's method. @return whether.
+ */
+bool bringTip(const ArmGeometry& geometry, Arm arm, const Vector3& p_BT, JointArray* q) {
+  constexpr int kIterations = 30;
+  constexpr double kThere = 1e-10, kLargestStep = 0.3;  // [m]; [rad, m]
+  for (int i = 0; i < kIterations; ++i) {
+    const Vector3 off = p_BT - kinematics::forward(geometry, arm, *q).p;
+    if (off.norm() < kThere) return true;
+    const Matrix3 J = kinematics::jacobian(geometry, arm, *q).topRows<3>().leftCols<3>();  // shoulder, elbow, insertion
+    Vector3 step = J.fullPivLu().solve(off);
+    if (!step.allFinite()) return false;
+    step *= std::min(1.0, kLargestStep / std::max(step.cwiseAbs().maxCoeff(), 1e-12));
+    for (int j = 0; j < 3; ++j)
+      (*q)[static_cast<std::size_t>(j)] += step[j];
+  }
+  return false;
+}
+
+/** One question. Each list is empty, or cut short, once it is told to stop. */
+struct GoalSearch {
+  const ArmGeometry& geometry;
+  const Arm arm;
+  const JointSpace& space;
+  const JointArray& start;
+  const Vector3& p_BT;
+  const std::function<bool(const UnitState&)>& is_free;
+  const std::function<bool()>& stop;
+
+  std::optional<std::vector<Candidate>> byPose() const;
+  std::optional<std::vector<Candidate>> byJoints() const;
+  GoalChoice nearestFree(std::optional<std::vector<Candidate>> candidates) const;
+};
+
+std::optional<std::vector<Candidate>> GoalSearch::byPose() const {
+  const UnitState from = space.toUnit(start);
+  const double opening = kinematics::jawOpening(start);
+  std::vector<Candidate> found;
+  for (const Matrix3& R_BT : orientations(kinematics::forward(geometry, arm, start).R)) {
+    if (stop()) return std::nullopt;
+    const Pose X_BT{R_BT, p_BT};
+    for (const JointArray& seed : seeds(geometry, space, X_BT)) {
+      const kinematics::IkResult ik = kinematics::inverse(geometry, arm, X_BT, opening, seed);
+      const UnitState goal = space.toUnit(ik.q);
+      if (kinematics::isUsable(ik.status) && space.contains(goal, 0.0)) found.push_back({distance(from, goal), goal});
+    }
+  }
+  return found;
+}
+
+/**
+ * Poses that put the tip there, by way of the joints: all rolls and wrists of a lattice, with the jaws' mid-line of the
+ * start. The tip is 13 mm from the wrist, so that what shoulder, elbow and insertion have to do for it hardly depends
+ * on the two: if any pose reaches the tip, some of these does, but for tips at the very edge of the workspace. A
+ * lattice of orientations misses most of a workspace in which shoulder and elbow leave 90 degrees each.
+ */
+std::optional<std::vector<Candidate>> GoalSearch::byJoints() const {
+  constexpr int kNodes = 17;  // of each
+  const UnitState from = space.toUnit(start);
+  std::vector<Candidate> found;
+  for (int i = 0; i < kNodes * kNodes; ++i) {
+    if (stop()) return std::nullopt;
+    UnitState unit = from;
+    unit[0] = unit[1] = 0.5;
+    unit[3] = static_cast<double>(i % kNodes) / (kNodes - 1);
+    unit[4] = static_cast<double>(i / kNodes) / (kNodes - 1);
+    JointArray q = space.toJoints(unit);
+    q[kInsertion] = -geometry.d4 - p_BT.norm();
+    if (!bringTip(geometry, arm, p_BT, &q)) continue;
+    const UnitState goal = space.toUnit(q);
+    if (space.contains(goal, 0.0)) found.push_back({distance(from, goal), goal});
+  }
+  return found;
+}
+
+/** kNoPath if it is told to stop. */
+GoalChoice GoalSearch::nearestFree(std::optional<std::vector<Candidate>> candidates) const {
+  if (!candidates) return {PlanStatus::kNoPath, {}};
+  if (candidates->empty()) return {PlanStatus::kGoalUnreachable, {}};
+  std::stable_sort(candidates->begin(), candidates->end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+  for (const Candidate& candidate : *candidates) {
+    if (stop()) return {PlanStatus::kNoPath, {}};
+    if (is_free(candidate.goal)) return {PlanStatus::kSuccess, candidate.goal};
+  }
+  return {PlanStatus::kGoalInCollision, {}};
+}
+
 }  // namespace
 
 GoalChoice findGoal(const ArmGeometry& geometry,
@@ -58,27 +146,11 @@ GoalChoice findGoal(const ArmGeometry& geometry,
                     const Vector3& p_BT,
                     const std::function<bool(const UnitState&)>& is_free,
                     const std::function<bool()>& stop) {
-  const UnitState from = space.toUnit(start);
-  const double opening = kinematics::jawOpening(start);
-  std::vector<Candidate> candidates;
-  for (const Matrix3& R_BT : orientations(kinematics::forward(geometry, arm, start).R)) {
-    if (stop()) return {PlanStatus::kNoPath, {}};
-    const Pose X_BT{R_BT, p_BT};
-    for (const JointArray& seed : seeds(geometry, space, X_BT)) {
-      const kinematics::IkResult ik = kinematics::inverse(geometry, arm, X_BT, opening, seed);
-      const UnitState goal = space.toUnit(ik.q);
-      if (kinematics::isUsable(ik.status) && space.contains(goal, 0.0))
-        candidates.push_back({distance(from, goal), goal});
-    }
-  }
-  if (candidates.empty()) return {PlanStatus::kGoalUnreachable, {}};
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-  const auto found =
-      std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return stop() || is_free(c.goal); });
-  if (found != candidates.end() && stop()) return {PlanStatus::kNoPath, {}};
-  if (found == candidates.end()) return {PlanStatus::kGoalInCollision, {}};
-  return {PlanStatus::kSuccess, found->goal};
+  const GoalSearch search{geometry, arm, space, start, p_BT, is_free, stop};
+  const GoalChoice by_pose = search.nearestFree(search.byPose());
+  if (by_pose.status == PlanStatus::kSuccess || by_pose.status == PlanStatus::kNoPath) return by_pose;
+  const GoalChoice by_joints = search.nearestFree(search.byJoints());
+  return by_joints.status == PlanStatus::kGoalUnreachable ? by_pose : by_joints;
 }
 
 }  // namespace raven2_trainer::planning
