@@ -39,6 +39,7 @@ class EventfulSession {
   void run() {
     ASSERT_TRUE(rig.home());
     strokesAndClutches();
+    training();
     executions();
     plans();
     collisions();
@@ -120,6 +121,7 @@ class EventfulSession {
     rest(false, 20);
     planner.serve();
     rest(false, 600);
+    until(Mode::kTeleoperating, true);  // the model goes back first
   }
 
   /** A goal chosen and planned for, a trial of the whole path, some of it on the robot, and a goal given up. */
@@ -147,6 +149,63 @@ class EventfulSession {
     stroke(50, 1.0);
     request(RequestKind::kEndPlanning, 45);
     rest(false, 100);
+  }
+
+  void until(Mode mode, bool pedal) {
+    for (int i = 0; i < 6000 && rig.model().mode != mode; ++i)
+      rig.tick(pedal);
+    ASSERT_EQ(rig.model().mode, mode);
+  }
+
+  /** Pure simulation and back, the camera, a stop away from the robot, and a trial repeated. */
+  void training() {
+    request(RequestKind::kBeginSimulation, 60);
+    request(RequestKind::kSetView, 61, true);
+    request(RequestKind::kToolChange, 62);
+    rest(false, 2);
+    stroke(200, 1.0);
+    request(RequestKind::kSetCameraPedal, 63, true);
+    stroke(100, -1.0);
+    request(RequestKind::kSetCameraPedal, 64, false);
+    stroke(100, 1.0);
+    request(RequestKind::kEmergencyStop, 65);
+    rest(false, 30);
+    request(RequestKind::kClearStop, 66);
+    rest(false, 1);
+    until(Mode::kPedalUp, false);
+    request(RequestKind::kBeginSimulation, 67);
+    rest(false, 2);
+    stroke(100, 1.0);
+    rest(false, 10);
+    request(RequestKind::kEndSimulation, 68);
+    rest(false, 1);
+    until(Mode::kTeleoperating, true);
+    rest(false, 60);
+    trial();
+  }
+
+  void trial() {
+    request(RequestKind::kBeginTrial, 70);
+    rest(false, 2);
+    stroke(150, 1.0);
+    rest(false, 30);
+    stroke(150, 1.0);
+    rest(false, 30);
+    request(RequestKind::kEndTrial, 71);
+    for (const bool on_robot : {false, true}) {
+      request(RequestKind::kRepeatTrial, 72, false, on_robot);
+      rest(false, 1);
+      until(Mode::kArmed, false);
+      rest(true, on_robot ? 350 : 3000);
+      rest(false, 50);
+    }
+    request(RequestKind::kBeginTrial, 73);
+    rest(false, 2);
+    stroke(100, 1.0);
+    rest(false, 2);
+    request(RequestKind::kDiscardTrial, 74);
+    rest(false, 1);
+    until(Mode::kPedalUp, false);
   }
 
   void robotDrop() {
@@ -267,9 +326,12 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   EXPECT_GT(at_edge, 0U);
   EXPECT_GT(watched, 0U);
   EXPECT_EQ(modes, (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning,
-                                   Mode::kTracking, Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting}));
-  EXPECT_EQ(requests.size(), 9U);
-  EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kFinished, ExecutionEnd::kReleased}));
+                                   Mode::kTracking, Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting,
+                                   Mode::kStopped, Mode::kSimulating, Mode::kSimulationHeld, Mode::kTrial,
+                                   Mode::kTrialHeld, Mode::kTrialReady, Mode::kReturning, Mode::kCameraMoving}));
+  EXPECT_EQ(requests.size(), 20U);
+  EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kFinished, ExecutionEnd::kReleased, ExecutionEnd::kFinished,
+                                             ExecutionEnd::kReleased}));
   EXPECT_EQ(slips, 1U);
   EXPECT_GT(lost, 0U);
   EXPECT_GT(contacts, 1000U);
