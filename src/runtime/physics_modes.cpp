@@ -332,7 +332,7 @@ void PhysicsLoop::superviseReturn() noexcept {
   if (state_.mode != Mode::kReturning || !return_.isOver()) return;
   if (isAstray()) return beginReturn();
   if (trial_.isUnderWay() && pedal_) return;  // to repeat it takes a pedal-down of its own
-  if (isRobotThere()) is_apart_ = false;  // else whoever comes is gone to
+  if (isRobotThere()) is_apart_ = false;      // else whoever comes is gone to
   for (const Arm arm : kArms)
     at(mappers_, arm).setOpening(kinematics::jawOpening(at(return_.goal(), arm)));
   if (trial_.isUnderWay()) return armRepeat();
