@@ -1,9 +1,39 @@
 #include "raven2_trainer/runtime/master_ingest.h"
 
+#include "raven2_trainer/wire/pedals.h"
+
 namespace raven2_trainer::runtime {
 
 Reject MasterIngest::receive(const wire::Arrival& arrival) noexcept {
-  return count(judge(arrival));
+  return wire::isPedals(arrival.bytes, arrival.size) ? takePedals(arrival) : count(judge(arrival));
+}
+
+void MasterIngest::idle(std::int64_t now_ns) noexcept {
+  gate_.idle(now_ns);
+  const ModelState model = shared_.model.load();
+  ask(pedal_gate_.idle(now_ns, model.mode, model.view));
+}
+
+Reject MasterIngest::takePedals(const wire::Arrival& arrival) noexcept {
+  PedalState pedals;
+  const Reject reason = judgePedals(arrival, &pedals);
+  pedal_counts_.count(reason);
+  if (reason != Reject::kNone) return reason;
+  const ModelState model = shared_.model.load();
+  ask(pedal_gate_.take(pedals, arrival.time_ns, model.mode, model.view));
+  return reason;
+}
+
+Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedals) const noexcept {
+  if (rules_.auth == ItpAuth::kRequired) return Reject::kUnsigned;
+  if (rules_.hardened && (!gate_.isPinned() || arrival.source != gate_.source())) return Reject::kForeignSource;
+  return wire::decodePedals(arrival.bytes, arrival.size, pedals);
+}
+
+/** What finds its ring full is counted there, and asked for again by the next press. */
+void MasterIngest::ask(const PedalRequests& requests) noexcept {
+  for (std::size_t i = 0; i < requests.count; ++i)
+    shared_.pedal_requests.tryPush(requests.items[i]);
 }
 
 Reject MasterIngest::answer(const wire::Arrival& arrival,

@@ -4,16 +4,23 @@
 #include <cstdint>
 
 #include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/runtime/pedal_gate.h"
 #include "raven2_trainer/wire/itp_gate.h"
 
 namespace raven2_trainer::runtime {
 
-/** Body of the ingest thread: one ITP datagram at a time, judged, counted, queued. Real-time safe. */
+/**
+ * Body of the ingest thread: one datagram at a time, judged, counted, queued. Pedals beside ITP are heard from whom ITP
+ * is heard from, and counted apart; where ITP has to be signed they are refused, for they are not. Real-time safe.
+ */
 class MasterIngest {
  public:
   /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. */
   MasterIngest(const ItpRules& rules, const wire::ItpKey* key, SharedState* shared) noexcept
-      : gate_(rules, wire::Audience::kDaemon, key), shared_(*shared) {}
+      : rules_(rules),
+        gate_(rules, wire::Audience::kDaemon, key),
+        pedal_gate_(rules.pedalTimeout()),
+        shared_(*shared) {}
 
   /** Only this source's address is heard (address << 16). */
   void allowOnly(std::uint64_t address) noexcept { gate_.allowOnly(address, kAddressBits); }
@@ -27,21 +34,28 @@ class MasterIngest {
   Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
 
   /** Lets go of a silent master. At least every 100 ms. */
-  void idle(std::int64_t now_ns) noexcept { gate_.idle(now_ns); }
+  void idle(std::int64_t now_ns) noexcept;
 
   bool isPinned() const noexcept { return gate_.isPinned(); }
   std::uint64_t source() const noexcept { return gate_.source(); }  ///< of the pinned master
   const LinkCounts& counts() const noexcept { return counts_; }
+  /** Of the packets of pedals. */
+  const LinkCounts& pedalCounts() const noexcept { return pedal_counts_; }
 
  private:
   static constexpr std::uint64_t kAddressBits = 0xFFFFFFFFULL << 16U;
 
   Reject judge(const wire::Arrival& arrival) noexcept;
   Reject count(Reject reason) noexcept;
+  Reject takePedals(const wire::Arrival& arrival) noexcept;
+  Reject judgePedals(const wire::Arrival& arrival, PedalState* pedals) const noexcept;
+  void ask(const PedalRequests& requests) noexcept;
 
+  ItpRules rules_;
   wire::ItpGate gate_;
+  PedalGate pedal_gate_;
   SharedState& shared_;
-  LinkCounts counts_{};
+  LinkCounts counts_{}, pedal_counts_{};
 };
 
 }  // namespace raven2_trainer::runtime

@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include "raven2_trainer/wire/pedals.h"
+#include "support/mode_driver.h"
+
+// Pedals beside ITP, from their packet to the mode.
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using raven2_trainer::testing::ModeDriver;
+
+constexpr std::uint64_t kMaster = 1, kStranger = 2;  // the rig's ITP comes from 1
+
+class PedalIngest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    raven2_trainer::testing::useOde();
+    d = std::make_unique<ModeDriver>();
+    ASSERT_TRUE(d->begin());
+  }
+
+  Reject send(std::uint32_t held, std::uint64_t source = kMaster) {
+    const wire::PedalBytes bytes = wire::encodePedals({++sequence, held});
+    return d->rig.ingest.receive({bytes.data(), bytes.size(), source, d->rig.model().time_ns});
+  }
+
+  /** Pressed and let go. */
+  void press(Pedal pedal) {
+    EXPECT_EQ(send(bit(pedal)), Reject::kNone);
+    d->rest(false, 1);
+    EXPECT_EQ(send(0), Reject::kNone);
+    d->rest(false, 1);
+  }
+
+  std::unique_ptr<ModeDriver> d;
+  std::uint32_t sequence{0};
+};
+
+TEST_F(PedalIngest, APressReachesTheModeInTheSameTick) {
+  press(Pedal::kSimulation);
+  EXPECT_EQ(d->mode(), Mode::kSimulationHeld);
+  press(Pedal::kSimulation);
+  EXPECT_TRUE(d->waitFor(Mode::kPedalUp));
+  press(Pedal::kTrial);
+  EXPECT_EQ(d->mode(), Mode::kTrialHeld);
+  press(Pedal::kTrial);
+  EXPECT_EQ(d->mode(), Mode::kTrialReady);
+  press(Pedal::kView);
+  EXPECT_EQ(d->rig.model().view, 1);
+  press(Pedal::kView);
+  EXPECT_EQ(d->rig.model().view, 0);
+  press(Pedal::kStop);
+  EXPECT_EQ(d->mode(), Mode::kStopped);
+  EXPECT_EQ(d->rig.ingest.pedalCounts().applied, 12U);
+  EXPECT_TRUE(d->rig.ingest.pedalCounts().addsUp());
+}
+
+TEST_F(PedalIngest, TheCameraMovesWhileItsPedalIsHeldAndTheStopIsServedInATick) {
+  send(bit(Pedal::kCamera));
+  d->rest(false, 50);
+  EXPECT_EQ(d->mode(), Mode::kCameraMoving);
+  send(0);
+  d->rest(false, 1);
+  EXPECT_EQ(d->mode(), Mode::kPedalUp);
+  d->rest(true, 100);
+  send(bit(Pedal::kStop));
+  d->rest(true, 1);
+  EXPECT_EQ(d->mode(), Mode::kStopped);
+  EXPECT_EQ(d->rig.last_relay.command.pedal, 0);
+}
+
+TEST_F(PedalIngest, SilenceReleasesTheCamera) {
+  send(bit(Pedal::kCamera));
+  d->rest(false, 10);
+  ASSERT_EQ(d->mode(), Mode::kCameraMoving);
+  d->rig.ingest.idle(d->rig.model().time_ns + 100 * kTickNanoseconds);
+  d->rest(false, 1);
+  EXPECT_EQ(d->mode(), Mode::kCameraMoving);
+  d->rig.ingest.idle(d->rig.model().time_ns + 400 * kTickNanoseconds);
+  d->rest(false, 1);
+  EXPECT_EQ(d->mode(), Mode::kPedalUp);
+}
+
+TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
+  EXPECT_EQ(send(bit(Pedal::kStop), kStranger), Reject::kForeignSource);
+  wire::PedalBytes bytes = wire::encodePedals({++sequence, bit(Pedal::kStop)});
+  bytes[13] ^= 1;
+  EXPECT_NE(d->rig.ingest.receive({bytes.data(), bytes.size(), kMaster, d->rig.model().time_ns}), Reject::kNone);
+  d->rest(false, 5);
+  EXPECT_EQ(d->mode(), Mode::kPedalUp);
+  EXPECT_EQ(d->rig.ingest.pedalCounts().rejectedTotal(), 2U);
+  EXPECT_EQ(d->rig.ingest.counts().rejectedTotal(), 0U) << "they are no ITP";
+}
+
+TEST(PedalIngestSigned, WhereItpHasToBeSignedTheyAreRefused) {
+  ItpRules rules;
+  rules.auth = ItpAuth::kRequired;
+  const auto shared = std::make_unique<SharedState>();
+  MasterIngest ingest(rules, nullptr, shared.get());
+  const wire::PedalBytes bytes = wire::encodePedals({1, bit(Pedal::kStop)});
+  EXPECT_EQ(ingest.receive({bytes.data(), bytes.size(), kMaster, 0}), Reject::kUnsigned);
+  EXPECT_EQ(shared->pedal_requests.counts().pushed, 0U);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
