@@ -176,7 +176,7 @@ PlanningAnswer PhysicsLoop::answerTraining(const Request& request) noexcept {
     case RequestKind::kEndTrial:
       return ask(Event::kTrialDone);
     case RequestKind::kDiscardTrial:
-      return isPedalUp() ? ask(Event::kTrialDiscarded) : PlanningAnswer::kNotNow;
+      return discardTrial();
     case RequestKind::kRepeatTrial:
       return repeatTrial(request);
     case RequestKind::kEmergencyStop:
@@ -346,6 +346,7 @@ void PhysicsLoop::superviseReturn() noexcept {
   if (isRobotThere()) is_apart_ = false;      // else whoever comes is gone to
   for (const Arm arm : kArms)
     at(mappers_, arm).setOpening(kinematics::jawOpening(at(return_.goal(), arm)));
+  putSceneBack();
   if (trial_.isUnderWay()) return armRepeat();
   raise(Event::kReturned);
 }

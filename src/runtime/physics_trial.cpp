@@ -33,8 +33,22 @@ bool keepsRepeat(Mode mode) noexcept {
 
 PlanningAnswer PhysicsLoop::beginTrial() noexcept {
   const PlanningAnswer answer = mayBegin() ? ask(Event::kTrialWanted) : PlanningAnswer::kNotNow;
-  if (answer == PlanningAnswer::kAccepted) trial_.open(isRobotThere() ? robotJoints() : standing());
+  if (answer != PlanningAnswer::kAccepted) return answer;
+  trial_.open(isRobotThere() ? robotJoints() : standing());
+  world_.saveScene(&trial_scene_);
   return answer;
+}
+
+PlanningAnswer PhysicsLoop::discardTrial() noexcept {
+  const PlanningAnswer answer = isPedalUp() ? ask(Event::kTrialDiscarded) : PlanningAnswer::kNotNow;
+  scene_waits_ = scene_waits_ || answer == PlanningAnswer::kAccepted;
+  return answer;
+}
+
+/** Once the arms are out of its way: a trial leaves nothing behind, and its repetition finds what it found. */
+void PhysicsLoop::putSceneBack() noexcept {
+  if (scene_waits_) world_.restoreScene(trial_scene_);
+  scene_waits_ = false;
 }
 
 PlanningAnswer PhysicsLoop::repeatTrial(const Request& request) noexcept {
@@ -42,6 +56,7 @@ PlanningAnswer PhysicsLoop::repeatTrial(const Request& request) noexcept {
   if (answer != PlanningAnswer::kAccepted) return answer;
   raise(Event::kRepeatWanted);
   trial_.arm(request);
+  scene_waits_ = true;
   return answer;
 }
 
@@ -87,7 +102,9 @@ void PhysicsLoop::repeat() noexcept {
 /** What a change of mode means for a trial. */
 void PhysicsLoop::settleTrial(Mode next, Event event) noexcept {
   if (!keepsRepeat(next)) trial_.end(endBy(event), thisTick());
-  if (!keepsTrial(next)) trial_.close();
+  if (keepsTrial(next)) return;
+  trial_.close();
+  scene_waits_ = false;
 }
 
 }  // namespace raven2_trainer::runtime

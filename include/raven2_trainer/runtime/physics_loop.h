@@ -142,6 +142,8 @@ class PhysicsLoop {
 
   // virtual trials: physics_trial.cpp
   PlanningAnswer beginTrial() noexcept;
+  PlanningAnswer discardTrial() noexcept;
+  void putSceneBack() noexcept;
   PlanningAnswer repeatTrial(const Request& request) noexcept;
   PlanningAnswer checkRepeat(const Request& request) const noexcept;
   void superviseTrial() noexcept;
@@ -214,6 +216,8 @@ class PhysicsLoop {
   PerArm<double> joint_opening_{};    ///< [rad] of the jaws, wanted by both when it left
   Mode camera_from_{Mode::kPedalUp};  ///< kCameraMoving: what it was before
   std::uint32_t tool_changes_{0};
+  physics::SceneSnapshot trial_scene_{};  ///< when the trial began
+  bool scene_waits_{false};               ///< kReturning: to be put back to that
   std::uint32_t relay_sequence_{0};
   bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed

@@ -188,6 +188,23 @@ TEST_F(Trial, DiscardedItIsForgottenAndTheModelGoesBack) {
   EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow);
 }
 
+TEST_F(Trial, DiscardedItLeavesNothingBehind) {
+  const auto before = d->rig.model().bodies;
+  d->ask(RequestKind::kBeginTrial);
+  MasterCommand down;
+  down.pedal = 1;
+  const auto moved = [&] { return apart(d->rig.model().bodies[0].p, before[0].p); };
+  for (int i = 0; i < 4000 && moved() < 2e-3; ++i) {  // both arms about over the ring, until one pushes it
+    down.dp_I = {Vec3{i % 2 == 0 ? 10e-6 : 0.0, 20e-6, 30e-6}, Vec3{i % 2 == 0 ? 10e-6 : 0.0, 0.0, -30e-6}};
+    d->tick(down);
+  }
+  ASSERT_GT(moved(), 2e-3) << "or nothing was touched";
+  d->rest(false, 50);
+  ASSERT_EQ(d->ask(RequestKind::kDiscardTrial), PlanningAnswer::kAccepted);
+  ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
+  EXPECT_LT(moved(), 1e-5);
+}
+
 TEST_F(Trial, ItsRepetitionIsRefusedWhereItCannotBe) {
   EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow) << "there is none";
   d->ask(RequestKind::kBeginTrial);
