@@ -5,13 +5,10 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/config/section.h"
-#include "raven2_trainer/core/exceptions.h"
-#if __has_include("raven2_trainer/config/load_exercise.h") && __has_include("raven2_trainer/config/load_scene.h")
-#define RAVEN2_LOADS_EXERCISES
 #include "raven2_trainer/config/load_exercise.h"
 #include "raven2_trainer/config/load_scene.h"
-#endif
+#include "raven2_trainer/config/section.h"
+#include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -54,12 +51,8 @@ void readExercise(TrainerConfig* c) {
   const std::string file = fileOf(c->exercises, c->exercise_name, "exercise");
   const std::string scene = fileOf(c->scenes, Section::fromFile(file).text("scene"), "scene");
   c->files.insert(c->files.end(), {file, scene});
-#ifdef RAVEN2_LOADS_EXERCISES
   c->roles = loadScene(scene);
   c->exercise = loadExercise(file, c->roles);
-#else
-  throw ConfigException(file + ": this program cannot read exercises");
-#endif
   c->scene_urdf = c->roles.urdf;
   const fs::path band = fs::path(c->bands) / (c->exercise_name + ".yaml");
   if (fs::exists(band)) c->files.push_back(band.string());  // what its scores are judged by
