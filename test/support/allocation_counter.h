@@ -9,22 +9,25 @@
 
 #include "support/sanitizer.h"
 
-// Counts the calls of the allocator, and those that lock a mutex. Include in exactly one source of a test program: it replaces the allocator of the
-// whole program, so that libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees
-// them (measured). Sanitizers bring their own allocator: nothing is defined under them.
+// Counts the calls of the allocator, and those that lock a mutex. It replaces the allocator of the whole program, so
+// that libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees them (measured).
+// Weak, as several sources of a program may include it; what is linked in still comes before libc's. Sanitizers bring
+// their own allocator: nothing is defined under them.
 
 #ifndef RAVEN2_HAS_SANITIZER
 #define RAVEN2_COUNTS_ALLOCATIONS
 
-namespace {
-thread_local bool counting = false;
-thread_local int calls = 0;
-thread_local int locks = 0;
+namespace raven2_trainer::testing {
+inline thread_local bool counting = false;
+inline thread_local int calls = 0;
+inline thread_local int locks = 0;
 
-void count() {
+inline void count() {
   if (counting) ++calls;
 }
-}  // namespace
+}  // namespace raven2_trainer::testing
+
+#define RAVEN2_WEAK __attribute__((weak))
 
 extern "C" {
 void* __libc_malloc(std::size_t);
@@ -33,49 +36,51 @@ void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 void __libc_free(void*);
 
-void* malloc(std::size_t size) {
-  count();
+RAVEN2_WEAK void* malloc(std::size_t size) {
+  raven2_trainer::testing::count();
   return __libc_malloc(size);
 }
-void* calloc(std::size_t number, std::size_t size) {
-  count();
+RAVEN2_WEAK void* calloc(std::size_t number, std::size_t size) {
+  raven2_trainer::testing::count();
   return __libc_calloc(number, size);
 }
-void* realloc(void* memory, std::size_t size) {
-  count();
+RAVEN2_WEAK void* realloc(void* memory, std::size_t size) {
+  raven2_trainer::testing::count();
   return __libc_realloc(memory, size);
 }
-void* memalign(std::size_t alignment, std::size_t size) {
-  count();
+RAVEN2_WEAK void* memalign(std::size_t alignment, std::size_t size) {
+  raven2_trainer::testing::count();
   return __libc_memalign(alignment, size);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  count();
+RAVEN2_WEAK void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  raven2_trainer::testing::count();
   return __libc_memalign(alignment, size);
 }
 // libode's, libstdc++'s and ours: an uncontended lock makes no system call, so only this tells.
-int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
+RAVEN2_WEAK int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
   using Function = int (*)(pthread_mutex_t*);
   static const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
-  if (counting) ++locks;
+  if (raven2_trainer::testing::counting) ++raven2_trainer::testing::locks;
   return real(mutex);
 }
-int pthread_mutex_trylock(pthread_mutex_t* mutex) noexcept {
+RAVEN2_WEAK int pthread_mutex_trylock(pthread_mutex_t* mutex) noexcept {
   using Function = int (*)(pthread_mutex_t*);
   static const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "pthread_mutex_trylock"));
-  if (counting) ++locks;
+  if (raven2_trainer::testing::counting) ++raven2_trainer::testing::locks;
   return real(mutex);
 }
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
-  count();
+RAVEN2_WEAK int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+  raven2_trainer::testing::count();
   *memory = __libc_memalign(alignment, size);
   return *memory == nullptr ? ENOMEM : 0;
 }
-void free(void* memory) {
-  count();
+RAVEN2_WEAK void free(void* memory) {
+  raven2_trainer::testing::count();
   __libc_free(memory);
 }
 }
+
+#undef RAVEN2_WEAK
 
 namespace raven2_trainer::testing {
 
