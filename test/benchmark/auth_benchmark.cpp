@@ -34,10 +34,7 @@ double measure(const char* what, double unit, Body body) {
   std::sort(ns.begin(), ns.end());
   std::sort(clock.begin(), clock.end());
   const double p50 = ns[kRounds / 2] - clock[kRounds / 2], p99 = ns[kRounds * 99 / 100] - clock[kRounds / 2];
-  calls = 0;
-  counting = true;
-  body(kRounds);
-  counting = false;
+  const int calls = testing::allocatorCalls([&] { body(kRounds); });
   std::printf("%-28s %8.0f %8.0f %10.2f %12d\n", what, p50, p99, unit > 0.0 ? p50 / unit : 1.0, calls);
   return p50;
 }
