@@ -274,7 +274,7 @@ class Expert : public Surgeon {
   void takeOver(const Verb& verb) {
     const Arm giver = otherArm(verb.arm);
     grip(verb);
-    then([this, verb, giver]() -> Tick {
+    then([this, verb]() -> Tick {
       if (isClosedOnSomething(verb.arm)) return 0;
       forgetSteps();  // there is nothing between the jaws: once more
       letGo(verb.arm);

@@ -52,7 +52,7 @@ TEST_F(PedalIngest, APressReachesTheModeInTheSameTick) {
   EXPECT_EQ(d->rig.model().view, 0);
   press(Pedal::kStop);
   EXPECT_EQ(d->mode(), Mode::kStopped);
-  EXPECT_EQ(d->rig.ingest.pedalCounts().applied, 12U);
+  EXPECT_EQ(d->rig.ingest.pedalCounts().applied, 14U);
   EXPECT_TRUE(d->rig.ingest.pedalCounts().addsUp());
 }
 
