@@ -10,6 +10,7 @@
 #include "apps/common/paths.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/render/session_renderer.h"
+#include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/lockstep.h"
 #include "raven2_trainer/runtime/motion.h"
 
@@ -70,8 +71,9 @@ int simulate(const Options& options) {
   std::snprintf(text, sizeof(text), "%.1f s in %.1f s (%.1f x real time), %s", options.seconds, wall.count(),
                 options.seconds / wall.count(), paths.directory.c_str());
   bar.done(text);
+  const bool scored = runtime::finishSession(paths);
   if (options.video) renderVideo(config, paths.directory);
-  return 0;
+  return scored ? 0 : 1;
 }
 
 }  // namespace
