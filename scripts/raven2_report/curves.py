@@ -9,6 +9,7 @@ from raven2_report.scorecard import judged
 from raven2_report.text import esc, is_number, table, words
 
 MOST_METRICS = 12
+MARKS = {True: ("circle", drawing.GOOD), False: ("cross", drawing.BAD), None: ("square", drawing.SOFT)}
 FIRST = ("time", "path", "economy", "sparc", "wire_touches", "collisions", "drops", "peak_force", "idle", "clutches",
          "out_of_view", "bimanual")  # shown where nothing is judged
 
@@ -26,14 +27,15 @@ def _values(metrics):
 
 
 def points_of_session(directory, task):
-    """Attempts of a scored session at that task (exercise, drill, trainee); None if it is another one or has no score."""
+    """Attempts of a scored session at that task (exercise, drill, trainee); None if it is another one or unscored."""
     score, _ = load_score(directory)
     if not score or _task(score) != task:
         return None
     meta = load_small(os.path.join(directory, "meta.json"), json.load)
     start = str(meta.get("start_time_utc", "")) if isinstance(meta, dict) else ""
     name = os.path.basename(os.path.abspath(directory))
-    return [Point(name, start, str(a.get("status", "")), a.get("passed"), _values(a["metrics"])) for a in score["attempts"]]
+    return [Point(name, start, str(a.get("status", "")), a.get("passed"), _values(a["metrics"]))
+            for a in score["attempts"]]
 
 
 def _task(entry):
@@ -71,7 +73,7 @@ def collect(facts, others):
         else:
             found[name] = points
     order = sorted(found.values(), key=lambda points: (points[0].start, points[0].session) if points else ("", ""))
-    return [point for points in order for point in points if point.status in ("done", "failed", "none", "running")], left_out
+    return [point for points in order for point in points if point.status != "waiting"], left_out
 
 
 # ---- drawn ------------------------------------------------------------------------------------------------------
@@ -81,14 +83,16 @@ def section(facts, others):
     points, left_out = collect(facts, others)
     parts = []
     if len(points) > 1:
-        parts.append(f'<p class="sub">{len(points)} attempts of {len({p.session for p in points})} sessions at the same task, '
-                     f'in order of time.</p>{_key()}<div class="three">{"".join(_small(facts, n, points) for n in _names(facts, points))}'
-                     f"</div>{_table(points)}")
+        small = "".join(_small(facts, name, points) for name in _names(facts, points))
+        parts.append(f'<p class="sub">{len(points)} attempts of {len({p.session for p in points})} sessions at '
+                     f'the same task, in order of time.</p>{_key()}<div class="three">{small}</div>{_table(points)}')
     elif points:
-        parts.append("<p>One attempt so far: a curve needs more. <code>session_report DIR...</code> takes several sessions, and "
+        parts.append("<p>One attempt so far: a curve needs more. <code>session_report DIR...</code> takes several "
+                     "sessions, and "
                      "the trainee's <code>index.json</code> is read where there is one.</p>")
     if left_out:
-        parts.append(f'<p class="sub">Left out, because they are another task or have no score: {esc(", ".join(left_out))}.</p>')
+        parts.append('<p class="sub">Left out, because they are another task or have no score: '
+                     f'{esc(", ".join(left_out))}.</p>')
     return "".join(parts)
 
 
@@ -99,9 +103,9 @@ def _names(facts, points):
 
 
 def _key():
-    return drawing.svg(700, 22, drawing.legend(2, 15, [("passed", drawing.GOOD, "circle"), ("not passed", drawing.BAD, "cross"),
-                                                       ("not judged", drawing.SOFT, "square"), ("within the band", "#d9dee4", "area")],
-                                               12.5), "Legend", "key")
+    entries = [("passed", drawing.GOOD, "circle"), ("not passed", drawing.BAD, "cross"),
+               ("not judged", drawing.SOFT, "square"), ("within the band", "#d9dee4", "area")]
+    return drawing.svg(700, 22, drawing.legend(2, 15, entries, 12.5), "Legend", "key")
 
 
 def _small(facts, name, points):
@@ -111,17 +115,19 @@ def _small(facts, name, points):
     numbers = [v for _, v, _ in values] + ([limit] if is_number(limit) else [])
     low, high = (min(numbers), max(numbers)) if numbers else (0.0, 1.0)
     room = 0.12 * (high - low) if high > low else max(abs(high), 1.0) * 0.2
-    panel = drawing.Panel(52, 30, 256, 120, (0.5, len(points) + 0.5), (0.0 if low >= 0 and low < 2 * room else low - room, high + room))
+    from_zero = 0.0 <= low < 2 * room
+    panel = drawing.Panel(52, 30, 256, 120, (0.5, len(points) + 0.5), (0.0 if from_zero else low - room, high + room))
     parts = []
     if is_number(limit):
         zone = (panel.y_range[0], limit) if metric.get("better") == "lower" else (limit, panel.y_range[1])
-        parts.append(drawing.rect(panel.x, panel.to_y(zone[1]), panel.width, panel.to_y(zone[0]) - panel.to_y(zone[1]), "#d9dee4"))
+        parts.append(drawing.rect(panel.x, panel.to_y(zone[1]), panel.width, panel.to_y(zone[0]) - panel.to_y(zone[1]),
+                                  "#d9dee4"))
     unit = metric_words.unit_of(metric)
     parts.append(panel.frame(f"{metric_words.words_of(name).title}{f' [{unit}]' if unit else ''}", 4, 11))
     parts.append(panel.curve([i for i, _, _ in values], [v for _, v, _ in values], drawing.SOFT, 1.3))
     for i, value, point in values:
         good = _within(metric, value) if is_number(limit) else point.passed
-        shape, colour = {True: ("circle", drawing.GOOD), False: ("cross", drawing.BAD)}.get(good, ("square", drawing.SOFT))
+        shape, colour = MARKS.get(good, MARKS[None])
         parts.append(drawing.mark(panel.to_x(i), panel.to_y(value), shape, colour,
                                   f"{point.session}: {metric_words.figure(name, metric, value)}", 4.5))
     parts.append(panel.x_axis("attempt", min(len(points), 6), 11, lambda v: f"{v:g}" if float(v).is_integer() else ""))
@@ -134,7 +140,8 @@ def _within(metric, value):
 
 def _table(points):
     rows = [[i, esc(p.session), esc(p.start), esc(words(p.status)),
-             {True: "✓ passed", False: "✕ not passed"}.get(p.passed, "not judged")] for i, p in enumerate(points, 1)]
+             {True: "✓ passed", False: "✕ not passed"}.get(p.passed, "not judged")]
+            for i, p in enumerate(points, 1)]
     return table(["Attempt", "Session", "Started (UTC)", "Exercise", "Verdict"], rows, {0})
 
 

@@ -166,7 +166,8 @@ class Details:
         arms = self.log.names("execution", "report.arm")
         rows = [self._execution_row(e, words(ends[e["end"]]), arms[e["arm"]]) for e in executions]
         return "<h2>Planned motions</h2>" + table(
-            ["Time", "Moved", "Outcome", "Duration", "Model off the path, mean [mm]", "Largest", "Robot off the path, mean "
+            ["Time", "Moved", "Outcome", "Duration", "Model off the path, mean [mm]", "Largest",
+             "Robot off the path, mean "
              "[mm]", "Largest", "Clearance planned", "Kept by the model", "By the robot", "In contact"], rows,
             {0, 3, 4, 5, 6, 7, 8, 9, 10, 11})
 

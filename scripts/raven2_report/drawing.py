@@ -12,11 +12,13 @@ MODEL, ROBOT = "#0072b2", "#d55e00"
 ARM_COLOURS = {"gold": "#c47f00", "green": "#00734f"}
 ARM_DASHES = {"gold": "", "green": "7 3"}
 GOOD, BAD, HAZARD = "#1b6e53", "#a63603", "#f0c05a"
+HALO = {"paint_order": "stroke", "stroke": "#fff", "stroke_width": 4, "stroke_linejoin": "round"}  # of words on lines
 MAX_POINTS = 900  # of a drawn line
 
 
 def attributes(values):
-    return "".join(f' {key.replace("_", "-")}="{esc(value)}"' for key, value in values.items() if value not in ("", None))
+    return "".join(f' {key.replace("_", "-")}="{esc(value)}"' for key, value in values.items()
+                   if value not in ("", None))
 
 
 def tag(name, inside="", **values):
@@ -28,13 +30,15 @@ def text(x, y, words, size=13, anchor="start", colour=INK, **more):
 
 
 def line(x1, y1, x2, y2, colour=LINE, width=1.0, dash="", **more):
-    return tag("line", x1=f"{x1:.1f}", y1=f"{y1:.1f}", x2=f"{x2:.1f}", y2=f"{y2:.1f}", stroke=colour, stroke_width=width,
+    return tag("line", x1=f"{x1:.1f}", y1=f"{y1:.1f}", x2=f"{x2:.1f}", y2=f"{y2:.1f}", stroke=colour,
+               stroke_width=width,
                stroke_dasharray=dash, **more)
 
 
 def rect(x, y, width, height, fill, title="", **more):
     inside = f"<title>{esc(title)}</title>" if title else ""
-    return tag("rect", inside, x=f"{x:.1f}", y=f"{y:.1f}", width=f"{max(width, 0.0):.1f}", height=f"{max(height, 0.0):.1f}",
+    return tag("rect", inside, x=f"{x:.1f}", y=f"{y:.1f}", width=f"{max(width, 0.0):.1f}",
+               height=f"{max(height, 0.0):.1f}",
                fill=fill, **more)
 
 
@@ -76,8 +80,8 @@ def thinned(t, values, most=MAX_POINTS):
         return t, values
     bounds = np.linspace(0, len(t), most // 2 + 1).astype(int)
     low, high = np.where(np.isnan(values), np.inf, values), np.where(np.isnan(values), -np.inf, values)
-    keep = [f(part[a:b]) + a for a, b in zip(bounds[:-1], bounds[1:]) for f, part in ((np.argmin, low), (np.argmax, high))]
-    keep = np.unique(np.array(keep))
+    extremes = ((np.argmin, low), (np.argmax, high))
+    keep = np.unique([f(part[a:b]) + a for a, b in zip(bounds[:-1], bounds[1:]) for f, part in extremes])
     return t[keep], values[keep]
 
 
@@ -105,10 +109,11 @@ class Panel:
         parts = []
         for value in nice_ticks(*self.y_range, ticks):
             y = self.to_y(value)
-            parts += [line(self.x, y, self.x + self.width, y), text(self.x - 6, y + 4, tick_word(value), size, "end", SOFT)]
+            parts.append(line(self.x, y, self.x + self.width, y))
+            parts.append(text(self.x - 6, y + 4, tick_word(value), size, "end", SOFT))
         parts.append(line(self.x, self.y, self.x, self.y + self.height, SOFT))
         if label:
-            parts.append(text(self.x + 2, self.y - 6, label, size + 0.5, colour=INK, font_weight=600))
+            parts.append(text(self.x + 2, self.y - 6, label, size + 0.5, font_weight=600, **HALO))
         return "".join(parts)
 
     def x_axis(self, label, ticks=8, size=12, show=tick_word):
@@ -135,7 +140,8 @@ class Panel:
         if not parts:
             return ""
         inside = f"<title>{esc(title)}</title>" if title else ""
-        return tag("path", inside, d="".join(parts), fill="none", stroke=colour, stroke_width=width, stroke_dasharray=dash,
+        return tag("path", inside, d="".join(parts), fill="none", stroke=colour, stroke_width=width,
+                   stroke_dasharray=dash,
                    stroke_linejoin="round")
 
     def shade(self, first, last, fill, title="", **more):

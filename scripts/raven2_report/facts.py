@@ -101,7 +101,8 @@ class Facts:
         self.events = self._events()
         self.steps = self._steps()
         self.faults = self.metrics.get("faults") or [
-            {"name": name, "first_tick": round(a * 1000), "last_tick": round(b * 1000)} for a, b, name in series.fault_windows]
+            {"name": name, "first_tick": round(a * 1000), "last_tick": round(b * 1000)}
+            for a, b, name in series.fault_windows]
         self.hazards = self._hazards()
 
     # ---- clocks ---------------------------------------------------------------------------------------------
@@ -154,7 +155,8 @@ class Facts:
             event, kind = record["event"], kinds[record["event"]["kind"]]
             if at is None or kind in ("touch_began", "touch_ended"):
                 continue
-            found.append({"at_s": at, "kind": kind, "mistake": mistakes[event["mistake"]] if kind == "mistake" else None,
+            found.append({"at_s": at, "kind": kind,
+                          "mistake": mistakes[event["mistake"]] if kind == "mistake" else None,
                           "a": self._body(event["a"]), "b": self._body(event["b"]),
                           "step": self._step_name(event["track"], event["step"]) if kind == "step_done" else None})
         return found
@@ -224,14 +226,14 @@ class Facts:
     # ---- pictures of the video ------------------------------------------------------------------------------
 
     def moments(self, most=12):
-        """[{at_s, caption}] worth a look, in order: mistakes and hazards before steps where there is not room for all."""
+        """[{at_s, caption}] worth a look, in order; steps give way to mistakes and hazards."""
         wanted = [(0, 0.0, "Start"), (0, max(0.0, self.duration - 0.1), "End")]
         for number, hazard in enumerate(self.hazards, 1):
             wanted.append((1, self._worst(hazard), f"Hazard {number}: {words(hazard['name'])}, robot farthest off"))
             after, response = self.reaction(hazard)
             if after is not None:
                 wanted.append((3, hazard["at_s"] + after,
-                               f"Hazard {number}: the surgeon {metric_words.RESPONSES.get(response, words(response))}"))
+                               f"Hazard {number}: the surgeon {metric_words.response(response)}"))
         wanted += [(1, e["at_s"], self.mistake_text(e)) for e in self.mistakes()]
         wanted += [(2, e["at_s"], f"Step done: {words(e['step'])}") for e in self.events if e["kind"] == "step_done"]
         wanted += [(1, e["at_s"], "Attempt failed") for e in self.events if e["kind"] == "failed"]

@@ -15,7 +15,8 @@ def section(facts):
         return "<p>No fault acted on the robot.</p>"
     parts, told = [_table(facts)], set()
     for i, hazard in enumerate(facts.hazards[:MOST], 1):
-        parts.append(f'<div class="hazard"><h3>Hazard {i}: {esc(words(hazard["name"]))} <small>at {hazard["at_s"]:.2f} s</small></h3>'
+        parts.append(f'<div class="hazard"><h3>Hazard {i}: {esc(words(hazard["name"]))} <small>'
+                     f'at {hazard["at_s"]:.2f} s</small></h3>'
                      f"{_said(facts, hazard, told)}{_figure(facts, hazard, i)}</div>")
     if len(facts.hazards) > MOST:
         parts.append(f'<p class="sub">{len(facts.hazards) - MOST} more are in the table above.</p>')
@@ -35,15 +36,15 @@ def _table(facts):
     for i, hazard in enumerate(facts.hazards, 1):
         judged, fault = hazard["judged"], hazard["fault"]
         after, response = facts.reaction(hazard)
-        reaction = f"{esc(metric_words.RESPONSES.get(response, words(response)))} after {1000 * after:,.0f} ms" if after is not None \
-            else "–"
+        reaction = "–" if after is None else f"{esc(metric_words.response(response))} after {1000 * after:,.0f} ms"
         cue = judged.get("cue_after_ms")
         rows.append([i, esc(words(hazard["name"])), number(hazard["at_s"], 3, "s"),
                      number(fault.get("max_error_mm", judged.get("error_mm")), 2, "mm"),
                      number(judged.get("excursion_mm"), 2, "mm"),
                      number(fault.get("max_force_N", judged.get("peak_force_N")), 2, "N"), number(cue, 0, "ms"),
                      reaction, esc(verdict_words(judged))])
-    return table(["", "Scenario", "Began", "Largest tip error", "Robot moved by", "Strongest cue", "Felt after", "Reaction",
+    return table(["", "Scenario", "Began", "Largest tip error", "Robot moved by", "Strongest cue", "Felt after",
+                  "Reaction",
                   "Verdict"], rows, {0, 2, 3, 4, 5, 6})
 
 
@@ -66,8 +67,9 @@ def _answer(facts, hazard):
     after, response = facts.reaction(hazard)
     cue = judged.get("cue_after_ms")
     felt = f"The hand felt it after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
-    acted = f"the surgeon {metric_words.RESPONSES.get(response, words(response))} {1000 * after:,.0f} ms after it began" \
-        if after is not None else "the surgeon did nothing that counts as an answer"
+    acted = "the surgeon did nothing that counts as an answer"
+    if after is not None:
+        acted = f"the surgeon {metric_words.response(response)} {1000 * after:,.0f} ms after it began"
     touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
@@ -80,8 +82,10 @@ def _answer(facts, hazard):
 
 
 def _window(facts, hazard):
-    end = (hazard["end_s"] or hazard["at_s"]) + 1.0
-    return max(0.0, hazard["at_s"] - BEFORE), min(facts.duration, max(hazard["at_s"] + BEHIND, min(end, hazard["at_s"] + 8.0)))
+    """[s] shown: until a second after a long fault, at most 8 s."""
+    at = hazard["at_s"]
+    end = min((hazard["end_s"] or at) + 1.0, at + 8.0)
+    return max(0.0, at - BEFORE), min(facts.duration, max(at + BEHIND, end))
 
 
 def _worst_arm(facts, first, last):
@@ -114,20 +118,25 @@ def _figure(facts, hazard, index):
                [(series.force[near, arm], drawing.ARM_COLOURS[name], drawing.ARM_DASHES[name], "force")], None))
     marks = _moments(facts, hazard, low - hazard["at_s"], high - hazard["at_s"])
     head = 30.0 + 17.0 * max([row for *_, row in marks] + [0]) + 10.0
-    y, parts = head + 22.0, []
+    y = head + 22.0
+    bottom = y + len(panels) * 134.0 - 30.0
+    parts = [drawing.line(x, 22 + 17 * row, x, bottom, colour, 1.5, "" if name == "hazard" else "4 3")
+             for x, name, colour, row in marks]
     for title, time, lines, threshold in panels:
         panel = drawing.Panel(LEFT, y, WIDTH - LEFT - RIGHT, 104, (low - hazard["at_s"], high - hazard["at_s"]),
                               _range(lines, threshold))
         parts.append(_panel(facts, hazard, panel, title, time, lines, threshold))
         y += 104 + 30
-    bottom = drawing.Panel(LEFT, y - 30, WIDTH - LEFT - RIGHT, 0.001, panel.x_range, (0, 1))
-    parts.append(bottom.x_axis("time since the hazard began [s]"))
-    parts += [drawing.line(x, 22 + 17 * row, x, y - 30, colour, 1.5, "" if name == "hazard" else "4 3")
-              + drawing.text(x + 4, 34 + 17 * row, name, 12.5, colour=colour, font_weight=600) for x, name, colour, row in marks]
-    key = drawing.legend(LEFT, 14, [("model: what the hand asked for", drawing.MODEL, ""), ("robot", drawing.ROBOT, "6 3"),
-                                    ("hazard acts", drawing.HAZARD, "area"), (f"force, {name} hand", drawing.ARM_COLOURS[name],
+    axis = drawing.Panel(LEFT, bottom, WIDTH - LEFT - RIGHT, 0.001, panel.x_range, (0, 1))
+    parts.append(axis.x_axis("time since the hazard began [s]"))
+    parts += [drawing.text(x + 4, 34 + 17 * row, name, 12.5, colour=colour, font_weight=600, **drawing.HALO)
+              for x, name, colour, row in marks]
+    key = drawing.legend(LEFT, 14, [("model: what the hand asked for", drawing.MODEL, ""), 
+                                    ("robot", drawing.ROBOT, "6 3"), ("hazard acts", drawing.HAZARD, "area"),
+                                    (f"force, {name} hand", drawing.ARM_COLOURS[name],
                                                                               drawing.ARM_DASHES[name])], 12.5, 7.0)
-    return f"<figure>{drawing.svg(WIDTH, y + 12, key + ''.join(parts), f'Hazard {index}: model and robot, error and force')}</figure>"
+    label = f"Hazard {index}: model and robot, error and force"
+    return f"<figure>{drawing.svg(WIDTH, y + 12, key + ''.join(parts), label)}</figure>"
 
 
 def _range(lines, threshold):
@@ -142,8 +151,10 @@ def _panel(facts, hazard, panel, title, time, lines, threshold):
     parts = [panel.shade(0.0, (hazard["end_s"] or hazard["at_s"]) - hazard["at_s"], drawing.HAZARD, opacity=0.45),
              panel.frame(title)]
     if threshold:
-        parts.append(drawing.line(panel.x, panel.to_y(threshold), panel.x + panel.width, panel.to_y(threshold), drawing.SOFT, 1.2, "2 3"))
-        parts.append(drawing.text(panel.x + panel.width - 4, panel.to_y(threshold) - 4, f"the cue begins at {threshold:g} mm", 11.5, "end",
+        parts.append(drawing.line(panel.x, panel.to_y(threshold), panel.x + panel.width, panel.to_y(threshold),
+                                  drawing.SOFT, 1.2, "2 3"))
+        parts.append(drawing.text(panel.x + panel.width - 4, panel.to_y(threshold) - 4,
+                                  f"the cue begins at {threshold:g} mm", 11.5, "end",
                                   drawing.SOFT))
     for values, colour, dash, name in lines:
         parts.append(panel.curve(time, values, colour, 1.9, dash, name))
@@ -161,7 +172,7 @@ def _moments(facts, hazard, low, high):
             found.append((judged[key] / 1000.0, name, drawing.SOFT))
     after, response = facts.reaction(hazard)
     if after is not None:
-        found.append((after, metric_words.RESPONSES.get(response, words(response)), drawing.INK))
+        found.append((after, metric_words.response(response), drawing.INK))
     marks, ends = [], []
     for at, name, colour in sorted(found):
         if not panel.inside(at):

@@ -13,9 +13,10 @@ class Words:
 WORDS = {
     "time": Words("Time", "from the exercise's beginning to its end, without pauses",
                   "Plan the next grip while the hand still moves; do without detours."),
-    "path": Words("Path length", "that both tool tips travelled together", "Take straighter ways and fewer corrections."),
-    "economy": Words("Economy of path", "planned length by travelled length of all that was carried; 1 is the planner's "
-                     "own way", "Carry along the shortest free way.", 2),
+    "path": Words("Path length", "that both tool tips travelled together",
+                  "Take straighter ways and fewer corrections."),
+    "economy": Words("Economy of path", "planned length by travelled length of all that was carried; "
+                     "1 is the planner's own way", "Carry along the shortest free way.", 2),
     "off_path": Words("Distance from the planned way, mean", "of the tip, while something was carried",
                       "Keep to the way that is shown."),
     "off_path_p95": Words("Distance from the planned way, 95 %", "19 of 20 samples were nearer than this",
@@ -30,7 +31,8 @@ WORDS = {
                           "Let each movement be one stroke.", 2),
     "ldlj": Words("Smoothness (LDLJ)", "logarithm of jerk made free of units; greater is smoother",
                   "Begin and end movements gently.", 2),
-    "tremor": Words("Tremor", "of the tips between 6 and 14 Hz, root mean square", "Rest the forearms; loosen the grip.", 0),
+    "tremor": Words("Tremor", "of the tips between 6 and 14 Hz, root mean square",
+                    "Rest the forearms; loosen the grip.", 0),
     "collisions": Words("Collisions", "touches of tools with towers, dome or each other that the exercise counts",
                         "Keep the shafts in view; give towers and dome a wider berth.", 0, "tools collided {times}"),
     "collision_time": Words("Time in collision", "of tools with all that is fixed and with each other",
@@ -38,14 +40,16 @@ WORDS = {
     "wire_touches": Words("Wire touches", "of tools or objects with the wires",
                           "Slow down beside the wires; turn the object along the wire before moving on.", 0,
                           "wires touched {times}"),
-    "wire_time": Words("Time at the wires", "in which a tool or an object touched a wire", "Back off at the first touch."),
+    "wire_time": Words("Time at the wires", "in which a tool or an object touched a wire",
+                       "Back off at the first touch."),
     "drops": Words("Drops", "objects let go where they do not belong",
                    "Close the jaws fully, and wait for the other hand's grip before letting go.", 0, "dropped {times}"),
     "break_offs": Words("Broken off", "towers torn off their feet", "Lift straight up; do not pull sideways.", 0,
                         "a tower broken off {times}"),
     "out_of_order": Words("Out of order", "steps done before their turn", "Go by the exercise's order of steps.", 0,
                           "steps out of order {times}"),
-    "wrong_arm": Words("Wrong arm", "objects taken by the arm that should not have", "Take it with the arm that is asked for.",
+    "wrong_arm": Words("Wrong arm", "objects taken by the arm that should not have",
+                       "Take it with the arm that is asked for.",
                        0, "the wrong arm used {times}"),
     "peak_force": Words("Greatest force", "of the tools on what is fixed and on each other",
                         "Touch more gently; stop when something gives resistance."),
@@ -61,7 +65,8 @@ WORDS = {
     "engaged": Words("Pedal down", "share of the time", "Keep the pedal down while working.", 2),
     "camera_moves": Words("Camera moves", "presses of the camera's pedal", "Move the camera once, and far enough.", 0,
                           "camera moved {times}"),
-    "camera_time": Words("Time moving the camera", "with the camera's pedal down", "Move the camera once, and far enough."),
+    "camera_time": Words("Time moving the camera", "with the camera's pedal down",
+                         "Move the camera once, and far enough."),
     "master_radius": Words("Reach of the hand", "smallest sphere about the hand's way without clutching",
                            "Clutch before the hand gets to the edge of its reach."),
     "master_deviation": Words("Spread of the hand", "root mean square distance from its mean place",
@@ -86,6 +91,11 @@ VERDICTS = {"right": "answered rightly", "late": "answered rightly, but late", "
             "none": "not answered"}
 MISTAKES = {"wire_touch": "Wire touched", "collision": "Collision", "drop": "Dropped", "break_off": "Broken off",
             "out_of_order": "Out of order", "wrong_arm": "Wrong arm"}
+
+
+def response(name):
+    """`released the pedal`."""
+    return RESPONSES.get(name, str(name).replace("_", " "))
 
 
 def words_of(name):
@@ -124,5 +134,7 @@ def figure(name, metric, value):
     """A value of that metric with its unit."""
     if is_number(value) and metric.get("unit") == "count" and float(value).is_integer():
         return number(int(value))
-    return number(float(value), words_of(name).digits if metric.get("unit") != "count" else 1, unit_of(metric)) if is_number(
-        value) else "–"
+    if not is_number(value):
+        return "–"
+    digits = 1 if metric.get("unit") == "count" else words_of(name).digits
+    return number(float(value), digits, unit_of(metric))

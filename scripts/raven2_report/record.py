@@ -35,7 +35,8 @@ def _hazard(facts, hazard):
 
 def _session(facts):
     return {"directory": facts.name, "start_time_utc": facts.meta.get("start_time_utc"), "duration_s": facts.duration,
-            "exercise": facts.training["exercise"], "drill": facts.training["drill"], "trainee": facts.training["trainee"],
+            "exercise": facts.training["exercise"], "drill": facts.training["drill"],
+            "trainee": facts.training["trainee"],
             "curriculum": facts.training["curriculum"], "hazard": facts.header["hazard"], "seed": facts.header["seed"],
             "motion": facts.header["motion"]}
 
@@ -46,16 +47,21 @@ def build(facts, others):
     points, left_out = curves.collect(facts, others)
     return {
         "version": VERSION, "session": _session(facts),
-        "verdict": {"headline": verdict.headline(facts), "passed": attempt.get("passed"), "reasons": verdict.reasons(facts)
-                    if attempt.get("passed") is False else [], "attempt": attempt.get("number"), "attempts": len(facts.attempts)},
+        "verdict": {"headline": verdict.headline(facts), "passed": attempt.get("passed"),
+                    "reasons": verdict.reasons(facts) if attempt.get("passed") is False else [],
+                    "attempt": attempt.get("number"),
+                    "attempts": len(facts.attempts)},
         "summary": verdict.story(facts), "improve": verdict.improvements(facts), "band": facts.score.get("band"),
         "metrics": [_metric(name, m) for name, m in attempt.get("metrics", {}).items() if isinstance(m, dict)],
         "not_judged": attempt.get("not_judged", []),
-        "phases": [{"mode": mode, "name": PHASES.get(mode, (mode, ""))[0], "from_s": a, "to_s": b} for a, b, mode in facts.phases],
+        "phases": [{"mode": mode, "name": PHASES.get(mode, (mode, ""))[0], "from_s": a, "to_s": b}
+                   for a, b, mode in facts.phases],
         "steps": facts.steps,
-        "mistakes": [{"at_s": e["at_s"], "kind": e["mistake"], "what": facts.mistake_text(e)} for e in facts.mistakes()],
+        "mistakes": [{"at_s": e["at_s"], "kind": e["mistake"], "what": facts.mistake_text(e)}
+                     for e in facts.mistakes()],
         "hazards": [_hazard(facts, h) for h in facts.hazards], "moments": facts.moments(),
-        "curve": [{"session": p.session, "start_time_utc": p.start, "status": p.status, "passed": p.passed, "metrics": p.metrics}
+        "curve": [{"session": p.session, "start_time_utc": p.start, "status": p.status, "passed": p.passed,
+                   "metrics": p.metrics}
                   for p in points],
         "left_out": left_out,
     }

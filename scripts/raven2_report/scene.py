@@ -50,7 +50,8 @@ def arm_bases(path):
     """[(R_WB, p_WB)] of gold and green from the robot's URDF; None if they cannot be read."""
     try:
         root = _parse(path)
-        origins = {j.find("child").get("link"): j.find("origin") for j in root.iter("joint")} if root is not None else {}
+        joints = root.iter("joint") if root is not None else []
+        origins = {j.find("child").get("link"): j.find("origin") for j in joints}
         return [_pose(origins[name]) for name in ARM_BASES]
     except (OSError, ElementTree.ParseError, KeyError, ValueError, TypeError, AttributeError):
         return None
@@ -88,7 +89,7 @@ class Shape:
 
 
 class Scene:
-    """`shapes` of what is fixed, in W; `free`: {link: shapes in the link's own frame} in the order of the log's bodies."""
+    """`shapes` of what is fixed, in W; `free`: {link: shapes in its own frame} in the order of the log's bodies."""
 
     def __init__(self):
         self.shapes, self.free = [], {}
@@ -130,7 +131,8 @@ def _link_shapes(link, colour):
         if box is not None:
             size = _numbers(box, "size", "0 0 0")
             if max(size) < LARGE:
-                shapes += [Shape("plane", corners @ R.T + p, 0.0, link.get("name"), colour) for corners in _box_faces(size)]
+                shapes += [Shape("plane", corners @ R.T + p, 0.0, link.get("name"), colour)
+                           for corners in _box_faces(size)]
         elif rod is not None:
             half = _numbers(rod, "length", "0")[0] / 2
             ends = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]) @ R.T + p

@@ -17,7 +17,8 @@ def _banner(facts):
     more = "".join(f"<li>{esc(reason)}</li>" for reason in why[:6])
     also = f"<p>Also outside what was asked for:</p><ul>{more}</ul>" if more else ""
     return (f'<section class="banner {kind}"><div class="sign" aria-hidden="true">{SIGNS[kind]}</div><div>'
-            f'<p class="headline">{esc(verdict.headline(facts))}</p><p class="sub">{_attempt_line(facts)}</p>{also}</div></section>')
+            f'<p class="headline">{esc(verdict.headline(facts))}</p><p class="sub">{_attempt_line(facts)}</p>{also}'
+            '</div></section>')
 
 
 def _attempt_line(facts):
@@ -26,7 +27,8 @@ def _attempt_line(facts):
     first, last = facts.attempt_span()
     parts = [f"Attempt {facts.attempt.get('number', 1)} of {len(facts.attempts)}", f"{clock(last - first)} long"]
     if is_number(facts.attempt.get("composite")):
-        parts.append(f"{100 * facts.attempt['composite']:.0f} % of the judged metrics passed (decides nothing: each has to)")
+        parts.append(f"{100 * facts.attempt['composite']:.0f} % of the judged metrics passed (decides nothing: each "
+                     "has to)")
     return esc(", ".join(parts))
 
 
@@ -60,7 +62,8 @@ def _bands(facts):
         if inside:
             inside.sort(key=lambda entry: list(facts.attempt["metrics"]).index(entry[0]))
             passed = sum(m.get("passed") is True for _, m in inside)
-            columns.append(f'<div class="bands"><h3>{title} <small>{meaning}; {passed} of {len(inside)} within the band</small></h3>'
+            columns.append(f'<div class="bands"><h3>{title} <small>{meaning}; {passed} of {len(inside)} within the '
+                           'band</small></h3>'
                            f'{"".join(_row(name, m) for name, m in inside)}</div>')
     parts.append(f'<div class="columns">{"".join(columns)}</div>')
     missing = [metric_words.words_of(name).title for name in facts.attempt.get("not_judged", [])]
@@ -91,7 +94,7 @@ def _row(name, metric):
     return (f'<div class="band {"good" if good else "bad"}"><div class="what"><b>{esc(known.title)}</b></div>'
             f'<div class="value">{esc(value)}</div><div class="chart">{band_svg(name, metric)}</div>'
             f'<div class="mark"><b>{"✓ passed" if good else "✕ not passed"}</b></div>'
-            f"<small>{esc(known.meaning)}; {sign} {esc(limit)}</small></div>")
+            f'<small>{esc(known.meaning)}; <span class="limit">{sign} {esc(limit)}</span></small></div>')
 
 
 def band_range(metric):
@@ -114,7 +117,8 @@ def band_svg(name, metric):
     parts = [drawing.rect(panel.x, 10, panel.width, 8, "#fff", stroke=drawing.LINE),
              panel.shade(*zone, "#d9dee4"), drawing.line(panel.to_x(limit), 3, panel.to_x(limit), 25, drawing.INK, 1.8)]
     if is_number(metric.get("mean")):
-        parts.append(drawing.line(panel.to_x(metric["mean"]), 6, panel.to_x(metric["mean"]), 22, drawing.INK, 1.2, "3 2"))
+        parts.append(drawing.line(panel.to_x(metric["mean"]), 6, panel.to_x(metric["mean"]), 22, drawing.INK, 1.2,
+                                  "3 2"))
     shape = "circle" if metric.get("passed") is True else "cross"
     parts.append(drawing.mark(panel.to_x(metric["value"]), 14, shape, colour, size=6))
     label = f"{metric_words.words_of(name).title}: {metric_words.figure(name, metric, metric['value'])}"
@@ -137,7 +141,8 @@ def all_metrics(facts):
             if not is_number(metric.get("value")):
                 passed = "not measured"
             mean, spread = metric.get("mean"), metric.get("deviation")
-            expert = f"{metric_words.figure(name, metric, mean)} ± {metric_words.figure(name, metric, spread)}" if is_number(mean) else "–"
+            shown = [metric_words.figure(name, metric, value) for value in (mean, spread)]
+            expert = " ± ".join(shown) if is_number(mean) else "–"
             rows.append([title, f"<b>{esc(known.title)}</b><br><small>{esc(known.meaning)}</small>",
                          esc(metric_words.figure(name, metric, metric.get("value"))), esc(expert),
                          esc(metric_words.figure(name, metric, metric_words.limit_of(metric))), esc(passed)])

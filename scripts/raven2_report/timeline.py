@@ -10,9 +10,11 @@ WIDTH, LEFT, RIGHT = 1000, 96, 14
 FILLS = {"work": "#3f77a8", "held": "#dfe3e8", "alone": "url(#hatch)", "stopped": "#2b323a", "camera": "url(#dots)"}
 FAMILIES = (("work", "operating"), ("alone", "model alone"), ("camera", "camera"), ("held", "pedal up, waiting"),
             ("stopped", "stopped, paused"))
-PATTERNS = ('<defs><pattern id="hatch" width="7" height="7" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">'
+PATTERNS = ('<defs><pattern id="hatch" width="7" height="7" patternUnits="userSpaceOnUse" '
+            'patternTransform="rotate(45)">'
             '<rect width="7" height="7" fill="#cfe0ee"/><rect width="3" height="7" fill="#8db4d3"/></pattern>'
-            '<pattern id="dots" width="6" height="6" patternUnits="userSpaceOnUse"><rect width="6" height="6" fill="#f3ead8"/>'
+            '<pattern id="dots" width="6" height="6" patternUnits="userSpaceOnUse"><rect width="6" height="6" '
+            'fill="#f3ead8"/>'
             '<circle cx="3" cy="3" r="1.6" fill="#8a6d2f"/></pattern></defs>')
 
 
@@ -46,7 +48,8 @@ def _block(panel, first, last, fill, label, title, ink=drawing.INK):
     parts = drawing.rect(x, panel.y, max(end - x, 1.0), panel.height, fill, title, stroke="#fff", stroke_width=0.8)
     shown = _fitting(label, end - x)
     if shown:
-        plate = drawing.rect((x + end) / 2 - len(shown) * 3.5, panel.y + panel.height / 2 - 8, len(shown) * 7.0, 16, "#fff",
+        plate = drawing.rect((x + end) / 2 - len(shown) * 3.5, panel.y + panel.height / 2 - 8, len(shown) * 7.0, 16,
+                             "#fff",
                              rx=2, fill_opacity=0.75) if fill.startswith("url") else ""
         parts += plate + drawing.text((x + end) / 2, panel.y + panel.height / 2 + 4.5, shown, 12, "middle", ink,
                                       pointer_events="none")
@@ -64,7 +67,8 @@ def section(facts):
     _forces(facts, lanes)
     axis = drawing.Panel(LEFT, lanes.y - 8, WIDTH - LEFT - RIGHT, 0.001, lanes.range, (0, 1))
     body = PATTERNS + "".join(lanes.parts) + axis.x_axis("time since the first pedal down [s]")
-    picture = drawing.svg(WIDTH, lanes.y + 32, body, "Timeline of the session: modes, steps, hazards, mistakes and forces", "timeline")
+    picture = drawing.svg(WIDTH, lanes.y + 32, body, "Timeline of the session: modes, steps, hazards, mistakes and "
+                                                     "forces", "timeline")
     return f"<figure>{_key(facts)}{picture}</figure>"
 
 
@@ -84,7 +88,8 @@ def _modes(facts, lanes):
     for first, last, mode in facts.phases:
         label, family = PHASES.get(mode, (words(mode), "held"))
         ink = "#fff" if family in ("work", "stopped") else drawing.INK
-        lanes.parts.append(_block(panel, first, last, FILLS[family], label, f"{label}: {first:.2f} s to {last:.2f} s", ink))
+        lanes.parts.append(_block(panel, first, last, FILLS[family], label, f"{label}: {first:.2f} s to {last:.2f} s",
+                                  ink))
 
 
 def _steps(facts, lanes):
@@ -110,12 +115,13 @@ def _hazards(facts, lanes):
     for number, hazard in enumerate(facts.hazards, 1):
         end = hazard["end_s"] if hazard["end_s"] is not None else hazard["at_s"] + 0.3
         title = f"{words(hazard['name'])}: {hazard['at_s']:.3f} s to {end:.3f} s"
-        lanes.parts.append(panel.shade(hazard["at_s"], end, drawing.HAZARD, title, stroke=drawing.BAD, stroke_width=0.8))
+        lanes.parts.append(panel.shade(hazard["at_s"], end, drawing.HAZARD, title, stroke=drawing.BAD,
+                                       stroke_width=0.8))
         after, response = facts.reaction(hazard)
         x = panel.to_x(hazard["at_s"])
         long = f"{number} {words(hazard['name'])}"
         if after is not None:
-            said = metric_words.RESPONSES.get(response, words(response))
+            said = metric_words.response(response)
             at = hazard["at_s"] + after
             colour = drawing.GOOD if hazard["judged"].get("verdict") == "right" else drawing.BAD
             lanes.parts.append(drawing.mark(panel.to_x(at), panel.y + 9, "triangle", colour,
@@ -124,7 +130,8 @@ def _hazards(facts, lanes):
         following = facts.hazards[number]["at_s"] if number < len(facts.hazards) else lanes.range[1]
         start = max(x, panel.to_x(end)) + 5
         room = min(panel.to_x(following), panel.x + panel.width) - start
-        label = next((entry for entry in (long, f"{number} {words(hazard['name'])}", str(number)) if len(entry) * 6.6 < room), "")
+        label = next((entry for entry in (long, f"{number} {words(hazard['name'])}", str(number)) if len(entry)
+                      * 6.6 < room), "")
         lanes.parts.append(drawing.text(start, panel.y + 27, label, 12))
 
 
@@ -139,7 +146,8 @@ def _mistakes(facts, lanes):
     last = -1e9
     for event in mistakes[:400]:
         x = panel.to_x(event["at_s"])
-        lanes.parts.append(drawing.mark(x, panel.y + 11, "cross", drawing.BAD, f"{facts.mistake_text(event)}, {event['at_s']:.2f} s", 5))
+        lanes.parts.append(drawing.mark(x, panel.y + 11, "cross", drawing.BAD,
+                                        f"{facts.mistake_text(event)}, {event['at_s']:.2f} s", 5))
         label = metric_words.MISTAKES.get(event["mistake"], words(event["mistake"]))
         if x - last > len(label) * 7 + 24 and x + len(label) * 7 < panel.x + panel.width:
             lanes.parts.append(drawing.text(x + 9, panel.y + 15.5, label, 12))
@@ -161,12 +169,15 @@ def _forces(facts, lanes):
         peak = max(_peak(values), threshold or 0.0)
         panel = lanes.plot(name, unit, 62, peak * 1.1 if peak > 0 else 1.0)
         for hazard in facts.hazards:
-            lanes.parts.append(panel.shade(hazard["at_s"], hazard["end_s"] or hazard["at_s"], drawing.HAZARD, opacity=0.45))
+            lanes.parts.append(panel.shade(hazard["at_s"], hazard["end_s"] or hazard["at_s"], drawing.HAZARD,
+                                           opacity=0.45))
         if threshold:
-            lanes.parts.append(drawing.line(panel.x, panel.to_y(threshold), panel.x + panel.width, panel.to_y(threshold),
+            lanes.parts.append(drawing.line(panel.x, panel.to_y(threshold), panel.x + panel.width,
+                                            panel.to_y(threshold),
                                             drawing.SOFT, 1.1, "2 3"))
         for i, arm in enumerate(("gold", "green")):
-            lanes.parts.append(panel.curve(t, values[:, i], drawing.ARM_COLOURS[arm], 1.5, drawing.ARM_DASHES[arm], f"{arm} arm"))
+            lanes.parts.append(panel.curve(t, values[:, i], drawing.ARM_COLOURS[arm], 1.5, drawing.ARM_DASHES[arm],
+                                           f"{arm} arm"))
 
 
 def contact_force(facts):

@@ -12,7 +12,8 @@ def metric_of(facts, name):
 def failed_metrics(facts):
     """Names of the metrics out of their band, the farthest first."""
     metrics = (facts.attempt or {}).get("metrics", {})
-    failed = [(m.get("excess") or 0.0, name) for name, m in metrics.items() if isinstance(m, dict) and m.get("passed") is False]
+    failed = [(m.get("excess") or 0.0, name) for name, m in metrics.items() if isinstance(m, dict)
+              and m.get("passed") is False]
     return [name for _, name in sorted(failed, key=lambda entry: -entry[0])]
 
 
@@ -75,7 +76,8 @@ def headline(facts):
 
 def improvements(facts):
     """At most three: {what, how, failed}."""
-    return [entry for entry in (_improvement(facts, name) for name in (facts.attempt or {}).get("improve", [])[:3]) if entry]
+    return [entry for entry in (_improvement(facts, name) for name in (facts.attempt or {}).get("improve", [])[:3])
+            if entry]
 
 
 def _improvement(facts, name):
@@ -110,7 +112,8 @@ def story(facts):
     errors = [f["max_error_mm"] for f in faults if "max_error_mm" in f]
     forces = [f["max_force_N"] for f in faults if f.get("max_force_N")]
     if errors:
-        text += (f": the instrument's tip left the path that the surgeon's hand gave it by up to {max(errors):.1f} mm, and "
+        text += (f": the instrument's tip left the path that the surgeon's hand gave it by up to {max(errors):.1f} mm, "
+                 "and "
                  f"{_warning(forces, len(faults))}")
     text += "."
     if facts.emergency_stop() is not None:

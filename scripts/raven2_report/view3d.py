@@ -10,6 +10,7 @@ from raven2_report import drawing
 from raven2_report.text import esc
 
 MAX_PATH = 700  # points of a drawn path
+PLATE = 0.15  # [m] what is larger, the ground, may reach beyond the picture
 VIEWS = {  # azimuth, elevation of the viewer [deg]; what points right and up
     "turned": (205.0, 32.0, ""),
     "top": (180.0, 90.0, "from above: the surgeon sits below the picture"),
@@ -43,7 +44,8 @@ class Picture:
 
     def __init__(self, shapes, paths, marks):
         self.shapes, self.paths, self.marks = shapes, paths, marks
-        seen = [s.points for s in shapes] + [p["points"] for p in paths if len(p["points"])]
+        seen = [s.points for s in shapes if np.ptp(s.points, axis=0).max() < PLATE]
+        seen += [p["points"] for p in paths if len(p["points"])]
         cloud = np.concatenate(seen) if seen else np.zeros((1, 3))
         low, high = cloud.min(axis=0), cloud.max(axis=0)
         self.centre = (low + high) / 2
@@ -57,7 +59,8 @@ class Picture:
         scale = self._scale(right, up, width, height)
         flat = _Flat(self.centre, right, up, toward, scale, width / 2, height / 2)
         body = "".join(self._shape(shape, flat) for shape in sorted(self.shapes, key=flat.depth))
-        body += "".join(self._path(path, flat) for path in self.paths) + "".join(self._mark(m, flat) for m in self.marks)
+        body += "".join(self._path(path, flat) for path in self.paths) + "".join(self._mark(m, flat)
+                                                                                 for m in self.marks)
         body += _scale_bar(scale, height) + _axes(flat, width, height, bool(ident))
         return drawing.svg(width, height, body, label or VIEWS[view][2], "scene", ident), scale
 
@@ -69,7 +72,8 @@ class Picture:
     @staticmethod
     def _shape(shape, flat):
         if shape.kind == "plane":
-            return (f'<path class="p" fill="{shape.colour}" fill-opacity=".3" stroke="{shape.colour}" stroke-opacity=".75" '
+            return (f'<path class="p" fill="{shape.colour}" fill-opacity=".3" stroke="{shape.colour}" '
+                    'stroke-opacity=".75" '
                     f'stroke-width=".6" d="{flat.d(shape.points)}Z"/>')
         return (f'<path class="r" stroke="{shape.colour}" stroke-opacity=".85" stroke-linecap="round" fill="none" '
                 f'stroke-width="{max(2 * shape.radius * flat.scale, 1.2):.1f}" d="{flat.d(shape.points)}"/>')
@@ -109,7 +113,8 @@ class _Flat:
     """Projects points of W onto the page."""
 
     def __init__(self, centre, right, up, toward, scale, x, y):
-        self.centre, self.right, self.up, self.toward, self.scale, self.x, self.y = centre, right, up, toward, scale, x, y
+        self.centre, self.right, self.up, self.toward = centre, right, up, toward
+        self.scale, self.x, self.y = scale, x, y
 
     def at(self, point):
         offset = np.asarray(point) - self.centre
@@ -128,7 +133,8 @@ def _scale_bar(scale, height):
     length = next((mm for mm in (100, 50, 20, 10, 5, 2, 1) if mm / 1000 * scale <= 130), 1)
     x, y = 14, height - 14
     end = x + length / 1000 * scale
-    return ('<g class="bar">' + drawing.line(x, y, end, y, drawing.INK, 2) + drawing.line(x, y - 4, x, y + 4, drawing.INK, 2)
+    return ('<g class="bar">' + drawing.line(x, y, end, y, drawing.INK, 2)
+            + drawing.line(x, y - 4, x, y + 4, drawing.INK, 2)
             + drawing.line(end, y - 4, end, y + 4, drawing.INK, 2)
             + drawing.text((x + end) / 2, y - 7, f"{length} mm", 12, "middle") + "</g>")
 
@@ -218,7 +224,8 @@ def world_paths(facts, bases):
     paths = []
     for arm, name in enumerate(("gold", "green")):
         R, p = bases[arm]
-        for who, points, dash, width in (("robot", facts.series.p_robot, "5 3", 1.4), ("model", facts.series.p_model, "", 2.2)):
+        for who, points, dash, width in (("robot", facts.series.p_robot, "5 3", 1.4),
+                                         ("model", facts.series.p_model, "", 2.2)):
             colour = drawing.ARM_COLOURS[name]
             paths.append({"name": f"{name} tool, {who}", "arm": name, "who": who, "colour": colour, "dash": dash,
                           "width": width, "points": simplified(points[first:last + 1, arm] @ R.T + p)})
@@ -230,14 +237,16 @@ def event_marks(facts, bases):
     marks = []
     for what, at, shape, colour in (
             [(f"Hazard: {h['name']}, {h['at_s']:.1f} s", h["at_s"], "diamond", drawing.BAD) for h in facts.hazards]
-            + [(f"{facts.mistake_text(e)}, {e['at_s']:.1f} s", e["at_s"], "cross", drawing.INK) for e in facts.mistakes()]):
+            + [(f"{facts.mistake_text(e)}, {e['at_s']:.1f} s", e["at_s"], "cross", drawing.INK)
+               for e in facts.mistakes()]):
         first, last = facts.attempt_span()
         if first <= at <= last and len(marks) < 60:
             i = facts.index(at)
             speed = np.linalg.norm(facts.series.p_model[i] - facts.series.p_model[max(i - 50, 0)], axis=1)
             arm = int(np.argmax(np.nan_to_num(speed)))
             R, p = bases[arm]
-            marks.append({"name": what, "point": R @ facts.series.p_model[i, arm] + p, "shape": shape, "colour": colour})
+            marks.append({"name": what, "point": R @ facts.series.p_model[i, arm] + p, "shape": shape,
+                          "colour": colour})
     return marks
 
 
@@ -253,7 +262,8 @@ def section(facts, scene, bases):
     paths = world_paths(facts, bases)
     marks = event_marks(facts, bases)
     picture = Picture(shapes, paths, marks)
-    turned, scale = picture.drawn("turned", 1000, 560, "turn", "Paths of the tool tips over the scene, in three dimensions")
+    turned, scale = picture.drawn("turned", 1000, 560, "turn", "Paths of the tool tips over the scene, in three "
+                                                               "dimensions")
     data = picture.data(scale, 1000, 560).replace("<", "\\u003c")
     flat = "".join(f"<figure>{picture.drawn(view, 460, 380, '', 'Paths ' + VIEWS[view][2])[0]}"
                    f"<figcaption>{VIEWS[view][2][0].upper() + VIEWS[view][2][1:]}</figcaption></figure>"
@@ -263,7 +273,9 @@ def section(facts, scene, bases):
                                  ("green tool, model", drawing.ARM_COLOURS["green"], ""),
                                  ("its robot", drawing.ARM_COLOURS["green"], "5 3"),
                                  ("hazard", drawing.BAD, "diamond"), ("mistake", drawing.INK, "cross")])
-    return (f'<figure>{drawing.svg(860, 26, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" hidden>Drag, or '
-            "use the arrow keys, to turn it; + and - change its size. </span>x points away from the surgeon, y to the left, "
+    return (f'<figure>{drawing.svg(860, 26, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" '
+            'hidden>Drag, or '
+            "use the arrow keys, to turn it; + and - change its size. </span>x points away from the surgeon, y to the "
+            "left, "
             f'z up.</figcaption></figure><div class="three">{flat}</div>'
             f'<script type="application/json" id="turn-data">{data}</script>')
