@@ -1,17 +1,38 @@
-// export_session DIR: the session log as a table that any other program reads.
+// export_session DIR: the session log as what other programs read.
 
+#include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <string>
+#include <vector>
 
 #include "apps/common/command_line.h"
+#include "apps/common/paths.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/csv_export.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace {
 
-int exportSession(const std::string& directory, const std::string& output) {
+/** Ends in scripts/export_dataset, which writes the other formats. @throw SessionException if it cannot be run. */
+void handOver(const std::string& directory, const std::string& format, const std::string& output) {
+  const std::string script = raven2_trainer::apps::scriptPath("export_dataset");
+  std::vector<std::string> words{script, "--format", format};
+  if (!output.empty()) words.push_back("--output=" + output);
+  words.insert(words.end(), {"--", directory});
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv(script.c_str(), arguments.data());
+  throw raven2_trainer::SessionException(script + ": cannot be run: " + std::strerror(errno));
+}
+
+int exportSession(const std::string& directory, const std::string& format, const std::string& output) {
   const auto paths = raven2_trainer::session::openSessionDirectory(directory);
+  if (format != "csv") handOver(directory, format, output);
   const std::string csv = output.empty() ? paths.ticks() : output;
   raven2_trainer::apps::ProgressBar bar("export");
   const auto progress = [&bar](double share) { bar.update(share); };
@@ -23,20 +44,25 @@ int exportSession(const std::string& directory, const std::string& output) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Writes the ticks of a recorded session as a table, one row a millisecond and arm.", "export_session"};
+  CLI::App app{
+      "Writes a recorded session as a table, one row a millisecond and arm, as JIGSAWS kinematics or as a ROS bag.",
+      "export_session"};
   app.footer(
-      "Columns (SI units; ticks count from the first pedal down):\n"
+      "csv: columns (SI units; ticks count from the first pedal down):\n"
       "  tick, t_s, arm, mode, runlevel, pedal\n"
       "  q1..q7, dq1..dq7, tau1..tau7   model: joint position, velocity, torque\n"
       "  rq1..rq7, rdq1..rdq7           robot: joint position, velocity\n"
       "  px..pz, rpx..rpz               tool tip of model and robot in the arm's base frame\n"
       "  fx..fz, fault                  force cue; fault scenario acting on the robot\n"
-      "Exit status: 0 written, 1 otherwise. Described in full in doc/session.md.");
+      "jigsaws: 30 Hz, 76 columns, and the exercise's steps in FILE_labels.txt. rosbag: the simulator's topics.\n"
+      "Exit status: 0 written, 1 otherwise. Described in full in doc/session.md and doc/report.md.");
   std::string directory;
   std::string format = "csv";
   std::string output;
   app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
-  app.add_option("--format", format, "Kind of file: csv")->check(CLI::IsMember({"csv"}))->capture_default_str();
-  app.add_option("--output", output, "File to write (default: DIR/ticks.csv)");
-  return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return exportSession(directory, output); });
+  app.add_option("--format", format, "Kind of file")
+      ->check(CLI::IsMember({"csv", "jigsaws", "rosbag"}))
+      ->capture_default_str();
+  app.add_option("--output", output, "File to write (default: DIR/ticks.csv, jigsaws.txt, session.bag)");
+  return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return exportSession(directory, format, output); });
 }

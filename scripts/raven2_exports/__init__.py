@@ -1,0 +1,1 @@
+"""Sessions in other programs' formats (scripts/export_dataset, export_session --format). doc/report.md."""

@@ -1,0 +1,257 @@
+"""What happened in a session: read once, in the words and units of the report. Needs no drawing."""
+
+import json
+import os
+
+import numpy as np
+import yaml
+
+from raven2_report import metric_words
+from raven2_report.text import is_number, words
+
+MAX_FILE = 2 * 1024 * 1024  # bytes, of a configuration's copy or of score.json
+NONE = 255  # no track, no step
+PHASES = {  # mode: words, family
+    "waiting": ("Waiting for the robot", "held"),
+    "pedal_up": ("Pedal up", "held"),
+    "teleoperating": ("Operating", "work"),
+    "planning": ("A path is planned", "held"),
+    "tracking": ("The model shows a path", "alone"),
+    "stopped": ("Stopped", "stopped"),
+    "paused": ("Paused", "stopped"),
+    "choosing": ("Choosing a goal", "alone"),
+    "armed": ("Path waits for the pedal", "held"),
+    "executing": ("Path is followed", "work"),
+    "simulating": ("Simulation", "alone"),
+    "simulation_held": ("Simulation, pedal up", "held"),
+    "trial": ("Virtual trial", "alone"),
+    "trial_held": ("Trial, pedal up", "held"),
+    "trial_ready": ("Trial over", "held"),
+    "returning": ("Model returns to the robot", "alone"),
+    "replaying": ("Replay", "alone"),
+    "camera_moving": ("Moving the camera", "camera"),
+}
+
+
+def load_small(path, parse):
+    """A file's content, or None if it is not there, too large or not what it should be."""
+    try:
+        if os.path.getsize(path) > MAX_FILE:
+            return None
+        with open(path, encoding="utf-8") as file:
+            return parse(file)
+    except (OSError, ValueError, RecursionError, yaml.YAMLError):
+        return None
+
+
+def load_score(directory):
+    """score.json, {} if there is none, and whether there is one that cannot be used."""
+    path = os.path.join(directory, "score.json")
+    if not os.path.isfile(path):
+        return {}, False
+    score = load_small(path, json.load)
+    good = isinstance(score, dict) and score.get("version") == 1 and isinstance(score.get("attempts"), list)
+    good = good and all(isinstance(a, dict) and isinstance(a.get("metrics"), dict) for a in score["attempts"])
+    return (score, False) if good else ({}, True)
+
+
+def chosen_attempt(attempts):
+    """The newest that came to an end; else the newest."""
+    ended = [a for a in attempts if a.get("status") in ("done", "failed")]
+    return (ended or attempts or [None])[-1]
+
+
+class Configuration:
+    """The copies of its configuration that a session keeps."""
+
+    def __init__(self, session):
+        self.root = os.path.realpath(session.directory)
+        self.paths = [entry.get("path", "") for entry in session.log.header.get("configuration", [])]
+
+    def file(self, *tail):
+        """Path of the copy whose last parts are `tail`; None if there is none inside the session's directory."""
+        wanted = "/" + "/".join(tail)
+        for path in self.paths:
+            full = os.path.realpath(os.path.join(self.root, path))
+            if ("/" + path).endswith(wanted) and full.startswith(self.root + os.sep) and os.path.isfile(full):
+                return full
+        return None
+
+    def yaml(self, *tail):
+        path = self.file(*tail)
+        found = load_small(path, yaml.safe_load) if path else None
+        return found if isinstance(found, dict) else {}
+
+
+class Facts:
+    def __init__(self, session, series):
+        self.session, self.series = session, series
+        self.log, self.metrics, self.meta, self.header = session.log, session.metrics, session.meta, session.log.header
+        self.training = session.log.training
+        self.configuration = Configuration(session)
+        self.name = os.path.basename(os.path.abspath(session.directory))
+        self.duration = float(self.metrics.get("duration_s", series.t[-1] + 0.001 if len(series.t) else 0.0))
+        self.score, self.score_broken = load_score(session.directory)
+        self.attempts = self.score.get("attempts", [])
+        self.attempt = chosen_attempt(self.attempts)
+        exercise = self.training["exercise"]
+        self.exercise = self.configuration.yaml("config", "exercises", f"{exercise}.yaml") if exercise != "none" else {}
+        self.scene = self.configuration.yaml("config", "scenes", f"{self.exercise.get('scene', '')}.yaml")
+        self.phases = self._phases()
+        self.events = self._events()
+        self.steps = self._steps()
+        self.faults = self.metrics.get("faults") or [
+            {"name": name, "first_tick": round(a * 1000), "last_tick": round(b * 1000)}
+            for a, b, name in series.fault_windows]
+        self.hazards = self._hazards()
+
+    # ---- clocks ---------------------------------------------------------------------------------------------
+
+    def session_time(self, tick):
+        """[s] of the session at a tick of the model, whose clock goes on while the exercise is paused; None outside."""
+        ticks = self.series.ticks["model"]["tick"]
+        after = int(np.searchsorted(ticks, tick))
+        return float(self.series.t[after]) if after < len(ticks) else None
+
+    def index(self, seconds):
+        """Of the session's tick at that time."""
+        return int(np.clip(np.searchsorted(self.series.t, seconds), 0, max(len(self.series.t) - 1, 0)))
+
+    def attempt_span(self):
+        """[s] first and last of the chosen attempt; of the session without one."""
+        first, last = (self.attempt or {}).get("first_tick"), (self.attempt or {}).get("last_tick")
+        return (first / 1000.0 if is_number(first) else 0.0, last / 1000.0 if is_number(last) else self.duration)
+
+    # ---- what happened --------------------------------------------------------------------------------------
+
+    def _phases(self):
+        """[(first s, last s, mode)] without gaps."""
+        if not len(self.series.t):
+            return []
+        mode = self.series.ticks["model"]["mode"]
+        names = self.log.names("tick", "model.mode")
+        starts = np.concatenate(([0], np.flatnonzero(np.diff(mode)) + 1, [len(mode)]))
+        t = np.append(self.series.t, self.series.t[-1] + 0.001)
+        return [(float(t[a]), float(t[b]), names[mode[a]]) for a, b in zip(starts[:-1], starts[1:])]
+
+    def _body(self, number):
+        bodies = self.header.get("body_names", [])
+        return bodies[number] if number < len(bodies) else ""
+
+    def _step_name(self, track, step):
+        names = self.header.get("step_names", [])
+        return names[track][step] if track < len(names) and step < len(names[track]) else f"step {step + 1}"
+
+    def _events(self):
+        """Of the exercise, in order: at_s, kind, and what belongs to it."""
+        records = self.log.exercise_events
+        if records is None or not len(records) or not len(self.series.t):
+            return []
+        kinds = self.log.names("exercise", "event.kind")
+        mistakes = self.log.names("exercise", "event.mistake")
+        found = []
+        for record in records:
+            at = self.session_time(int(record["tick"]))
+            event, kind = record["event"], kinds[record["event"]["kind"]]
+            if at is None or kind in ("touch_began", "touch_ended"):
+                continue
+            found.append({"at_s": at, "kind": kind,
+                          "mistake": mistakes[event["mistake"]] if kind == "mistake" else None,
+                          "a": self._body(event["a"]), "b": self._body(event["b"]),
+                          "step": self._step_name(event["track"], event["step"]) if kind == "step_done" else None})
+        return found
+
+    def _steps(self):
+        """[{name, from_s, to_s}] of every attempt: a step begins where the one before it ended."""
+        steps, last = [], None
+        for event in self.events:
+            if event["kind"] == "began":
+                last = event["at_s"]
+            elif event["kind"] == "step_done":
+                steps.append({"name": event["step"], "from_s": event["at_s"] if last is None else last,
+                              "to_s": event["at_s"]})
+                last = event["at_s"]
+            elif event["kind"] in ("done", "failed"):
+                if last is not None and event["kind"] == "failed" and event["at_s"] > last:
+                    steps.append({"name": "not finished", "from_s": last, "to_s": event["at_s"]})
+                last = None
+        if last is not None and self.duration > last + 0.05 and steps:
+            steps.append({"name": "not finished", "from_s": last, "to_s": self.duration})
+        return steps
+
+    def mistakes(self):
+        return [e for e in self.events if e["kind"] == "mistake"]
+
+    # ---- hazards --------------------------------------------------------------------------------------------
+
+    def scenario_text(self, name):
+        """What the library says of a scenario: title, expected, response; {} if the session has no copy of it."""
+        found = self.configuration.yaml("config", "faults", f"{name}.yaml")
+        return {key: str(found[key]) for key in ("title", "expected", "response") if found.get(key)}
+
+    def _hazards(self):
+        """One for each injection: the judged answer where there is a score, the figures of metrics.json beside it."""
+        judged = [h for h in self.score.get("hazards", []) if isinstance(h, dict)]
+        faults = list(self.faults)
+        hazards = []
+        for entry in judged:
+            tick = entry.get("injection_tick")
+            near = [f for f in faults if f["name"] == entry.get("scenario") and is_number(tick)
+                    and f["first_tick"] - 1000 <= tick <= f["last_tick"]]
+            fault = near[0] if near else {}
+            if near:
+                faults.remove(fault)
+            hazards.append(self._hazard(entry.get("scenario", ""), tick, fault, entry))
+        hazards += [self._hazard(f["name"], f["first_tick"], f, {}) for f in faults]
+        return sorted(hazards, key=lambda h: h["at_s"])
+
+    def _hazard(self, name, tick, fault, judged):
+        last = fault.get("last_tick")
+        return {"name": str(name), "at_s": tick / 1000.0 if is_number(tick) else 0.0,
+                "end_s": (last + 1) / 1000.0 if is_number(last) else None, "fault": fault, "judged": judged}
+
+    def reaction(self, hazard):
+        """(s after the injection, response) of the deliberate reaction, or (None, None)."""
+        reaction = hazard["judged"].get("reaction")
+        if not isinstance(reaction, dict) or not is_number(reaction.get("after_ms")):
+            return None, None
+        return reaction["after_ms"] / 1000.0, reaction.get("response")
+
+    def emergency_stop(self):
+        """[s] at which the robot first fell into E-STOP after having left it; None if it did not."""
+        level = self.series.runlevel
+        falls = [i for i in np.flatnonzero(level == 0) if i > 0 and level[i - 1] > 0]
+        return float(self.series.t[falls[0]]) if falls else None
+
+    # ---- pictures of the video ------------------------------------------------------------------------------
+
+    def moments(self, most=12):
+        """[{at_s, caption}] worth a look, in order; steps give way to mistakes and hazards."""
+        wanted = [(0, 0.0, "Start"), (0, max(0.0, self.duration - 0.1), "End")]
+        for number, hazard in enumerate(self.hazards, 1):
+            wanted.append((1, self._worst(hazard), f"Hazard {number}: {words(hazard['name'])}, robot farthest off"))
+            after, response = self.reaction(hazard)
+            if after is not None:
+                wanted.append((3, hazard["at_s"] + after,
+                               f"Hazard {number}: the surgeon {metric_words.response(response)}"))
+        wanted += [(1, e["at_s"], self.mistake_text(e)) for e in self.mistakes()]
+        wanted += [(2, e["at_s"], f"Step done: {words(e['step'])}") for e in self.events if e["kind"] == "step_done"]
+        wanted += [(1, e["at_s"], "Attempt failed") for e in self.events if e["kind"] == "failed"]
+        if self.series.tracking.any():
+            wanted.append((2, float(self.series.t[self.series.tracking.argmax()]), "Plan starts"))
+        kept = sorted(wanted, key=lambda moment: moment[0])[:most]
+        return [{"at_s": t, "caption": caption} for _, t, caption in sorted(kept, key=lambda moment: moment[1])]
+
+    @staticmethod
+    def mistake_text(event):
+        what = metric_words.MISTAKES.get(event["mistake"], words(event["mistake"]))
+        parts = [words(part) for part in (event["a"], event["b"]) if part]
+        return f"{what}: {' and '.join(parts)}" if parts else what
+
+    def _worst(self, hazard):
+        """[s] of the largest tip distance in a fault and the 200 ms behind it."""
+        first = hazard["at_s"]
+        last = (hazard["end_s"] or first) + 0.2
+        inside = np.flatnonzero((self.series.t >= first) & (self.series.t <= last))
+        errors = np.nan_to_num(self.series.error_mm[inside]).max(axis=1) if len(inside) else []
+        return float(self.series.t[inside[int(np.argmax(errors))]]) if len(inside) else first

@@ -1,0 +1,184 @@
+"""One part of the page for each hazard: model and robot, their distance, the force on the hand, and the answer."""
+
+import numpy as np
+
+from raven2_report import drawing, metric_words
+from raven2_report.text import esc, is_number, number, table, words
+
+MOST = 6  # drawn; the table has all
+BEFORE, BEHIND = 0.6, 3.2  # [s] shown before the injection and behind it
+WIDTH, LEFT, RIGHT = 1000, 70, 20
+
+
+def section(facts):
+    if not facts.hazards:
+        return "<p>No fault acted on the robot.</p>"
+    parts, told = [_table(facts)], set()
+    for i, hazard in enumerate(facts.hazards[:MOST], 1):
+        parts.append(f'<div class="hazard"><h3>Hazard {i}: {esc(words(hazard["name"]))} <small>'
+                     f'at {hazard["at_s"]:.2f} s</small></h3>'
+                     f"{_said(facts, hazard, told)}{_figure(facts, hazard, i)}</div>")
+    if len(facts.hazards) > MOST:
+        parts.append(f'<p class="sub">{len(facts.hazards) - MOST} more are in the table above.</p>')
+    return "".join(parts)
+
+
+# ---- words ------------------------------------------------------------------------------------------------------
+
+
+def verdict_words(judged):
+    verdict = judged.get("verdict")
+    return metric_words.VERDICTS.get(verdict, "not judged")
+
+
+def _table(facts):
+    rows = []
+    for i, hazard in enumerate(facts.hazards, 1):
+        judged, fault = hazard["judged"], hazard["fault"]
+        after, response = facts.reaction(hazard)
+        reaction = "–" if after is None else f"{esc(metric_words.response(response))} after {1000 * after:,.0f} ms"
+        cue = judged.get("cue_after_ms")
+        rows.append([i, esc(words(hazard["name"])), number(hazard["at_s"], 3, "s"),
+                     number(fault.get("max_error_mm", judged.get("error_mm")), 2, "mm"),
+                     number(judged.get("excursion_mm"), 2, "mm"),
+                     number(fault.get("max_force_N", judged.get("peak_force_N")), 2, "N"), number(cue, 0, "ms"),
+                     reaction, esc(verdict_words(judged))])
+    return table(["", "Scenario", "Began", "Largest tip error", "Robot moved by", "Strongest cue", "Felt after",
+                  "Reaction",
+                  "Verdict"], rows, {0, 2, 3, 4, 5, 6})
+
+
+def _said(facts, hazard, told):
+    """What the scenario is, the first time that it comes, and how it was answered."""
+    text = {} if hazard["name"] in told else facts.scenario_text(hazard["name"])
+    told.add(hazard["name"])
+    parts = [f"<b>{esc(text['title'])}.</b> " if "title" in text else ""]
+    if "expected" in text:
+        parts.append(f"What it does: {esc(text['expected'])} ")
+    if "response" in text:
+        parts.append(f"What to do: {esc(text['response'])} ")
+    return f"{'<p>' + ''.join(parts) + '</p>' if text else ''}<p>{_answer(facts, hazard)}</p>"
+
+
+def _answer(facts, hazard):
+    judged = hazard["judged"]
+    if not judged:
+        return "The answer to it was not judged."
+    after, response = facts.reaction(hazard)
+    cue = judged.get("cue_after_ms")
+    felt = f"The hand felt it after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
+    acted = "the surgeon did nothing that counts as an answer"
+    if after is not None:
+        acted = f"the surgeon {metric_words.response(response)} {1000 * after:,.0f} ms after it began"
+    touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
+    listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
+    met = f" The model touched: {listed_}." if touched else ""
+    early = judged.get("coincidences") or []
+    chance = " What came within 100 ms was no reaction and is left out." if early else ""
+    return esc(f"{felt}; {acted}: {verdict_words(judged)}.{met}{chance}")
+
+
+# ---- picture ----------------------------------------------------------------------------------------------------
+
+
+def _window(facts, hazard):
+    """[s] shown: until a second after a long fault, at most 8 s."""
+    at = hazard["at_s"]
+    end = min((hazard["end_s"] or at) + 1.0, at + 8.0)
+    return max(0.0, at - BEFORE), min(facts.duration, max(at + BEHIND, end))
+
+
+def _worst_arm(facts, first, last):
+    """The arm whose robot went farthest from the model, and the direction in which it did."""
+    gap = facts.series.p_robot[first:last + 1] - facts.series.p_model[first:last + 1]
+    distance = np.nan_to_num(np.linalg.norm(gap, axis=2))
+    if not distance.size or distance.max() <= 0.0:
+        return 0, np.array([1.0, 0.0, 0.0])
+    i, arm = np.unravel_index(int(np.argmax(distance)), distance.shape)
+    return int(arm), gap[i, arm] / distance[i, arm]
+
+
+def _figure(facts, hazard, index):
+    series = facts.series
+    low, high = _window(facts, hazard)
+    first, last = facts.index(low), facts.index(high)
+    if last - first < 2:
+        return ""
+    arm, axis = _worst_arm(facts, first, last)
+    name = ("gold", "green")[arm]
+    t = series.t[first:last + 1] - hazard["at_s"]
+    origin = series.p_model[facts.index(hazard["at_s"]), arm]
+    model, robot = (1000.0 * (p[first:last + 1, arm] - origin) @ axis for p in (series.p_model, series.p_robot))
+    near = (series.force_t >= low) & (series.force_t <= high)
+    panels = (("Way of the tip [mm], along the direction in which the robot left it", t,
+               [(model, drawing.MODEL, "", "model"), (robot, drawing.ROBOT, "6 3", "robot")], None),
+              ("Distance of the tips of model and robot [mm]", t,
+               [(series.error_mm[first:last + 1, arm], drawing.INK, "", "distance")], series.tolerance_mm),
+              ("Force on the hand [N]", series.force_t[near] - hazard["at_s"],
+               [(series.force[near, arm], drawing.ARM_COLOURS[name], drawing.ARM_DASHES[name], "force")], None))
+    marks = _moments(facts, hazard, low - hazard["at_s"], high - hazard["at_s"])
+    head = 30.0 + 17.0 * max([row for *_, row in marks] + [0]) + 10.0
+    y = head + 22.0
+    bottom = y + len(panels) * 134.0 - 30.0
+    parts = [drawing.line(x, 22 + 17 * row, x, bottom, colour, 1.5, "" if name == "hazard" else "4 3")
+             for x, name, colour, row in marks]
+    for title, time, lines, threshold in panels:
+        panel = drawing.Panel(LEFT, y, WIDTH - LEFT - RIGHT, 104, (low - hazard["at_s"], high - hazard["at_s"]),
+                              _range(lines, threshold))
+        parts.append(_panel(facts, hazard, panel, title, time, lines, threshold))
+        y += 104 + 30
+    axis = drawing.Panel(LEFT, bottom, WIDTH - LEFT - RIGHT, 0.001, panel.x_range, (0, 1))
+    parts.append(axis.x_axis("time since the hazard began [s]"))
+    parts += [drawing.text(x + 4, 34 + 17 * row, name, 12.5, colour=colour, font_weight=600, **drawing.HALO)
+              for x, name, colour, row in marks]
+    key = drawing.legend(LEFT, 14, [("model: what the hand asked for", drawing.MODEL, ""), 
+                                    ("robot", drawing.ROBOT, "6 3"), ("hazard acts", drawing.HAZARD, "area"),
+                                    (f"force, {name} hand", drawing.ARM_COLOURS[name],
+                                                                              drawing.ARM_DASHES[name])], 12.5, 7.0)
+    label = f"Hazard {index}: model and robot, error and force"
+    return f"<figure>{drawing.svg(WIDTH, y + 12, key + ''.join(parts), label)}</figure>"
+
+
+def _range(lines, threshold):
+    values = np.concatenate([v for v, _, _, _ in lines] + [[threshold or 0.0, 0.0]])
+    values = values[np.isfinite(values)]
+    low, high = float(values.min()), float(values.max())
+    room = max(0.06 * (high - low), 0.05)
+    return (low - room if low < 0 else 0.0), high + room
+
+
+def _panel(facts, hazard, panel, title, time, lines, threshold):
+    parts = [panel.shade(0.0, (hazard["end_s"] or hazard["at_s"]) - hazard["at_s"], drawing.HAZARD, opacity=0.45),
+             panel.frame(title)]
+    if threshold:
+        parts.append(drawing.line(panel.x, panel.to_y(threshold), panel.x + panel.width, panel.to_y(threshold),
+                                  drawing.SOFT, 1.2, "2 3"))
+        parts.append(drawing.text(panel.x + panel.width - 4, panel.to_y(threshold) - 4,
+                                  f"the cue begins at {threshold:g} mm", 11.5, "end",
+                                  drawing.SOFT))
+    for values, colour, dash, name in lines:
+        parts.append(panel.curve(time, values, colour, 1.9, dash, name))
+    return "".join(parts)
+
+
+def _moments(facts, hazard, low, high):
+    """[(x, name, colour, row)] of upright lines through all panels: hazard, first force, felt, answer. Names that would
+    run into each other stand in rows of their own."""
+    panel = drawing.Panel(LEFT, 0, WIDTH - LEFT - RIGHT, 1, (low, high), (0, 1))
+    judged = hazard["judged"]
+    found = [(0.0, "hazard", drawing.BAD)]
+    for key, name in (("force_after_ms", "first force"), ("cue_after_ms", "felt")):
+        if is_number(judged.get(key)):
+            found.append((judged[key] / 1000.0, name, drawing.SOFT))
+    after, response = facts.reaction(hazard)
+    if after is not None:
+        found.append((after, metric_words.response(response), drawing.INK))
+    marks, ends = [], []
+    for at, name, colour in sorted(found):
+        if not panel.inside(at):
+            continue
+        x = panel.to_x(at)
+        row = next((i for i, end in enumerate(ends) if x > end), len(ends))
+        ends[row:row + 1] = [x + 8 + len(name) * 7.6]
+        marks.append((x, name, colour, row))
+    return marks

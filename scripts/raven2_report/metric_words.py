@@ -1,0 +1,140 @@
+"""The metrics of score.json in a surgeon's words: title, what it is, and what to do about it. doc/scores.md."""
+
+from raven2_report.text import is_number, number, times
+
+
+class Words:
+    """Of one metric. `said`: a headline for a count, with {times} in it; `advice`: what would make it better."""
+
+    def __init__(self, title, meaning, advice, digits=1, said=""):
+        self.title, self.meaning, self.advice, self.digits, self.said = title, meaning, advice, digits, said
+
+
+WORDS = {
+    "time": Words("Time", "from the exercise's beginning to its end, without pauses",
+                  "Plan the next grip while the hand still moves; do without detours."),
+    "path": Words("Path length", "that both tool tips travelled together",
+                  "Take straighter ways and fewer corrections."),
+    "economy": Words("Economy of path", "planned length by travelled length of all that was carried; "
+                     "1 is the planner's own way", "Carry along the shortest free way.", 2),
+    "off_path": Words("Distance from the planned way, mean", "of the tip, while something was carried",
+                      "Keep to the way that is shown."),
+    "off_path_p95": Words("Distance from the planned way, 95 %", "19 of 20 samples were nearer than this",
+                          "Keep to the way that is shown."),
+    "idle": Words("Standing still", "share of the time in which both tips moved by less than 1 mm/s",
+                  "Decide on the next move before the last is over.", 2),
+    "mean_jerk": Words("Jerk", "how abruptly the tips' speed changed: root mean square of its second derivative",
+                       "Begin and end movements gently.", 2),
+    "sparc": Words("Smoothness (SPARC)", "spectral arc length of the tips' speed; nearer to 0 is smoother",
+                   "Move in few, whole strokes instead of many small ones.", 2),
+    "stroke_sparc": Words("Smoothness of a stroke (SPARC)", "the same of single movements, their median",
+                          "Let each movement be one stroke.", 2),
+    "ldlj": Words("Smoothness (LDLJ)", "logarithm of jerk made free of units; greater is smoother",
+                  "Begin and end movements gently.", 2),
+    "tremor": Words("Tremor", "of the tips between 6 and 14 Hz, root mean square",
+                    "Rest the forearms; loosen the grip.", 0),
+    "collisions": Words("Collisions", "touches of tools with towers, dome or each other that the exercise counts",
+                        "Keep the shafts in view; give towers and dome a wider berth.", 0, "tools collided {times}"),
+    "collision_time": Words("Time in collision", "of tools with all that is fixed and with each other",
+                            "Back off at the first touch."),
+    "wire_touches": Words("Wire touches", "of tools or objects with the wires",
+                          "Slow down beside the wires; turn the object along the wire before moving on.", 0,
+                          "wires touched {times}"),
+    "wire_time": Words("Time at the wires", "in which a tool or an object touched a wire",
+                       "Back off at the first touch."),
+    "drops": Words("Drops", "objects let go where they do not belong",
+                   "Close the jaws fully, and wait for the other hand's grip before letting go.", 0, "dropped {times}"),
+    "break_offs": Words("Broken off", "towers torn off their feet", "Lift straight up; do not pull sideways.", 0,
+                        "a tower broken off {times}"),
+    "out_of_order": Words("Out of order", "steps done before their turn", "Go by the exercise's order of steps.", 0,
+                          "steps out of order {times}"),
+    "wrong_arm": Words("Wrong arm", "objects taken by the arm that should not have",
+                       "Take it with the arm that is asked for.",
+                       0, "the wrong arm used {times}"),
+    "peak_force": Words("Greatest force", "of the tools on what is fixed and on each other",
+                        "Touch more gently; stop when something gives resistance."),
+    "force_p95": Words("Force, 95 %", "19 of 20 moments with a force had less than this", "Touch more gently.", 2),
+    "force_impulse": Words("Force by time", "the force added up over time", "Touch more gently and more briefly."),
+    "force_above": Words("Time above the force limit", "in which the tools pressed harder than the limit",
+                         "Back off as soon as the tool is loaded.", 2),
+    "out_of_view": Words("Out of view", "time with a tool's tip outside the camera's picture",
+                         "Move the camera before the tool leaves the picture."),
+    "clutches": Words("Clutches", "pedal released and pressed again to bring the hand back",
+                      "Use the whole reach of the hand before clutching.", 0, "clutched {times}"),
+    "clutch_time": Words("Time clutching", "with the pedal up between two presses", "Bring the hand back quickly."),
+    "engaged": Words("Pedal down", "share of the time", "Keep the pedal down while working.", 2),
+    "camera_moves": Words("Camera moves", "presses of the camera's pedal", "Move the camera once, and far enough.", 0,
+                          "camera moved {times}"),
+    "camera_time": Words("Time moving the camera", "with the camera's pedal down",
+                         "Move the camera once, and far enough."),
+    "master_radius": Words("Reach of the hand", "smallest sphere about the hand's way without clutching",
+                           "Clutch before the hand gets to the edge of its reach."),
+    "master_deviation": Words("Spread of the hand", "root mean square distance from its mean place",
+                              "Clutch before the hand gets to the edge of its reach."),
+    "bimanual": Words("Use of both hands", "shorter by longer time in motion; 1 is both alike",
+                      "Let the resting hand get ready meanwhile.", 2),
+    "speed_correlation": Words("Hands together", "correlation of both tips' speeds: 1 together, 0 apart, -1 in turns",
+                               "Let both hands work at the same time.", 2),
+    "tracking": Words("Robot behind model", "mean distance of the robot's tip from the model's", "", 2),
+}
+GROUPS = (("efficiency", "Efficiency", "how directly the work was done"),
+          ("safety", "Safety", "what was touched, dropped or pressed"),
+          ("control", "Control", "how the hands, the pedal and the camera were used"))
+FAILURES = {"time_limit": "the time limit was reached", "broke_off": "something broke off",
+            "object_lost": "an object was lost out of reach", "mistakes": "more mistakes than the exercise allows",
+            "given_up": "the attempt was given up"}
+RESPONSES = {"pedal_up": "released the pedal", "hold_still": "held still", "slow": "slowed down",
+             "retreat": "drew back", "stop": "pressed the emergency stop", "push_on": "pushed on"}
+ANSWERS = {"pedal_up": "release the pedal", "hold_still": "hold still", "slow": "slow down", "retreat": "draw back",
+           "stop": "press the emergency stop", "push_on": "push on"}
+VERDICTS = {"right": "answered rightly", "late": "answered rightly, but late", "wrong": "answered wrongly",
+            "none": "not answered"}
+MISTAKES = {"wire_touch": "Wire touched", "collision": "Collision", "drop": "Dropped", "break_off": "Broken off",
+            "out_of_order": "Out of order", "wrong_arm": "Wrong arm"}
+
+
+def response(name):
+    """`released the pedal`."""
+    return RESPONSES.get(name, str(name).replace("_", " "))
+
+
+def words_of(name):
+    """Also of a metric that this program does not know."""
+    known = WORDS.get(name)
+    return known if known else Words(str(name).replace("_", " ").capitalize(), "", "", 2)
+
+
+def unit_of(metric):
+    unit = metric.get("unit") or ""
+    return {"-": "", "count": "", "um": "µm", "m/s^3": "m/s³", "Ns": "N s"}.get(unit, unit)
+
+
+def limit_of(metric):
+    """What is still allowed, as a number to read: whole ones for what is counted."""
+    limit = metric.get("limit")
+    if not is_number(limit):
+        return None
+    if metric.get("unit") == "count":
+        return int(limit // 1) if metric.get("better") == "lower" else -int(-limit // 1)
+    return limit
+
+
+def said(name, metric):
+    """`wires touched twice (limit 0)`, `time 92.1 s (limit 78.3 s)`."""
+    known, unit, limit = words_of(name), unit_of(metric), limit_of(metric)
+    bound = "" if limit is None else f" (limit {figure(name, metric, limit)})"
+    value = metric.get("value")
+    if known.said and is_number(value):
+        return known.said.format(times=times(round(value))) + bound
+    title = known.title if known.title.split(" ")[-1].isupper() else known.title[0].lower() + known.title[1:]
+    return f"{title} {figure(name, metric, value)}{bound}" if unit or is_number(value) else title + bound
+
+
+def figure(name, metric, value):
+    """A value of that metric with its unit."""
+    if is_number(value) and metric.get("unit") == "count" and float(value).is_integer():
+        return number(int(value))
+    if not is_number(value):
+        return "–"
+    digits = 1 if metric.get("unit") == "count" else words_of(name).digits
+    return number(float(value), digits, unit_of(metric))

@@ -1,0 +1,133 @@
+"""Passed or not, said in one line, and what to work on."""
+
+from raven2_report import metric_words
+from raven2_report.text import counted, listed, number, words
+
+
+def metric_of(facts, name):
+    found = (facts.attempt or {}).get("metrics", {}).get(name)
+    return found if isinstance(found, dict) else {}
+
+
+def failed_metrics(facts):
+    """Names of the metrics out of their band, the farthest first."""
+    metrics = (facts.attempt or {}).get("metrics", {})
+    failed = [(m.get("excess") or 0.0, name) for name, m in metrics.items() if isinstance(m, dict)
+              and m.get("passed") is False]
+    return [name for _, name in sorted(failed, key=lambda entry: -entry[0])]
+
+
+def badly_answered(facts):
+    """The attempt's hazards that were not answered rightly and in time."""
+    hazards = (facts.attempt or {}).get("hazards", [])
+    return [h for h in hazards if isinstance(h, dict) and h.get("verdict") != "right"]
+
+
+def state(facts):
+    """passed, failed or open (nobody judged it)."""
+    passed = (facts.attempt or {}).get("passed")
+    return {True: "passed", False: "failed"}.get(passed, "open")
+
+
+def hazard_words(hazard):
+    """`sudden jump answered wrongly (pushed on)`."""
+    verdict = metric_words.VERDICTS.get(hazard.get("verdict"), words(hazard.get("verdict", "not judged")))
+    answer = hazard.get("deciding") or hazard.get("reaction") or {}
+    response = metric_words.RESPONSES.get(answer.get("response")) if isinstance(answer, dict) else None
+    return f"{words(hazard.get('scenario', 'hazard'))} {verdict}" + (
+        f" ({response})" if response and hazard.get("verdict") != "none" else "")
+
+
+def reasons(facts):
+    """Why it was not passed, the one that decides first."""
+    attempt, found = facts.attempt or {}, []
+    if attempt.get("status") == "failed":
+        found.append(metric_words.FAILURES.get(attempt.get("failure"), words(attempt.get("failure", "failed"))))
+    elif attempt.get("status") in ("running", "waiting"):
+        total = sum(len(track) for track in facts.header.get("step_names", []))
+        found.append(f"the exercise was not finished ({attempt.get('steps_done', 0)} of {total} steps done)"
+                     if attempt["status"] == "running" else "the exercise was not begun")
+    found += [hazard_words(h) for h in badly_answered(facts)[:1]]
+    found += [metric_words.said(name, metric_of(facts, name)) for name in failed_metrics(facts)]
+    if not found and facts.training["drill"] != "none" and not attempt.get("hazards"):
+        found.append("the hazard of the drill did not come")
+    return found
+
+
+def headline(facts):
+    """One line; the failing figure that weighs most is named in it."""
+    kind = state(facts)
+    if kind == "passed":
+        judged = [m for m in facts.attempt["metrics"].values() if isinstance(m, dict) and m.get("passed") is True]
+        return f"Passed: {counted(len(judged), 'metric')} within the expert's band" + (
+            ", and the hazard answered rightly" if facts.attempt.get("hazards") else "")
+    if kind == "failed":
+        why = reasons(facts)
+        more = f", and {counted(len(why) - 1, 'more reason')}" if len(why) > 1 else ""
+        return f"Not passed: {why[0]}{more}" if why else "Not passed"
+    if facts.training["exercise"] == "none":
+        return "Free session: no exercise was set, so nothing is passed or failed"
+    if facts.attempt is None:
+        return "Not judged: this session has no score"
+    ends = {"done": "the exercise was done", "failed": "the exercise failed"}
+    end = ends.get(facts.attempt.get("status"), "the exercise was not finished")
+    return f"Not judged: {end}, but there is no expert band for it"
+
+
+def improvements(facts):
+    """At most three: {what, how, failed}."""
+    return [entry for entry in (_improvement(facts, name) for name in (facts.attempt or {}).get("improve", [])[:3])
+            if entry]
+
+
+def _improvement(facts, name):
+    if name == "hazard_response":
+        bad = badly_answered(facts)
+        rule = facts.score.get("response_rule") or {}
+        right = listed([metric_words.ANSWERS.get(r, words(r)) for r in rule.get("right", [])], "or")
+        within = rule.get("within_s")
+        how = f"The right answer: {right}, within {number(within, 1, 's')} of the cue." if right else ""
+        said = hazard_words(bad[0]) if bad else "the hazard of the drill did not come"
+        return {"metric": name, "what": said[0].upper() + said[1:], "how": how, "failed": True}
+    metric = metric_of(facts, name)
+    if not metric:
+        return None
+    said = metric_words.said(name, metric)
+    failed = metric.get("passed") is False
+    near = "" if failed else " – passed, but near the limit"
+    return {"metric": name, "what": said[0].upper() + said[1:] + near, "how": metric_words.words_of(name).advice,
+            "failed": failed}
+
+
+def story(facts):
+    """What happened, for a reader who knows surgery and not this program."""
+    faults = facts.faults
+    parts = [f"A session of {number(facts.duration, 0, 's')}"]
+    if not faults:
+        parts.append("without any injected fault")
+    else:
+        names = " and ".join(sorted({f"“{words(f['name'])}”" for f in faults}))
+        parts.append(f"in which the hazard {names} was injected into the robot {_times(len(faults))}")
+    text = " ".join(parts)
+    errors = [f["max_error_mm"] for f in faults if "max_error_mm" in f]
+    forces = [f["max_force_N"] for f in faults if f.get("max_force_N")]
+    if errors:
+        text += (f": the instrument's tip left the path that the surgeon's hand gave it by up to {max(errors):.1f} mm, "
+                 "and "
+                 f"{_warning(forces, len(faults))}")
+    text += "."
+    if facts.emergency_stop() is not None:
+        text += f" The robot's emergency stop acted after {facts.emergency_stop():.1f} s."
+    return text
+
+
+def _times(count):
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def _warning(forces, faults):
+    if not forces:
+        return "no force warned the surgeon"
+    some = f"in {len(forces)} of {faults} cases "
+    cases = ("" if len(forces) == 1 else "each time ") if len(forces) == faults else some
+    return f"{cases}the surgeon was warned through the hand controller, with up to {max(forces):.1f} N"
