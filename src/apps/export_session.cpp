@@ -1,38 +1,29 @@
 // export_session DIR: the session log as what other programs read.
 
-#include <unistd.h>
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "apps/common/command_line.h"
-#include "apps/common/paths.h"
+#include "apps/common/run_script.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/csv_export.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace {
 
-/** Ends in scripts/export_dataset, which writes the other formats. @throw SessionException if it cannot be run. */
-void handOver(const std::string& directory, const std::string& format, const std::string& output) {
-  const std::string script = raven2_trainer::apps::scriptPath("export_dataset");
-  std::vector<std::string> words{script, "--format", format};
+/** scripts/export_dataset writes the other formats. */
+int handOver(const std::string& directory, const std::string& format, const std::string& output) {
+  std::vector<std::string> words{"--format", format};
   if (!output.empty()) words.push_back("--output=" + output);
   words.insert(words.end(), {"--", directory});
-  std::vector<char*> arguments;
-  for (std::string& word : words)
-    arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  execv(script.c_str(), arguments.data());
-  throw raven2_trainer::SessionException(script + ": cannot be run: " + std::strerror(errno));
+  return raven2_trainer::apps::runScript("export_dataset", words);
 }
 
 int exportSession(const std::string& directory, const std::string& format, const std::string& output) {
   const auto paths = raven2_trainer::session::openSessionDirectory(directory);
-  if (format != "csv") handOver(directory, format, output);
+  if (format != "csv") return handOver(directory, format, output);
   const std::string csv = output.empty() ? paths.ticks() : output;
   raven2_trainer::apps::ProgressBar bar("export");
   const auto progress = [&bar](double share) { bar.update(share); };

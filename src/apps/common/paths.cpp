@@ -33,18 +33,6 @@ std::string shareFolder() {
   throw ConfigException("no config/trainer.yaml in any of:" + tried);
 }
 
-std::string scriptPath(const std::string& name) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = error ? fs::path() : program.parent_path() / name;
-  const fs::path packaged = fs::path(RAVEN2_TRAINER_SOURCE_DIR) / "scripts" / name;
-  for (const fs::path& path : {installed, packaged}) {
-    if (fs::is_regular_file(path, error)) return path.string();
-  }
-  throw ConfigException("no " + name + " in " + installed.parent_path().string() + " or " +
-                        packaged.parent_path().string());
-}
-
 std::string defaultConfigPath() {
   return shareFolder() + "/config/trainer.yaml";
 }

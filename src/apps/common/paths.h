@@ -11,10 +11,6 @@ namespace raven2_trainer::apps {
  */
 std::string shareFolder();
 
-/** Path of one of the package's scripts: beside the running program, where both are installed, else in the source tree.
- * @throw ConfigException if it is in neither. */
-std::string scriptPath(const std::string& name);
-
 /** The packaged configuration, config/trainer.yaml. @throw ConfigException. */
 std::string defaultConfigPath();
 
