@@ -1,10 +1,12 @@
 // The surgeon's hands: both masters' ITP packets at 1 kHz from a script or a recording, moved by the force cue.
 
 #include <CLI/CLI.hpp>
+#include <limits>
 
 #include "apps/common/command_line.h"
 #include "apps/common/motion_options.h"
 #include "apps/common/signals.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/runtime/console_runner.h"
 #include "raven2_trainer/runtime/motion.h"
 
@@ -18,26 +20,48 @@ struct Options {
   double duration{0.0};
 };
 
-int run(const Options& options) {
+void tellCounts(const char* what, const LinkCounts& counts) {
+  std::fprintf(stderr, "%s: %llu received = %llu applied + %llu rejected\n", what,
+               static_cast<unsigned long long>(counts.received), static_cast<unsigned long long>(counts.applied),
+               static_cast<unsigned long long>(counts.rejectedTotal()));
+}
+
+constexpr double kPoll = 0.1;        // [s]
+constexpr double kAfterwards = 1.0;  // [s] what was let go falls and comes to rest
+
+/** @throw ConfigException for hands that have to see, and would not. */
+TrainerConfig load(const Options& options) {
   TrainerConfig config = options.common.load();
   if (options.scale > 0.0) config.console.scale = options.scale;
-  apps::TruthFile truth(options.motion.truth);
-  runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
-  console.start();
+  if (runtime::doesExercise(options.motion.motion) && !config.network.sight)
+    throw ConfigException("motion is \"" + options.motion.motion + "\", which needs sight: true in network.yaml");
+  return config;
+}
+
+/** Until a signal, the end of the time, or of the exercise that the hands do. */
+void watch(const Options& options, const runtime::ConsoleRunner& console) {
+  double rest = runtime::doesExercise(options.motion.motion) ? kAfterwards : std::numeric_limits<double>::infinity();
   bool told = false, told_signing = false;
-  for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += 0.1) {
-    if (apps::waitForSignal(0.1)) break;
+  for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
+    if (apps::waitForSignal(kPoll)) break;
     if (console.finished() && !told) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
     told = console.finished();
     if (console.signing() && !told_signing) std::fprintf(stderr, "the daemon has answered: packets are signed\n");
     told_signing = console.signing();
+    if (told && (rest -= kPoll) < 0.0) break;
   }
+}
+
+int run(const Options& options) {
+  const TrainerConfig config = load(options);
+  apps::TruthFile truth(options.motion.truth);
+  runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
+  console.start();
+  watch(options, console);
   console.stop();
   truth.write();
-  const LinkCounts forces = console.forceCounts();
-  std::fprintf(stderr, "forces: %llu received = %llu applied + %llu rejected\n",
-               static_cast<unsigned long long>(forces.received), static_cast<unsigned long long>(forces.applied),
-               static_cast<unsigned long long>(forces.rejectedTotal()));
+  tellCounts("forces", console.forceCounts());
+  if (console.sightPort() != 0) tellCounts("pictures", console.sightCounts());
   return 0;
 }
 
@@ -53,7 +77,8 @@ int main(int argc, char** argv) {
   options.motion.add(&app);
   app.add_option("--scale", options.scale, "Motion scale (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
-  app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")
+  app.add_option("--duration", options.duration,
+                 "End after this long [s]; 0: until stopped, or a second after an expert or clumsy hand is finished")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
   return apps::runProgram(&app, argc, argv, [&] { return run(options); });

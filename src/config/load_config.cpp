@@ -177,6 +177,8 @@ void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {
   c->robot_port = port(root, "robot_port", 1);
   c->console_host = root.text("console_host");
   c->force_port = port(root, "force_port", 1);
+  c->sight = root.boolean("sight");
+  c->sight_port = port(root, "sight_port", 1);
   c->state_port = port(root, "state_port", 1);
   c->stale_after = root.number("stale_after", 0.002, longestFresh(haptics));
   c->reconnect_min = root.number("reconnect_min", 0.01, 5);

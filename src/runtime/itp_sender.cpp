@@ -27,8 +27,11 @@ bool ItpSender::send(const wire::ItpPacket& packet, std::int64_t now_ns) noexcep
     const wire::SignedItpBytes bytes = signer_->sign(plain, packet.surgeon_mode != 0);
     return socket_.send(bytes.data(), bytes.size());
   }
-  const bool is_silent = signer_ && unanswered_ == Unanswered::kSilence;
-  return !is_silent && socket_.send(plain.data(), plain.size());
+  return !isSilent() && socket_.send(plain.data(), plain.size());
+}
+
+bool ItpSender::sendBeside(const std::uint8_t* bytes, std::size_t size) noexcept {
+  return !isSilent() && socket_.send(bytes, size);
 }
 
 void ItpSender::shakeHands(std::int64_t now_ns) noexcept {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/net/clock.h"
@@ -28,6 +29,8 @@
 #include "raven2_trainer/runtime/recorder.h"
 #include "raven2_trainer/runtime/recover.h"
 #include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/runtime/sight_of.h"
+#include "raven2_trainer/runtime/sight_sender.h"
 #include "raven2_trainer/session/recovery.h"
 #include "raven2_trainer/wire/itp.h"
 
@@ -104,6 +107,7 @@ struct Simulator::Impl {
         paths(session::createSessionDirectory(options.output)),
         meta(startMeta("simulator", options.version, options.motion)),
         recorder(config, physics.bodyNames(), paths, options.motion, shared.get(), &flight) {
+    if (config.network.sight) sight_sender.emplace(config, scene.free_bodies.size(), shared.get());
     meta.flight_recorder = flight.description();
     meta.ingest = describeIngest(config.network);
     writeMeta("unknown: not ended cleanly");
@@ -149,6 +153,7 @@ struct Simulator::Impl {
     recorder.takeMemory();
     // Not nice: beside other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
     recorder_thread.start({"recorder", ThreadConfig{0, -1}}, [this] { recorderLoop(); });
+    if (sight_sender) sight_thread.start({"sight", ThreadConfig{0, -1}}, [this] { sightLoop(); });
     recovery_thread.start(background("recovery"), [this] { recoveryLoop(); });
     faults_thread.start(background("faults"), [this] { faultsLoop(); });
     planner_thread.start(background("planner"), [this] { plannerLoop(); });
@@ -328,6 +333,13 @@ struct Simulator::Impl {
     }
   }
 
+  void sightLoop() {
+    while (!stopping()) {
+      sight_sender->tick();
+      sleepFor(static_cast<double>(kPicturePeriod) * kTickSeconds);
+    }
+  }
+
   void faultsLoop() {
     while (!stopping()) {
       faults.tick();
@@ -394,7 +406,7 @@ struct Simulator::Impl {
     for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread, &recovery_thread})
       thread->hurry();
     for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &faults_thread,
-                           &render_thread, &recorder_thread, &recovery_thread}) {
+                           &render_thread, &recorder_thread, &recovery_thread, &sight_thread}) {
       thread->join();
     }
   }
@@ -448,6 +460,7 @@ struct Simulator::Impl {
   std::unique_ptr<const wire::ItpKey> key;
   ItpSender to_robot;
   net::UdpSender to_console;
+  std::optional<SightSender> sight_sender;
   net::TcpClient robot_client;
   net::EventFd outgoing;
 
@@ -476,7 +489,7 @@ struct Simulator::Impl {
 
   CyclicThread physics_thread, haptic_thread;
   Thread ingest_thread, link_thread, sender_thread, recorder_thread, faults_thread, planner_thread, render_thread;
-  Thread recovery_thread;
+  Thread recovery_thread, sight_thread;
 };
 
 Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {

@@ -87,7 +87,7 @@ class Stack:
         in what the file holds."""
         self.folder = folder or tempfile.mkdtemp(prefix="raven2_")
         self.output = os.path.join(self.folder, "session")
-        self.master_port, self.robot_port, self.force_port, self.state_port = free_ports(4)
+        self.master_port, self.robot_port, self.force_port, self.sight_port, self.state_port = free_ports(5)
         self.environment = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:1", **(environment or {}))
         self.config = self._write_config(configure or {})
         self.processes = {}
@@ -108,9 +108,9 @@ class Stack:
     def start(self, program, *arguments, prefix=(), ports=None, **options):
         """Starts a program of the package with this stack's configuration and ports; its output goes to NAME.log.
 
-        ports: {"master" | "robot" | "force" | "state": number} instead of the stack's own, where something stands between."""
+        ports: {"master" | "robot" | "force" | "sight" | "state": number} instead of the stack's own, where something stands between."""
         numbers = {"master": self.master_port, "robot": self.robot_port, "force": self.force_port,
-                   "state": self.state_port, **(ports or {})}
+                   "sight": self.sight_port, "state": self.state_port, **(ports or {})}
         words = [word for name, number in numbers.items() for word in (f"--{name}-port", number)]
         command = [*prefix, os.path.join(PROGRAMS, program), "--config", self.config, *words, *arguments]
         with open(os.path.join(self.folder, program + ".log"), "ab") as log:

@@ -139,6 +139,8 @@ struct NetworkConfig {
   std::uint16_t robot_port{};  ///< UDP daemon -> robot
   std::string console_host;
   std::uint16_t force_port{};     ///< UDP daemon -> console
+  std::uint16_t sight_port{};     ///< UDP daemon -> console: pictures for scripted hands
+  bool sight{};                   ///< they are sent and taken
   std::uint16_t state_port{};     ///< TCP robot -> daemon
   double stale_after{};           ///< [s] robot state older than this is not used
   double reconnect_min{};         ///< [s] first pause before the TCP link is tried again

@@ -118,6 +118,7 @@ struct SharedState {
   Counter relay_sent;   // sender
   Counter force_sent;   // sender
   Counter frames;       // render
+  Counter sight_sent;   // sight
 
   Counter contacts_dropped;      // physics: beyond the longest list
   Counter fault_changes_lost;    // robot_link: missing between those that came
@@ -126,6 +127,7 @@ struct SharedState {
   Counter relay_released;        // sender: pedal-up packets of its own
   Counter force_failed;          // sender
   Counter force_silent;          // sender: zero forces of its own
+  Counter sight_failed;          // sight
  private:
   explicit SharedState(std::unique_ptr<RecordRings> queues) : SharedState(queues.get()) {
     own_records_ = std::move(queues);

@@ -27,11 +27,16 @@ class ItpSender {
   /** One packet, and what the handshake needs. @return false if the system did not take it, or it stays silent. */
   bool send(const wire::ItpPacket& packet, std::int64_t now_ns) noexcept;
 
+  /** What is no ITP, from the same socket: the receiver heeds it from whom it heeds ITP. Silent as send() is.
+   *  @return as send(). */
+  bool sendBeside(const std::uint8_t* bytes, std::size_t size) noexcept;
+
   /** Packets go out signed. */
   bool isSigning() const noexcept { return signer_ && signer_->isOpen(); }
 
  private:
   void shakeHands(std::int64_t now_ns) noexcept;
+  bool isSilent() const noexcept { return signer_ && !isSigning() && unanswered_ == Unanswered::kSilence; }
 
   net::UdpSender socket_;
   std::optional<wire::SignedSender> signer_;

@@ -61,6 +61,7 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
   app->add_option("--master-port", master_port, "UDP port console -> daemon")->check(CLI::Range(0, 65535));
   app->add_option("--robot-port", robot_port, "UDP port daemon -> robot")->check(CLI::Range(1, 65535));
   app->add_option("--force-port", force_port, "UDP port daemon -> console")->check(CLI::Range(1, 65535));
+  app->add_option("--sight-port", sight_port, "UDP port daemon -> console, pictures")->check(CLI::Range(1, 65535));
   app->add_option("--state-port", state_port, "TCP port robot -> daemon")->check(CLI::Range(1, 65535));
 }
 
@@ -76,6 +77,7 @@ TrainerConfig CommonOptions::load() const {
   setPort(master_port, &loaded.network.master_port);
   setPort(robot_port, &loaded.network.robot_port);
   setPort(force_port, &loaded.network.force_port);
+  setPort(sight_port, &loaded.network.sight_port);
   setPort(state_port, &loaded.network.state_port);
   return loaded;
 }

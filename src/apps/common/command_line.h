@@ -20,7 +20,7 @@ struct CommonOptions {
   std::string arm_contacts;                                             ///< --arm-contacts on|off; config's if empty
   std::string plant;                                                    ///< --plant NAME|FILE; config's if empty
   config::TrainingNames training{};                                     ///< --exercise, ...; config's if empty
-  int master_port{-1}, robot_port{-1}, force_port{-1}, state_port{-1};  ///< config's if negative
+  int master_port{-1}, robot_port{-1}, force_port{-1}, sight_port{-1}, state_port{-1};  ///< config's if negative
 
   void add(CLI::App* app, bool with_ports);
   /** @throw ConfigException. */
