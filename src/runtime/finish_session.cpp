@@ -55,11 +55,11 @@ ConsoleConfig handOf(const TrainerConfig& config, const session::LogHeader& head
   return hand;
 }
 
-/** What the exercise calls right is about its own drill's hazard, not about any. */
+/** In a drill, of whatever scenario, the exercise's; else nobody says what is right. */
 training::ResponseRule responseRule(const TrainerConfig& config) {
   const ExerciseDrill& drill = config.exercise.drill;
-  const bool is_its_own = config.drill != "none" && drill.scenario == config.drill;
-  return is_its_own ? training::ruleOf(drill) : training::ResponseRule{};
+  const bool is_said = config.drill != "none" && !drill.scenario.empty();
+  return is_said ? training::ruleOf(drill) : training::ResponseRule{};
 }
 
 training::ScoreSettings scoreSettings(const TrainerConfig& config,

@@ -39,6 +39,7 @@ targets: []
 metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}
 drill: {scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], wrong: [push_on, slow], within: 1.25}
 """
+RULE = {"right": ["stop"], "wrong": ["push_on", "slow"], "within_s": 1.25}
 CURRICULUM = """
 title: Two stages
 deviations: 1.0
@@ -180,16 +181,20 @@ def test_a_drill_is_judged_as_the_exercise_says(school):
     directory, _ = school.record("drill", "--drill", "sudden_jump")
     score = school.score("drill")
     assert score["drill"] == "sudden_jump"
-    assert score["response_rule"] == {"right": ["stop"], "wrong": ["push_on", "slow"], "within_s": 1.25}
+    assert score["response_rule"] == RULE
     assert score["attempts"][0]["passed"] is False, "no stop was asked for"
     assert not (directory.parent / "index.json").exists() or "drill" not in [
         entry["directory"] for entry in school.index()], "nobody's session"
 
 
-def test_the_hazard_of_another_drill_is_judged_by_default(school):
+def test_a_drill_with_another_scenario_is_judged_as_the_exercise_says_too(school):
     school.record("other", "--drill", "unavailable_recoverable")
-    assert school.score("other")["response_rule"] == {
-        "right": ["pedal_up", "hold_still", "retreat", "stop"], "wrong": ["push_on"], "within_s": 2.0}
+    assert school.score("other")["response_rule"] == RULE
+
+
+def test_without_a_drill_the_usual_responses_are_right(first):
+    assert first["response_rule"] == {"right": ["pedal_up", "hold_still", "retreat", "stop"], "wrong": ["push_on"],
+                                      "within_s": 2.0}
 
 
 def test_a_session_that_was_cut_off_is_scored_when_it_is_recovered(school, course):
