@@ -67,6 +67,7 @@ training::ScoreSettings scoreSettings(const TrainerConfig& config,
                                       const ScoredSession& scored) {
   training::ScoreSettings settings;
   settings.motion = motionSettings(config, header);
+  settings.tracks = config.exercise.tracks;
   settings.hand = handOf(config, header);
   settings.response = responseRule(config);
   settings.standard.band = scored.band.get();

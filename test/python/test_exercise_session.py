@@ -231,3 +231,23 @@ def test_a_metric_that_is_not_there_is_refused_with_its_line(school):
     done = run("simulate", "--config", school.config, "--exercise", "wrong", "--output", school.folder / "never")
     assert done.returncode == 1
     assert f"wrong.yaml:{line}: metrics/tremors is no metric, expected one of: time, path" in done.stderr
+
+
+def test_the_expert_climbs_by_bands_that_were_made_of_it(school):
+    """From the packaged exercise to its band, and with that through the first stage of the packaged curriculum."""
+    made = subprocess.run([sys.executable, ROOT / "scripts/make_bands", "camera_clutch", "--seeds", "1001-1002", "--output",
+                           school.folder / "config/bands"], capture_output=True, text=True, check=False)
+    assert made.returncode == 0, made.stdout + made.stderr
+    told = []
+    for seed in (1, 2):
+        done = run("simulate", "--config", school.config, "--exercise", "camera_clutch", "--motion", "expert", "--seed",
+                   seed, "--homing", "quick", "--trainee", "bob", "--curriculum", "frs_basics", "--output",
+                   school.folder / f"sessions/expert{seed}")
+        assert done.returncode == 0, done.stderr
+        told += [line for line in done.stderr.splitlines() if "attempt" in line or "stages done" in line]
+    assert [line.split(": ", 1)[1] for line in told] == ["attempt 1: done, passed", "0 of 8 stages done",
+                                                         "attempt 1: done, passed", "1 of 8 stages done"]
+    score = school.score("expert1")
+    assert score["band"]["origin"] == "scripted expert of raven2_trainer, seeds 1001-1002, not surgeons"
+    assert score["attempts"][0]["not_judged"] == []
+    assert score["attempts"][0]["transits_planned"] == score["attempts"][0]["transits"] > 0
