@@ -17,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t kAskEvery = 100;  // [ticks] whether it is to be given up
+constexpr std::size_t kMostPlans = 300;   // of a session: an hour of work, and half a minute of planning
+
 std::shared_ptr<const Band> loadBand(const TrainerConfig& config, const ScoringOptions& options) {
   if (!options.band.empty()) return std::make_shared<const Band>(config::loadBand(options.band));
   if (config.exercise_name == "none") return nullptr;
@@ -237,12 +240,18 @@ ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& 
   scored.band = loadBand(config, options);
   if (config.curriculum != "none") scored.curriculum = config::findCurriculum(config.curricula, config.curriculum);
   training::ScoreSettings settings = scoreSettings(config, session::readLogHeader(paths.log()), scored);
-  settings.on_tick = [&] {
+  const auto giveUpIfTold = [&] {
     if (options.cancelled && options.cancelled()) throw ScoringCancelled{};
   };
-  std::optional<ReferencePaths> reference;  // costs half a second where nothing was carried
+  std::uint64_t ticks = 0;
+  settings.on_tick = [&] {
+    if (++ticks % kAskEvery == 0) giveUpIfTold();
+  };
+  std::optional<ReferencePaths> reference;  // costs memory and time where nothing was carried
+  std::size_t plans = 0;
   settings.plan = [&](const training::Transit& transit) {
-    settings.on_tick();
+    giveUpIfTold();
+    if (++plans > kMostPlans) return std::vector<Vec3>{};
     if (!reference) reference.emplace(config);
     return reference->plan(transit);
   };
@@ -280,6 +289,7 @@ bool finishSession(const session::SessionPaths& paths, const std::function<bool(
     tell(scoreRecorded(paths.directory, options));
     return true;
   } catch (const ScoringCancelled&) {
+    std::fprintf(stderr, "%s: not scored: given up\n", paths.directory.c_str());
     return false;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s: cannot be scored: %s\n", paths.directory.c_str(), e.what());
