@@ -23,7 +23,7 @@ def _banner(facts):
 
 def _attempt_line(facts):
     if facts.attempt is None:
-        return esc(verdict.story(facts))
+        return ""
     first, last = facts.attempt_span()
     parts = [f"Attempt {facts.attempt.get('number', 1)} of {len(facts.attempts)}", f"{clock(last - first)} long"]
     if is_number(facts.attempt.get("composite")):

@@ -62,7 +62,7 @@ th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: 2px 
   vertical-align: bottom; }
 td { border-bottom: 1px solid var(--line); padding: 5px 9px; vertical-align: top; }
 td small { color: var(--soft); }
-.limit { white-space: nowrap; } .n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.limit, td.v { white-space: nowrap; } .n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .two { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 0 36px; }
 .three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 8px 20px; }
 .three figure { margin: 4px 0; }
@@ -81,7 +81,8 @@ details h2 { font-size: 17px; }
 code { font: 12.5px "DejaVu Sans Mono", Consolas, monospace; overflow-wrap: anywhere; }
 footer { margin-top: 34px; padding-top: 10px; border-top: 1px solid var(--line); color: var(--soft);
   font-size: 12.5px; }
-@media screen and (max-width: 960px) { main { margin: 0; padding: 20px 22px; border-radius: 0; }
+@media screen and (max-width: 960px) { svg.timeline text { font-size: 14.5px; }
+  main { margin: 0; padding: 20px 22px; border-radius: 0; }
   .cards, .frames { grid-template-columns: repeat(2, minmax(0, 1fr)); }
   .two { grid-template-columns: minmax(0, 1fr); } .three { grid-template-columns: repeat(2, minmax(0, 1fr)); }
   .columns { columns: 1; } .band { grid-template-columns: minmax(0, 1fr) auto minmax(0, 240px) 106px; } }

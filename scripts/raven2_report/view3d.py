@@ -268,12 +268,12 @@ def section(facts, scene, bases):
     flat = "".join(f"<figure>{picture.drawn(view, 460, 380, '', 'Paths ' + VIEWS[view][2])[0]}"
                    f"<figcaption>{VIEWS[view][2][0].upper() + VIEWS[view][2][1:]}</figcaption></figure>"
                    for view in ("top", "side", "front"))
-    key = drawing.legend(4, 18, [("gold tool, model", drawing.ARM_COLOURS["gold"], ""),
+    key = drawing.legend(4, 16, [("gold tool, model", drawing.ARM_COLOURS["gold"], ""),
                                  ("its robot", drawing.ARM_COLOURS["gold"], "5 3"),
                                  ("green tool, model", drawing.ARM_COLOURS["green"], ""),
                                  ("its robot", drawing.ARM_COLOURS["green"], "5 3"),
-                                 ("hazard", drawing.BAD, "diamond"), ("mistake", drawing.INK, "cross")])
-    return (f'<figure>{drawing.svg(860, 26, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" '
+                                 ("hazard", drawing.BAD, "diamond"), ("mistake", drawing.INK, "cross")], 12.5, 7.0)
+    return (f'<figure>{drawing.svg(1000, 24, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" '
             'hidden>Drag, or '
             "use the arrow keys, to turn it; + and - change its size. </span>x points away from the surgeon, y to the "
             "left, "
