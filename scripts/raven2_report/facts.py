@@ -217,6 +217,17 @@ class Facts:
             return None, None
         return reaction["after_ms"] / 1000.0, reaction.get("response")
 
+    def answers(self, hazard):
+        """[(s after the injection, response, decides)]: the reaction, and what decided where that came later."""
+        found = []
+        for key in ("reaction", "deciding"):
+            answer = hazard["judged"].get(key)
+            if isinstance(answer, dict) and is_number(answer.get("after_ms")):
+                found.append((answer["after_ms"] / 1000.0, answer.get("response"), key == "deciding"))
+        if len(found) == 2 and found[0][:2] == found[1][:2]:
+            found = found[1:]
+        return found
+
     def emergency_stop(self):
         """[s] at which the robot first fell into E-STOP after having left it; None if it did not."""
         level = self.series.runlevel
@@ -230,10 +241,8 @@ class Facts:
         wanted = [(0, 0.0, "Start"), (0, max(0.0, self.duration - 0.1), "End")]
         for number, hazard in enumerate(self.hazards, 1):
             wanted.append((1, self._worst(hazard), f"Hazard {number}: {words(hazard['name'])}, robot farthest off"))
-            after, response = self.reaction(hazard)
-            if after is not None:
-                wanted.append((3, hazard["at_s"] + after,
-                               f"Hazard {number}: the surgeon {metric_words.response(response)}"))
+            wanted += [(3, hazard["at_s"] + after, f"Hazard {number}: the surgeon {metric_words.response(response)}")
+                       for after, response, _ in self.answers(hazard)]
         wanted += [(1, e["at_s"], self.mistake_text(e)) for e in self.mistakes()]
         wanted += [(2, e["at_s"], f"Step done: {words(e['step'])}") for e in self.events if e["kind"] == "step_done"]
         wanted += [(1, e["at_s"], "Attempt failed") for e in self.events if e["kind"] == "failed"]

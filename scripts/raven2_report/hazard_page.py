@@ -64,18 +64,16 @@ def _answer(facts, hazard):
     judged = hazard["judged"]
     if not judged:
         return "The answer to it was not judged."
-    after, response = facts.reaction(hazard)
     cue = judged.get("cue_after_ms")
     felt = f"The hand felt it after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
-    acted = "the surgeon did nothing that counts as an answer"
-    if after is not None:
-        acted = f"the surgeon {metric_words.response(response)} {1000 * after:,.0f} ms after it began"
+    acted = " and ".join(f"{metric_words.response(response)} {1000 * after:,.0f} ms after it began"
+                         for after, response, _ in facts.answers(hazard)) or "did nothing that counts as an answer"
     touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
     early = judged.get("coincidences") or []
     chance = " What came within 100 ms was no reaction and is left out." if early else ""
-    return esc(f"{felt}; {acted}: {verdict_words(judged)}.{met}{chance}")
+    return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{met}{chance}")
 
 
 # ---- picture ----------------------------------------------------------------------------------------------------
@@ -170,9 +168,7 @@ def _moments(facts, hazard, low, high):
     for key, name in (("force_after_ms", "first force"), ("cue_after_ms", "felt")):
         if is_number(judged.get(key)):
             found.append((judged[key] / 1000.0, name, drawing.SOFT))
-    after, response = facts.reaction(hazard)
-    if after is not None:
-        found.append((after, metric_words.response(response), drawing.INK))
+    found += [(after, metric_words.response(response), drawing.INK) for after, response, _ in facts.answers(hazard)]
     marks, ends = [], []
     for at, name, colour in sorted(found):
         if not panel.inside(at):

@@ -17,6 +17,7 @@ h3 { margin: 22px 0 6px; font-size: 16px; }
 h3 small { font-weight: 400; color: var(--soft); font-size: 13.5px; margin-left: 6px; }
 p { margin: 6px 0; max-width: 95ch; overflow-wrap: anywhere; }
 .sub { color: var(--soft); font-size: 14px; overflow-wrap: anywhere; }
+.summary { margin-top: 16px; }
 nav { margin: 10px 0 0; font-size: 14px; }
 nav a { margin-right: 16px; white-space: nowrap; }
 a { color: var(--accent); }

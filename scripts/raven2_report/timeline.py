@@ -111,21 +111,20 @@ def _hazards(facts, lanes):
     if not facts.hazards:
         return
     panel = lanes.lane("Hazards", 32)
-    lanes.parts.append(drawing.rect(panel.x, panel.y, panel.width, panel.height, drawing.PANEL))
+    parts = lanes.parts
+    parts.append(drawing.rect(panel.x, panel.y, panel.width, panel.height, drawing.PANEL))
     for number, hazard in enumerate(facts.hazards, 1):
         end = hazard["end_s"] if hazard["end_s"] is not None else hazard["at_s"] + 0.3
         title = f"{words(hazard['name'])}: {hazard['at_s']:.3f} s to {end:.3f} s"
         lanes.parts.append(panel.shade(hazard["at_s"], end, drawing.HAZARD, title, stroke=drawing.BAD,
                                        stroke_width=0.8))
-        after, response = facts.reaction(hazard)
-        x = panel.to_x(hazard["at_s"])
-        long = f"{number} {words(hazard['name'])}"
-        if after is not None:
+        x, long = panel.to_x(hazard["at_s"]), f"{number} {words(hazard['name'])}"
+        for after, response, decides in facts.answers(hazard):
             said = metric_words.response(response)
-            at = hazard["at_s"] + after
-            colour = drawing.GOOD if hazard["judged"].get("verdict") == "right" else drawing.BAD
-            lanes.parts.append(drawing.mark(panel.to_x(at), panel.y + 9, "triangle", colour,
-                                            f"{said}, {1000 * after:.0f} ms after the hazard began"))
+            right = hazard["judged"].get("verdict") == "right"
+            colour = drawing.SOFT if not decides else drawing.GOOD if right else drawing.BAD
+            title = f"{said}, {1000 * after:.0f} ms after the hazard began"
+            parts.append(drawing.mark(panel.to_x(hazard["at_s"] + after), panel.y + 9, "triangle", colour, title))
             long += f": {said} after {after:.2f} s"
         following = facts.hazards[number]["at_s"] if number < len(facts.hazards) else lanes.range[1]
         start = max(x, panel.to_x(end)) + 5

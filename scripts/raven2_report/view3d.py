@@ -10,6 +10,7 @@ from raven2_report import drawing
 from raven2_report.text import esc
 
 MAX_PATH = 700  # points of a drawn path
+MOVED = 0.003  # [m] an object that moved less was only touched
 PLATE = 0.15  # [m] what is larger, the ground, may reach beyond the picture
 VIEWS = {  # azimuth, elevation of the viewer [deg]; what points right and up
     "turned": (205.0, 32.0, ""),
@@ -232,6 +233,21 @@ def world_paths(facts, bases):
     return paths
 
 
+def object_paths(facts, free):
+    """Of the scene's objects that were moved: a dotted line each."""
+    ticks = facts.series.ticks["model"]
+    if "bodies" not in (ticks.dtype.names or ()):
+        return []
+    first, last = (facts.index(t) for t in facts.attempt_span())
+    paths = []
+    for i, name in enumerate(free):
+        points = simplified(ticks["bodies"]["p"][first:last + 1, i])
+        if len(points) > 1 and np.ptp(points, axis=0).max() > MOVED:
+            paths.append({"name": f"way of {name}", "colour": drawing.INK, "dash": "1.5 3.5", "width": 1.5,
+                          "points": points})
+    return paths
+
+
 def event_marks(facts, bases):
     """Hazards and mistakes, at the model's tip that was the faster one then."""
     marks = []
@@ -259,7 +275,7 @@ def section(facts, scene, bases):
     ticks = facts.series.ticks["model"]
     if "bodies" in (ticks.dtype.names or ()) and scene.free:
         shapes += scene.add_free(ticks["bodies"][facts.index(first)])
-    paths = world_paths(facts, bases)
+    paths = object_paths(facts, scene.free) + world_paths(facts, bases)
     marks = event_marks(facts, bases)
     picture = Picture(shapes, paths, marks)
     turned, scale = picture.drawn("turned", 1000, 560, "turn", "Paths of the tool tips over the scene, in three "
@@ -272,7 +288,8 @@ def section(facts, scene, bases):
                                  ("its robot", drawing.ARM_COLOURS["gold"], "5 3"),
                                  ("green tool, model", drawing.ARM_COLOURS["green"], ""),
                                  ("its robot", drawing.ARM_COLOURS["green"], "5 3"),
-                                 ("hazard", drawing.BAD, "diamond"), ("mistake", drawing.INK, "cross")], 12.5, 7.0)
+                                 ("object", drawing.INK, "1.5 3.5"), ("hazard", drawing.BAD, "diamond"),
+                                 ("mistake", drawing.INK, "cross")], 12.5, 7.0)
     return (f'<figure>{drawing.svg(1000, 24, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" '
             'hidden>Drag, or '
             "use the arrow keys, to turn it; + and - change its size. </span>x points away from the surgeon, y to the "

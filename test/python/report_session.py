@@ -20,8 +20,10 @@ EXERCISE = {"type": 13, "name": "exercise", "version": 1,
             "fields": [log.field("tick", "i64"), log.field("event", "struct", (), EVENT)]}
 COPIES = ["urdf/raven2.urdf", "urdf/frs_trainer.urdf", "config/exercises/pick_hand_over_place.yaml",
           "config/scenes/frs_trainer.yaml", "config/faults/sudden_jump.yaml"]
-HEADER = {"records": log.RECORDS + [EXERCISE], "exercise": "pick_hand_over_place", "drill": "sudden_jump", "trainee": "anna",
-          "curriculum": "none", "motion": "expert", "step_names": [["lift", "hand_over", "place"]], "object_names": ["ring"],
+HEADER = {"records": log.RECORDS + [EXERCISE], "exercise": "pick_hand_over_place", "drill": "sudden_jump",
+          "trainee": "anna",
+          "curriculum": "none", "motion": "expert", "step_names": [["lift", "hand_over", "place"]],
+          "object_names": ["ring"],
           "body_names": ["link1_L", "wire_left", "ring"],
           "configuration": [{"path": f"configuration/{path}", "fnv1a": "0"} for path in COPIES]}
 ORIGIN = "scripted expert of raven2_trainer, seeds 1001-1020, not surgeons"
@@ -36,7 +38,8 @@ def data(**header):
     start = log.header_record(**{**HEADER, **header})
     events = (event(11, "started") + event(110, "began") + event(510, "step_done", step=0)
               + event(810, "mistake", MISTAKES.index("wire_touch"), a=0, b=1) + event(1910, "failed"))
-    return start + log.session_bytes()[len(log.header_record()):-len(log.record(6, struct.pack("<Q", 60)))] + events + log.record(
+    return start + log.session_bytes()[len(log.header_record()):-len(log.record(6,
+                                                                                struct.pack("<Q", 60)))] + events + log.record(
         6, struct.pack("<Q", 60))
 
 
@@ -59,19 +62,23 @@ def metrics():
 
 def hazard(verdict="right", response="pedal_up", after=400):
     answer = {"response": response, "after_ms": after} if response else None
-    return {"scenario": "sudden_jump", "injection_tick": 1000, "force_after_ms": 10, "cue_after_ms": 12, "reaction": answer,
+    return {"scenario": "sudden_jump", "injection_tick": 1000, "force_after_ms": 10, "cue_after_ms": 12,
+            "reaction": answer,
             "deciding": answer, "verdict": verdict, "coincidences": [], "recovered": True, "duration_ms": 800,
             "excursion_mm": 10.25, "error_mm": 10.0, "peak_force_N": 2.0, "impulse_Ns": 0.6,
             "touches": {"wire": {"count": 1, "time_s": 0.1}}}
 
 
-def score(passed=False, improve=("wire_touches", "path"), status="done", failure="none", values=None, hazards=None, **top):
+def score(passed=False, improve=("wire_touches", "path"), status="done", failure="none", values=None, hazards=None,
+          **top):
     values, hazards = values or metrics(), [hazard()] if hazards is None else hazards
-    attempt = {"number": 1, "status": status, "failure": failure, "first_tick": 100, "last_tick": 1900, "passed": passed,
+    attempt = {"number": 1, "status": status, "failure": failure, "first_tick": 100, "last_tick": 1900,
+               "passed": passed,
                "composite": 0.75, "improve": list(improve), "not_judged": ["economy"], "metrics": values, "transits": 1,
                "transits_planned": 0, "steps_done": 1, "steps": [{"name": "lift", "at_s": 0.4}],
                "mistakes": {**dict.fromkeys(MISTAKES, 0), "wire_touch": 2}, "mistake_times": [], "hazards": hazards}
-    return {"version": 1, "exercise": "pick_hand_over_place", "drill": "sudden_jump", "trainee": "anna", "curriculum": None,
+    return {"version": 1, "exercise": "pick_hand_over_place", "drill": "sudden_jump", "trainee": "anna",
+            "curriculum": None,
             "motion": "expert", "motion_scale": 0.1, "force_limit_N": 3.0,
             "band": {"origin": ORIGIN, "sessions": 20, "least_spread": 0.25, "deviations": 1.0},
             "response_rule": {"right": ["pedal_up"], "wrong": ["push_on"], "within_s": 2.0}, "attempts": [attempt],

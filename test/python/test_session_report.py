@@ -21,7 +21,8 @@ SECTIONS = ("timeline", "paths", "hazards", "pictures", "numbers", "curve", "eng
 
 def report(*directories, fails=False):
     """(page, record, standard error) of the last directory."""
-    done = subprocess.run(["/usr/bin/python3", REPORT, *map(str, directories)], capture_output=True, text=True, check=False)
+    done = subprocess.run(["/usr/bin/python3", REPORT, *map(str, directories)], capture_output=True, text=True,
+                          check=False)
     assert fails or done.returncode == 0, done.stderr
     page = pathlib.Path(directories[-1]) / "report.html"
     record = pathlib.Path(directories[-1]) / "report.json"
@@ -87,7 +88,8 @@ def test_the_failing_metric_is_named_first(whole):
      "Not passed: sudden jump answered wrongly (pushed on), and one more reason"),
     ({"hazards": [made.hazard("none", None)], "improve": ["hazard_response"]},
      "Not passed: sudden jump not answered, and one more reason"),
-    ({"passed": None, "improve": [], "band": None}, "Not judged: the exercise was done, but there is no expert band for it"),
+    ({"passed": None, "improve": [], "band": None}, "Not judged: the exercise was done, but there is no expert band "
+                                                    "for it"),
 ])
 def test_the_headline_says_why(tmp_path, changes, expected):
     scored = made.score(**changes)
@@ -162,7 +164,8 @@ def test_the_timeline_has_modes_steps_mistakes_and_hazards(whole):
 def test_a_hazard_has_its_figures_and_its_answer(whole):
     _, page, record, _ = whole
     (told,) = record["hazards"]
-    assert told == {"scenario": "sudden_jump", "at_s": 1.0, "end_s": 1.3, "largest_error_mm": 10.0, "excursion_mm": 10.25,
+    assert told == {"scenario": "sudden_jump", "at_s": 1.0, "end_s": 1.3, "largest_error_mm": 10.0,
+                    "excursion_mm": 10.25,
                     "largest_force_N": 2.0, "cue_after_s": 0.012, "reaction": "pedal_up", "reaction_after_s": 0.4,
                     "verdict": "right"}
     shown = plain(page[page.index('id="hazards"'):page.index('id="pictures"')])
@@ -213,7 +216,8 @@ def series_of_sessions(tmp_path, count=3):
     for i in range(count):
         values = made.metrics()
         values["time"] = made.metric(3.0 - i * 0.5, 2.0, 0.1, 2.5, group="efficiency")
-        folders.append(made.make(tmp_path / f"day{i}", made.score(values=values, passed=i == 2), f"2026-01-0{i + 1}T10:00:00Z"))
+        folders.append(made.make(tmp_path / f"day{i}", made.score(values=values, passed=i == 2),
+                                 f"2026-01-0{i + 1}T10:00:00Z"))
     return folders
 
 
@@ -345,12 +349,14 @@ MEASURE = """<script>addEventListener('load', function () {
 
 def browse(page, width, *options):
     command = [BROWSER, "--headless=new", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
-               f"--user-data-dir={page.parent / 'profile'}", "--virtual-time-budget=4000", f"--window-size={width},1000",
+               f"--user-data-dir={page.parent / 'profile'}", "--virtual-time-budget=4000",
+               f"--window-size={width},1000",
                *options, page.as_uri()]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=180)
 
 
-@pytest.mark.skipif(BROWSER is None, reason="NOT CHECKED: no chromium here (Debian's package chromium), so nobody saw the "
+@pytest.mark.skipif(BROWSER is None, reason="NOT CHECKED: no chromium here (Debian's package chromium), so nobody saw "
+                                            "the "
                                             "report in a browser")
 @pytest.mark.parametrize("width", [1280, 820])
 def test_a_browser_shows_it_without_errors_or_overflow(tmp_path, whole, width):
