@@ -29,18 +29,20 @@ HEADER = {"records": log.RECORDS + [EXERCISE], "exercise": "pick_hand_over_place
 ORIGIN = "scripted expert of raven2_trainer, seeds 1001-1020, not surgeons"
 
 
+COUNTS = log.record(6, struct.pack("<Q", 60))  # ends a session
+
+
 def event(tick, kind, mistake=0, step=255, a=0xFFFF, b=0xFFFF):
-    return log.record(13, struct.pack("<qBBBBHH", tick, KINDS.index(kind), mistake, 0 if step != 255 else 255, step, a, b))
+    track = 0 if step != 255 else 255
+    return log.record(13, struct.pack("<qBBBBHH", tick, KINDS.index(kind), mistake, track, step, a, b))
 
 
 def data(**header):
-    """Two seconds: begun at 0.1 s, lift done at 0.5 s, a wire touched at 0.8 s, a fault from 1.0 s on, failed at 1.9 s."""
-    start = log.header_record(**{**HEADER, **header})
+    """Two seconds: begun at 0.1 s, lift done at 0.5, a wire touched at 0.8, a fault from 1.0 on, failed at 1.9."""
+    ticks = log.session_bytes()[len(log.header_record()):-len(COUNTS)]
     events = (event(11, "started") + event(110, "began") + event(510, "step_done", step=0)
               + event(810, "mistake", MISTAKES.index("wire_touch"), a=0, b=1) + event(1910, "failed"))
-    return start + log.session_bytes()[len(log.header_record()):-len(log.record(6,
-                                                                                struct.pack("<Q", 60)))] + events + log.record(
-        6, struct.pack("<Q", 60))
+    return log.header_record(**{**HEADER, **header}) + ticks + events + COUNTS
 
 
 def metric(value, mean=None, deviation=0.0, limit=None, unit="s", better="lower", group="safety"):

@@ -1,5 +1,5 @@
-"""export_session --format jigsaws and rosbag (scripts/export_dataset): read back with readers of others and compared with
-the log. The transformations here are written down anew, from core/frames.h, config/arms.yaml and raven2.md."""
+"""export_session --format jigsaws and rosbag (scripts/export_dataset): read back with readers of others, compared
+with the log. The transformations here are written down anew, from core/frames.h, config/arms.yaml and raven2.md."""
 import json
 import math
 import os
@@ -104,7 +104,7 @@ def test_masters_are_the_hands_and_what_they_asked_of_the_jaws(table, ticks, log
 
 @built
 def test_the_masters_turned_at_all(table):
-    assert max(np.abs(table[-1][3:12] - np.eye(3).ravel()).max(), np.abs(table[-1][22:31] - np.eye(3).ravel()).max()) > 0.05
+    assert max(np.abs(table[-1][first:first + 9] - np.eye(3).ravel()).max() for first in (3, 22)) > 0.05
 
 
 @built
@@ -174,7 +174,7 @@ def test_a_bag_has_every_tenth_tick_of_the_session_with_its_time(bag, ticks, log
 
 @built
 def test_joints_are_in_the_coordinates_of_the_robot_s_joint_states(bag, ticks):
-    """raven2.md 5.4: insertion from the URDF's zero, tool roll by 45 degrees, wrist and second grasper with their signs."""
+    """Insertion from the URDF's zero, tool roll by 45 degrees, wrist and second grasper with their signs."""
     for (message, _), tick in zip(bag["/model/joint_states"], ticks[ticks["tick"] % 10 == 0], strict=True):
         q, dq, tau = (tick["arms"][name] for name in ("q", "dq", "tau"))
         gold = [q[0][0], q[0][1], q[0][2] - 0.47, q[0][3] - math.pi / 4, q[0][4], q[0][5], -q[0][6]]

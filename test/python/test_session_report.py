@@ -81,7 +81,8 @@ def test_the_failing_metric_is_named_first(whole):
 
 
 @pytest.mark.parametrize("changes, expected", [
-    ({"passed": True, "improve": []}, "Passed: three metrics within the expert's band, and the hazard answered rightly"),
+    ({"passed": True, "improve": []},
+     "Passed: three metrics within the expert's band, and the hazard answered rightly"),
     ({"status": "failed", "failure": "time_limit"}, "Not passed: the time limit was reached, and one more reason"),
     ({"status": "running"}, "Not passed: the exercise was not finished (1 of 3 steps done), and one more reason"),
     ({"hazards": [made.hazard("wrong", "push_on", 1500)], "improve": ["hazard_response", "wire_touches"]},
@@ -116,8 +117,8 @@ def test_figures_are_those_of_the_score(whole):
             key: metric[key] for key in ("value", "mean", "limit", "passed", "unit")}
         assert told["title"] and told["definition"]
     shown = plain(page[page.index('id="numbers"'):])
-    for text in ("812.3 mm 900.0 mm ± 20.0 mm 1,125.0 mm ✓ passed", "2 0 ± 0 0 ✕ not passed", "22 µm – – not judged",
-                 "-9.50 -9.00 ± 0.20 -11.25 ✓ passed", "not measured"):
+    for text in ("812.3 mm 900.0 mm ± 20.0 mm 1,125.0 mm ✓ passed", "2 0 ± 0 0 ✕ not passed",
+                 "22 µm – – not judged", "-9.50 -9.00 ± 0.20 -11.25 ✓ passed", "not measured"):
         assert text in shown, text
 
 
@@ -130,6 +131,12 @@ def test_every_metric_of_a_score_has_words():
     assert len(names) > 30
     for name in names:
         assert name in metric_words.WORDS and metric_words.WORDS[name].meaning, name
+
+
+def test_a_value_that_rounds_to_its_limit_gets_more_digits():
+    metric = made.metric(0.63041, 0.5, 0.01, 0.63029, "-")
+    assert metric_words.said("idle", metric) == "standing still 0.6304 (limit 0.6303)"
+    assert metric_words.said("idle", {**metric, "value": 0.63029}) == "standing still 0.63 (limit 0.63)"
 
 
 def test_a_count_s_limit_is_what_is_still_allowed():
@@ -187,7 +194,8 @@ def test_the_script_s_data_are_in_the_order_of_the_drawing(whole):
     """Its projection of a shape is what stands in the drawing, for each of them."""
     page = whole[1]
     data = json.loads(re.search(r'id="turn-data">(.*?)</script>', page).group(1))
-    drawn = re.findall(r'<path class="[prt]"[^>]* d="(M[^"]*)"', page[page.index('id="turn"'):page.index('id="turn-hint"')])
+    view = page[page.index('id="turn"'):page.index('id="turn-hint"')]
+    drawn = re.findall(r'<path class="[prt]"[^>]* d="(M[^"]*)"', view)
     right, up, _ = view3d.directions(*data["view"])
     for numbers, path in zip(data["shapes"] + data["paths"], drawn, strict=True):
         shown = [float(v) for v in re.findall(r"-?[\d.]+", path)]
