@@ -86,23 +86,13 @@ def _window(facts, hazard):
     return max(0.0, at - BEFORE), min(facts.duration, max(at + BEHIND, end))
 
 
-def _worst_arm(facts, first, last):
-    """The arm whose robot went farthest from the model, and the direction in which it did."""
-    gap = facts.series.p_robot[first:last + 1] - facts.series.p_model[first:last + 1]
-    distance = np.nan_to_num(np.linalg.norm(gap, axis=2))
-    if not distance.size or distance.max() <= 0.0:
-        return 0, np.array([1.0, 0.0, 0.0])
-    i, arm = np.unravel_index(int(np.argmax(distance)), distance.shape)
-    return int(arm), gap[i, arm] / distance[i, arm]
-
-
 def _figure(facts, hazard, index):
     series = facts.series
     low, high = _window(facts, hazard)
     first, last = facts.index(low), facts.index(high)
     if last - first < 2:
         return ""
-    arm, axis = _worst_arm(facts, first, last)
+    arm, axis = facts.worst_gap(hazard)
     name = ("gold", "green")[arm]
     t = series.t[first:last + 1] - hazard["at_s"]
     origin = series.p_model[facts.index(hazard["at_s"]), arm]
@@ -138,7 +128,8 @@ def _figure(facts, hazard, index):
 
 
 def _range(lines, threshold):
-    values = np.concatenate([v for v, _, _, _ in lines] + [[threshold or 0.0, 0.0]])
+    """From nothing to the greatest, and at least to 1 mm or 1 N: what is small shall look small."""
+    values = np.concatenate([v for v, _, _, _ in lines] + [[threshold or 1.0, 0.0]])
     values = values[np.isfinite(values)]
     low, high = float(values.min()), float(values.max())
     room = max(0.06 * (high - low), 0.05)

@@ -10,6 +10,7 @@ from raven2_report import drawing
 from raven2_report.text import esc
 
 MAX_PATH = 700  # points of a drawn path
+MOST_MARKS = 60
 MOVED = 0.003  # [m] an object that moved less was only touched
 PLATE = 0.15  # [m] what is larger, the ground, may reach beyond the picture
 VIEWS = {  # azimuth, elevation of the viewer [deg]; what points right and up
@@ -249,19 +250,17 @@ def object_paths(facts, free):
 
 
 def event_marks(facts, bases):
-    """Hazards and mistakes, at the model's tip that was the faster one then."""
+    """Hazards at the tip that the robot left, mistakes at the tip of the arm that made them."""
+    found = [(f"Hazard: {h['name']}, {h['at_s']:.1f} s", h["at_s"], facts.worst_gap(h)[0], "diamond", drawing.BAD)
+             for h in facts.hazards]
+    found += [(f"{facts.mistake_text(e)}, {e['at_s']:.1f} s", e["at_s"], facts.arm_of(e), "cross", drawing.INK)
+              for e in facts.mistakes()]
+    first, last = facts.attempt_span()
     marks = []
-    for what, at, shape, colour in (
-            [(f"Hazard: {h['name']}, {h['at_s']:.1f} s", h["at_s"], "diamond", drawing.BAD) for h in facts.hazards]
-            + [(f"{facts.mistake_text(e)}, {e['at_s']:.1f} s", e["at_s"], "cross", drawing.INK)
-               for e in facts.mistakes()]):
-        first, last = facts.attempt_span()
-        if first <= at <= last and len(marks) < 60:
-            i = facts.index(at)
-            speed = np.linalg.norm(facts.series.p_model[i] - facts.series.p_model[max(i - 50, 0)], axis=1)
-            arm = int(np.argmax(np.nan_to_num(speed)))
+    for name, at, arm, shape, colour in found[:MOST_MARKS]:
+        if first <= at <= last:
             R, p = bases[arm]
-            marks.append({"name": what, "point": R @ facts.series.p_model[i, arm] + p, "shape": shape,
+            marks.append({"name": name, "point": R @ facts.series.p_model[facts.index(at), arm] + p, "shape": shape,
                           "colour": colour})
     return marks
 
