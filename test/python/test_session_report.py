@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import warnings
 
 import pytest
 
@@ -16,6 +17,8 @@ from raven2_report import curves, drawing, metric_words, scorecard, view3d  # no
 
 REPORT = made.ROOT / "scripts" / "session_report"
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+if BROWSER is None:
+    warnings.warn("no chromium here: nobody looked at the report in a browser", stacklevel=1)
 SECTIONS = ("timeline", "paths", "hazards", "pictures", "numbers", "curve", "engineering")
 
 
@@ -150,6 +153,32 @@ def test_a_count_s_limit_is_what_is_still_allowed():
 def test_value_mean_and_limit_lie_on_the_drawn_axis(metric):
     low, high = scorecard.band_range(metric)
     assert low < high and all(low <= metric[key] <= high for key in ("value", "mean", "limit"))
+
+
+def test_the_record_is_as_its_schema_says(whole):
+    """doc/report.md lists every field, and no other."""
+    record = whole[2]
+    text = (made.ROOT / "doc/report.md").read_text(encoding="utf-8")
+    schema = dict(re.findall(r"^\| `(\w+)(?:\[\])?` \| (.*) \|$", text, re.M))
+    assert list(schema) == list(record)
+    for name, told in record.items():
+        one = told[0] if isinstance(told, list) and told else told
+        if isinstance(one, dict) and name != "band":
+            assert set(re.findall(r"`(\w+)(?:\[\])?`", schema[name])) - {"hazard_response"} == set(one), name
+
+
+def test_of_several_attempts_the_last_that_ended_is_told(tmp_path):
+    scored = made.score()
+    first = scored["attempts"][0]
+    second = {**made.score(passed=True, improve=[], values={"time": made.metric(1.2, 2.0, 0.1, 2.5)})["attempts"][0],
+              "number": 2}
+    third = {**first, "number": 3, "status": "waiting", "first_tick": None, "last_tick": None}
+    scored["attempts"] = [first, second, third]
+    page, record, _ = report(made.make(tmp_path / "s", scored))
+    assert record["verdict"]["attempt"] == 2 and record["verdict"]["attempts"] == 3
+    assert headline(page).startswith("Passed: one metric")
+    assert [p["passed"] for p in record["curve"]] == [False, True], "who waits has not tried"
+    assert "Attempts of this session" in page and "Attempt 2 of 3" in page
 
 
 # ---- what happened ----------------------------------------------------------------------------------------------
