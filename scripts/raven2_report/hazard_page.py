@@ -8,6 +8,7 @@ from raven2_report.text import esc, is_number, number, table, words
 MOST = 6  # drawn; the table has all
 BEFORE, BEHIND = 0.6, 3.2  # [s] shown before the injection and behind it
 WIDTH, LEFT, RIGHT = 1000, 70, 20
+HEIGHT, GAP, ROW = 104, 30, 17.0  # of a panel, between panels, of a row of names above them
 
 
 def section(facts):
@@ -87,44 +88,51 @@ def _window(facts, hazard):
 
 
 def _figure(facts, hazard, index):
-    series = facts.series
     low, high = _window(facts, hazard)
-    first, last = facts.index(low), facts.index(high)
-    if last - first < 2:
+    if facts.index(high) - facts.index(low) < 2:
         return ""
     arm, axis = facts.worst_gap(hazard)
-    name = ("gold", "green")[arm]
-    t = series.t[first:last + 1] - hazard["at_s"]
-    origin = series.p_model[facts.index(hazard["at_s"]), arm]
-    model, robot = (1000.0 * (p[first:last + 1, arm] - origin) @ axis for p in (series.p_model, series.p_robot))
-    near = (series.force_t >= low) & (series.force_t <= high)
-    panels = (("Way of the tip [mm], along the direction in which the robot left it", t,
-               [(model, drawing.MODEL, "", "model"), (robot, drawing.ROBOT, "6 3", "robot")], None),
-              ("Distance of the tips of model and robot [mm]", t,
-               [(series.error_mm[first:last + 1, arm], drawing.INK, "", "distance")], series.tolerance_mm),
-              ("Force on the hand [N]", series.force_t[near] - hazard["at_s"],
-               [(series.force[near, arm], drawing.ARM_COLOURS[name], drawing.ARM_DASHES[name], "force")], None))
-    marks = _moments(facts, hazard, low - hazard["at_s"], high - hazard["at_s"])
-    head = 30.0 + 17.0 * max([row for *_, row in marks] + [0]) + 10.0
-    y = head + 22.0
-    bottom = y + len(panels) * 134.0 - 30.0
-    parts = [drawing.line(x, 22 + 17 * row, x, bottom, colour, 1.5, "" if name == "hazard" else "4 3")
-             for x, name, colour, row in marks]
-    for title, time, lines, threshold in panels:
-        panel = drawing.Panel(LEFT, y, WIDTH - LEFT - RIGHT, 104, (low - hazard["at_s"], high - hazard["at_s"]),
-                              _range(lines, threshold))
-        parts.append(_panel(facts, hazard, panel, title, time, lines, threshold))
-        y += 104 + 30
-    axis = drawing.Panel(LEFT, bottom, WIDTH - LEFT - RIGHT, 0.001, panel.x_range, (0, 1))
-    parts.append(axis.x_axis("time since the hazard began [s]"))
-    parts += [drawing.text(x + 4, 34 + 17 * row, name, 12.5, colour=colour, font_weight=600, **drawing.HALO)
+    begin, end = low - hazard["at_s"], high - hazard["at_s"]
+    marks = _moments(facts, hazard, begin, end)
+    top = 62.0 + ROW * max([row for *_, row in marks] + [0])
+    curves = _curves(facts, hazard, low, high, arm, axis)
+    bottom = top + len(curves) * (HEIGHT + GAP) - GAP
+    parts = [_key(("gold", "green")[arm])]
+    parts += [drawing.line(x, 22 + ROW * row, x, bottom, colour, 1.5, "" if name == "hazard" else "4 3")
               for x, name, colour, row in marks]
-    key = drawing.legend(LEFT, 14, [("model: what the hand asked for", drawing.MODEL, ""), 
-                                    ("robot", drawing.ROBOT, "6 3"), ("hazard acts", drawing.HAZARD, "area"),
-                                    (f"force, {name} hand", drawing.ARM_COLOURS[name],
-                                                                              drawing.ARM_DASHES[name])], 12.5, 7.0)
+    for i, (title, time, lines, threshold) in enumerate(curves):
+        panel = drawing.Panel(LEFT, top + i * (HEIGHT + GAP), WIDTH - LEFT - RIGHT, HEIGHT, (begin, end),
+                              _range(lines, threshold))
+        parts.append(_panel(hazard, panel, title, time, lines, threshold))
+    axis = drawing.Panel(LEFT, bottom, WIDTH - LEFT - RIGHT, 0.001, (begin, end), (0, 1))
+    parts.append(axis.x_axis("time since the hazard began [s]"))
+    parts += [drawing.text(x + 4, 34 + ROW * row, name, 12.5, colour=colour, font_weight=600, **drawing.HALO)
+              for x, name, colour, row in marks]
     label = f"Hazard {index}: model and robot, error and force"
-    return f"<figure>{drawing.svg(WIDTH, y + 12, key + ''.join(parts), label)}</figure>"
+    return f"<figure>{drawing.svg(WIDTH, bottom + 42, ''.join(parts), label)}</figure>"
+
+
+def _curves(facts, hazard, low, high, arm, axis):
+    """(title, time, [(values, colour, dash, name)], threshold) of each panel."""
+    series, name = facts.series, ("gold", "green")[arm]
+    shown = slice(facts.index(low), facts.index(high) + 1)
+    t = series.t[shown] - hazard["at_s"]
+    origin = series.p_model[facts.index(hazard["at_s"]), arm]
+    model, robot = (1000.0 * (p[shown, arm] - origin) @ axis for p in (series.p_model, series.p_robot))
+    near = (series.force_t >= low) & (series.force_t <= high)
+    return (("Way of the tip [mm], along the direction in which the robot left it", t,
+             [(model, drawing.MODEL, "", "model"), (robot, drawing.ROBOT, "6 3", "robot")], None),
+            ("Distance of the tips of model and robot [mm]", t,
+             [(series.error_mm[shown, arm], drawing.INK, "", "distance")], series.tolerance_mm),
+            ("Force on the hand [N]", series.force_t[near] - hazard["at_s"],
+             [(series.force[near, arm], drawing.ARM_COLOURS[name], drawing.ARM_DASHES[name], "force")], None))
+
+
+def _key(arm):
+    entries = [("model: what the hand asked for", drawing.MODEL, ""), ("robot", drawing.ROBOT, "6 3"),
+               ("hazard acts", drawing.HAZARD, "area"),
+               (f"force, {arm} hand", drawing.ARM_COLOURS[arm], drawing.ARM_DASHES[arm])]
+    return drawing.legend(LEFT, 14, entries, 12.5, 7.0)
 
 
 def _range(lines, threshold):
@@ -136,7 +144,7 @@ def _range(lines, threshold):
     return (low - room if low < 0 else 0.0), high + room
 
 
-def _panel(facts, hazard, panel, title, time, lines, threshold):
+def _panel(hazard, panel, title, time, lines, threshold):
     parts = [panel.shade(0.0, (hazard["end_s"] or hazard["at_s"]) - hazard["at_s"], drawing.HAZARD, opacity=0.45),
              panel.frame(title)]
     if threshold:

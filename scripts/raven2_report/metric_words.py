@@ -104,6 +104,14 @@ def words_of(name):
     return known if known else Words(str(name).replace("_", " ").capitalize(), "", "", 2)
 
 
+def meaning_of(name, score):
+    """What the metric is, with the session's own force limit in it."""
+    limit = score.get("force_limit_N")
+    if name == "force_above" and is_number(limit):
+        return f"in which the tools pressed harder than {number(float(limit), 1, 'N')}"
+    return words_of(name).meaning
+
+
 def unit_of(metric):
     unit = metric.get("unit") or ""
     return {"-": "", "count": "", "um": "µm", "m/s^3": "m/s³", "Ns": "N s"}.get(unit, unit)
