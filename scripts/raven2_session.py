@@ -266,6 +266,15 @@ def _read_header(path, data):
     return header, FRAME.size + size + CRC.size
 
 
+def read_header(path):
+    """The header of a log alone, without reading the rest. @throw SessionError."""
+    try:
+        with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            return _read_header(path, data)[0]
+    except (OSError, ValueError) as error:  # ValueError: an empty file cannot be mapped
+        raise SessionError(f"{path}: cannot be read as a session log: {error}") from None
+
+
 def _load_json(path):
     """The file's content, or an empty dict if there is none (a session that was cut off has no metrics)."""
     try:

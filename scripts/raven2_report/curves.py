@@ -105,7 +105,7 @@ def _names(facts, points):
 def _key():
     entries = [("passed", drawing.GOOD, "circle"), ("not passed", drawing.BAD, "cross"),
                ("not judged", drawing.SOFT, "square"), ("within the band", "#d9dee4", "area")]
-    return drawing.svg(700, 22, drawing.legend(2, 15, entries, 12.5), "Legend", "key")
+    return drawing.svg(1000, 24, drawing.legend(4, 16, entries, 12.5), "Legend", "key")
 
 
 def _small(facts, name, points):

@@ -200,11 +200,15 @@ class Details:
         rows.append(["Log", f"format {self.header['format_version']}, {len(self.log.ticks):,} ticks, "
                             f"{len(self.log.commands):,} commands, {'complete' if self.log.clean else 'cut off'}"])
         hashes = [[title, f"<code>{esc(self.header[key] or '–')}</code>"] for key, title in (
-            ("robot_urdf_hash", "Robot description"), ("scene_urdf_hash", "Scene description"),
-            ("config_hash", "Configuration"))]
-        hashes += [[esc(f["name"]), f"<code>{esc(f['fnv1a'])}</code>"] for f in self.meta.get("config_files", [])]
+            ("robot_urdf_hash", "Robot description"), ("scene_urdf_hash", "Scene description"))]
+        files = self.meta.get("config_files", [])
+        whole = self.header["config_hash"] or "–"  # those of all files, one behind the other
+        hashes.append(["Configuration", f"<code>{esc(whole)}</code>" if len(whole) <= 16 else
+                       f"{len(files)} files: their names and hashes are in meta.json"])
+        listed = [[esc(f["name"]), f"<code>{esc(f['fnv1a'])}</code>"] for f in files]
         return (f'<div class="two"><div>{table(["Session", ""], rows, set())}</div>'
-                f'<div>{table(["File", "FNV-1a, 64 bit"], hashes, set())}</div></div>')
+                f'<div>{table(["File", "FNV-1a, 64 bit"], hashes, set())}</div></div>'
+                f'<div class="files">{table(["File", "FNV-1a, 64 bit"], listed, set()) if listed else ""}</div>')
 
 
 def inline_svg(figure, name):

@@ -10,7 +10,7 @@ from raven2_report import metric_words
 from raven2_report.text import is_number, words
 
 MAX_FILE = 2 * 1024 * 1024  # bytes, of a configuration's copy or of score.json
-NONE = 255  # no track, no step
+ARM_LINKS = ("link1", "link2", "link3", "instrument_shaft", "wrist", "grasper1", "grasper2")  # core/exercise.h
 PHASES = {  # mode: words, family
     "waiting": ("Waiting for the robot", "held"),
     "pedal_up": ("Pedal up", "held"),
@@ -59,6 +59,11 @@ def chosen_attempt(attempts):
     """The newest that came to an end; else the newest."""
     ended = [a for a in attempts if a.get("status") in ("done", "failed")]
     return (ended or attempts or [None])[-1]
+
+
+def arm_of_link(name):
+    """0 gold, 1 green, -1 no moving link of an arm."""
+    return {f"{stem}_{side}": arm for stem in ARM_LINKS for arm, side in enumerate("LR")}.get(name, -1)
 
 
 class Configuration:
@@ -217,6 +222,37 @@ class Facts:
             return None, None
         return reaction["after_ms"] / 1000.0, reaction.get("response")
 
+    def answers(self, hazard):
+        """[(s after the injection, response, decides)]: the reaction, and what decided where that came later."""
+        found = []
+        for key in ("reaction", "deciding"):
+            answer = hazard["judged"].get(key)
+            if isinstance(answer, dict) and is_number(answer.get("after_ms")):
+                found.append((answer["after_ms"] / 1000.0, answer.get("response"), key == "deciding"))
+        if len(found) == 2 and found[0][:2] == found[1][:2]:
+            found = found[1:]
+        return found
+
+    def worst_gap(self, hazard):
+        """The arm whose robot went farthest from the model while both followed the hand, and the direction of that."""
+        first = self.index(hazard["at_s"])
+        last = self.index((hazard["end_s"] or hazard["at_s"]) + 0.2)
+        distance = np.nan_to_num(self.series.error_mm[first:last + 1])
+        if not distance.size or distance.max() <= 0.0:
+            return 0, np.array([1.0, 0.0, 0.0])
+        i, arm = np.unravel_index(int(np.argmax(distance)), distance.shape)
+        gap = self.series.p_robot[first + i, arm] - self.series.p_model[first + i, arm]
+        return int(arm), gap / np.linalg.norm(gap)
+
+    def arm_of(self, event):
+        """0 gold, 1 green: whose link a mistake is about, else the arm that was faster then."""
+        for body in (event["a"], event["b"]):
+            if arm_of_link(body) >= 0:
+                return arm_of_link(body)
+        i = self.index(event["at_s"])
+        way = self.series.p_model[i] - self.series.p_model[max(i - 50, 0)]
+        return int(np.argmax(np.nan_to_num(np.linalg.norm(way, axis=1))))
+
     def emergency_stop(self):
         """[s] at which the robot first fell into E-STOP after having left it; None if it did not."""
         level = self.series.runlevel
@@ -230,10 +266,8 @@ class Facts:
         wanted = [(0, 0.0, "Start"), (0, max(0.0, self.duration - 0.1), "End")]
         for number, hazard in enumerate(self.hazards, 1):
             wanted.append((1, self._worst(hazard), f"Hazard {number}: {words(hazard['name'])}, robot farthest off"))
-            after, response = self.reaction(hazard)
-            if after is not None:
-                wanted.append((3, hazard["at_s"] + after,
-                               f"Hazard {number}: the surgeon {metric_words.response(response)}"))
+            wanted += [(3, hazard["at_s"] + after, f"Hazard {number}: the surgeon {metric_words.response(response)}")
+                       for after, response, _ in self.answers(hazard)]
         wanted += [(1, e["at_s"], self.mistake_text(e)) for e in self.mistakes()]
         wanted += [(2, e["at_s"], f"Step done: {words(e['step'])}") for e in self.events if e["kind"] == "step_done"]
         wanted += [(1, e["at_s"], "Attempt failed") for e in self.events if e["kind"] == "failed"]

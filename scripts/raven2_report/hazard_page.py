@@ -8,6 +8,7 @@ from raven2_report.text import esc, is_number, number, table, words
 MOST = 6  # drawn; the table has all
 BEFORE, BEHIND = 0.6, 3.2  # [s] shown before the injection and behind it
 WIDTH, LEFT, RIGHT = 1000, 70, 20
+HEIGHT, GAP, ROW = 104, 30, 17.0  # of a panel, between panels, of a row of names above them
 
 
 def section(facts):
@@ -64,18 +65,16 @@ def _answer(facts, hazard):
     judged = hazard["judged"]
     if not judged:
         return "The answer to it was not judged."
-    after, response = facts.reaction(hazard)
     cue = judged.get("cue_after_ms")
     felt = f"The hand felt it after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
-    acted = "the surgeon did nothing that counts as an answer"
-    if after is not None:
-        acted = f"the surgeon {metric_words.response(response)} {1000 * after:,.0f} ms after it began"
+    acted = " and ".join(f"{metric_words.response(response)} {1000 * after:,.0f} ms after it began"
+                         for after, response, _ in facts.answers(hazard)) or "did nothing that counts as an answer"
     touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
     early = judged.get("coincidences") or []
     chance = " What came within 100 ms was no reaction and is left out." if early else ""
-    return esc(f"{felt}; {acted}: {verdict_words(judged)}.{met}{chance}")
+    return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{met}{chance}")
 
 
 # ---- picture ----------------------------------------------------------------------------------------------------
@@ -88,66 +87,64 @@ def _window(facts, hazard):
     return max(0.0, at - BEFORE), min(facts.duration, max(at + BEHIND, end))
 
 
-def _worst_arm(facts, first, last):
-    """The arm whose robot went farthest from the model, and the direction in which it did."""
-    gap = facts.series.p_robot[first:last + 1] - facts.series.p_model[first:last + 1]
-    distance = np.nan_to_num(np.linalg.norm(gap, axis=2))
-    if not distance.size or distance.max() <= 0.0:
-        return 0, np.array([1.0, 0.0, 0.0])
-    i, arm = np.unravel_index(int(np.argmax(distance)), distance.shape)
-    return int(arm), gap[i, arm] / distance[i, arm]
-
-
 def _figure(facts, hazard, index):
-    series = facts.series
     low, high = _window(facts, hazard)
-    first, last = facts.index(low), facts.index(high)
-    if last - first < 2:
+    if facts.index(high) - facts.index(low) < 2:
         return ""
-    arm, axis = _worst_arm(facts, first, last)
-    name = ("gold", "green")[arm]
-    t = series.t[first:last + 1] - hazard["at_s"]
-    origin = series.p_model[facts.index(hazard["at_s"]), arm]
-    model, robot = (1000.0 * (p[first:last + 1, arm] - origin) @ axis for p in (series.p_model, series.p_robot))
-    near = (series.force_t >= low) & (series.force_t <= high)
-    panels = (("Way of the tip [mm], along the direction in which the robot left it", t,
-               [(model, drawing.MODEL, "", "model"), (robot, drawing.ROBOT, "6 3", "robot")], None),
-              ("Distance of the tips of model and robot [mm]", t,
-               [(series.error_mm[first:last + 1, arm], drawing.INK, "", "distance")], series.tolerance_mm),
-              ("Force on the hand [N]", series.force_t[near] - hazard["at_s"],
-               [(series.force[near, arm], drawing.ARM_COLOURS[name], drawing.ARM_DASHES[name], "force")], None))
-    marks = _moments(facts, hazard, low - hazard["at_s"], high - hazard["at_s"])
-    head = 30.0 + 17.0 * max([row for *_, row in marks] + [0]) + 10.0
-    y = head + 22.0
-    bottom = y + len(panels) * 134.0 - 30.0
-    parts = [drawing.line(x, 22 + 17 * row, x, bottom, colour, 1.5, "" if name == "hazard" else "4 3")
-             for x, name, colour, row in marks]
-    for title, time, lines, threshold in panels:
-        panel = drawing.Panel(LEFT, y, WIDTH - LEFT - RIGHT, 104, (low - hazard["at_s"], high - hazard["at_s"]),
-                              _range(lines, threshold))
-        parts.append(_panel(facts, hazard, panel, title, time, lines, threshold))
-        y += 104 + 30
-    axis = drawing.Panel(LEFT, bottom, WIDTH - LEFT - RIGHT, 0.001, panel.x_range, (0, 1))
-    parts.append(axis.x_axis("time since the hazard began [s]"))
-    parts += [drawing.text(x + 4, 34 + 17 * row, name, 12.5, colour=colour, font_weight=600, **drawing.HALO)
+    arm, axis = facts.worst_gap(hazard)
+    begin, end = low - hazard["at_s"], high - hazard["at_s"]
+    marks = _moments(facts, hazard, begin, end)
+    top = 62.0 + ROW * max([row for *_, row in marks] + [0])
+    curves = _curves(facts, hazard, low, high, arm, axis)
+    bottom = top + len(curves) * (HEIGHT + GAP) - GAP
+    parts = [_key(("gold", "green")[arm])]
+    parts += [drawing.line(x, 22 + ROW * row, x, bottom, colour, 1.5, "" if name == "hazard" else "4 3")
               for x, name, colour, row in marks]
-    key = drawing.legend(LEFT, 14, [("model: what the hand asked for", drawing.MODEL, ""), 
-                                    ("robot", drawing.ROBOT, "6 3"), ("hazard acts", drawing.HAZARD, "area"),
-                                    (f"force, {name} hand", drawing.ARM_COLOURS[name],
-                                                                              drawing.ARM_DASHES[name])], 12.5, 7.0)
+    for i, (title, time, lines, threshold) in enumerate(curves):
+        panel = drawing.Panel(LEFT, top + i * (HEIGHT + GAP), WIDTH - LEFT - RIGHT, HEIGHT, (begin, end),
+                              _range(lines, threshold))
+        parts.append(_panel(hazard, panel, title, time, lines, threshold))
+    axis = drawing.Panel(LEFT, bottom, WIDTH - LEFT - RIGHT, 0.001, (begin, end), (0, 1))
+    parts.append(axis.x_axis("time since the hazard began [s]"))
+    parts += [drawing.text(x + 4, 34 + ROW * row, name, 12.5, colour=colour, font_weight=600, **drawing.HALO)
+              for x, name, colour, row in marks]
     label = f"Hazard {index}: model and robot, error and force"
-    return f"<figure>{drawing.svg(WIDTH, y + 12, key + ''.join(parts), label)}</figure>"
+    return f"<figure>{drawing.svg(WIDTH, bottom + 42, ''.join(parts), label)}</figure>"
+
+
+def _curves(facts, hazard, low, high, arm, axis):
+    """(title, time, [(values, colour, dash, name)], threshold) of each panel."""
+    series, name = facts.series, ("gold", "green")[arm]
+    shown = slice(facts.index(low), facts.index(high) + 1)
+    t = series.t[shown] - hazard["at_s"]
+    origin = series.p_model[facts.index(hazard["at_s"]), arm]
+    model, robot = (1000.0 * (p[shown, arm] - origin) @ axis for p in (series.p_model, series.p_robot))
+    near = (series.force_t >= low) & (series.force_t <= high)
+    return (("Way of the tip [mm], along the direction in which the robot left it", t,
+             [(model, drawing.MODEL, "", "model"), (robot, drawing.ROBOT, "6 3", "robot")], None),
+            ("Distance of the tips of model and robot [mm]", t,
+             [(series.error_mm[shown, arm], drawing.INK, "", "distance")], series.tolerance_mm),
+            ("Force on the hand [N]", series.force_t[near] - hazard["at_s"],
+             [(series.force[near, arm], drawing.ARM_COLOURS[name], drawing.ARM_DASHES[name], "force")], None))
+
+
+def _key(arm):
+    entries = [("model: what the hand asked for", drawing.MODEL, ""), ("robot", drawing.ROBOT, "6 3"),
+               ("hazard acts", drawing.HAZARD, "area"),
+               (f"force, {arm} hand", drawing.ARM_COLOURS[arm], drawing.ARM_DASHES[arm])]
+    return drawing.legend(LEFT, 14, entries, 12.5, 7.0)
 
 
 def _range(lines, threshold):
-    values = np.concatenate([v for v, _, _, _ in lines] + [[threshold or 0.0, 0.0]])
+    """From nothing to the greatest, and at least to 1 mm or 1 N: what is small shall look small."""
+    values = np.concatenate([v for v, _, _, _ in lines] + [[threshold or 1.0, 0.0]])
     values = values[np.isfinite(values)]
     low, high = float(values.min()), float(values.max())
     room = max(0.06 * (high - low), 0.05)
     return (low - room if low < 0 else 0.0), high + room
 
 
-def _panel(facts, hazard, panel, title, time, lines, threshold):
+def _panel(hazard, panel, title, time, lines, threshold):
     parts = [panel.shade(0.0, (hazard["end_s"] or hazard["at_s"]) - hazard["at_s"], drawing.HAZARD, opacity=0.45),
              panel.frame(title)]
     if threshold:
@@ -170,9 +167,7 @@ def _moments(facts, hazard, low, high):
     for key, name in (("force_after_ms", "first force"), ("cue_after_ms", "felt")):
         if is_number(judged.get(key)):
             found.append((judged[key] / 1000.0, name, drawing.SOFT))
-    after, response = facts.reaction(hazard)
-    if after is not None:
-        found.append((after, metric_words.response(response), drawing.INK))
+    found += [(after, metric_words.response(response), drawing.INK) for after, response, _ in facts.answers(hazard)]
     marks, ends = [], []
     for at, name, colour in sorted(found):
         if not panel.inside(at):

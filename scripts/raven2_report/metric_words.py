@@ -104,6 +104,14 @@ def words_of(name):
     return known if known else Words(str(name).replace("_", " ").capitalize(), "", "", 2)
 
 
+def meaning_of(name, score):
+    """What the metric is, with the session's own force limit in it."""
+    limit = score.get("force_limit_N")
+    if name == "force_above" and is_number(limit):
+        return f"in which the tools pressed harder than {number(float(limit), 1, 'N')}"
+    return words_of(name).meaning
+
+
 def unit_of(metric):
     unit = metric.get("unit") or ""
     return {"-": "", "count": "", "um": "µm", "m/s^3": "m/s³", "Ns": "N s"}.get(unit, unit)
@@ -119,22 +127,30 @@ def limit_of(metric):
     return limit
 
 
-def said(name, metric):
-    """`wires touched twice (limit 0)`, `time 92.1 s (limit 78.3 s)`."""
-    known, unit, limit = words_of(name), unit_of(metric), limit_of(metric)
-    bound = "" if limit is None else f" (limit {figure(name, metric, limit)})"
-    value = metric.get("value")
-    if known.said and is_number(value):
-        return known.said.format(times=times(round(value))) + bound
-    title = known.title if known.title.split(" ")[-1].isupper() else known.title[0].lower() + known.title[1:]
-    return f"{title} {figure(name, metric, value)}{bound}" if unit or is_number(value) else title + bound
+def digits_of(name, metric):
+    """Enough of them to tell the value from the limit that it does not keep."""
+    digits = 1 if metric.get("unit") == "count" else words_of(name).digits
+    value, limit = metric.get("value"), metric.get("limit")
+    if is_number(value) and is_number(limit) and metric.get("unit") != "count":
+        while digits < 6 and value != limit and f"{value:.{digits}f}" == f"{limit:.{digits}f}":
+            digits += 1
+    return digits
 
 
 def figure(name, metric, value):
     """A value of that metric with its unit."""
-    if is_number(value) and metric.get("unit") == "count" and float(value).is_integer():
-        return number(int(value))
     if not is_number(value):
         return "–"
-    digits = 1 if metric.get("unit") == "count" else words_of(name).digits
-    return number(float(value), digits, unit_of(metric))
+    if metric.get("unit") == "count" and float(value).is_integer():
+        return number(int(value))
+    return number(float(value), digits_of(name, metric), unit_of(metric))
+
+
+def said(name, metric):
+    """`wires touched twice (limit 0)`, `time 92.1 s (limit 78.3 s)`."""
+    known, limit = words_of(name), limit_of(metric)
+    bound = "" if limit is None else f" (limit {figure(name, metric, limit)})"
+    value = metric.get("value")
+    if known.said and is_number(value):
+        return known.said.format(times=times(round(value))) + bound
+    return f"{known.title[0].lower()}{known.title[1:]} {figure(name, metric, value)}{bound}"

@@ -99,8 +99,8 @@ def page(facts, others, path):
 <nav>{links}<a href="#engineering">For engineers</a></nav>{body}
 <details id="engineering" open><summary>For engineers</summary>{engineering(facts)}</details>
 <footer>Written by session_report of raven2_trainer from session.rlog, score.json, metrics.json and meta.json.
-Comparison: X. Li, H. Alemzadeh, D. Chen, Z. Kalbarczyk, R. K. Iyer, T. Kesavadas, “Surgeon Training in Telerobotic Surgery via a
-Hardware-in-the-Loop Simulator”, 2017. A training aid, not a medical device.</footer>
+Comparison: X. Li, H. Alemzadeh, D. Chen, Z. Kalbarczyk, R. K. Iyer, T. Kesavadas, “Surgeon Training in Telerobotic
+Surgery via a Hardware-in-the-Loop Simulator”, 2017. A training aid, not a medical device.</footer>
 </main><script>{view3d.SCRIPT}</script></body></html>
 """
 

@@ -14,9 +14,9 @@ def _number(value):
     return value if is_number(value) and abs(value) != float("inf") else None
 
 
-def _metric(name, metric):
-    known = metric_words.words_of(name)
-    return {"name": name, "title": known.title, "definition": known.meaning, "unit": metric.get("unit"),
+def _metric(name, metric, score):
+    title, definition = metric_words.words_of(name).title, metric_words.meaning_of(name, score)
+    return {"name": name, "title": title, "definition": definition, "unit": metric.get("unit"),
             "group": metric.get("group"), "better": metric.get("better"), "value": _number(metric.get("value")),
             "mean": _number(metric.get("mean")), "deviation": _number(metric.get("deviation")),
             "limit": _number(metric.get("limit")), "passed": metric.get("passed")}
@@ -52,7 +52,8 @@ def build(facts, others):
                     "attempt": attempt.get("number"),
                     "attempts": len(facts.attempts)},
         "summary": verdict.story(facts), "improve": verdict.improvements(facts), "band": facts.score.get("band"),
-        "metrics": [_metric(name, m) for name, m in attempt.get("metrics", {}).items() if isinstance(m, dict)],
+        "metrics": [_metric(name, m, facts.score) for name, m in attempt.get("metrics", {}).items()
+                    if isinstance(m, dict)],
         "not_judged": attempt.get("not_judged", []),
         "phases": [{"mode": mode, "name": PHASES.get(mode, (mode, ""))[0], "from_s": a, "to_s": b}
                    for a, b, mode in facts.phases],

@@ -23,7 +23,7 @@ def _banner(facts):
 
 def _attempt_line(facts):
     if facts.attempt is None:
-        return esc(verdict.story(facts))
+        return ""
     first, last = facts.attempt_span()
     parts = [f"Attempt {facts.attempt.get('number', 1)} of {len(facts.attempts)}", f"{clock(last - first)} long"]
     if is_number(facts.attempt.get("composite")):
@@ -64,7 +64,7 @@ def _bands(facts):
             passed = sum(m.get("passed") is True for _, m in inside)
             columns.append(f'<div class="bands"><h3>{title} <small>{meaning}; {passed} of {len(inside)} within the '
                            'band</small></h3>'
-                           f'{"".join(_row(name, m) for name, m in inside)}</div>')
+                           f'{"".join(_row(name, m, facts.score) for name, m in inside)}</div>')
     parts.append(f'<div class="columns">{"".join(columns)}</div>')
     missing = [metric_words.words_of(name).title for name in facts.attempt.get("not_judged", [])]
     if missing:
@@ -85,16 +85,18 @@ def _band_origin(facts):
             f'<div class="bandkey">{drawing.svg(640, 20, key, "Legend")}</div>')
 
 
-def _row(name, metric):
+def _row(name, metric, score):
     known = metric_words.words_of(name)
     value = metric_words.figure(name, metric, metric["value"])
     limit = metric_words.figure(name, metric, metric_words.limit_of(metric))
     sign = "at most" if metric.get("better") == "lower" else "at least"
+    own = ", the exercise's own limit" if is_number(metric.get("bound")) and metric["bound"] == metric["limit"] else ""
     good = metric.get("passed") is True
     return (f'<div class="band {"good" if good else "bad"}"><div class="what"><b>{esc(known.title)}</b></div>'
             f'<div class="value">{esc(value)}</div><div class="chart">{band_svg(name, metric)}</div>'
             f'<div class="mark"><b>{"✓ passed" if good else "✕ not passed"}</b></div>'
-            f'<small>{esc(known.meaning)}; <span class="limit">{sign} {esc(limit)}</span></small></div>')
+            f'<small>{esc(metric_words.meaning_of(name, score))}; <span class="limit">{sign} {esc(limit)}</span>{own}'
+            "</small></div>")
 
 
 def band_range(metric):
@@ -143,7 +145,8 @@ def all_metrics(facts):
             mean, spread = metric.get("mean"), metric.get("deviation")
             shown = [metric_words.figure(name, metric, value) for value in (mean, spread)]
             expert = " ± ".join(shown) if is_number(mean) else "–"
-            rows.append([title, f"<b>{esc(known.title)}</b><br><small>{esc(known.meaning)}</small>",
+            meaning = metric_words.meaning_of(name, facts.score)
+            rows.append([title, f"<b>{esc(known.title)}</b><br><small>{esc(meaning)}</small>",
                          esc(metric_words.figure(name, metric, metric.get("value"))), esc(expert),
                          esc(metric_words.figure(name, metric, metric_words.limit_of(metric))), esc(passed)])
     return rows

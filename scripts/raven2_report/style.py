@@ -17,6 +17,7 @@ h3 { margin: 22px 0 6px; font-size: 16px; }
 h3 small { font-weight: 400; color: var(--soft); font-size: 13.5px; margin-left: 6px; }
 p { margin: 6px 0; max-width: 95ch; overflow-wrap: anywhere; }
 .sub { color: var(--soft); font-size: 14px; overflow-wrap: anywhere; }
+.summary { margin-top: 16px; }
 nav { margin: 10px 0 0; font-size: 14px; }
 nav a { margin-right: 16px; white-space: nowrap; }
 a { color: var(--accent); }
@@ -62,7 +63,7 @@ th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: 2px 
   vertical-align: bottom; }
 td { border-bottom: 1px solid var(--line); padding: 5px 9px; vertical-align: top; }
 td small { color: var(--soft); }
-.limit { white-space: nowrap; } .n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.limit, td.v { white-space: nowrap; } .n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .two { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 0 36px; }
 .three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 8px 20px; }
 .three figure { margin: 4px 0; }
@@ -76,29 +77,34 @@ figcaption { color: var(--soft); font-size: 13px; }
 .frames { display: grid; grid-template-columns: repeat(4, minmax(0, 1fr)); gap: 12px; }
 .frames figure { margin: 0; }
 .frames img { width: 100%; border-radius: 4px; display: block; }
+.files { columns: 2; margin-top: 12px; } .files code { white-space: nowrap; }
 details { margin-top: 34px; } summary { cursor: pointer; font-size: 20px; font-weight: 700; color: var(--accent); }
 details h2 { font-size: 17px; }
 code { font: 12.5px "DejaVu Sans Mono", Consolas, monospace; overflow-wrap: anywhere; }
 footer { margin-top: 34px; padding-top: 10px; border-top: 1px solid var(--line); color: var(--soft);
   font-size: 12.5px; }
-@media screen and (max-width: 960px) { main { margin: 0; padding: 20px 22px; border-radius: 0; }
+@media screen and (max-width: 960px) { svg.timeline text { font-size: 14.5px; }
+  main { margin: 0; padding: 20px 22px; border-radius: 0; }
   .cards, .frames { grid-template-columns: repeat(2, minmax(0, 1fr)); }
   .two { grid-template-columns: minmax(0, 1fr); } .three { grid-template-columns: repeat(2, minmax(0, 1fr)); }
   .columns { columns: 1; } .band { grid-template-columns: minmax(0, 1fr) auto minmax(0, 240px) 106px; } }
 @media screen and (max-width: 560px) { .three, .frames, .cards { grid-template-columns: minmax(0, 1fr); }
   .banner { flex-direction: column; gap: 4px; } .banner ul { columns: 1; }
   .band { grid-template-columns: minmax(0, 1fr) auto; } }
-@media print { @page { size: A4; margin: 12mm; } body { background: #fff; font-size: 11px; }
-  main { box-shadow: none; margin: 0; padding: 0; max-width: none; }
+@media print { @page { size: A4; margin: 12mm; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-  h1 { font-size: 19px; } h2 { break-after: avoid; margin-top: 16px; font-size: 15px; } h3 { break-after: avoid;
-  font-size: 12.5px; }
+  body { background: #fff; font-size: 11px; }
+  main { box-shadow: none; margin: 0; padding: 0; max-width: none; }
+  h1 { font-size: 19px; } h2 { break-after: avoid; margin-top: 14px; font-size: 15px; }
+  h3 { break-after: avoid; font-size: 12.5px; } h3 small { font-size: 10px; } summary { font-size: 15px; }
+  .banner { padding: 10px 14px; margin-top: 12px; } .sign { font-size: 24px; } .banner ul { font-size: 11px; }
   .headline { font-size: 18px; } .sub, figcaption { font-size: 10px; } .card b { font-size: 15px; }
-  .band .value { font-size: 13px; }
-  .band { padding: 3px 0; } .band small, .card small, .card span { font-size: 9.5px; }
-  ol.improve span { font-size: 10.5px; }
-  .card, tr, .frames figure, .hazard figure { break-inside: avoid; } table { font-size: 9.5px; } td,
-  th { padding: 2px 5px; }
-  ol.improve { grid-template-columns: repeat(3, 1fr); } nav, #turn-hint { display: none; } .wide { overflow: visible;
-  } }
+  .columns { columns: 1; } .bands h3 small { display: inline; margin-left: 6px; }
+  .band { grid-template-columns: minmax(0, 1fr) 90px 220px 84px; padding: 2px 0; }
+  .band .what, .band .value { font-size: 12px; } .band .mark b { font-size: 11px; } .band svg { max-height: 22px; }
+  .band small, .card small, .card span { font-size: 9.5px; } ol.improve span { font-size: 10.5px; }
+  ol.improve { grid-template-columns: repeat(3, 1fr); } ol.improve li { padding: 6px 10px; }
+  table { font-size: 9.5px; } td, th { padding: 2px 5px; } .wide { overflow: visible; }
+  .card, tr, .frames figure, .hazard { break-inside: avoid; }
+  nav, #turn-hint, .files { display: none; } }
 """

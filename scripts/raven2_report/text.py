@@ -2,6 +2,7 @@
 
 import html
 
+KINDS = {(True, False): ' class="n"', (False, True): ' class="v"', (False, False): ""}  # of a cell: numeric, verdict
 COUNT_WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 
 
@@ -59,7 +60,7 @@ def table(titles, rows, numeric=(), kind=""):
     """An HTML table that scrolls by itself where it is wider than the page; `numeric` columns are set to the right."""
 
     def row(cells, tag):
-        marks = (' class="n"' if i in numeric else "" for i in range(len(cells)))
+        marks = (KINDS[i in numeric, titles[i] == "Verdict"] for i in range(len(cells)))
         return "<tr>" + "".join(f"<{tag}{mark}>{cell}</{tag}>" for mark, cell in zip(marks, cells)) + "</tr>"
 
     kind = f' class="{kind}"' if kind else ""

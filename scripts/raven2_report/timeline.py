@@ -3,7 +3,7 @@
 import numpy as np
 
 from raven2_report import drawing, metric_words
-from raven2_report.facts import PHASES
+from raven2_report.facts import PHASES, arm_of_link
 from raven2_report.text import words
 
 WIDTH, LEFT, RIGHT = 1000, 96, 14
@@ -76,7 +76,8 @@ def _key(facts):
     shown = {PHASES.get(mode, ("", "held"))[1] for _, _, mode in facts.phases}
     entries = [(name, FILLS[family], "area") for family, name in FAMILIES if family in shown]
     if facts.hazards:
-        entries += [("hazard acts", drawing.HAZARD, "area"), ("answer", drawing.GOOD, "triangle")]
+        entries += [("hazard acts", drawing.HAZARD, "area"), ("answer", drawing.GOOD, "triangle"),
+                    ("first reaction", drawing.SOFT, "triangle")]
     if facts.mistakes():
         entries.append(("mistake", drawing.BAD, "cross"))
     entries += [(f"{arm} arm", drawing.ARM_COLOURS[arm], drawing.ARM_DASHES[arm]) for arm in ("gold", "green")]
@@ -111,27 +112,27 @@ def _hazards(facts, lanes):
     if not facts.hazards:
         return
     panel = lanes.lane("Hazards", 32)
-    lanes.parts.append(drawing.rect(panel.x, panel.y, panel.width, panel.height, drawing.PANEL))
+    parts = lanes.parts
+    parts.append(drawing.rect(panel.x, panel.y, panel.width, panel.height, drawing.PANEL))
     for number, hazard in enumerate(facts.hazards, 1):
         end = hazard["end_s"] if hazard["end_s"] is not None else hazard["at_s"] + 0.3
         title = f"{words(hazard['name'])}: {hazard['at_s']:.3f} s to {end:.3f} s"
         lanes.parts.append(panel.shade(hazard["at_s"], end, drawing.HAZARD, title, stroke=drawing.BAD,
                                        stroke_width=0.8))
-        after, response = facts.reaction(hazard)
-        x = panel.to_x(hazard["at_s"])
-        long = f"{number} {words(hazard['name'])}"
-        if after is not None:
+        x, long = panel.to_x(hazard["at_s"]), f"{number} {words(hazard['name'])}"
+        for after, response, decides in facts.answers(hazard):
             said = metric_words.response(response)
-            at = hazard["at_s"] + after
-            colour = drawing.GOOD if hazard["judged"].get("verdict") == "right" else drawing.BAD
-            lanes.parts.append(drawing.mark(panel.to_x(at), panel.y + 9, "triangle", colour,
-                                            f"{said}, {1000 * after:.0f} ms after the hazard began"))
+            right = hazard["judged"].get("verdict") == "right"
+            colour = drawing.SOFT if not decides else drawing.GOOD if right else drawing.BAD
+            title = f"{said}, {1000 * after:.0f} ms after the hazard began"
+            parts.append(drawing.mark(panel.to_x(hazard["at_s"] + after), panel.y + 9, "triangle", colour, title))
             long += f": {said} after {after:.2f} s"
         following = facts.hazards[number]["at_s"] if number < len(facts.hazards) else lanes.range[1]
         start = max(x, panel.to_x(end)) + 5
         room = min(panel.to_x(following), panel.x + panel.width) - start
-        label = next((entry for entry in (long, f"{number} {words(hazard['name'])}", str(number)) if len(entry)
-                      * 6.6 < room), "")
+        short = f"{number} {words(hazard['name'])}"
+        last = short + long[long.rfind(":"):] if ":" in long else short
+        label = next((entry for entry in (long, last, short, str(number)) if len(entry) * 6.6 < room), "")
         lanes.parts.append(drawing.text(start, panel.y + 27, label, 12))
 
 
@@ -185,7 +186,7 @@ def contact_force(facts):
     contacts = facts.log.contacts
     if contacts is None or not len(facts.series.t):
         return None
-    arms = np.array([_arm_of(name) for name in facts.header.get("body_names", [])] or [-1])
+    arms = np.array([arm_of_link(name) for name in facts.header.get("body_names", [])] or [-1])
     free = set(_free_bodies(facts))
     loose = np.array([name in free for name in facts.header.get("body_names", [])] or [False])
     force = np.zeros((len(facts.series.t), 2))
@@ -202,11 +203,6 @@ def contact_force(facts):
         chosen = counts & ((arms[a] == arm) | (arms[b] == arm))
         np.add.at(force[:, arm], index[chosen], strength[chosen])
     return force
-
-
-def _arm_of(name):
-    stems = ("link1", "link2", "link3", "instrument_shaft", "wrist", "grasper1", "grasper2")
-    return {f"{stem}_{side}": arm for stem in stems for arm, side in enumerate("LR")}.get(name, -1)
 
 
 def _free_bodies(facts):

@@ -10,6 +10,8 @@ from raven2_report import drawing
 from raven2_report.text import esc
 
 MAX_PATH = 700  # points of a drawn path
+MOST_MARKS = 60
+MOVED = 0.003  # [m] an object that moved less was only touched
 PLATE = 0.15  # [m] what is larger, the ground, may reach beyond the picture
 VIEWS = {  # azimuth, elevation of the viewer [deg]; what points right and up
     "turned": (205.0, 32.0, ""),
@@ -232,20 +234,33 @@ def world_paths(facts, bases):
     return paths
 
 
+def object_paths(facts, free):
+    """Of the scene's objects that were moved: a dotted line each."""
+    ticks = facts.series.ticks["model"]
+    if "bodies" not in (ticks.dtype.names or ()):
+        return []
+    first, last = (facts.index(t) for t in facts.attempt_span())
+    paths = []
+    for i, name in enumerate(free):
+        points = simplified(ticks["bodies"]["p"][first:last + 1, i])
+        if len(points) > 1 and np.ptp(points, axis=0).max() > MOVED:
+            paths.append({"name": f"way of {name}", "colour": drawing.INK, "dash": "1.5 3.5", "width": 1.5,
+                          "points": points})
+    return paths
+
+
 def event_marks(facts, bases):
-    """Hazards and mistakes, at the model's tip that was the faster one then."""
+    """Hazards at the tip that the robot left, mistakes at the tip of the arm that made them."""
+    found = [(f"Hazard: {h['name']}, {h['at_s']:.1f} s", h["at_s"], facts.worst_gap(h)[0], "diamond", drawing.BAD)
+             for h in facts.hazards]
+    found += [(f"{facts.mistake_text(e)}, {e['at_s']:.1f} s", e["at_s"], facts.arm_of(e), "cross", drawing.INK)
+              for e in facts.mistakes()]
+    first, last = facts.attempt_span()
     marks = []
-    for what, at, shape, colour in (
-            [(f"Hazard: {h['name']}, {h['at_s']:.1f} s", h["at_s"], "diamond", drawing.BAD) for h in facts.hazards]
-            + [(f"{facts.mistake_text(e)}, {e['at_s']:.1f} s", e["at_s"], "cross", drawing.INK)
-               for e in facts.mistakes()]):
-        first, last = facts.attempt_span()
-        if first <= at <= last and len(marks) < 60:
-            i = facts.index(at)
-            speed = np.linalg.norm(facts.series.p_model[i] - facts.series.p_model[max(i - 50, 0)], axis=1)
-            arm = int(np.argmax(np.nan_to_num(speed)))
+    for name, at, arm, shape, colour in found[:MOST_MARKS]:
+        if first <= at <= last:
             R, p = bases[arm]
-            marks.append({"name": what, "point": R @ facts.series.p_model[i, arm] + p, "shape": shape,
+            marks.append({"name": name, "point": R @ facts.series.p_model[facts.index(at), arm] + p, "shape": shape,
                           "colour": colour})
     return marks
 
@@ -259,7 +274,7 @@ def section(facts, scene, bases):
     ticks = facts.series.ticks["model"]
     if "bodies" in (ticks.dtype.names or ()) and scene.free:
         shapes += scene.add_free(ticks["bodies"][facts.index(first)])
-    paths = world_paths(facts, bases)
+    paths = object_paths(facts, scene.free) + world_paths(facts, bases)
     marks = event_marks(facts, bases)
     picture = Picture(shapes, paths, marks)
     turned, scale = picture.drawn("turned", 1000, 560, "turn", "Paths of the tool tips over the scene, in three "
@@ -268,12 +283,13 @@ def section(facts, scene, bases):
     flat = "".join(f"<figure>{picture.drawn(view, 460, 380, '', 'Paths ' + VIEWS[view][2])[0]}"
                    f"<figcaption>{VIEWS[view][2][0].upper() + VIEWS[view][2][1:]}</figcaption></figure>"
                    for view in ("top", "side", "front"))
-    key = drawing.legend(4, 18, [("gold tool, model", drawing.ARM_COLOURS["gold"], ""),
+    key = drawing.legend(4, 16, [("gold tool, model", drawing.ARM_COLOURS["gold"], ""),
                                  ("its robot", drawing.ARM_COLOURS["gold"], "5 3"),
                                  ("green tool, model", drawing.ARM_COLOURS["green"], ""),
                                  ("its robot", drawing.ARM_COLOURS["green"], "5 3"),
-                                 ("hazard", drawing.BAD, "diamond"), ("mistake", drawing.INK, "cross")])
-    return (f'<figure>{drawing.svg(860, 26, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" '
+                                 ("object", drawing.INK, "1.5 3.5"), ("hazard", drawing.BAD, "diamond"),
+                                 ("mistake", drawing.INK, "cross")], 12.5, 7.0)
+    return (f'<figure>{drawing.svg(1000, 24, key, "Legend", "key")}{turned}<figcaption><span id="turn-hint" '
             'hidden>Drag, or '
             "use the arrow keys, to turn it; + and - change its size. </span>x points away from the surgeon, y to the "
             "left, "

@@ -1,0 +1,241 @@
+"""export_session --format jigsaws and rosbag (scripts/export_dataset): read back with readers of others, compared
+with the log. The transformations here are written down anew, from core/frames.h, config/arms.yaml and raven2.md."""
+import json
+import math
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import report_session as made  # noqa: E402
+
+import raven2_session  # noqa: E402  (found beside raven2_report)
+from raven2_exports import jigsaws  # noqa: E402
+
+PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", made.ROOT / "build")) / "devel/lib/raven2_trainer"
+built = pytest.mark.skipif(not (PROGRAMS / "simulate").exists() or not (PROGRAMS / "export_session").exists(),
+                           reason="simulate or export_session is not built")
+# Axes of B in W, as columns: gold x up, y toward the surgeon, z right; green x up, y forward, z left (core/frames.h).
+R_WB = (np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]]), np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]))
+P_WB = (np.array([-0.03, 0.0643, 0.14]), np.array([-0.03, -0.0643, 0.14]))  # rcm_W of config/arms.yaml
+
+
+def export(directory, kind, *options):
+    done = subprocess.run([PROGRAMS / "export_session", directory, "--format", kind, *map(str, options)],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stderr
+
+
+@pytest.fixture(scope="module", name="directory")
+def simulated(tmp_path_factory):
+    """Five seconds of moving arms with turned masters: the scripted expert on its way to the ring."""
+    output = tmp_path_factory.mktemp("export") / "a session"
+    done = subprocess.run([PROGRAMS / "simulate", "--motion", "expert", "--exercise", "pick_hand_over_place",
+                           "--seconds", "5",
+                           "--output", output], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return output
+
+
+@pytest.fixture(scope="module", name="log")
+def read_log(directory):
+    return raven2_session.Session(directory).log
+
+
+@pytest.fixture(scope="module", name="ticks")
+def session_ticks(log):
+    ticks = log.ticks["model"]
+    return ticks[ticks["session_tick"] >= 0]
+
+
+@pytest.fixture(scope="module", name="table")
+def kinematics(directory):
+    export(directory, "jigsaws")
+    return np.loadtxt(directory / "jigsaws.txt")
+
+
+def frames(table, ticks):
+    """The tick of each row: frame k is at k / 30 s, to the nearest millisecond."""
+    return np.array([np.argmin(np.abs(ticks["session_tick"] - 1000 * k / 30)) for k in range(len(table))])
+
+
+def turn(q):
+    """Rotation matrix of a quaternion x y z w, by turning the axes one by one."""
+    v, w = np.array(q[:3]), q[3]
+    return np.array([e + 2 * np.cross(v, np.cross(v, e) + w * e) for e in np.eye(3)]).T
+
+
+# ---- JIGSAWS ----------------------------------------------------------------------------------------------------
+
+
+@built
+def test_there_are_76_columns_at_30_hz(table, ticks):
+    assert table.shape == (math.floor(ticks["session_tick"][-1] * 30 / 1000) + 1, 76)
+
+
+@built
+@pytest.mark.parametrize("arm, first", [(0, 38), (1, 57)])
+def test_slaves_are_the_tips_in_the_world(table, ticks, arm, first):
+    at = ticks["arms"][frames(table, ticks), arm]
+    for row, state in zip(table, at, strict=True):
+        assert row[first:first + 3] == pytest.approx(R_WB[arm] @ state["p_BT"] + P_WB[arm], abs=1e-6)
+        assert row[first + 3:first + 12].reshape(3, 3) == pytest.approx(R_WB[arm] @ turn(state["q_BT"]), abs=1e-6)
+        assert row[first + 12:first + 15] == pytest.approx(R_WB[arm] @ state["v_BT"], abs=1e-6)
+        assert row[first + 18] == pytest.approx(state["q"][5] + state["q"][6], abs=1e-6)
+
+
+@built
+@pytest.mark.parametrize("arm, first", [(0, 0), (1, 19)])
+def test_masters_are_the_hands_and_what_they_asked_of_the_jaws(table, ticks, log, arm, first):
+    at = ticks[frames(table, ticks)]
+    for row, tick in zip(table, at, strict=True):
+        assert row[first:first + 3] == pytest.approx(tick["master_I"][arm] / 0.1, abs=1e-6), "motion scale 0.1"
+        assert row[first + 18] == pytest.approx(tick["arms"][arm]["q_d"][5:7].sum(), abs=1e-6)
+    turned = np.eye(3)
+    for command in log.commands[log.commands["tick"] <= at[-1]["tick"]]:
+        turned = turn(command["command"]["dq_I"][arm]) @ turned
+    assert table[-1][first + 3:first + 12].reshape(3, 3) == pytest.approx(turned, abs=1e-6)
+
+
+@built
+def test_the_masters_turned_at_all(table):
+    assert max(np.abs(table[-1][first:first + 9] - np.eye(3).ravel()).max() for first in (3, 22)) > 0.05
+
+
+@built
+@pytest.mark.parametrize("first", [0, 19, 38, 57])
+def test_rotations_are_rotations_and_velocities_lead_from_frame_to_frame(table, first):
+    for row in table:
+        R = row[first + 3:first + 12].reshape(3, 3)
+        assert R @ R.T == pytest.approx(np.eye(3), abs=1e-6) and np.linalg.det(R) == pytest.approx(1, abs=1e-6)
+    p, v = table[:, first:first + 3], table[:, first + 12:first + 15]
+    way = np.cumsum((v[:-1] + v[1:]) / 2 / 30, axis=0)  # trapezoids of 33 ms
+    assert np.abs(way - (p[1:] - p[0])).max() < 0.02 * max(np.abs(p[1:] - p[0]).max(), 0.02)
+
+
+def test_an_angular_velocity_is_what_turns_one_attitude_into_the_other():
+    generator = np.random.default_rng(7)
+    for _ in range(50):
+        axis, angle = generator.normal(size=3), generator.uniform(0.0, 3.0)
+        axis /= np.linalg.norm(axis)
+        spin = turn([*(axis * math.sin(angle / 2)), math.cos(angle / 2)])
+        before = np.linalg.qr(generator.normal(size=(3, 3)))[0]
+        found = jigsaws.angular_velocity(before[None], (spin @ before)[None], np.array([0.01]))[0]
+        assert found == pytest.approx(axis * angle / 0.01, abs=1e-6)
+    assert jigsaws.angular_velocity(np.eye(3)[None], np.eye(3)[None], np.array([0.01]))[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_labels_are_the_exercise_s_steps_in_frames_from_one(tmp_path):
+    folder = made.make(tmp_path / "s")
+    from raven2_figures import Series
+    from raven2_report.facts import Facts
+
+    session = raven2_session.Session(folder)
+    assert jigsaws.labels(Facts(session, Series(session)).steps) == [(4, 15, "lift"), (16, 57, "not_finished")]
+
+
+# ---- ROS bag ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", name="bag")
+def read_bag(directory, tmp_path_factory):
+    """{topic: [(message, stamp)]}."""
+    rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
+    path = tmp_path_factory.mktemp("bag") / "its.bag"
+    export(directory, "rosbag", "--output", path)
+    found = {}
+    with rosbag.Bag(str(path)) as bag:
+        for topic, message, stamp in bag.read_messages():
+            found.setdefault(topic, []).append((message, stamp.to_nsec()))
+    return found
+
+
+def stamps(entries):
+    return [message.header.stamp.to_nsec() for message, _ in entries]
+
+
+@built
+def test_a_bag_has_every_tenth_tick_of_the_session_with_its_time(bag, ticks, log):
+    wanted = ticks[ticks["tick"] % 10 == 0]
+    for topic in ("/model/joint_states", "/model/gold/measured_cp", "/model/green/measured_cp"):
+        assert stamps(bag[topic]) == wanted["time_ns"].tolist(), topic
+    haptic = log.haptic["haptic"]
+    forces = haptic[(haptic["tick"] >= ticks["tick"][0]) & (haptic["tick"] % 10 == 0)]
+    for arm in ("gold", "green"):
+        assert stamps(bag[f"/haptic/{arm}/force"]) == forces["time_ns"].tolist()
+    for entries in bag.values():
+        assert all(not hasattr(m, "header") or m.header.stamp.to_nsec() == t for m, t in entries)
+
+
+@built
+def test_joints_are_in_the_coordinates_of_the_robot_s_joint_states(bag, ticks):
+    """Insertion from the URDF's zero, tool roll by 45 degrees, wrist and second grasper with their signs."""
+    for (message, _), tick in zip(bag["/model/joint_states"], ticks[ticks["tick"] % 10 == 0], strict=True):
+        q, dq, tau = (tick["arms"][name] for name in ("q", "dq", "tau"))
+        gold = [q[0][0], q[0][1], q[0][2] - 0.47, q[0][3] - math.pi / 4, q[0][4], q[0][5], -q[0][6]]
+        green = [q[1][0], q[1][1], q[1][2] - 0.47, q[1][3] + math.pi / 4, -q[1][4], q[1][5], -q[1][6]]
+        assert message.position == pytest.approx(gold + green, abs=1e-12)
+        assert message.velocity[6] == -dq[0][6] and message.velocity[11] == -dq[1][4]
+        assert message.velocity[:6] == tuple(dq[0][:6]) and message.effort[7:11] == tuple(tau[1][:4])
+    assert bag["/model/joint_states"][0][0].name[:3] == ["shoulder_L", "elbow_L", "insertion_L"]
+    assert bag["/model/joint_states"][0][0].name[-1] == "grasper_joint_2_R"
+
+
+@built
+def test_the_robot_is_as_it_was_received(bag, log):
+    ticks = log.ticks[(log.ticks["model"]["session_tick"] >= 0) & (log.ticks["model"]["tick"] % 10 == 0)]
+    ticks = ticks[(ticks["robot"]["frame"] > 0) & (ticks["robot"]["connected"] == 1)]
+    _, first = np.unique(ticks["robot"]["frame"], return_index=True)
+    assert stamps(bag["/robot/joint_states"]) == ticks["robot"]["received_ns"][first].tolist()
+    for (message, _), robot in zip(bag["/robot/joint_states"], ticks["robot"][first], strict=True):
+        assert message.position[0] == robot["arms"]["q"][0][0] and message.position[7] == robot["arms"]["q"][1][0]
+        assert list(message.effort) == []
+
+
+@built
+def test_tips_and_forces_are_the_log_s_to_the_last_bit(bag, ticks, log):
+    for (message, _), tick in zip(bag["/model/green/measured_cp"], ticks[ticks["tick"] % 10 == 0], strict=True):
+        point, angle = message.pose.position, message.pose.orientation
+        assert (point.x, point.y, point.z) == tuple(tick["arms"][1]["p_BT"])
+        assert (angle.x, angle.y, angle.z, angle.w) == tuple(tick["arms"][1]["q_BT"])
+        assert message.header.frame_id == "model/base_link_R"
+    by_time = {int(h["time_ns"]): h["force_B"] for h in log.haptic["haptic"]}
+    for message, stamp in bag["/haptic/gold/force"]:
+        force = message.wrench.force
+        assert (force.x, force.y, force.z) == tuple(by_time[stamp][0])
+
+
+@built
+def test_changes_of_pedal_and_mode_and_events_are_told(bag, ticks, log):
+    names = log.names("tick", "model.mode")
+    changed = np.concatenate(([0], np.flatnonzero(np.diff(ticks["mode"].astype(int))) + 1))
+    assert [m.data for m, _ in bag["/mode"]] == [names[ticks["mode"][i]] for i in changed]
+    changed = np.concatenate(([0], np.flatnonzero(np.diff(ticks["pedal"].astype(int))) + 1))
+    assert [list(m.buttons) for m, _ in bag["/console/pedal"]] == [[int(ticks["pedal"][i])] for i in changed]
+    assert stamps(bag["/console/pedal"]) == ticks["time_ns"][changed].tolist()
+    kinds = log.names("exercise", "event.kind")
+    events = log.exercise_events
+    told = [kinds[e["event"]["kind"]] for e in events if not kinds[e["event"]["kind"]].startswith("touch")]
+    assert told[0] == "started"
+    assert [json.loads(m.data)["kind"] for m, _ in bag["/exercise/event"]] == told
+
+
+# ---- refusals ---------------------------------------------------------------------------------------------------
+
+
+@built
+def test_other_formats_are_refused_and_folders_that_are_no_session(tmp_path, directory):
+    for options, code in ((["--format", "mat"], None), ([], 1)):
+        target = directory if options else tmp_path
+        done = subprocess.run([PROGRAMS / "export_session", target, *options], capture_output=True, text=True,
+                              check=False)
+        assert done.returncode not in (0, None) and (code is None or done.returncode == code)
+    done = subprocess.run([made.ROOT / "scripts" / "export_dataset", tmp_path, "--format", "jigsaws"],
+                          capture_output=True,
+                          text=True, check=False)
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "no session" in done.stderr
