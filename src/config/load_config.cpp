@@ -169,6 +169,21 @@ double longestFresh(const HapticGains& haptics) {
   return kLastFelt - kAgeError - haptics.max_force / haptics.max_slew - 2.0 * kTickSeconds;
 }
 
+/** No two pedals may share a button. */
+void readJoy(Section& joy, JoyConfig* c) {
+  c->topic = joy.text("topic");
+  c->timeout = joy.number("timeout", 0.05, 60);
+  for (std::size_t i = 0; i < kPedalCount; ++i) {
+    c->buttons[i] = static_cast<int>(joy.integer(kPedalNames[i], -1, 127));
+    const auto before = c->buttons.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto same = std::find(c->buttons.begin(), before, c->buttons[i]);
+    if (c->buttons[i] < 0 || same == before) continue;
+    throw ConfigException(joy.where(kPedalNames[i]) + " is button " + std::to_string(c->buttons[i]) + ", as is " +
+                          kPedalNames[static_cast<std::size_t>(same - c->buttons.begin())]);
+  }
+  joy.finish();
+}
+
 void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {
   c->bind_address = root.text("bind_address");
   c->master_port = port(root, "master_port", 0);
@@ -189,6 +204,8 @@ void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {
   c->key_file = root.text("key_file");
   if (!c->key_file.empty()) c->key_file = (fs::absolute(root.file()).parent_path() / c->key_file).string();
   checkExposure(root, *c);
+  Section joy = root.section("joy");
+  readJoy(joy, &c->joy);
 }
 
 ThreadConfig readThread(Section& root, const std::string& key) {
@@ -291,6 +308,10 @@ void readRender(Section& root, RenderConfig* c) {
   c->live_height = static_cast<int>(live.integer("height", 64, 4096));
   c->live_fps = static_cast<int>(live.integer("fps", 1, 120));
   live.finish();
+  Section real = root.section("real_camera");
+  c->real_camera_topic = real.text("topic");
+  c->real_stale_after = real.number("stale_after", 0.05, 10);
+  real.finish();
 }
 
 void readConsole(Section& root, ConsoleConfig* c) {

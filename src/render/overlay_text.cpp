@@ -65,6 +65,7 @@ Overlay describe(const Snapshot& snapshot, const HapticGains& haptics) {
     overlay.lines.push_back(errorLine(snapshot, arm));
     at(overlay.force, arm) = norm(at(snapshot.haptic.force_B, arm));
   }
+  if (snapshot.stands_in) overlay.lines.emplace_back("camera    STALE, virtual scene");
   overlay.max_force = haptics.max_force;
   if (!snapshot.fault.empty()) overlay.banner = "FAULT: " + snapshot.fault;
   return overlay;

@@ -13,7 +13,7 @@ constexpr double kPause = 0.001;          // [s] the loop answers at the end of 
 constexpr double kAnswerTime = 0.5;       // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
 // The loop has dropped the plan and another one's answer stands where its own stood: a cancelled planner takes 100 ms.
 constexpr int kLooksInVain = 250;
-constexpr double kGiveUpTime = 0.03;      // [s] so that who cancels has an answer within 100 ms
+constexpr double kGiveUpTime = 0.03;  // [s] so that who cancels has an answer within 100 ms
 
 void sleep() {
   std::this_thread::sleep_for(std::chrono::duration<double>(kPause));
@@ -24,6 +24,11 @@ std::uint32_t firstId(const SharedState& shared) {
   const std::uint32_t newest =
       std::max({shared.model.load().planning.answered, shared.last_plan.load().id, shared.last_execution.load().id});
   return std::max(kFirstId, newest + 1);
+}
+
+/** Something moves at the next pedal-down if it is accepted. */
+bool armsSomething(RequestKind kind) {
+  return kind == RequestKind::kExecutePlan || kind == RequestKind::kRepeatTrial;
 }
 
 bool makesPlan(RequestKind kind) {
@@ -52,7 +57,7 @@ PlanningClient::Asked PlanningClient::ask(Request request) {
     return asked.answer != PlanningAnswer::kNone;
   });
   // Who is told that there was no answer must not find a robot armed by it later. The ring keeps the order.
-  if (asked.answer == PlanningAnswer::kNone && request.kind == RequestKind::kExecutePlan) postCancel();
+  if (asked.answer == PlanningAnswer::kNone && armsSomething(request.kind)) postCancel();
   return asked;
 }
 
@@ -99,6 +104,10 @@ std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double lim
 std::optional<ExecutionReport> PlanningClient::execution(std::uint32_t id) const {
   const ExecutionReport newest = shared_.last_execution.load();
   return newest.id == id ? std::optional<ExecutionReport>(newest) : std::nullopt;
+}
+
+bool PlanningClient::awaitMode(Mode mode) {
+  return await(kAnswerTime, [&] { return shared_.model.load().mode == mode; });
 }
 
 PlanningState PlanningClient::state() const {

@@ -36,7 +36,7 @@ class PlanningClient {
   /**
    * Gives a request an id of its own and waits for the loop's answer, at most half a second. A plan that the loop
    * refused counts as accepted here: its PlanResult says the rest.
-   * @return kNone if there was no answer; an execution that was asked for is called off then.
+   * @return kNone if there was no answer; an execution or repetition that was asked for is called off then.
    */
   Asked ask(Request request);
 
@@ -56,6 +56,9 @@ class PlanningClient {
 
   /** The report of the execution with this id, if it is the newest there is. */
   std::optional<ExecutionReport> execution(std::uint32_t id) const;
+
+  /** Waits for a mode as long as for an answer. @return false if it did not come. */
+  bool awaitMode(Mode mode);
 
   PlanningState state() const;
 

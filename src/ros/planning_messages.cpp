@@ -5,17 +5,12 @@
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
+#include "ros/name_of.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
 constexpr int kPosesPerSegment = 20;  // of a straight line in joint space: a smooth line in a viewer
-
-template <typename Names, typename Enum>
-const char* nameOf(const Names& names, Enum value) {
-  const auto i = static_cast<std::size_t>(value);
-  return i < names.size() ? names[i] : "unknown";
-}
 
 template <typename Numbers>
 bool areFinite(const Numbers& numbers) {

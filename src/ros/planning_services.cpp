@@ -2,27 +2,13 @@
 
 #include <optional>
 
-#include "ros/error_codes.h"
 #include "ros/planning_messages.h"
+#include "ros/tell.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
 constexpr double kGraceTime = 2.0;  // [s] beyond the planner's limit before an answer is given up
-
-/** success, status and error_code of any response. */
-template <typename Response>
-void tell(ErrorCode code, const std::string& status, Response* response) {
-  response->success = code == ErrorCode::kSuccess;
-  response->status = status;
-  response->error_code = number(code);
-}
-
-template <typename Response>
-void tell(PlanningAnswer answer, Response* response) {
-  const bool is_known = answer != PlanningAnswer::kNone;
-  tell(errorCode(answer), is_known ? kPlanningAnswerNames[static_cast<std::size_t>(answer)] : "no answer", response);
-}
 
 template <typename Response>
 void tell(const std::optional<PlanResult>& result, Response* response) {

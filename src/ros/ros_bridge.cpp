@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
+#include "ros/camera_view.h"
 #include "ros/exposure.h"
+#include "ros/joy_pedals.h"
 #include "ros/messages.h"
 #include "ros/move_arm_action.h"
 #include "ros/periodic_thread.h"
@@ -17,6 +19,8 @@
 #include "ros/planning_services.h"
 #include "ros/planning_topics.h"
 #include "ros/services.h"
+#include "ros/training_services.h"
+#include "ros/training_topics.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -39,7 +43,11 @@ struct RosBridge::Impl {
         client(&daemon->shared()),
         services(&node, daemon, &client, may_command),
         planning_services(node, daemon->config(), &client, may_command),
+        training_services(&node, &client, may_command),
         planning_topics(&node, *daemon),
+        training_topics(&node, *daemon),
+        view(node, daemon->config().render, &daemon->shared()),
+        pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
         model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
         robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
         forces{node.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", kQueue),
@@ -52,6 +60,7 @@ struct RosBridge::Impl {
     positions.resize(simulator.raven().description.links.size());
     poses.resize(positions.size());
     if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
+    listenToPedals(daemon->config().network.joy);
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
     simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
@@ -60,9 +69,18 @@ struct RosBridge::Impl {
   ~Impl() {
     simulator.setImageSink({});
     planning_services.stop();
+    training_services.stop();
     if (move_arm) move_arm->stop();
     publisher.stop();
+    view.stop();
     spinner.stop();
+  }
+
+  void listenToPedals(const JoyConfig& joy) {
+    if (joy.topic.empty()) return;
+    const auto hear = [this](const sensor_msgs::JoyConstPtr& message) { pedals.hear(*message, net::monotonicNow()); };
+    const auto at_once = ros::TransportHints().tcpNoDelay();
+    joy_messages = node.subscribe<sensor_msgs::Joy>(joy.topic, kQueue, hear, ros::VoidConstPtr(), at_once);
   }
 
   void publish() {
@@ -76,6 +94,8 @@ struct RosBridge::Impl {
     for (const Arm arm : kArms)
       at(forces, arm).publish(wrench(haptic, arm, stamp));
     planning_topics.publish(model, stamp);
+    training_topics.publish(model, stamp);
+    pedals.idle(net::monotonicNow());
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
     if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
@@ -121,7 +141,12 @@ struct RosBridge::Impl {
   /** On the render thread; roscpp's publish is thread-safe. */
   void publishImage(const runtime::LiveImage& picture) {
     const ros::Time stamp = ros::Time::now();
-    if (images.getNumSubscribers() > 0) images.publish(image(picture, stamp));
+    const bool is_view = picture.is_view && view.isWatched();
+    if (is_view || images.getNumSubscribers() > 0) {
+      const sensor_msgs::Image message = image(picture, stamp);
+      images.publish(message);
+      if (is_view) view.show(message);
+    }
     camera_infos.publish(cameraInfo(picture.camera, stamp));
   }
 
@@ -131,10 +156,15 @@ struct RosBridge::Impl {
   PlanningClient client;
   Services services;
   PlanningServices planning_services;
+  TrainingServices training_services;
   PlanningTopics planning_topics;
+  TrainingTopics training_topics;
+  CameraView view;
+  JoyPedals pedals;
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
   ros::Publisher model_joints, robot_joints;
   PerArm<ros::Publisher> forces;
+  ros::Subscriber joy_messages;
   ros::Publisher images, camera_infos, transforms, diagnostic_arrays;
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
@@ -161,8 +191,8 @@ void RosBridge::stop() {
 std::vector<std::string> RosBridge::services() const {
   if (!impl_) return {};
   std::vector<std::string> names = impl_->services.names();
-  for (const std::string& planning : impl_->planning_services.names())
-    names.push_back(planning);
+  for (const auto& more : {impl_->planning_services.names(), impl_->training_services.names()})
+    names.insert(names.end(), more.begin(), more.end());
   return names;
 }
 

@@ -29,8 +29,16 @@ void ExerciseDesk::tick(ModelState* state, const ContactList& contacts) noexcept
   for (std::size_t i = 0; i < state->exercise.bodies.size(); ++i) {
     if ((parked >> i & 1U) != 0) state->exercise.bodies[i] |= kBodyParked;
   }
-  for (std::size_t i = 0; i < judge_->eventCount(); ++i)
-    shared_.exercise_records.tryPush({state->tick, judge_->event(i)});
+  if (judge_->eventCount() > 0) tell(state->tick);
+}
+
+void ExerciseDesk::tell(Tick tick) noexcept {
+  for (std::size_t i = 0; i < judge_->eventCount(); ++i) {
+    const ExerciseRecord record{tick, judge_->event(i)};
+    shared_.exercise_records.tryPush(record);
+    news_.add(record);
+  }
+  shared_.exercise_news.store(news_);
 }
 
 }  // namespace raven2_trainer::runtime

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/net/clock.h"
 
 namespace raven2_trainer::runtime {
 
@@ -39,6 +40,12 @@ void RenderLoop::hearOfPlans() {
   execution_heard_ = execution;
 }
 
+/** By the receipt of its newest picture: clocks of other computers tell nothing here. */
+bool RenderLoop::isCameraSilent() const {
+  const auto limit = static_cast<std::int64_t>(config_.render.real_stale_after * 1e9);
+  return net::monotonicNow() - shared_.real_picture_ns.load() > limit;
+}
+
 void RenderLoop::frame() {
   render::Snapshot snapshot;
   snapshot.model = shared_.model.load();
@@ -46,12 +53,14 @@ void RenderLoop::frame() {
   snapshot.haptic = shared_.haptic.load();
   hearOfPlans();
   snapshot.plans = plans_;
+  const bool wants_real = snapshot.model.view != 0;
+  snapshot.stands_in = wants_real && isCameraSilent();
   const std::uint32_t in_robot = snapshot.robot.active_fault;
   const std::uint32_t fault = in_robot != 0 ? in_robot : snapshot.model.faults.active;
   if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;
   const std::vector<std::uint8_t>& rgb = renderer_.draw(builder_.build(snapshot), camera_);
   shared_.frames.add();
-  if (sink_) sink_({rgb, camera_, snapshot.model.tick});
+  if (sink_) sink_({rgb, camera_, snapshot.model.tick, !wants_real || snapshot.stands_in});
 }
 
 }  // namespace raven2_trainer::runtime

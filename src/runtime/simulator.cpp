@@ -19,7 +19,6 @@
 #include "raven2_trainer/runtime/fault_director.h"
 #include "raven2_trainer/runtime/haptic_loop.h"
 #include "raven2_trainer/runtime/itp_sender.h"
-#include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/key_file.h"
 #include "raven2_trainer/runtime/master_ingest.h"
 #include "raven2_trainer/runtime/motion.h"
@@ -28,6 +27,7 @@
 #include "raven2_trainer/runtime/realtime_check.h"
 #include "raven2_trainer/runtime/recorder.h"
 #include "raven2_trainer/runtime/recover.h"
+#include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/robot_link.h"
 #include "raven2_trainer/runtime/sight_of.h"
 #include "raven2_trainer/runtime/sight_sender.h"
@@ -478,7 +478,7 @@ struct Simulator::Impl {
 
   std::mutex sink_mutex;  // of the render thread and whoever sets the sink; never of a 1 kHz thread
   ImageSink sink;
-  ForcePacket last_force{};  // the sender's own, as the next
+  ForcePacket last_force{};     // the sender's own, as the next
   wire::ItpPacket last_sent{};  // to the robot
   RelayChannel relay_channel{config};
   std::atomic<bool> haptic_ended{false};
@@ -552,6 +552,10 @@ const model::RavenModel& Simulator::raven() const noexcept {
 
 const session::SessionPaths& Simulator::paths() const noexcept {
   return impl_->paths;
+}
+
+const std::vector<std::string>& Simulator::bodyNames() const noexcept {
+  return impl_->physics.bodyNames();
 }
 
 SessionCounts Simulator::counts() const {

@@ -1,10 +1,5 @@
 #!/usr/bin/python3
-"""Planning and executing over real sockets: services, topics and a stock actionlib client; the test is the console.
-
-Stops are measured between clocks of one computer: the console's when the released pedal is sent, the robot's own in its
-state frames, and the daemon's in its session log.
-"""
-import glob
+"""Planning and executing over real sockets: services, topics and a stock actionlib client; the test is the console."""
 import os
 import sys
 import time
@@ -15,6 +10,7 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from nav_msgs.msg import Path
+from pedal_stops import PEDAL_DN, PEDAL_UP, check_stops, is_fast, newest_session, release_when, robot_stop
 from planning_clients import PREEMPTED, SUCCESS, Console, Daemon, Newest, plan_to, until
 from raven2_trainer.msg import MoveArmAction, MoveArmGoal
 from robot_frames import connect
@@ -24,14 +20,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..
 import raven2_session  # noqa: E402
 
 MASTER_PORT, STATE_PORT = 27170, 27173
-PEDAL_UP, PEDAL_DN = 2, 3
 AWAY = (0.12, 0.08, 0.015, 0.3, 0.2, 0.0, 0.0)  # from home, out of the scene's way
 RELEASES = 5
-LIMIT = 0.020  # s from the release, as sent, to the robot's PEDAL_UP and to its last motion
-MOVING = 0.05  # rad/s, a tenth of the planner's limit
-# rad, rad, m that still are rest: 1 ms of the path at full speed is 5e-4 rad and 1e-4 m. A tip 0.1 m below the remote
-# centre is moved by 0.03 mm.
-REST = (3e-4, 3e-4, 3e-5)
 
 
 def error_message(response):
@@ -111,67 +101,21 @@ class Execute(unittest.TestCase):
     def test_2_the_released_pedal_stops_model_and_robot_within_20_ms(self):
         stops = [self.release_at(0.3 + 0.1 * k) for k in range(RELEASES)]
         time.sleep(0.5)  # the recorder writes 20 times a second
-        log = raven2_session.Session(self.session()).log
-        for k, (released, up, still) in enumerate(stops):
-            held, joined = self.model_stop(log, released)
-            print(f"release {k + 1}: PEDAL_UP after {1e3 * up:.2f} ms, the robot's last motion after {1e3 * still:.2f} ms; "
-                  f"the model left its path after {1e3 * held:.2f} ms and was on the robot after {1e3 * joined:.2f} ms")
-        for released, up, still in stops:
-            self.assertLessEqual(up, LIMIT)
-            self.assertLessEqual(still, LIMIT)
-            self.assertLessEqual(self.model_stop(log, released)[0], LIMIT)
+        check_stops(self, raven2_session.Session(newest_session("execute")).log, stops)
 
     def release_at(self, share):
-        """The pedal goes up on the way, in motion, this share of it done by the shoulder. @return as of stop()."""
+        """The pedal goes up on the way, in motion, this share of it done by the shoulder. @return as of check_stops()."""
         start = self.daemon.joints(self.daemon.robot)
         goal = max((self.home, self.away), key=lambda joints: abs(joints[0] - start[0]))
         _, number = self.arm(goal)
         begin = self.robot.states[-1].q[0][0]
         way = share * abs(goal[0] - start[0])
         self.press()
-        self.assertIsNotNone(self.robot.wait(
-            lambda s: abs(s.q[0][0] - begin) > way and max(map(abs, s.dq[0][:2])) > MOVING), "it never was so far")
-        first = len(self.robot.states)
-        released = self.console.release()
+        released, first = release_when(self.console, self.robot, lambda s: abs(s.q[0][0] - begin) > way and is_fast(s))
         report = self.daemon.await_execution(number, 5)
         self.assertEqual((report.end, report.error_code), ("released", PREEMPTED))
         self.assertLess(report.progress, 1.0)
-        end = self.robot.states[-1].cycle + 700
-        self.assertIsNotNone(self.robot.wait(lambda s: s.cycle >= end))
-        return self.stop(released, self.robot.states[first - 100:])
-
-    def stop(self, released, states):
-        """(release [ns], s to the robot's first PEDAL_UP, s to its last motion)."""
-        before = [s for s in states if s.time_ns < released]
-        after = [s for s in states if s.time_ns >= released]
-        self.assertEqual(before[-1].runlevel, PEDAL_DN)
-        self.assertTrue(self.moves(before[-1], before[-20]), "it stood before the release: nothing is shown")
-        up = next(s for s in after if s.runlevel == PEDAL_UP)
-        moving = [s for s in after if self.moves(s, states[-1])]
-        last = moving[-1] if moving else after[0]
-        return released, 1e-9 * (up.time_ns - released), 1e-9 * (last.time_ns - released)
-
-    @staticmethod
-    def moves(state, other):
-        return any(abs(a - b) > limit for a, b, limit in zip(state.q[0], other.q[0], REST))
-
-    def model_stop(self, log, released):
-        """(s to the tick in which the model stops following the path, s to when it stands where the robot stands)."""
-        times, model = log.ticks["model"]["time_ns"], log.ticks["model"]
-        executing = log.names("tick", "model.mode").index("executing")
-        before = times < released
-        self.assertEqual(model["mode"][before][-1], executing)
-        after = ~before & (times < released + 600_000_000)
-        self.assertNotEqual(model["mode"][after][-1], executing)
-        held = times[after][model["mode"][after] != executing][0]
-        q = model["arms"]["q"][after][:, 0, :3]
-        far = (abs(q - q[-1]) > REST).any(axis=1)
-        joined = times[after][far][-1] if far.any() else held
-        return 1e-9 * (held - released), 1e-9 * (joined - released)
-
-    @staticmethod
-    def session():
-        return sorted(glob.glob(os.path.join(os.environ["RAVEN2_TEST_OUTPUT"], "execute_*")))[-1]
+        return (released, *robot_stop(self.robot, released, first))
 
     def test_3_a_goal_shown_by_hand_is_planned_to_and_reached(self):
         held = self.daemon.joints(self.daemon.robot)

@@ -17,18 +17,18 @@ class Console(threading.Thread):
 
     def __init__(self, port):
         super().__init__(daemon=True)
-        self.pedal, self.step_um = 0, (0, 0, 0)
+        self.pedal, self.step_um, self.green_um = 0, (0, 0, 0), (0, 0, 0)
         self.released_ns = 0  # CLOCK_MONOTONIC before the first packet that said so
         self._master = Master(port)
 
     def run(self):
         before = 0
         while True:
-            pedal, step = self.pedal, self.step_um
+            pedal, step, green = self.pedal, self.step_um, self.green_um
             if before and not pedal:
                 self.released_ns = time.monotonic_ns()
             before = pedal
-            self._master.send(pedal, step)
+            self._master.send(pedal, step, green)
             time.sleep(0.001)
 
     def release(self):

@@ -130,9 +130,10 @@ class Master:
         self._peer = (address, port)
         self.sequence = 0
 
-    def send(self, pedal, gold_um=(0, 0, 0)):
+    def send(self, pedal, gold_um=(0, 0, 0), green_um=(0, 0, 0)):
         self.sequence += 1
         x, y, z = gold_um
-        checksum = pedal + x + y + z + self.sequence
-        self._socket.sendto(self.PACKET.pack(self.sequence, 0, 0, x, 0, y, 0, z, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0,
+        u, v, w = green_um
+        checksum = pedal + sum(gold_um) + sum(green_um) + self.sequence
+        self._socket.sendto(self.PACKET.pack(self.sequence, 0, 0, x, u, y, v, z, w, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0,
                                              pedal, checksum), self._peer)

@@ -10,7 +10,9 @@ from stack import Stack, wait_until
 
 LOOPBACK = "127.0.0.1"
 NODES = {"simulator": "/raven2_simulator", "virtual_raven": "/virtual_raven", "raven_state_bridge": "/raven_state_bridge"}
-SAFER = {"/stop_hazard", "/disengage", "/cancel_plan"}
+SAFER = {"/stop_hazard", "/disengage", "/cancel_plan", "/emergency_stop"}
+TRAINING = {"/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial", "/discard_trial", "/repeat_trial",
+            "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change"}
 
 
 @pytest.fixture(name="master")
@@ -59,13 +61,14 @@ def test_only_roscpps_own_port_listens_beyond_this_computer_and_a_shutdown_call_
 
 def test_a_network_gets_no_commands_unless_the_configuration_says_so(master):
     open_to_all = {"ROS_HOSTNAME": socket.gethostname()}
-    for key, wanted in ((False, SAFER), (True, SAFER | {"/start_hazard", "/engage", "/plan", "/planning_mode",
+    for key, wanted in ((False, SAFER), (True, SAFER | TRAINING | {"/start_hazard", "/engage", "/plan", "/planning_mode",
                                                         "/execute_plan", "/gold/set_collisions",
                                                         "/green/set_collisions"})):
         stack, node = start(master, "simulator", open_to_all, {"runtime": {"enable_remote_control": key}})
         with stack:
             services = {s for s in master.known_of(node)["services"] if not s.startswith(node)}
             assert services == wanted
+            assert "/pedals" in master.known_of(node)["subscribed"], "the stop is heard from everybody"
             assert ("/move_arm/goal" in master.known_of(node)["subscribed"]) == key
             assert "ROS serves the network" in stack.log_text("simulator")
             assert stack.stop("simulator")[0] == 0

@@ -14,12 +14,14 @@ WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
 DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
                  "/camera/image_raw", "/camera/camera_info", "/tf", "/diagnostics", "/plan/trajectory",
-                 "/plan/tip_path", "/plan/progress", "/plan/execution", "/move_arm/status", "/move_arm/feedback",
-                 "/move_arm/result"}
-DAEMON_ACTION = {"/move_arm/goal", "/move_arm/cancel"}
+                 "/plan/tip_path", "/plan/progress", "/plan/execution", "/mode", "/exercise/state", "/exercise/events",
+                 "/view/image_raw", "/move_arm/status", "/move_arm/feedback", "/move_arm/result"}
+DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"}
 DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
-                   "/cancel_plan", "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers",
-                   "/raven2_simulator/set_logger_level"}
+                   "/cancel_plan", "/emergency_stop", "/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial",
+                   "/discard_trial", "/repeat_trial", "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise",
+                   "/gold/tool_change", "/green/tool_change", "/gold/set_collisions", "/green/set_collisions",
+                   "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
 
 
 class Session:
@@ -66,7 +68,7 @@ def known(master):
 def is_complete(seen):
     daemon, robot, bridge = (seen[node] for node in NODES)
     return (daemon["published"] == DAEMON_TOPICS and daemon["services"] == DAEMON_SERVICES and
-            daemon["subscribed"] == DAEMON_ACTION and
+            daemon["subscribed"] == DAEMON_HEARS and
             robot["published"] == {"/ravenstate", "/joint_states"} and robot["subscribed"] == {"/raven_automove"} and
             "/virtual_raven/press_start" in robot["services"] and bridge["subscribed"] == {"/ravenstate"})
 

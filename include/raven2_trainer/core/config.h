@@ -8,6 +8,7 @@
 #include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/impairment.h"
+#include "raven2_trainer/core/pedals.h"
 #include "raven2_trainer/core/types.h"
 
 // Plain structs, one for each file of config/. Read once by module `config`, which demands every key, refuses unknown
@@ -130,6 +131,13 @@ struct ItpRules {
   double pedalTimeout() const noexcept { return hardened ? master_timeout : compat_timeout; }
 };
 
+/** Pedals and buttons beside the one that engages, as sensor_msgs/Joy (doc/ros.md). */
+struct JoyConfig {
+  std::string topic;                       ///< empty: none
+  double timeout{};                        ///< [s] silence after which all count as up
+  std::array<int, kPedalCount> buttons{};  ///< by Pedal: position in Joy::buttons, -1 none
+};
+
 /** config/network.yaml */
 struct NetworkConfig {
   std::string bind_address;     ///< of the daemon's and the robot's listeners
@@ -149,6 +157,7 @@ struct NetworkConfig {
   std::string master_address;     ///< the only one heard; empty: the first that sends a valid packet
   bool allow_plaintext_remote{};  ///< unsigned ITP from other computers may be listened to
   std::string key_file;           ///< absolute path; empty: none
+  JoyConfig joy{};
 };
 
 /** Scheduling of one thread. */
@@ -237,6 +246,8 @@ struct RenderConfig {
   int live_width{}, live_height{}, live_fps{};
   int encoder_crf{};  ///< [-] x264 quality
   std::string encoder_preset;
+  std::string real_camera_topic;  ///< of the real camera's pictures; empty: none
+  double real_stale_after{};      ///< [s] without one of them after which the virtual scene is shown instead
 };
 
 /** config/console.yaml: the surgeon's hands. */

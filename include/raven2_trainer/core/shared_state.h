@@ -8,6 +8,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
+#include "raven2_trainer/core/exercise_news.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/guide_path.h"
 #include "raven2_trainer/core/record.h"
@@ -54,6 +55,10 @@ struct SharedState {
   StateCell<PlanResult> last_plan;
   // written by physics: how the newest execution of a plan went
   StateCell<ExecutionReport> last_execution;
+  // written by physics: the newest events of the exercise
+  StateCell<ExerciseNews> exercise_news;
+  // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest picture; 0 none yet
+  StateCell<std::int64_t> real_picture_ns;
   // written by planner: the tip's path of the newest plan that succeeded
   StateCell<GuidePath> guide_path;
   // written by ingest

@@ -59,6 +59,7 @@ struct Snapshot {
   HapticState haptic{};
   std::string fault;  ///< name, or empty
   PlanNews plans;
+  bool stands_in{false};  ///< the real camera's picture was asked for, and there is none
 };
 
 }  // namespace raven2_trainer::render

@@ -13,8 +13,8 @@ namespace raven2_trainer::runtime {
 
 /**
  * The exercise of a session within the physics loop: its judge, how the scene was at first, and the way of its events
- * to the recorder. Without an exercise it does nothing. The constructor is set-up; the rest is real-time safe; one
- * thread.
+ * to the recorder and to whoever looks. Without an exercise it does nothing. The constructor is set-up; the rest is
+ * real-time safe; one thread.
  */
 class ExerciseDesk {
  public:
@@ -35,10 +35,13 @@ class ExerciseDesk {
   FaultSignals signals() const noexcept { return judge_ != nullptr ? judge_->signals() : FaultSignals{}; }
 
  private:
+  void tell(Tick tick) noexcept;
+
   physics::RavenWorld& world_;
   SharedState& shared_;
   std::unique_ptr<training::ExerciseJudge> judge_;
   physics::SceneSnapshot at_first_;
+  ExerciseNews news_;
 };
 
 }  // namespace raven2_trainer::runtime

@@ -15,7 +15,8 @@ namespace raven2_trainer::runtime {
 struct LiveImage {
   const std::vector<std::uint8_t>& rgb;  ///< top row first
   const model::Camera& camera;
-  Tick tick;  ///< of the model state drawn
+  Tick tick;     ///< of the model state drawn
+  bool is_view;  ///< what was asked for (ModelState::view), or stands in for the real camera, which is silent
 };
 using ImageSink = std::function<void(const LiveImage&)>;
 
@@ -33,6 +34,7 @@ class RenderLoop {
 
  private:
   void hearOfPlans();
+  bool isCameraSilent() const;
 
   const TrainerConfig& config_;
   SharedState& shared_;

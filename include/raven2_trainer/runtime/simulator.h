@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/plan_counts.h"
@@ -61,6 +62,8 @@ class Simulator {
   const TrainerConfig& config() const noexcept;
   const model::RavenModel& raven() const noexcept;
   const session::SessionPaths& paths() const noexcept;
+  /** By the numbers of contact records and of an exercise's events. */
+  const std::vector<std::string>& bodyNames() const noexcept;
   SessionCounts counts() const;
   /** Of the plan under way, or of the newest. Any thread. */
   PlanCounts planCounts() const noexcept;

@@ -311,5 +311,24 @@ TEST_F(LoadConfig, ADurationLongerThanItsPeriodIsRefused) {
   EXPECT_NE(message().find("shorter than duration_ticks"), std::string::npos) << message();
 }
 
+TEST_F(LoadConfig, ButtonsOfPedalsAreInRangeAndNoneIsThatOfTwo) {
+  EXPECT_EQ(loadTrainerConfig(root()).network.joy.buttons[static_cast<std::size_t>(Pedal::kStop)], 6);
+  replace("network.yaml", "trial: 2", "trial: -1");
+  replace("network.yaml", "view: 3", "view: -1");
+  EXPECT_EQ(message(), "") << "none is no button";
+  replace("network.yaml", "stop: 6", "stop: 4");
+  EXPECT_NE(message().find("stop is button 4, as is camera"), std::string::npos) << message();
+  replace("network.yaml", "stop: 4", "stop: 128");
+  EXPECT_NE(message().find("stop"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, ARealCameraHasATopicAndATimeToBeStale) {
+  const TrainerConfig packaged = loadTrainerConfig(root());
+  EXPECT_EQ(packaged.render.real_camera_topic, "real_camera/image_raw");
+  EXPECT_DOUBLE_EQ(packaged.render.real_stale_after, 0.5);
+  replace("render.yaml", "stale_after: 0.5", "stale_after: 0.01");
+  EXPECT_NE(message().find("stale_after"), std::string::npos) << message();
+}
+
 }  // namespace
 }  // namespace raven2_trainer::config

@@ -65,6 +65,13 @@ TEST(OverlayText, AStaleRobotAndADisengagedOneAreMarked) {
   EXPECT_TRUE(hasLine(describe(s, gains()), "pedal", "disengaged"));
 }
 
+TEST(OverlayText, AVirtualPictureThatStandsInForTheCamerasSaysSo) {
+  Snapshot s = teleoperating();
+  EXPECT_FALSE(hasLine(describe(s, gains()), "camera", ""));
+  s.stands_in = true;
+  EXPECT_TRUE(hasLine(describe(s, gains()), "camera", "STALE"));
+}
+
 TEST(OverlayText, WithoutARobotThereIsNoError) {
   Snapshot s = teleoperating();
   s.robot.frame = 0;

@@ -36,6 +36,8 @@ class FakeLoop {
   void tell() {
     ModelState model;
     model.planning = planning;
+    model.mode = mode;
+    model.view = view;
     shared.model.store(model);
   }
 
@@ -65,6 +67,8 @@ class FakeLoop {
   std::unique_ptr<SharedState> state{std::make_unique<SharedState>()};  // 10 MiB
   SharedState& shared{*state};
   PlanningState planning;
+  Mode mode{Mode::kPedalUp};
+  std::uint8_t view{0};
   std::vector<Request> seen;
   int ticks{0};
 };

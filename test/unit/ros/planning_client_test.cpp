@@ -48,6 +48,30 @@ TEST_F(PlanningClientTest, AnExecutionThatWasNotAnsweredIsCalledOff) {
   EXPECT_EQ(loop.seen[1].kind, RequestKind::kCancelPlan) << "it comes after, whenever the loop goes on";
 }
 
+TEST_F(PlanningClientTest, SoIsARepetition) {
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kRepeatTrial)).answer, PlanningAnswer::kNone);
+  loop.tick();
+  ASSERT_EQ(loop.seen.size(), 2U);
+  EXPECT_EQ(loop.seen[1].kind, RequestKind::kCancelPlan);
+}
+
+TEST_F(PlanningClientTest, WhatArmsNothingIsNotCalledOff) {
+  EXPECT_EQ(client.ask(requestOf(RequestKind::kBeginTrial)).answer, PlanningAnswer::kNone);
+  loop.tick();
+  EXPECT_EQ(loop.seen.size(), 1U);
+}
+
+TEST_F(PlanningClientTest, WaitsForAModeAsLongAsForAnAnswer) {
+  loop.on_tick = [this](int tick) {
+    if (tick == 30) loop.mode = Mode::kStopped;
+  };
+  loop.tell();
+  EXPECT_TRUE(client.awaitMode(Mode::kStopped));
+  EXPECT_EQ(loop.ticks, 30);
+  EXPECT_FALSE(client.awaitMode(Mode::kTrial));
+  EXPECT_LE(loop.ticks, 1000);
+}
+
 TEST_F(PlanningClientTest, APlanWhoseAnswerIsOvertakenIsNotAwaitedForEver) {
   loop.on_tick = [this](int) { loop.planning.plan = 77; };  // another one's
   EXPECT_FALSE(client.awaitPlan(5, 60.0));

@@ -41,6 +41,18 @@ TEST(ExerciseDesk, WaitsForTheFirstAttemptFromTheFirstTickOn) {
   EXPECT_EQ(rig.model().faults.signals.step, 1U) << "what the engines of faults saw";
 }
 
+TEST(ExerciseDesk, TellsItsEventsToWhoeverLooks) {
+  Rig rig(configWith("pick_hand_over_place"));
+  ASSERT_TRUE(rig.home());
+  ASSERT_EQ(ask(&rig, RequestKind::kStartExercise, 7), PlanningAnswer::kAccepted);
+  const ExerciseNews news = rig.shared->exercise_news.load();
+  ASSERT_EQ(news.count, 2U) << "the first attempt and the second";
+  for (std::uint64_t n = 1; n <= news.count; ++n)
+    EXPECT_EQ(news.newest[n].event.kind, ExerciseEventKind::kStarted);
+  EXPECT_GT(news.newest[2].tick, news.newest[1].tick);
+  EXPECT_EQ(news.newest[2].tick, rig.model().tick);
+}
+
 TEST(ExerciseDesk, BeginsAnewWithTheSceneAsItWas) {
   Rig rig(configWith("pick_hand_over_place"));
   ASSERT_TRUE(rig.home());

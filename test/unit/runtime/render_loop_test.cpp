@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
 
 #include "raven2_trainer/config/load_config.h"
@@ -23,7 +24,10 @@ class RenderLoopTest : public ::testing::Test {
         raven_(model::loadRavenModel(config_)),
         scene_(model::loadSceneModel(config_)),
         shared_(std::make_unique<SharedState>()),
-        loop_(config_, raven_, scene_, shared_.get(), [this](const LiveImage& image) { picture_ = image.rgb; }) {
+        loop_(config_, raven_, scene_, shared_.get(), [this](const LiveImage& image) {
+          picture_ = image.rgb;
+          is_view_ = image.is_view;
+        }) {
     state_.tick = kTick;
     state_.session_tick = 0;
     for (ArmState& arm : state_.arms)
@@ -51,6 +55,7 @@ class RenderLoopTest : public ::testing::Test {
   model::SceneModel scene_;
   std::unique_ptr<SharedState> shared_;
   Picture picture_;
+  bool is_view_{false};
   RenderLoop loop_;
   ModelState state_;
 };
@@ -77,6 +82,21 @@ TEST_F(RenderLoopTest, TheSameIdWithAnotherPathIsDrawnAnew) {
   plan.waypoints[2][kInsertion] -= 0.04;
   answer(plan, PlanningStatus::kReady);
   EXPECT_NE(frame(), first);
+}
+
+TEST_F(RenderLoopTest, TheVirtualPictureStandsInForTheCamerasWhileThatIsSilentAndSaysSo) {
+  const Picture virtual_one = frame();
+  EXPECT_TRUE(is_view_) << "it is what is asked for";
+  state_.view = 1;
+  const Picture marked = frame();
+  EXPECT_TRUE(is_view_) << "the camera was never heard";
+  EXPECT_NE(marked, virtual_one);
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  EXPECT_EQ(frame(), virtual_one);
+  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  state_.view = 0;
+  frame();
+  EXPECT_TRUE(is_view_);
 }
 
 TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <cstdint>
+
+#include "raven2_trainer/runtime/simulator.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** `mode` and `exercise/state`, latched, and `exercise/events`. */
+class TrainingTopics {
+ public:
+  /** `simulator` must outlive this. */
+  TrainingTopics(ros::NodeHandle* node, const runtime::Simulator& simulator);
+
+  /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
+  void publish(const ModelState& model, const ros::Time& stamp);
+
+ private:
+  void publishMode(const ModelState& model, const ros::Time& stamp);
+  void publishProgress(const ModelState& model, const ros::Time& stamp);
+  void publishEvents(const ros::Time& stamp);
+
+  const runtime::Simulator& simulator_;
+  ros::Publisher mode_, progress_, events_;
+  ModelState told_mode_, told_progress_;  ///< states of the newest messages
+  bool has_told_{false};
+  std::uint64_t events_told_{0};
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,271 @@
+#!/usr/bin/python3
+"""Modes, pedals as sensor_msgs/Joy, the real camera and the exercise's topics, over real sockets; the test is the console,
+the pedals and the camera."""
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import rosbag
+import rospy
+import rostest
+from pedal_stops import PEDAL_DN, PEDAL_UP, newest_session
+from planning_clients import Console, Newest, until
+from robot_frames import connect
+from sensor_msgs.msg import Image, Joy
+from training_clients import Trainer
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "scripts"))
+import raven2_session  # noqa: E402
+
+MASTER_PORT, STATE_PORT = 27190, 27193
+PEDALS = ("planning", "simulation", "trial", "view", "camera", "tool_change", "stop")  # numbers of config/network.yaml
+SILENCE = 0.5  # s, config/network.yaml: joy/timeout, and config/render.yaml: real_camera/stale_after
+REAL, VIRTUAL = (64, 48), (640, 360)  # px: ours, and config/render.yaml
+
+
+class Repeater(threading.Thread):
+    """Publishes 20 times a second, as a driver does, while it is on. `make` gives the message."""
+
+    def __init__(self, topic, kind, make):
+        super().__init__(daemon=True)
+        self.on, self.make, self.sent_at = True, make, 0.0
+        self._publisher = rospy.Publisher(topic, kind, queue_size=2)
+
+    def run(self):
+        while True:
+            if self.on:
+                self.sent_at = time.monotonic()
+                self._publisher.publish(self.make())
+            time.sleep(0.05)
+
+
+class View:
+    """Sizes of the pictures of view/image_raw, with the time of their receipt."""
+
+    def __init__(self):
+        self.seen = []
+        self._subscriber = rospy.Subscriber("view/image_raw", Image, self._hear, queue_size=2)
+
+    def _hear(self, picture):
+        self.seen.append((time.monotonic(), (picture.width, picture.height)))
+
+    def await_size(self, size, seconds=5):
+        """@return when the first one of this size came, of those from now on."""
+        first = len(self.seen)
+        return until(lambda: next((at for at, seen in self.seen[first:] if seen == size), None), seconds,
+                     f"pictures of {size[0]} x {size[1]}")
+
+    def sizes_within(self, seconds):
+        first = len(self.seen)
+        time.sleep(seconds)
+        return {size for _, size in self.seen[first:]}
+
+
+def real_picture():
+    picture = Image(width=REAL[0], height=REAL[1], encoding="rgb8", step=3 * REAL[0], data=bytes(3 * REAL[0] * REAL[1]))
+    picture.header.stamp = rospy.Time.now()
+    return picture
+
+
+class TrainingModes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("training_modes_test", disable_signals=True)
+        cls.console = Console(MASTER_PORT)
+        cls.console.start()
+        cls.robot = connect(STATE_PORT)
+        cls.trainer, cls.view = Trainer(), View()
+        cls.held = set()
+        cls.pedals = Repeater("pedals", Joy, lambda: Joy(buttons=[int(name in cls.held) for name in PEDALS]))
+        cls.camera = Repeater("real_camera/image_raw", Image, real_picture)
+        assert cls.robot.wait(lambda s: s.runlevel == PEDAL_UP and s.homed, 60), "never homed"
+        cls.pedals.start()
+        cls.camera.start()
+        until(lambda: cls.trainer.mode == "pedal_up", 10, "the daemon is ready")
+        time.sleep(1.0)  # publishers and subscribers find each other
+
+    def setUp(self):
+        self.held.clear()
+        self.pedals.on, self.camera.on = True, True
+        self.console.pedal, self.console.step_um = 0, (0, 0, 0)
+        self.trainer.await_mode("pedal_up")
+
+    def tap(self, name):
+        self.held.add(name)
+        time.sleep(0.15)
+        self.held.discard(name)
+        time.sleep(0.15)
+
+    def test_1_services_change_the_mode_or_say_why_not(self):
+        call = self.trainer.call
+        self.assertEqual(call("end_simulation"), "not_now")
+        self.assertEqual(call("begin_simulation"), "accepted")
+        self.trainer.await_mode("simulation_held")
+        first = len(self.robot.states)
+        self.console.pedal, self.console.step_um = 1, (10, 10, 0)
+        self.trainer.await_mode("simulating")
+        self.assertEqual(call("end_simulation"), "not_now", "the pedal is down")
+        self.assertEqual(call("set_camera_pedal", True), "accepted")
+        self.trainer.await_mode("camera_moving")
+        self.assertEqual(call("set_camera_pedal", False), "accepted")
+        self.trainer.await_mode("simulating")
+        self.console.release()
+        self.trainer.await_mode("simulation_held")
+        self.assertEqual(call("end_simulation"), "accepted")
+        self.trainer.await_mode("pedal_up")
+        self.assertIn("returning", [m.mode for m in self.trainer.modes.messages])
+        self.assertEqual({s.runlevel for s in self.robot.states[first:]}, {PEDAL_UP}, "the robot was engaged")
+        self.assertEqual(call("gold/tool_change"), "accepted")
+        self.assertEqual(call("begin_trial"), "accepted")
+        self.assertEqual(call("discard_trial"), "accepted")
+        self.trainer.await_mode("pedal_up")
+
+    def test_2_an_emergency_stop_holds_until_it_is_cleared(self):
+        self.assertEqual(self.trainer.call("clear_stop"), "not_now")
+        self.console.pedal = 1
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_DN), "the robot did not engage")
+        asked = time.monotonic_ns()
+        self.assertEqual(self.trainer.call("emergency_stop"), "accepted")
+        up = self.robot.wait(lambda s: s.time_ns > asked and s.runlevel == PEDAL_UP, 5)
+        print(f"PEDAL_UP {1e-6 * (up.time_ns - asked):.1f} ms after emergency_stop was called")
+        self.trainer.await_mode("stopped")
+        self.assertEqual(self.trainer.call("begin_simulation"), "not_now")
+        self.assertEqual(self.trainer.call("clear_stop"), "not_now", "the pedal is down")
+        self.console.release()
+        time.sleep(0.1)
+        self.assertEqual(self.trainer.call("clear_stop"), "accepted")
+        self.trainer.await_mode("pedal_up")
+
+    def test_3_pedals_that_come_as_joy_do_what_those_of_the_packet_do(self):
+        self.tap("simulation")
+        self.trainer.await_mode("simulation_held")
+        self.tap("simulation")
+        self.trainer.await_mode("pedal_up")
+        self.tap("trial")
+        self.trainer.await_mode("trial_held")
+        self.tap("trial")
+        self.trainer.await_mode("trial_ready")
+        self.assertEqual(self.trainer.call("discard_trial"), "accepted")
+        self.trainer.await_mode("pedal_up")
+        self.tap("planning")
+        self.trainer.await_mode("choosing")
+        self.tap("stop")
+        self.trainer.await_mode("stopped")
+        self.tap("stop")
+        self.assertEqual(self.trainer.mode, "stopped", "no pedal clears it")
+        self.assertEqual(self.trainer.call("clear_stop"), "accepted")
+        self.trainer.await_mode("pedal_up")
+        self.tap("tool_change")
+        self.tap("view")
+        until(lambda: self.trainer.modes.message.view == "real", 5, "the view is told")
+        self.tap("view")
+        until(lambda: self.trainer.modes.message.view == "virtual", 5, "the view is told")
+
+    def test_4_pedals_that_fall_silent_are_released(self):
+        self.held.add("camera")
+        self.trainer.await_mode("camera_moving")
+        time.sleep(1.0)
+        self.assertEqual(self.trainer.mode, "camera_moving", "held for longer than the silence that releases it")
+        self.pedals.on = False
+        self.trainer.await_mode("pedal_up")
+        silent = time.monotonic() - self.pedals.sent_at
+        print(f"released {silent:.3f} s after the last message")
+        self.assertGreater(silent, SILENCE - 0.01)
+        self.assertLess(silent, SILENCE + 0.5)
+        self.pedals.on = True  # and it is held
+        self.trainer.await_mode("camera_moving")
+        self.held.clear()
+        self.trainer.await_mode("pedal_up")
+
+    def test_5_the_view_is_the_cameras_while_it_is_asked_for_and_fresh(self):
+        self.view.await_size(VIRTUAL, 20)
+        self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
+        self.assertEqual(self.trainer.call("set_view", True), "accepted")
+        self.view.await_size(REAL)
+        time.sleep(0.2)
+        self.assertEqual(self.view.sizes_within(1.0), {REAL})
+        # WHEN the camera is silent
+        self.camera.on = False
+        stood_in = self.view.await_size(VIRTUAL)
+        silent = stood_in - self.camera.sent_at
+        print(f"the virtual scene stands in {silent:.3f} s after the last picture")
+        self.assertGreater(silent, SILENCE - 0.01)
+        self.assertLess(silent, SILENCE + 1.0)
+        self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
+        # WHEN it is back
+        self.camera.on = True
+        self.view.await_size(REAL)
+        self.assertEqual(self.view.sizes_within(0.5), {REAL})
+        self.assertEqual(self.trainer.call("set_view", False), "accepted")
+        self.view.await_size(VIRTUAL)
+        time.sleep(0.2)
+        self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
+
+    def test_6_the_exercise_is_told_and_begins_anew(self):
+        state = until(lambda: self.trainer.progress.message, 5, "exercise/state")
+        self.assertEqual((state.exercise, state.tracks, state.steps), ("camera_clutch", ["left", "right"], 4))
+        attempt = state.attempt
+        self.assertEqual(self.trainer.call("start_exercise"), "accepted")
+        until(lambda: self.trainer.progress.message.attempt == attempt + 1, 5, "the next attempt")
+        state = self.trainer.progress.message
+        self.assertEqual((state.status, state.failure, state.step), ("waiting", "none", 1))
+        self.assertEqual((state.current, state.elapsed), (["look", ""], 0.0))
+        self.console.pedal = 1
+        until(lambda: self.trainer.progress.message.status == "running", 5, "the timer starts with the pedal")
+        first = len(self.trainer.progress.messages)
+        time.sleep(2.0)
+        told = self.trainer.progress.messages[first:]
+        self.assertGreaterEqual(len(told), 15, "ten times a second")
+        self.assertLessEqual(len(told), 25)
+        times = [m.elapsed for m in told]
+        self.assertEqual(times, sorted(times))
+        self.assertAlmostEqual(times[-1] - times[0], 0.1 * (len(told) - 1), delta=0.3)
+        self.assertEqual(self.trainer.call("start_exercise"), "not_now", "while the hand moves")
+
+    def test_7_what_is_told_can_be_recorded_and_is_what_the_session_holds(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "training.bag")
+            recorder = subprocess.Popen(["rosbag", "record", "-O", path, "mode", "exercise/state", "exercise/events"])
+            until(lambda: os.path.exists(path + ".active"), 20, "rosbag records")
+            time.sleep(3.0)  # it looks for topics once a second
+            begun = len(self.trainer.events.messages)
+            for _ in range(3):
+                self.assertEqual(self.trainer.call("start_exercise"), "accepted")
+                self.console.pedal = 1
+                time.sleep(0.5)
+                self.console.release()
+                time.sleep(0.2)
+            time.sleep(0.5)
+            recorder.send_signal(signal.SIGINT)
+            self.assertEqual(recorder.wait(20), 0)
+            with rosbag.Bag(path) as bag:
+                told = [(m.topic, m.message) for m in bag.read_messages()]
+        heard = self.trainer.events.messages[begun:]
+        self.assertEqual([m.event for m in heard].count("started"), 3)
+        self.assertEqual([m.event for m in heard].count("began"), 3)
+        self.assertEqual([m.number for t, m in told if t == "exercise/events" or t == "/exercise/events"],
+                         [m.number for m in heard])
+        self.assertIn("running", [m.status for t, m in told if t.endswith("exercise/state")])
+        self.assertIn("teleoperating", [m.mode for t, m in told if t.endswith("mode")])
+        self.check_events(raven2_session.Session(newest_session("training_modes")).log)
+
+    def check_events(self, log):
+        """Each event that was heard is the one of its number in the log, and none was missed."""
+        numbers = [m.number for m in self.trainer.events.messages]
+        self.assertEqual(numbers, list(range(numbers[0], numbers[0] + len(numbers))))
+        kinds = log.names("exercise", "event.kind")
+        for message in self.trainer.events.messages:
+            record = log.exercise_events[message.number - 1]
+            self.assertEqual((message.tick, message.event), (record["tick"], kinds[record["event"]["kind"]]))
+        kinds = log.names("request", "request.kind")
+        asked = [kinds[r["request"]["kind"]] for r in log.requests if r["request"]["id"] == 0]
+        self.assertEqual(asked.count("tool_change"), 1, "the pedal's")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("raven2_trainer", "training_modes", TrainingModes)
