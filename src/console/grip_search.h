@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "clearance.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/eigen.h"
@@ -12,9 +13,10 @@
 
 namespace raven2_trainer::console {
 
-constexpr double kOpenJaws = 0.8;       ///< [rad] for a bar
-constexpr double kClosedJaws = -0.05;   ///< [rad] a little beyond each other: they press on what is between them
-constexpr double kStandOff = 0.018;     ///< [m] along the tool, before and after a grip
+constexpr double kOpenJaws = 0.8;  ///< [rad] for a bar
+static const double kClosedJaws =
+    tune("kClosedJaws", -0.05);  ///< [rad] a little beyond each other: they press on what is between them
+constexpr double kStandOff = 0.018;         ///< [m] along the tool, before and after a grip
 constexpr double kEnoughMargin = 0.14;  ///< [rad] of a joint inside its limits: 8 degrees
 
 /** How a bar is taken: the jaws' hinge along the bar, the tool from the ring's upper side. */
@@ -79,14 +81,31 @@ struct GripTask {
   SceneObject ring;                 ///< its shape
   std::optional<Vector3> lifted_W;  ///< [m] its middle once it is off what it lies on, turned as it is
   std::vector<Pose> stations_W;     ///< where the ring shall go with it, one after the other; it may be spun
-  std::optional<Pose> X_WT_other;   ///< tool of the other arm that stands near
+  std::optional<Pose> X_WT_other;   ///< tool of the other arm that holds the ring
+  Surroundings around;              ///< on the way there and with the ring
+  std::optional<Pose> X_WT_start;   ///< from where all is free; it may go by there
 };
 
 struct GripPlan {
   Grip grip;
   double spin{};     ///< [rad] of the ring at the stations, about its own axis
-  double score{-1};  ///< [rad] least margin; negative: there is none
+  double score{-1};  ///< [rad] least margin, less than a hundredth of it if something is in the way; negative: none
+  std::vector<Pose> via;  ///< tool poses on the way there, before it draws near
 };
+
+/**
+ * Ways for a tool to go somewhere: straight, over all that stands about, or by a place where all is free.
+ * @param[in,out] trail Of the arm, from where it is; goes there.
+ * @param[out] via Poses to pass on the one where least is in the way, the first of those.
+ * @return at how many places something is in the way; -1 the arm cannot follow.
+ */
+int findWay(const ArmsConfig& arms,
+            Arm arm,
+            const Surroundings& around,
+            const std::optional<Pose>& X_WT_start,
+            const Pose& to,
+            JointTrail* trail,
+            std::vector<Pose>* via);
 
 /** The search, a few candidates at a time; ties go to the earlier one. */
 class GripSearch {
@@ -98,12 +117,14 @@ class GripSearch {
   const GripPlan& best() const noexcept { return best_; }
 
  private:
-  double judge(const Grip& grip, double spin) const;
+  GripPlan judge(const Grip& grip, double spin) const;
   bool keepsApart(const Pose& X_WT) const;
+  bool follow(const Pose& to, JointTrail* trail, int* blocked) const;
 
   const ArmsConfig& arms_;
   GripTask task_;
   std::vector<Grip> grips_;
+  Surroundings before_;  ///< until it has the ring
   std::size_t next_{0};
   GripPlan best_;
 };

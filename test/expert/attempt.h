@@ -13,8 +13,10 @@
 #include "raven2_trainer/console/expert.h"
 #include "raven2_trainer/console/script.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"
 #include "raven2_trainer/runtime/sight_of.h"
+#include "raven2_trainer/training/motion_metrics.h"
 #include "support/rig.h"
 
 // An attempt at a shipped exercise: the scripted surgeon at the console, daemon and virtual Raven in lockstep. What
@@ -60,11 +62,18 @@ inline bool surrounds(const SceneObject& object, const Pose& X_WO, const ScenePe
   return height > 0.0 && height < peg.height && r < object.inner_radius;
 }
 
+inline training::MotionSettings motionSettings(const ArmsConfig& arms) {
+  training::MotionSettings settings;
+  for (const Arm arm : kArms)
+    at(settings.X_WB, arm) = {model::armBaseRotation(arm), toEigen(at(arms.rcm_W, arm))};
+  return settings;
+}
+
 /** One attempt. @param[in] clumsy Name of the exercise's clumsy hand; empty: the expert. */
 class Attempt {
  public:
   Attempt(const TrainerConfig& config, std::uint64_t seed, const std::string& clumsy = "")
-      : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)) {
+      : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)), motion_(motionSettings(config.arms)) {
     console::Skill skill;
     if (!clumsy.empty())
       console::makeClumsy(console::clumsinessOf(config.exercise, config.roles, clumsy), &verbs_, &skill);
@@ -107,6 +116,10 @@ class Attempt {
   const ExerciseState& exercise() const { return model().exercise; }
   const std::vector<ExerciseRecord>& events() const { return events_; }
   double seconds() const { return static_cast<double>(exercise().ended - exercise().began) * kTickSeconds; }
+  /** [-] spectral arc length of both tips while the exercise ran. */
+  double smoothness() const {
+    return training::overHands(motion_.result(), &training::HandMotion::sparc).value_or(0.0);
+  }
   std::uint32_t mistakes(Mistake kind) const { return exercise().mistakes[static_cast<std::size_t>(kind)]; }
 
   // what is so: an object around a peg, at rest, and touched by no arm
@@ -154,6 +167,10 @@ class Attempt {
     CommandRecord used;
     while (stack_->shared()->records.commands.tryPop(&used))
       used_[used.command.sequence] = used.tick;
+    TickRecord tick;
+    while (stack_->shared()->records.ticks.tryPop(&tick)) {
+      if (tick.model.exercise.status == ExerciseStatus::kRunning) motion_.add(tick);
+    }
     stack_->discardRecords();
   }
 
@@ -180,6 +197,7 @@ class Attempt {
   const std::string kNone{"-"};
   const TrainerConfig config_;
   std::vector<console::Verb> verbs_;
+  training::MotionAccumulator motion_;
   console::TruthLog truth_;
   std::shared_ptr<std::optional<Sight>> sight_{std::make_shared<std::optional<Sight>>()};
   std::shared_ptr<bool> finished_;
