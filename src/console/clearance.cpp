@@ -8,8 +8,7 @@
 namespace raven2_trainer::console {
 namespace {
 
-const double kJawsApart =
-    tune("kJawsApart", 0.0045);         ///< [m] from the middle of opened jaws to what must not touch them
+constexpr double kJawsApart = 0.0045;   ///< [m] from the middle of opened jaws to what must not touch them
 constexpr double kShaftApart = 0.0055;  ///< [m] the same of a shaft of 4 mm radius
 constexpr double kJawLength = 0.010;    ///< [m]
 constexpr double kOffFloor = 0.0004;    ///< [m] of the jaws' tips

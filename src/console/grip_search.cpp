@@ -11,18 +11,14 @@
 namespace raven2_trainer::console {
 namespace {
 
-constexpr double kWireStep = 0.001;    ///< [m]
-constexpr double kStepLength = 0.004;  ///< [m] of a trail
-constexpr double kStepAngle = 0.1;     ///< [rad]
-const double kMaxJointStep =
-    tune("kMaxJointStep", 0.5);          ///< [rad] in one such step: farther is a jump to another branch
-constexpr double kInsertionScale = 8.7;  ///< [rad/m] 16 mm of insertion are as far as 8 degrees
-constexpr double kOutOfReach = -2.0,
-                 kNotThere = tune("kNotThere", -1.0);  ///< scores of a ring that cannot be taken, or not carried so
-const double kBlocked =
-    tune("kBlocked", 100.0);  ///< [-] by which a score shrinks for each place where something is in the way
-const double kOverAll =
-    tune("kOverAll", 0.016);            ///< [m] of a tool's pivot over what it passes: jaws, and room for them
+constexpr double kWireStep = 0.001;                     ///< [m]
+constexpr double kStepLength = 0.004;                   ///< [m] of a trail
+constexpr double kStepAngle = 0.1;                      ///< [rad]
+constexpr double kMaxJointStep = 0.5;                   ///< [rad] in one such step: farther is a jump to another branch
+constexpr double kInsertionScale = 8.7;                 ///< [rad/m] 16 mm of insertion are as far as 8 degrees
+constexpr double kOutOfReach = -2.0, kNotThere = -1.0;  ///< scores of a ring that cannot be taken, or not carried so
+constexpr double kBlocked = 100.0;      ///< [-] by which a score shrinks for each place where something is in the way
+constexpr double kOverAll = 0.016;      ///< [m] of a tool's pivot over what it passes: jaws, and room for them
 constexpr double kPlentyMargin = 0.35;  ///< [rad] more is no better
 
 // Turns of the ring from the heading it has, the nearest first.
@@ -101,6 +97,14 @@ std::vector<Grip> candidates(const SceneObject& ring, double reach) {
     }
   }
   return grips;
+}
+
+/** Axis of a ring on a wire that goes there. */
+Vector3 axisOn(const Vector3& along) noexcept {
+  const Vector3 up = Vector3::UnitZ(), t = along.normalized(), across = t.cross(up);
+  if (across.norm() < 1e-6) return t;
+  const double angle = std::atan2(across.norm(), t.dot(up));
+  return Eigen::AngleAxisd(std::min(kWireLean, angle), across.normalized()) * t;
 }
 
 /** A millimetre apart on a Catmull-Rom curve through the points. */
@@ -185,11 +189,21 @@ std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, dou
   Pose X_WR = level(line.front(), heading);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vector3 along = line[std::min(i + 1, line.size() - 1)] - line[i > 0 ? i - 1 : 0];
-    X_WR.R = Quaternion::FromTwoVectors(X_WR.R.col(2), along).toRotationMatrix() * X_WR.R;
+    X_WR.R = Quaternion::FromTwoVectors(X_WR.R.col(2), axisOn(along)).toRotationMatrix() * X_WR.R;
     X_WR.p = line[i];
     poses.push_back(X_WR);
   }
   return poses;
+}
+
+Pose levelled(const Pose& X_WR) noexcept {
+  const Vector3 axis = X_WR.R.col(2);
+  return {Quaternion::FromTwoVectors(axis, Vector3::UnitZ()).toRotationMatrix() * X_WR.R, X_WR.p};
+}
+
+double spinOf(const Pose& X_WR, const Pose& other) noexcept {
+  const Matrix3 R = other.R.transpose() * X_WR.R;
+  return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
 }
 
 std::size_t nearestTo(const Vector3& p_W, const std::vector<Pose>& poses) noexcept {
@@ -282,8 +296,9 @@ GripPlan GripSearch::judge(const Grip& grip, double spin) const {
     last = level(*task_.lifted_W, headingOf(task_.X_WR)) * X_RT;
     if (!follow(last, &trail, &blocked)) return plan;
   }
-  for (const Pose& station : task_.stations_W) {
-    last = spun(station, spin) * X_RT;
+  for (std::size_t i = 0; i < task_.stations_W.size(); ++i) {
+    const double share = i < task_.shares.size() ? task_.shares[i] : 1.0;
+    last = spun(task_.stations_W[i], share * spin) * X_RT;
     if (!follow(last, &trail, &blocked)) return plan;
   }
   if (!follow(drawnBack(last, kStandOff), &trail, &blocked)) return plan;
