@@ -9,13 +9,11 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_training.h"
-#include "raven2_trainer/console/clumsy.h"
-#include "raven2_trainer/console/expert.h"
 #include "raven2_trainer/console/script.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/sight_of.h"
+#include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/training/motion_metrics.h"
 #include "support/rig.h"
 
@@ -29,26 +27,6 @@ inline TrainerConfig trainingConfig(const std::string& exercise) {
   config::loadTraining({exercise, "none", "", "none"}, &config);
   return config;
 }
-
-/** Gives a source the pictures that somebody else puts into `sight`. */
-class SeeingSource : public console::MotionSource {
- public:
-  SeeingSource(std::unique_ptr<console::MotionSource> source, std::shared_ptr<std::optional<Sight>> sight)
-      : source_(std::move(source)), sight_(std::move(sight)) {}
-  console::Intent tick(const console::Senses& senses) override {
-    console::Senses seen = senses;
-    seen.sight = *sight_;
-    const console::Intent intent = source_->tick(seen);
-    *finished = intent.finished;
-    return intent;
-  }
-
-  std::shared_ptr<bool> finished{std::make_shared<bool>(false)};
-
- private:
-  std::unique_ptr<console::MotionSource> source_;
-  std::shared_ptr<std::optional<Sight>> sight_;
-};
 
 /** Whether a peg that stands upright passes through an object's opening, below the peg's top. By the peg's axis in the
  *  object's frame. */
@@ -74,13 +52,9 @@ class Attempt {
  public:
   Attempt(const TrainerConfig& config, std::uint64_t seed, const std::string& clumsy = "")
       : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)), motion_(motionSettings(config.arms)) {
-    console::Skill skill;
-    if (!clumsy.empty())
-      console::makeClumsy(console::clumsinessOf(config.exercise, config.roles, clumsy), &verbs_, &skill);
-    auto seeing = std::make_unique<SeeingSource>(
-        console::makeExpert(config.console, config.arms, config.roles, verbs_, skill, seed, &truth_), sight_);
-    finished_ = seeing->finished;
-    stack_ = std::make_unique<runtime::LockstepStack>(config_, std::move(seeing));
+    config_.seed = seed;
+    const std::string motion = clumsy.empty() ? "expert" : "clumsy:" + clumsy;
+    stack_ = std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, {motion, {}}, &truth_));
     names_ = stack_->bodyNames();
     for (const SceneObject& object : config_.roles.objects) {
       bodies_.push_back(numberOf(object.link));
@@ -99,16 +73,13 @@ class Attempt {
     const auto most = static_cast<Tick>((config_.exercise.time_limit + 30.0) / kTickSeconds);
     for (Tick i = 0; i < most && rest > 0 && exercise().status != ExerciseStatus::kFailed; ++i) {
       step();
-      rest -= *finished_ ? 1 : 0;
+      rest -= finished() ? 1 : 0;
     }
   }
 
   void step() {
     stack_->tick();
     takeRecords();
-    const ModelState& now = model();
-    if (now.tick % runtime::kPicturePeriod == 0)
-      *sight_ = runtime::sightOf(now, stack_->view().robot, config_.arms, config_.roles.objects.size(), ++pictures_);
     observe();
   }
 
@@ -140,7 +111,7 @@ class Attempt {
   double largestForce() const { return largest_force_; }  ///< [N] on a hand
 
   // what the hands know
-  bool finished() const { return *finished_; }
+  bool finished() const { return stack_->finished(); }
   const std::vector<console::Verb>& verbs() const { return verbs_; }
   const console::TruthLog& truth() const { return truth_; }
   /** Tick that used a packet. */
@@ -195,12 +166,10 @@ class Attempt {
   }
 
   const std::string kNone{"-"};
-  const TrainerConfig config_;
+  TrainerConfig config_;
   std::vector<console::Verb> verbs_;
   training::MotionAccumulator motion_;
   console::TruthLog truth_;
-  std::shared_ptr<std::optional<Sight>> sight_{std::make_shared<std::optional<Sight>>()};
-  std::shared_ptr<bool> finished_;
   std::unique_ptr<runtime::LockstepStack> stack_;
   std::vector<std::string> names_;
   std::vector<std::uint16_t> bodies_;  ///< numbers of the scene's objects in contacts
@@ -209,7 +178,6 @@ class Attempt {
   std::vector<double> speeds_;
   std::vector<ExerciseRecord> events_;
   std::map<std::uint32_t, Tick> used_;
-  std::uint32_t pictures_{0};
   double largest_force_{0.0};
 };
 
