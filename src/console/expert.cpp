@@ -52,10 +52,7 @@ class Expert : public Surgeon {
     verbs_.pop_front();
     tell(task_.tries == 0 ? "begin" : "retry");
     expand(task_.verb);
-    then([this] {
-      tell("end");
-      return Tick{0};
-    });
+    thenTell("end");
     rest(random_.uniform(skill_.pause, 2.0 * skill_.pause));
   }
 
@@ -95,6 +92,13 @@ class Expert : public Surgeon {
     if (truth_ != nullptr) truth_->add({sequence(), what, task_.number, name});
   }
 
+  void thenTell(const char* what) {
+    then([this, what] {
+      tell(what);
+      return Tick{0};
+    });
+  }
+
   /** The verb went wrong: `instead` comes next, unless it was tried often enough. */
   void again(std::vector<Verb> instead) {
     if (task_.tries + 1 >= skill_.tries) return tell("given_up");
@@ -108,7 +112,11 @@ class Expert : public Surgeon {
       think(gripTask(verb));
       return Tick{0};
     });
-    jaws(verb.arm, kOpenJaws);
+    jaws(verb.arm, openFor(shape(verb).bar_radius));
+    then([this, verb] {
+      first(passing(verb.arm, plan_.via));
+      return Tick{0};
+    });
     const Pose miss = aim();
     const auto wanted = [this, verb, miss] { return ring(verb.object) * toolInRing(plan_.grip, shape(verb)) * miss; };
     then(travel(
@@ -116,6 +124,7 @@ class Expert : public Surgeon {
     then(settle(verb.arm, kLooks));
     then(travel(verb.arm, wanted, skill_.slowest));
     then(settle(verb.arm, kLooks));
+    thenTell("close");
     jaws(verb.arm, kClosedJaws);
     then([this, verb]() -> Tick {
       at(holds_, verb.arm) = {verb.object, ringInTool(verb.arm, verb.object), heading_ + plan_.spin, isInTheAir(verb),
@@ -151,6 +160,15 @@ class Expert : public Surgeon {
     return 0;
   }
 
+  /** One pose after the other. */
+  std::vector<Step> passing(Arm arm, const std::vector<Pose>& poses) {
+    std::vector<Step> steps;
+    for (const Pose& X_WT : poses)
+      steps.push_back(travel(
+          arm, [X_WT] { return X_WT; }, speed()));
+    return steps;
+  }
+
   const SceneObject& shape(const Verb& verb) const { return roles_.objects[verb.object]; }
 
   GripTask gripTask(const Verb& verb) const {
@@ -159,9 +177,12 @@ class Expert : public Surgeon {
     task.q = at(joints_, verb.arm);
     task.X_WR = ring(verb.object);
     task.ring = shape(verb);
+    task.X_WT_start = at(start_, verb.arm);
+    task.around = around(verb);
     if (isInTheAir(verb)) {
       task.X_WT_other = tool(otherArm(verb.arm));
     } else {
+      task.around.X_WT_other = tool(otherArm(verb.arm));
       task.lifted_W = lifted(verb.object);
     }
     double heading = heading_;
@@ -170,6 +191,19 @@ class Expert : public Surgeon {
       if (coming.verb.arm != verb.arm || !addStations(coming.verb, &task, &heading)) break;
     }
     return task;
+  }
+
+  /** Who holds the ring is not in the way: it comes along or draws back. */
+  Surroundings around(const Verb& verb) const {
+    Surroundings around;
+    around.solids = standingIn(roles_);
+    around.floor = floorOf(roles_);
+    around.opening = openFor(shape(verb).bar_radius);
+    for (std::uint8_t other = 0; other < roles_.objects.size(); ++other) {
+      const bool is_carried = holds_[0].object == other || holds_[1].object == other;
+      if (other != verb.object && !is_carried) around.solids.push_back(lyingAt(roles_.objects[other], ring(other).p));
+    }
+    return around;
   }
 
   /** Where the ring will go in a coming verb. @return false if it is let go then. */
@@ -277,10 +311,7 @@ class Expert : public Surgeon {
       first({carryTo(verb.arm, here + verb.let_go_at * (to_W - here), pace)});
       return Tick{0};
     });
-    then([this] {
-      tell("let_go");
-      return Tick{0};
-    });
+    thenTell("let_go");
     jaws(verb.arm, kOpenJaws);
     then([this, verb]() -> Tick {
       at(holds_, verb.arm) = Hold{};
@@ -294,14 +325,14 @@ class Expert : public Surgeon {
     then([this, verb]() -> Tick {
       if (isClosedOnSomething(verb.arm)) return 0;
       forgetSteps();  // there is nothing between the jaws: once more
-      letGo(verb.arm);
+      letGo(verb.arm, verb);
       then([this, verb]() -> Tick {
         again({verb});
         return 0;
       });
       return 0;
     });
-    letGo(giver);
+    letGo(giver, verb);
     then([this, verb]() -> Tick {
       at(holds_, verb.arm).X_TR = ringInTool(verb.arm, verb.object);
       if (!holds(verb.arm)) again(regripAlone(verb));
@@ -328,7 +359,7 @@ class Expert : public Surgeon {
     });
     then(carryTo(verb.arm, onPeg(verb), skill_.slowest));
     push(verb);
-    letGo(verb.arm);
+    letGo(verb.arm, verb);
     rest(0.5);
     then([this, verb]() -> Tick {
       if (pegIn(verb.object) != &roles_.pegs[verb.peg]) again(regrip(verb));
@@ -420,8 +451,9 @@ class Expert : public Surgeon {
     rest(0.3);
   }
 
-  void letGo(Arm arm) {
-    jaws(arm, kOpenJaws);
+  void letGo(Arm arm, const Verb& verb) {
+    thenTell("open");
+    jaws(arm, openFor(shape(verb).bar_radius));
     leave(arm);
   }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "clearance.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/eigen.h"
@@ -88,14 +89,31 @@ struct GripTask {
   std::optional<Vector3> lifted_W;  ///< [m] its middle once it is off what it lies on, turned as it is
   std::vector<Pose> stations_W;     ///< where the ring shall go with it, one after the other; it may be spun
   std::vector<double> shares;       ///< [-] of the spin that is done at the first stations; all of it at the others
-  std::optional<Pose> X_WT_other;   ///< tool of the other arm that stands near
+  std::optional<Pose> X_WT_other;   ///< tool of the other arm that holds the ring
+  Surroundings around;              ///< on the way there and with the ring
+  std::optional<Pose> X_WT_start;   ///< from where all is free; it may go by there
 };
 
 struct GripPlan {
   Grip grip;
   double spin{};     ///< [rad] of the ring at the stations, about its own axis
-  double score{-1};  ///< [rad] least margin; negative: there is none
+  double score{-1};  ///< [rad] least margin, less than a hundredth of it if something is in the way; negative: none
+  std::vector<Pose> via;  ///< tool poses on the way there, before it draws near
 };
+
+/**
+ * Ways for a tool to go somewhere: straight, over all that stands about, or by a place where all is free.
+ * @param[in,out] trail Of the arm, from where it is; goes there.
+ * @param[out] via Poses to pass on the one where least is in the way, the first of those.
+ * @return at how many places something is in the way; -1 the arm cannot follow.
+ */
+int findWay(const ArmsConfig& arms,
+            Arm arm,
+            const Surroundings& around,
+            const std::optional<Pose>& X_WT_start,
+            const Pose& to,
+            JointTrail* trail,
+            std::vector<Pose>* via);
 
 /** The search, a few candidates at a time; ties go to the earlier one. */
 class GripSearch {
@@ -107,12 +125,14 @@ class GripSearch {
   const GripPlan& best() const noexcept { return best_; }
 
  private:
-  double judge(const Grip& grip, double spin) const;
+  GripPlan judge(const Grip& grip, double spin) const;
   bool keepsApart(const Pose& X_WT) const;
+  bool follow(const Pose& to, JointTrail* trail, int* blocked) const;
 
   const ArmsConfig& arms_;
   GripTask task_;
   std::vector<Grip> grips_;
+  Surroundings before_;  ///< until it has the ring
   std::size_t next_{0};
   GripPlan best_;
 };

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_training.h"
-#include "raven2_trainer/console/clumsy.h"
-#include "raven2_trainer/console/expert.h"
 #include "raven2_trainer/console/script.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/sight_of.h"
+#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/training/motion_metrics.h"
 #include "support/rig.h"
 
 // An attempt at a shipped exercise: the scripted surgeon at the console, daemon and virtual Raven in lockstep. What
@@ -28,26 +28,6 @@ inline TrainerConfig trainingConfig(const std::string& exercise) {
   return config;
 }
 
-/** Gives a source the pictures that somebody else puts into `sight`. */
-class SeeingSource : public console::MotionSource {
- public:
-  SeeingSource(std::unique_ptr<console::MotionSource> source, std::shared_ptr<std::optional<Sight>> sight)
-      : source_(std::move(source)), sight_(std::move(sight)) {}
-  console::Intent tick(const console::Senses& senses) override {
-    console::Senses seen = senses;
-    seen.sight = *sight_;
-    const console::Intent intent = source_->tick(seen);
-    *finished = intent.finished;
-    return intent;
-  }
-
-  std::shared_ptr<bool> finished{std::make_shared<bool>(false)};
-
- private:
-  std::unique_ptr<console::MotionSource> source_;
-  std::shared_ptr<std::optional<Sight>> sight_;
-};
-
 /** Whether a peg that stands upright passes through an object's opening, below the peg's top. By the peg's axis in the
  *  object's frame. */
 inline bool surrounds(const SceneObject& object, const Pose& X_WO, const ScenePeg& peg) {
@@ -60,18 +40,21 @@ inline bool surrounds(const SceneObject& object, const Pose& X_WO, const ScenePe
   return height > 0.0 && height < peg.height && r < object.inner_radius;
 }
 
+inline training::MotionSettings motionSettings(const ArmsConfig& arms) {
+  training::MotionSettings settings;
+  for (const Arm arm : kArms)
+    at(settings.X_WB, arm) = {model::armBaseRotation(arm), toEigen(at(arms.rcm_W, arm))};
+  return settings;
+}
+
 /** One attempt. @param[in] clumsy Name of the exercise's clumsy hand; empty: the expert. */
 class Attempt {
  public:
   Attempt(const TrainerConfig& config, std::uint64_t seed, const std::string& clumsy = "")
-      : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)) {
-    console::Skill skill;
-    if (!clumsy.empty())
-      console::makeClumsy(console::clumsinessOf(config.exercise, config.roles, clumsy), &verbs_, &skill);
-    auto seeing = std::make_unique<SeeingSource>(
-        console::makeExpert(config.console, config.arms, config.roles, verbs_, skill, seed, &truth_), sight_);
-    finished_ = seeing->finished;
-    stack_ = std::make_unique<runtime::LockstepStack>(config_, std::move(seeing));
+      : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)), motion_(motionSettings(config.arms)) {
+    config_.seed = seed;
+    const std::string motion = clumsy.empty() ? "expert" : "clumsy:" + clumsy;
+    stack_ = std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, {motion, {}}, &truth_));
     names_ = stack_->bodyNames();
     for (const SceneObject& object : config_.roles.objects) {
       bodies_.push_back(numberOf(object.link));
@@ -90,16 +73,13 @@ class Attempt {
     const auto most = static_cast<Tick>((config_.exercise.time_limit + 30.0) / kTickSeconds);
     for (Tick i = 0; i < most && rest > 0 && exercise().status != ExerciseStatus::kFailed; ++i) {
       step();
-      rest -= *finished_ ? 1 : 0;
+      rest -= finished() ? 1 : 0;
     }
   }
 
   void step() {
     stack_->tick();
     takeRecords();
-    const ModelState& now = model();
-    if (now.tick % runtime::kPicturePeriod == 0)
-      *sight_ = runtime::sightOf(now, stack_->view().robot, config_.arms, config_.roles.objects.size(), ++pictures_);
     observe();
   }
 
@@ -107,6 +87,10 @@ class Attempt {
   const ExerciseState& exercise() const { return model().exercise; }
   const std::vector<ExerciseRecord>& events() const { return events_; }
   double seconds() const { return static_cast<double>(exercise().ended - exercise().began) * kTickSeconds; }
+  /** [-] spectral arc length of both tips while the exercise ran. */
+  double smoothness() const {
+    return training::overHands(motion_.result(), &training::HandMotion::sparc).value_or(0.0);
+  }
   std::uint32_t mistakes(Mistake kind) const { return exercise().mistakes[static_cast<std::size_t>(kind)]; }
 
   // what is so: an object around a peg, at rest, and touched by no arm
@@ -127,7 +111,7 @@ class Attempt {
   double largestForce() const { return largest_force_; }  ///< [N] on a hand
 
   // what the hands know
-  bool finished() const { return *finished_; }
+  bool finished() const { return stack_->finished(); }
   const std::vector<console::Verb>& verbs() const { return verbs_; }
   const console::TruthLog& truth() const { return truth_; }
   /** Tick that used a packet. */
@@ -154,6 +138,10 @@ class Attempt {
     CommandRecord used;
     while (stack_->shared()->records.commands.tryPop(&used))
       used_[used.command.sequence] = used.tick;
+    TickRecord tick;
+    while (stack_->shared()->records.ticks.tryPop(&tick)) {
+      if (tick.model.exercise.status == ExerciseStatus::kRunning) motion_.add(tick);
+    }
     stack_->discardRecords();
   }
 
@@ -178,11 +166,10 @@ class Attempt {
   }
 
   const std::string kNone{"-"};
-  const TrainerConfig config_;
+  TrainerConfig config_;
   std::vector<console::Verb> verbs_;
+  training::MotionAccumulator motion_;
   console::TruthLog truth_;
-  std::shared_ptr<std::optional<Sight>> sight_{std::make_shared<std::optional<Sight>>()};
-  std::shared_ptr<bool> finished_;
   std::unique_ptr<runtime::LockstepStack> stack_;
   std::vector<std::string> names_;
   std::vector<std::uint16_t> bodies_;  ///< numbers of the scene's objects in contacts
@@ -191,7 +178,6 @@ class Attempt {
   std::vector<double> speeds_;
   std::vector<ExerciseRecord> events_;
   std::map<std::uint32_t, Tick> used_;
-  std::uint32_t pictures_{0};
   double largest_force_{0.0};
 };
 
