@@ -16,7 +16,11 @@ constexpr double kLift = 0.010;                        ///< [m] off what it lies
 constexpr double kAbovePeg = 0.019;                    ///< [m] of a ring's middle over the peg's top
 constexpr double kHalfDown = 0.5, kAboveFoot = 0.001;  ///< [-, m] of the peg's height: there a ring is let go
 constexpr std::size_t kWireStride = 4;                 ///< [mm] between the places of a wire that a grip is judged at
-constexpr double kBeyondWire = 0.015;                  ///< [m] past its end, where the ring is off it
+constexpr std::size_t kWireLeg = 10;                   ///< [mm] of a wire from look to look
+constexpr double kLeadTurning = 0.6;                   ///< [rad/s] mean, along a wire
+constexpr double kLeadStep = 0.02;                     ///< [s] between the poses of a way
+constexpr double kBeyondWire = 0.010;                  ///< [m] past its end, where a ring that leans is off it
+constexpr double kOverWire = 0.020;                    ///< [m] higher before the ring is turned level again
 constexpr int kCameraLegs = 12;                        ///< [-] at most
 constexpr int kThinking = 3;                           ///< [-] grips judged in a millisecond
 
@@ -48,10 +52,7 @@ class Expert : public Surgeon {
     verbs_.pop_front();
     tell(task_.tries == 0 ? "begin" : "retry");
     expand(task_.verb);
-    then([this] {
-      tell("end");
-      return Tick{0};
-    });
+    thenTell("end");
     rest(random_.uniform(skill_.pause, 2.0 * skill_.pause));
   }
 
@@ -91,6 +92,13 @@ class Expert : public Surgeon {
     if (truth_ != nullptr) truth_->add({sequence(), what, task_.number, name});
   }
 
+  void thenTell(const char* what) {
+    then([this, what] {
+      tell(what);
+      return Tick{0};
+    });
+  }
+
   /** The verb went wrong: `instead` comes next, unless it was tried often enough. */
   void again(std::vector<Verb> instead) {
     if (task_.tries + 1 >= skill_.tries) return tell("given_up");
@@ -104,7 +112,11 @@ class Expert : public Surgeon {
       think(gripTask(verb));
       return Tick{0};
     });
-    jaws(verb.arm, kOpenJaws);
+    jaws(verb.arm, openFor(shape(verb).bar_radius));
+    then([this, verb] {
+      first(passing(verb.arm, plan_.via));
+      return Tick{0};
+    });
     const Pose miss = aim();
     const auto wanted = [this, verb, miss] { return ring(verb.object) * toolInRing(plan_.grip, shape(verb)) * miss; };
     then(travel(
@@ -112,9 +124,11 @@ class Expert : public Surgeon {
     then(settle(verb.arm, kLooks));
     then(travel(verb.arm, wanted, skill_.slowest));
     then(settle(verb.arm, kLooks));
+    thenTell("close");
     jaws(verb.arm, kClosedJaws);
     then([this, verb]() -> Tick {
-      at(holds_, verb.arm) = {verb.object, ringInTool(verb.arm, verb.object), heading_ + plan_.spin, isInTheAir(verb)};
+      at(holds_, verb.arm) = {verb.object, ringInTool(verb.arm, verb.object), heading_ + plan_.spin, isInTheAir(verb),
+                              plan_.spin};
       return 0;
     });
   }
@@ -146,6 +160,15 @@ class Expert : public Surgeon {
     return 0;
   }
 
+  /** One pose after the other. */
+  std::vector<Step> passing(Arm arm, const std::vector<Pose>& poses) {
+    std::vector<Step> steps;
+    for (const Pose& X_WT : poses)
+      steps.push_back(travel(
+          arm, [X_WT] { return X_WT; }, speed()));
+    return steps;
+  }
+
   const SceneObject& shape(const Verb& verb) const { return roles_.objects[verb.object]; }
 
   GripTask gripTask(const Verb& verb) const {
@@ -154,27 +177,39 @@ class Expert : public Surgeon {
     task.q = at(joints_, verb.arm);
     task.X_WR = ring(verb.object);
     task.ring = shape(verb);
+    task.X_WT_start = at(start_, verb.arm);
+    task.around = around(verb);
     if (isInTheAir(verb)) {
       task.X_WT_other = tool(otherArm(verb.arm));
     } else {
+      task.around.X_WT_other = tool(otherArm(verb.arm));
       task.lifted_W = lifted(verb.object);
     }
+    double heading = heading_;
     for (const Task& coming : verbs_) {
       if (coming.verb.object != verb.object) continue;
-      if (coming.verb.arm != verb.arm || !addStations(coming.verb, &task)) break;
+      if (coming.verb.arm != verb.arm || !addStations(coming.verb, &task, &heading)) break;
     }
     return task;
   }
 
-  /** Where the ring will go in a coming verb. @return false if it is let go then. */
-  bool addStations(const Verb& verb, GripTask* task) const {
-    const auto add = [this, task](const Vector3& p_W) { task->stations_W.push_back(level(p_W, heading_)); };
-    if (verb.kind == VerbKind::kFollowWire) {
-      task->lifted_W.reset();
-      const std::vector<Pose> way = wayAlong(verb, heading_, task->X_WR.p);
-      for (std::size_t i = 0; i < way.size(); i += kWireStride)
-        task->stations_W.push_back(way[i]);
+  /** Who holds the ring is not in the way: it comes along or draws back. */
+  Surroundings around(const Verb& verb) const {
+    Surroundings around;
+    around.solids = standingIn(roles_);
+    around.floor = floorOf(roles_);
+    around.opening = openFor(shape(verb).bar_radius);
+    for (std::uint8_t other = 0; other < roles_.objects.size(); ++other) {
+      const bool is_carried = holds_[0].object == other || holds_[1].object == other;
+      if (other != verb.object && !is_carried) around.solids.push_back(lyingAt(roles_.objects[other], ring(other).p));
     }
+    return around;
+  }
+
+  /** Where the ring will go in a coming verb. @return false if it is let go then. */
+  bool addStations(const Verb& verb, GripTask* task, double* heading) const {
+    const auto add = [task, heading](const Vector3& p_W) { task->stations_W.push_back(level(p_W, *heading)); };
+    if (verb.kind == VerbKind::kFollowWire) *heading = addWire(verb, task);
     if (verb.kind == VerbKind::kCarry) add(toEigen(verb.to_W));
     if (verb.kind == VerbKind::kPutOver) {
       add(abovePeg(verb));
@@ -183,11 +218,27 @@ class Expert : public Surgeon {
     return verb.kind != VerbKind::kPutOver;
   }
 
-  /** What is left of the wire from there on. */
-  std::vector<Pose> wayAlong(const Verb& verb, double heading, const Vector3& from_W) const {
-    std::vector<Pose> way = alongWire(roles_.wires[verb.wire].line_W, heading, kBeyondWire);
-    const std::size_t next = std::min(nearestTo(from_W, way) + 1, way.size() - 1);
+  /** @return heading of the ring where it is level again behind the wire. */
+  double addWire(const Verb& verb, GripTask* task) const {
+    task->lifted_W.reset();
+    const std::vector<Pose> way = wayAlong(verb, task->X_WR, 0.0);
+    for (std::size_t i = 0; i < way.size(); i += kWireStride) {
+      task->stations_W.push_back(way[i]);
+      task->shares.push_back(static_cast<double>(i + 1) / static_cast<double>(way.size()));
+    }
+    task->stations_W.push_back(way.back());
+    task->stations_W.push_back({way.back().R, way.back().p + Vector3(0, 0, kOverWire)});
+    return headingOf(levelled(way.back()));
+  }
+
+  /** What is left of the wire from there on, for a ring that stands so and is spun evenly on the way. */
+  std::vector<Pose> wayAlong(const Verb& verb, const Pose& X_WR, double spin) const {
+    std::vector<Pose> way = alongWire(roles_.wires[verb.wire].line_W, 0.0, kBeyondWire);
+    const std::size_t next = std::min(nearestTo(X_WR.p, way) + 1, way.size() - 1);
     way.erase(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(next));
+    const double turned = spinOf(X_WR, way.front());
+    for (std::size_t i = 0; i < way.size(); ++i)
+      way[i] = spun(way[i], turned + spin * static_cast<double>(i + 1) / static_cast<double>(way.size()));
     return way;
   }
 
@@ -260,10 +311,7 @@ class Expert : public Surgeon {
       first({carryTo(verb.arm, here + verb.let_go_at * (to_W - here), pace)});
       return Tick{0};
     });
-    then([this] {
-      tell("let_go");
-      return Tick{0};
-    });
+    thenTell("let_go");
     jaws(verb.arm, kOpenJaws);
     then([this, verb]() -> Tick {
       at(holds_, verb.arm) = Hold{};
@@ -277,14 +325,14 @@ class Expert : public Surgeon {
     then([this, verb]() -> Tick {
       if (isClosedOnSomething(verb.arm)) return 0;
       forgetSteps();  // there is nothing between the jaws: once more
-      letGo(verb.arm);
+      letGo(verb.arm, verb);
       then([this, verb]() -> Tick {
         again({verb});
         return 0;
       });
       return 0;
     });
-    letGo(giver);
+    letGo(giver, verb);
     then([this, verb]() -> Tick {
       at(holds_, verb.arm).X_TR = ringInTool(verb.arm, verb.object);
       if (!holds(verb.arm)) again(regripAlone(verb));
@@ -311,7 +359,7 @@ class Expert : public Surgeon {
     });
     then(carryTo(verb.arm, onPeg(verb), skill_.slowest));
     push(verb);
-    letGo(verb.arm);
+    letGo(verb.arm, verb);
     rest(0.5);
     then([this, verb]() -> Tick {
       if (pegIn(verb.object) != &roles_.pegs[verb.peg]) again(regrip(verb));
@@ -325,42 +373,71 @@ class Expert : public Surgeon {
     wire_left_ = std::numeric_limits<std::size_t>::max();
     then(wireLeg(verb));
     then([this, verb]() -> Tick {
+      Hold& hold = at(holds_, verb.arm);
+      hold.heading = headingOf(levelled(ring(verb.object)));
+      Pose over = hand(verb.arm).goal();
+      over.p.z() += kOverWire;
+      if (holds(verb.arm))
+        first({travel(
+            verb.arm, [over] { return over; }, skill_.slowest)});
+      return 0;
+    });
+    then([this, verb]() -> Tick {
       if (!holds(verb.arm)) again(regrip(verb));
       return 0;
     });
   }
 
-  /** As far as the hand reaches; then it clutches, looks and goes on. */
+  /** Some millimetres, a look, and on; where the hand's reach ends it clutches. */
   Step wireLeg(const Verb& verb) {
     return [this, verb]() -> Tick {
       Hold& hold = at(holds_, verb.arm);
       if (!holds(verb.arm)) return 0;
       hold.X_TR = ringInTool(verb.arm, verb.object);
-      const std::vector<Pose> way = wayAlong(verb, hold.heading, ring(verb.object).p);
+      const std::vector<Pose> way = wayAlong(verb, ring(verb.object), hold.spin);
       if (way.size() < kWireStride) return 0;
       if (way.size() + 1 >= wire_left_) return giveUp("stuck");
       const std::vector<Pose> leg = withinReach(verb.arm, way, hold.X_TR.inverse());
+      const std::size_t gone = leg.size() - 1;
+      const bool is_at_its_end = gone < std::min(kWireLeg, way.size());
       // where the hand is at the end of its reach there is no way to be made before it has clutched
-      if (leg.size() > kWireStride) wire_left_ = way.size();
+      if (gone > kWireStride) wire_left_ = way.size();
+      hold.spin *= 1.0 - static_cast<double>(gone) / static_cast<double>(way.size());
       std::vector<Step> steps{[] { return toTicks(kSettle); }};
-      if (leg.size() < way.size()) steps = clutch();
+      if (is_at_its_end) steps = clutch();
       steps.push_back(wireLeg(verb));
       first(std::move(steps));
-      const Tick length = toTicks(std::max(kShortestMove, static_cast<double>(leg.size()) * 0.001 / skill_.slowest));
-      hand(verb.arm).movePath(now(), leg, length);
-      return length;
+      return lead(verb.arm, leg);
     };
   }
 
-  /** Tool poses for the way of what it holds, from where the tool is wanted now. */
+  /** Tool poses for the next part of the way of what it holds, from where the tool is wanted now. */
   std::vector<Pose> withinReach(Arm arm, const std::vector<Pose>& way, const Pose& X_RT) {
     std::vector<Pose> leg{hand(arm).goal()};
     for (const Pose& X_WR : way) {
       const Pose X_WT = X_WR * X_RT;
-      if (hand(arm).stretch(now(), X_WT) > skill_.clutch_reach && leg.size() > 1) break;
+      const bool is_far = hand(arm).stretch(now(), X_WT) > skill_.clutch_reach && leg.size() > 1;
+      if (is_far || leg.size() > kWireLeg) break;
       leg.push_back(X_WT);
     }
     return leg;
+  }
+
+  /** Slowly along these poses, asking for as much more as the tool is seen to be off. */
+  Tick lead(Arm arm, const std::vector<Pose>& leg) {
+    const double turning = kLeadTurning * std::min(1.0, skill_.slowest / Skill{}.slowest);
+    std::vector<Pose> poses{leg.front()};
+    for (std::size_t i = 1; i < leg.size(); ++i) {
+      const PoseError way = errorOf(leg[i - 1], leg[i]);
+      const double seconds = std::max(way.distance / skill_.slowest, way.angle / turning);
+      const int parts = std::max(1, static_cast<int>(std::ceil(seconds / kLeadStep)));
+      for (int k = 1; k <= parts; ++k)
+        poses.push_back(between(leg[i - 1], leg[i], static_cast<double>(k) / parts));
+    }
+    const Tick length = toTicks(std::max(kShortestMove, kLeadStep * static_cast<double>(poses.size() - 1)));
+    hand(arm).correct(now(), tool(arm), toTicks(kLookAgain));
+    hand(arm).movePath(now(), poses, length);
+    return length;
   }
 
   void push(const Verb& verb) {
@@ -374,8 +451,9 @@ class Expert : public Surgeon {
     rest(0.3);
   }
 
-  void letGo(Arm arm) {
-    jaws(arm, kOpenJaws);
+  void letGo(Arm arm, const Verb& verb) {
+    thenTell("open");
+    jaws(arm, openFor(shape(verb).bar_radius));
     leave(arm);
   }
 
