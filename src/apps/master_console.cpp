@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/common/command_line.h"
+#include "apps/common/motion_options.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/runtime/console_runner.h"
 #include "raven2_trainer/runtime/motion.h"
@@ -12,7 +13,7 @@ namespace {
 
 struct Options {
   apps::CommonOptions common;
-  std::string motion{"scripted"};
+  apps::MotionOptions motion;
   double scale{0.0};
   double duration{0.0};
 };
@@ -20,7 +21,8 @@ struct Options {
 int run(const Options& options) {
   TrainerConfig config = options.common.load();
   if (options.scale > 0.0) config.console.scale = options.scale;
-  runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion));
+  apps::TruthFile truth(options.motion.truth);
+  runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
   console.start();
   bool told = false, told_signing = false;
   for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += 0.1) {
@@ -31,6 +33,7 @@ int run(const Options& options) {
     told_signing = console.signing();
   }
   console.stop();
+  truth.write();
   const LinkCounts forces = console.forceCounts();
   std::fprintf(stderr, "forces: %llu received = %llu applied + %llu rejected\n",
                static_cast<unsigned long long>(forces.received), static_cast<unsigned long long>(forces.applied),
@@ -47,8 +50,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"The surgeon's hands: ITP packets at 1 kHz, force cue applied to a hand model."};
   options.common.add(&app, /*with_ports=*/true);
-  app.add_option("--motion", options.motion, "scripted or recording:FILE (CSV of tip positions)")
-      ->capture_default_str();
+  options.motion.add(&app);
   app.add_option("--scale", options.scale, "Motion scale (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
   app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/common/command_line.h"
+#include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/recover.h"
 #include "raven2_trainer/session/recovery.h"
 
@@ -17,7 +18,8 @@ int recover(const std::string& directory) {
     std::fprintf(stderr, "%s: is no session directory (no session.rlog in it)\n", directory.c_str());
     return 1;
   }
-  if (!raven2_trainer::session::isUnclean(paths) && !raven2_trainer::session::lacksMetrics(paths)) {
+  if (!raven2_trainer::session::isUnclean(paths) && !raven2_trainer::session::lacksMetrics(paths) &&
+      !raven2_trainer::runtime::lacksScore(paths)) {
     std::fprintf(stderr, "%s: nothing to recover: it ended cleanly, or was recovered before\n", directory.c_str());
     return 0;
   }
@@ -30,9 +32,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Completes the log of a session whose process was killed, and writes its metrics.", "recover_session"};
   app.footer(
       "The log is cut behind its last whole record, gets what the flight recorder in /dev/shm still holds, and a last\n"
-      "record that says so; recovered.json, metrics.json and faults.json are written. The simulator does the same at "
-      "its\n"
-      "start for the sessions beside its own. Exit status: 0 recovered or nothing to do, 1 otherwise. doc/session.md.");
+      "record that says so; recovered.json, metrics.json, faults.json and, with an exercise, score.json are written.\n"
+      "The simulator does the same at its start for the sessions beside its own. doc/session.md.\n"
+      "Exit status: 0 recovered or nothing to do, 1 otherwise.");
   std::string directory;
   app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return recover(directory); });

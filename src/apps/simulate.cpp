@@ -7,9 +7,11 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/impairment_options.h"
+#include "apps/common/motion_options.h"
 #include "apps/common/paths.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/render/session_renderer.h"
+#include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/lockstep.h"
 #include "raven2_trainer/runtime/motion.h"
 
@@ -18,10 +20,10 @@ namespace {
 
 struct Options {
   apps::CommonOptions common;
-  double seconds{30.0};
-  std::string motion{"scripted"};
+  apps::MotionOptions motion;
+  double seconds{0.0};  ///< [s] of session time; 0: as long as it takes
   std::string output;
-  std::string homing;  ///< the configuration's if empty
+  std::string homing;        ///< the configuration's if empty
   double motion_scale{0.0};  ///< [-] the configuration's if 0
   std::string impairment{"none"};
   bool video{false};
@@ -39,8 +41,17 @@ void renderVideo(const TrainerConfig& config, const std::string& directory) {
 /** The recorded surgeon worked in another scene: unless told otherwise the model's arms pass through ours. */
 apps::CommonOptions common(const Options& options) {
   apps::CommonOptions result = options.common;
-  if (result.arm_contacts.empty() && options.motion.rfind("recording:", 0) == 0) result.arm_contacts = "off";
+  if (result.arm_contacts.empty() && options.motion.motion.rfind("recording:", 0) == 0) result.arm_contacts = "off";
   return result;
+}
+
+constexpr double kUsualSeconds = 30.0;
+constexpr double kBeyondLimit = 60.0;  ///< [s] what an exercise's timer does not count: its beginning, and a pause
+
+/** [s] at most. Hands that do an exercise are finished some time; beyond its limit the attempt has failed. */
+double secondsOf(const Options& options, const TrainerConfig& config) {
+  if (options.seconds > 0.0) return options.seconds;
+  return runtime::doesExercise(options.motion.motion) ? config.exercise.time_limit + kBeyondLimit : kUsualSeconds;
 }
 
 int simulate(const Options& options) {
@@ -48,30 +59,39 @@ int simulate(const Options& options) {
   if (!options.homing.empty()) config.virtual_raven.full_homing = options.homing == "full";
   if (options.motion_scale > 0.0) config.console.scale = options.motion_scale;
   const Impairment impairment = apps::impairmentByName(options.impairment);
+  const double seconds = secondsOf(options, config);
+  apps::TruthFile truth(options.motion.truth);
+  auto hands = runtime::makeMotion(config, options.motion.choice(), truth.log());
   physics::initialiseOde();
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
   const auto start = std::chrono::steady_clock::now();
-  const std::string label = options.motion + (options.impairment == "none" ? "" : " over " + impairment.name);
+  const std::string label = options.motion.motion + (options.impairment == "none" ? "" : " over " + impairment.name);
   session::SessionMeta meta = runtime::startMeta("simulate", apps::version(), label);
-  runtime::Lockstep lockstep(config, runtime::makeMotion(config, options.motion), paths, label);
+  runtime::Lockstep lockstep(config, std::move(hands), paths, label);
   if (options.impairment != "none") lockstep.impair(impairment);
   apps::ProgressBar bar("simulate");
-  const bool complete = lockstep.run(options.seconds, [&](double share) { bar.update(share); });
+  const auto end =
+      runtime::doesExercise(options.motion.motion) ? runtime::Lockstep::End::kFinished : runtime::Lockstep::End::kTime;
+  const bool complete = lockstep.run(
+      seconds, [&](double share) { bar.update(share); }, end);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   meta.wall_duration = wall.count();
   meta.realtime = "lockstep";
   session::writeMeta(paths, meta, config);
+  truth.write();
   if (!complete) {
     bar.done("no pedal-down before the start time-out");
     return 1;
   }
   char text[160];
-  std::snprintf(text, sizeof(text), "%.1f s in %.1f s (%.1f x real time), %s", options.seconds, wall.count(),
-                options.seconds / wall.count(), paths.directory.c_str());
+  const double simulated = static_cast<double>(lockstep.view().model.session_tick + 1) * kTickSeconds;
+  std::snprintf(text, sizeof(text), "%.1f s in %.1f s (%.1f x real time), %s", simulated, wall.count(),
+                simulated / wall.count(), paths.directory.c_str());
   bar.done(text);
+  const bool scored = runtime::finishSession(paths);
   if (options.video) renderVideo(config, paths.directory);
-  return 0;
+  return scored ? 0 : 1;
 }
 
 }  // namespace
@@ -82,11 +102,11 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Training session in lockstep: console, daemon and virtual Raven in one process."};
   options.common.add(&app, /*with_ports=*/false);
-  app.add_option("--seconds", options.seconds, "Session time from the first pedal down [s]")
-      ->capture_default_str()
+  app.add_option("--seconds", options.seconds,
+                 "Session time from the first pedal down [s] (default: 30; with expert and clumsy until they are "
+                 "finished). A recording's arms pass through the scene")
       ->check(CLI::Range(0.001, 86400.0));
-  app.add_option("--motion", options.motion, "scripted or recording:FILE (its arms pass through the scene)")
-      ->capture_default_str();
+  options.motion.add(&app);
   app.add_option("--motion-scale", options.motion_scale,
                  "Motion scale of the master [-] (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));

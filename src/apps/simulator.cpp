@@ -7,6 +7,7 @@
 #include "apps/common/signals.h"
 #include "raven2_trainer/ros/ros_bridge.h"
 #include "raven2_trainer/ros/supervisor.h"
+#include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/simulator.h"
 
 namespace raven2_trainer {
@@ -44,7 +45,8 @@ int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& opti
   const bool good = watch(simulator, options.duration);
   ros.end();
   simulator.stop();
-  return ros.leave(good && simulator.recorded() ? 0 : 1);
+  const bool scored = simulator.recorded() && runtime::finishSession(simulator.paths());
+  return ros.leave(good && scored ? 0 : 1);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "config/read_script.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/metric_names.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -216,18 +217,29 @@ void readWatch(Section& root, const SceneRoles& roles, Exercise* exercise) {
 
 // ---- scores, guide, drill
 
+bool isMetric(const std::string& name) {
+  return std::find(kMetricNames.begin(), kMetricNames.end(), name) != kMetricNames.end();
+}
+
+std::string metricList() {
+  std::string list;
+  for (const char* name : kMetricNames)
+    list += std::string(list.empty() ? "" : ", ") + name;
+  return list;
+}
+
 void readMetrics(Section& root, Exercise* exercise) {
   Section entries = root.section("metrics");
   checkCount(root, "metrics", entries.keys().size(), 0, kMostMetrics);
   for (const std::string& name : entries.keys()) {
-    refuse(!isName(name), entries.where(name), "is no name: 1 to 32 letters a to z, digits or underscores");
+    refuse(!isMetric(name), entries.where(name), "is no metric, expected one of: " + metricList());
     Section entry = entries.section(name);
     ScoredMetric metric;
     metric.name = name;
     metric.place = entries.where(name);
     if (entry.has("limit")) {
       metric.has_limit = 1;
-      metric.limit = entry.number("limit", -1e6, 1e6);
+      metric.limit = entry.number("limit", metric.name == kForceAbove ? 0.0 : -1e6, 1e6);
     }
     entry.finish();
     exercise->metrics.push_back(metric);

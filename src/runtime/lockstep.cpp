@@ -52,13 +52,15 @@ void Lockstep::tick() {
   impl_->tick();
 }
 
-bool Lockstep::run(double seconds, const std::function<void(double)>& progress) {
+bool Lockstep::run(double seconds, const std::function<void(double)>& progress, End end) {
   const auto wanted = static_cast<Tick>(std::llround(seconds / kTickSeconds));
   const auto timeout = static_cast<Tick>(std::llround(impl_->config.runtime.start_timeout / kTickSeconds));
+  Tick afterwards = 0;
   for (;;) {
     tick();
     const ModelState& model = impl_->stack.view().model;
     if (model.session_tick + 1 >= wanted) break;
+    if (end == End::kFinished && impl_->stack.finished() && ++afterwards > kAfterwards) break;
     if (model.session_tick < 0 && timeout > 0 && model.tick >= timeout) {
       finish();
       return false;

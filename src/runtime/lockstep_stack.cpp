@@ -10,16 +10,20 @@
 #include "raven2_trainer/runtime/fault_director.h"
 #include "raven2_trainer/runtime/haptic_loop.h"
 #include "raven2_trainer/runtime/master_ingest.h"
+#include "raven2_trainer/runtime/pedal_beat.h"
 #include "raven2_trainer/runtime/physics_loop.h"
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/runtime/sight_of.h"
 #include "raven2_trainer/wire/itp.h"
+#include "raven2_trainer/wire/pedals.h"
+#include "raven2_trainer/wire/sight.h"
 
 namespace raven2_trainer::runtime {
 namespace {
 
-constexpr std::uint64_t kConsole = 1;  // the one master there is
+constexpr std::uint64_t kConsole = 1;                          // the one master there is
 constexpr std::uint64_t kArmedHere = std::uint64_t{1} << 31U;  // generations that the director never gives
 
 }  // namespace
@@ -59,13 +63,19 @@ struct LockstepStack::Impl {
     haptic.tick(now_ns);
     deliverForce();
     refreshView();
+    showPicture();
   }
 
   void stepConsole() {
+    const auto receive = [this](const std::uint8_t* bytes, std::size_t size) {
+      ingest.receive({bytes, size, kConsole, now_ns});
+    };
     const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
-    carry(bytes.data(), bytes.size(), &to_daemon, [this](const std::uint8_t* data, std::size_t size) {
-      ingest.receive({data, size, kConsole, now_ns});
-    });
+    carry(bytes.data(), bytes.size(), &to_daemon, receive);
+    const std::optional<PedalState> told = pedal_beat.tick(hands.pedals());
+    if (!told) return;
+    const wire::PedalBytes pedals = wire::encodePedals(*told);
+    carry(pedals.data(), pedals.size(), &to_daemon, receive);
   }
 
   /** One packet, or none, into a link, and whatever comes out of it by now. */
@@ -162,6 +172,22 @@ struct LockstepStack::Impl {
     hands.applyForce(received);
   }
 
+  /** What the next tick's hands see, of this one. */
+  void showPicture() {
+    const auto receive = [this](const std::uint8_t* bytes, std::size_t size) { receiveSight(bytes, size); };
+    if (view.model.tick % kPicturePeriod == 0) {
+      const Sight sight = sightOf(view.model, view.robot, config.arms, scene.free_bodies.size(), ++pictures);
+      const wire::SightBytes bytes = wire::encodeSight(sight);
+      carry(bytes.data(), bytes.size(), &pictures_to_console, receive);
+    }
+    carry(nullptr, 0, &pictures_to_console, receive);
+  }
+
+  void receiveSight(const std::uint8_t* bytes, std::size_t size) {
+    Sight received;
+    if (wire::decodeSight(bytes, size, &received) == Reject::kNone) hands.applySight(received);
+  }
+
   void refreshView() {
     view.model = shared->model.load();
     view.robot = shared->robot.load();
@@ -183,6 +209,7 @@ struct LockstepStack::Impl {
   std::unique_ptr<SharedState> shared;
   // the console
   console::Console hands;
+  PedalBeat pedal_beat;
   // the daemon
   MasterIngest ingest;
   FaultDirector faults;
@@ -196,10 +223,10 @@ struct LockstepStack::Impl {
   wire::FrameParser to_robot;
   RelayChannel relay_channel{config};
   // the network between console and daemon; empty: a perfect one
-  std::optional<impair::Channel> to_daemon, to_console;
+  std::optional<impair::Channel> to_daemon, to_console, pictures_to_console;
 
   std::int64_t now_ns{0};
-  std::uint32_t frame_sequence{0};
+  std::uint32_t frame_sequence{0}, pictures{0};
   std::array<std::uint8_t, wire::kMaxFrame> buffer{};
   std::optional<PlanResult> plan;
   std::int64_t plan_due{0};
@@ -215,6 +242,11 @@ LockstepStack::~LockstepStack() = default;
 void LockstepStack::impair(const Impairment& impairment) {
   impl_->to_daemon.emplace(impairment, impl_->config.seed, 0, impl_->now_ns);
   impl_->to_console.emplace(impairment, impl_->config.seed, 1, impl_->now_ns);
+  impl_->pictures_to_console.emplace(impairment, impl_->config.seed, 2, impl_->now_ns);
+}
+
+bool LockstepStack::finished() const noexcept {
+  return impl_->hands.finished();
 }
 
 void LockstepStack::setSignals(const FaultSignals& signals) noexcept {

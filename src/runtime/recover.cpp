@@ -5,6 +5,7 @@
 #include <string>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/session/recovery.h"
 #include "raven2_trainer/training/session_metrics.h"
 
@@ -15,19 +16,9 @@ struct Cancelled {};
 
 /** metrics.json and faults.json from the log alone. */
 void completeMetrics(const session::SessionPaths& paths, const std::function<bool()>& cancelled) {
-  training::MetricsAccumulator metrics(session::readLogHeader(paths.log()));
-  session::LogVisitor visitor;
-  visitor.tick = [&](const TickRecord& record) {
+  const training::SessionMetrics result = training::computeMetrics(paths.log(), [&] {
     if (cancelled && cancelled()) throw Cancelled{};
-    metrics.add(record);
-  };
-  visitor.haptic = [&](const HapticRecord& record) { metrics.add(record); };
-  visitor.plan = [&](const PlanRecord& record) { metrics.add(record); };
-  visitor.faults = [&](const FaultRecord& record) { metrics.add(record); };
-  visitor.fault_change = [&](const FaultChangeRecord& record) { metrics.add(record); };
-  visitor.execution = [&](const ExecutionRecord& record) { metrics.add(record); };
-  session::readLog(paths.log(), visitor);
-  const training::SessionMetrics result = metrics.result();
+  });
   training::writeMetrics(paths.metrics(), result);
   training::writeFaults(paths.faults(), result);
 }
@@ -62,8 +53,9 @@ bool recoverAndTell(const session::SessionPaths& paths, const std::function<bool
     const std::string line = describe(done);
     if (!line.empty()) std::fprintf(stderr, "%s: %s\n", paths.directory.c_str(), line.c_str());
     if (done.status == RecoveryStatus::kRecovered || session::lacksMetrics(paths)) completeMetrics(paths, cancelled);
-    return done.status == RecoveryStatus::kRecovered || done.status == RecoveryStatus::kNothingToDo ||
-           done.status == RecoveryStatus::kNoLog;
+    const bool is_good = done.status == RecoveryStatus::kRecovered || done.status == RecoveryStatus::kNothingToDo ||
+                         done.status == RecoveryStatus::kNoLog;
+    return is_good && (!lacksScore(paths) || finishSession(paths, cancelled));
   } catch (const Cancelled&) {
     return false;
   } catch (const std::exception& e) {

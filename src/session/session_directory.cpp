@@ -111,6 +111,13 @@ std::map<std::string, std::string> readBuild(const SessionPaths& paths) {
   return build;
 }
 
+std::string readStartTime(const SessionPaths& paths) {
+  std::ifstream file(paths.meta());
+  const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || !json.contains("start_time_utc") || !json["start_time_utc"].is_string()) return "";
+  return json["start_time_utc"];
+}
+
 std::string fileHash(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw SessionException(path + ": cannot be read for its hash");

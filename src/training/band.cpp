@@ -9,6 +9,17 @@ namespace {
 
 constexpr double kFar = 1e9;  // stands for what no spread can measure
 
+/** [spreads] Beyond a limit. */
+double excessOf(double beyond, double spread) {
+  if (spread > 0.0) return std::clamp(beyond / spread, -kFar, kFar);
+  if (beyond == 0.0) return 0.0;
+  return beyond > 0.0 ? kFar : -kFar;
+}
+
+double signOf(Better better) {
+  return better == Better::kLower ? 1.0 : -1.0;
+}
+
 }  // namespace
 
 BandJudgement judge(double value, const BandMetric& metric, double least_spread, double deviations) {
@@ -16,16 +27,20 @@ BandJudgement judge(double value, const BandMetric& metric, double least_spread,
   result.spread = std::max({metric.deviation, least_spread * std::abs(metric.mean), metric.least});
   const bool is_always_zero = metric.mean == 0.0 && metric.deviation == 0.0;
   const double granted = is_always_zero ? metric.least : deviations * result.spread;
-  const double sign = metric.better == Better::kLower ? 1.0 : -1.0;
+  const double sign = signOf(metric.better);
   result.limit = metric.mean + sign * granted;
   const double beyond = sign * (value - result.limit);
   result.passed = beyond <= 0.0;
-  if (result.spread > 0.0) {
-    result.excess = std::clamp(beyond / result.spread, -kFar, kFar);
-  } else if (beyond != 0.0) {
-    result.excess = beyond > 0.0 ? kFar : -kFar;
-  }
-  if (!std::isfinite(value)) result.excess = kFar;
+  result.excess = std::isfinite(value) ? excessOf(beyond, result.spread) : kFar;
+  return result;
+}
+
+BandJudgement judgeByLimit(double value, double limit, Better better) {
+  BandJudgement result;
+  result.limit = limit;
+  const double beyond = signOf(better) * (value - limit);
+  result.passed = beyond <= 0.0;
+  result.excess = std::isfinite(value) ? excessOf(beyond, std::abs(limit)) : kFar;
   return result;
 }
 

@@ -207,6 +207,16 @@ bool isEarlier(const TimedResponse& a, const TimedResponse& b) {
 
 }  // namespace
 
+ResponseRule ruleOf(const ExerciseDrill& drill) {
+  const auto responses = [](const std::vector<DrillResponse>& names) {
+    std::vector<Response> all;
+    for (const DrillResponse name : names)
+      all.push_back(static_cast<Response>(static_cast<std::size_t>(name) + 1));  // kNone is no response of a drill
+    return all;
+  };
+  return {responses(drill.right), responses(drill.wrong), drill.within};
+}
+
 ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand) {
   ForceMotion motion;
   for (const Arm arm : kArms) {

@@ -147,6 +147,38 @@ Json describeExecutions(const SessionMetrics& metrics) {
   return executions;
 }
 
+template <std::size_t N, typename Number>
+Json describeTally(const std::array<const char*, N>& names, const std::array<Number, N>& counts) {
+  Json tally = Json::object();
+  for (std::size_t i = 0; i < N; ++i)
+    tally[names[i]] = counts[i];
+  return tally;
+}
+
+Json describeAttempt(const ExerciseAttempt& attempt) {
+  const ExerciseState& state = attempt.state;
+  return {{"number", state.attempt},
+          {"status", kExerciseStatusNames[static_cast<std::size_t>(state.status)]},
+          {"failure", kExerciseFailureNames[static_cast<std::size_t>(state.failure)]},
+          {"began_tick", orNull(attempt.began)},
+          {"ended_tick", orNull(attempt.ended)},
+          {"time_s", static_cast<double>(attempt.ticks) * kTickSeconds},
+          {"steps_done", state.step > 0 ? state.step - 1 : 0},
+          {"mistakes", describeTally(kMistakeNames, state.mistakes)},
+          {"events", describeTally(kExerciseEventNames, attempt.events)}};
+}
+
+Json describeExercise(const SessionMetrics& metrics) {
+  if (metrics.exercise == "none") return nullptr;
+  Json attempts = Json::array();
+  for (const ExerciseAttempt& attempt : metrics.attempts)
+    attempts.push_back(describeAttempt(attempt));
+  return {{"name", metrics.exercise},
+          {"drill", metrics.drill == "none" ? Json(nullptr) : Json(metrics.drill)},
+          {"attempts", attempts},
+          {"attempts_beyond", metrics.attempts_beyond}};
+}
+
 Json describeHistogram(const Histogram& histogram) {
   const auto quantile = [&](double p) { return static_cast<double>(histogram.quantile(p)) / 1000.0; };
   return {{"p50", quantile(0.5)}, {"p99", quantile(0.99)}, {"p999", quantile(0.999)}};
@@ -209,6 +241,7 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
              {"plan", describePlan(metrics.plan)},
              {"executions", describeExecutions(metrics)},
              {"executions_beyond", metrics.executions_beyond},
+             {"exercise", describeExercise(metrics)},
              {"frames", metrics.frames},
              {"live_frames", counts.frames},
              {"timing", describeTiming(counts)},

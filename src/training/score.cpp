@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "raven2_trainer/core/metric_names.h"
+
 namespace raven2_trainer::training {
 
 namespace {
@@ -142,21 +144,50 @@ std::vector<std::string> advise(const AttemptScore& score) {
   return advice;
 }
 
-MetricScore scoreMetric(const Metric& metric, const Band* band, double deviations) {
+/** What the exercise says of a metric; nullptr: nothing. */
+const ScoredMetric* findScored(const Standard& standard, const std::string& name) {
+  if (!standard.scored) return nullptr;
+  const auto is_it = [&](const ScoredMetric& metric) { return metric.name == name; };
+  const auto found = std::find_if(standard.scored->begin(), standard.scored->end(), is_it);
+  return found == standard.scored->end() ? nullptr : &*found;
+}
+
+/** By band or bound, of which there is one at least; where there are both by the stricter. */
+BandJudgement judgeMetric(const MetricScore& score, const Standard& standard) {
+  const double value = *score.metric.value;
+  if (score.band == nullptr) return judgeByLimit(value, *score.bound, score.metric.better);
+  const BandJudgement by_band = judge(value, *score.band, standard.band->least_spread, standard.deviations);
+  if (!score.bound) return by_band;
+  const double sign = score.band->better == Better::kLower ? 1.0 : -1.0;
+  return sign * (*score.bound - by_band.limit) < 0.0 ? judgeByLimit(value, *score.bound, score.band->better) : by_band;
+}
+
+MetricScore scoreMetric(const Metric& metric, const Standard& standard) {
   MetricScore score;
   score.metric = metric;
-  score.band = band == nullptr ? nullptr : find(*band, metric.name);
-  score.is_judged = score.band != nullptr && metric.value.has_value();
-  if (score.is_judged) score.judgement = judge(*metric.value, *score.band, band->least_spread, deviations);
+  score.band = standard.band == nullptr ? nullptr : find(*standard.band, metric.name);
+  const ScoredMetric* own = findScored(standard, metric.name);
+  if (own != nullptr && own->has_limit != 0 && metric.name != kForceAbove) score.bound = own->limit;
+  score.is_scored = standard.scored ? own != nullptr : score.band != nullptr;
+  const bool can_be = standard.band != nullptr && (score.band != nullptr || score.bound);
+  score.is_judged = score.is_scored && can_be && metric.value.has_value();
+  if (score.is_judged) score.judgement = judgeMetric(score, standard);
   return score;
 }
 
-/** Names of the band that were not measured, or that this program does not know. */
-std::vector<std::string> unjudged(const Band& band, const std::vector<MetricScore>& metrics) {
+/** Of the exercise, or else of the band: that were not measured, are not in the band, or that nobody here knows. */
+std::vector<std::string> unjudged(const Standard& standard, const std::vector<MetricScore>& metrics) {
   std::vector<std::string> names;
-  for (const BandMetric& metric : band.metrics) {
-    const auto is_it = [&](const MetricScore& m) { return m.metric.name == metric.name && m.is_judged; };
-    if (std::none_of(metrics.begin(), metrics.end(), is_it)) names.push_back(metric.name);
+  const auto look = [&](const std::string& name) {
+    const auto is_it = [&](const MetricScore& m) { return m.metric.name == name && m.is_judged; };
+    if (std::none_of(metrics.begin(), metrics.end(), is_it)) names.push_back(name);
+  };
+  if (standard.scored) {
+    for (const ScoredMetric& metric : *standard.scored)
+      look(metric.name);
+  } else {
+    for (const BandMetric& metric : standard.band->metrics)
+      look(metric.name);
   }
   return names;
 }
@@ -186,17 +217,16 @@ AttemptScore scoreAttempt(const AttemptOutcome& outcome,
                           const MotionMetrics& motion,
                           const Economy& economy,
                           const std::vector<HazardScore>& hazards,
-                          const Band* band,
-                          double deviations) {
+                          const Standard& standard) {
   AttemptScore score;
   score.outcome = outcome;
   score.motion = motion;
   score.economy = economy;
   score.hazards = hazards;
   for (const Metric& metric : listMetrics(motion, outcome, economy))
-    score.metrics.push_back(scoreMetric(metric, band, deviations));
-  if (band != nullptr) {
-    score.not_judged = unjudged(*band, score.metrics);
+    score.metrics.push_back(scoreMetric(metric, standard));
+  if (standard.band != nullptr) {
+    score.not_judged = unjudged(standard, score.metrics);
     conclude(&score);
   }
   score.improve = advise(score);

@@ -37,6 +37,8 @@ Json describe(const MetricScore& score) {
           {"unit", metric.unit},
           {"group", kMetricGroupNames[static_cast<std::size_t>(metric.group)]},
           {"better", kBetterNames[static_cast<std::size_t>(has_band ? score.band->better : metric.better)]},
+          {"scored", score.is_scored},
+          {"bound", orNull(score.bound)},
           {"mean", has_band ? Json(score.band->mean) : Json(nullptr)},
           {"deviation", has_band ? Json(score.band->deviation) : Json(nullptr)},
           {"limit", score.is_judged ? Json(score.judgement.limit) : Json(nullptr)},
@@ -161,11 +163,12 @@ Json describe(const AttemptScore& score, const AttemptHistory& history) {
 }
 
 Json describeBand(const ScoreSettings& settings) {
-  if (settings.band == nullptr) return nullptr;
-  return {{"origin", settings.band->origin},
-          {"sessions", settings.band->sessions},
-          {"least_spread", settings.band->least_spread},
-          {"deviations", settings.deviations}};
+  const Band* band = settings.standard.band;
+  if (band == nullptr) return nullptr;
+  return {{"origin", band->origin},
+          {"sessions", band->sessions},
+          {"least_spread", band->least_spread},
+          {"deviations", settings.standard.deviations}};
 }
 
 Json describeRule(const ResponseRule& rule) {

@@ -45,12 +45,15 @@ double RunningStats::deviation() const noexcept {
 
 MetricsAccumulator::MetricsAccumulator(const session::LogHeader& header) : header_(header) {
   metrics_.tolerance = header.tolerance;
+  metrics_.exercise = header.exercise;
+  metrics_.drill = header.drill;
 }
 
 void MetricsAccumulator::add(const TickRecord& record) {
   model_now_ = record.model.tick;
   now_ = record.model.session_tick;
   followExecution(record.model);
+  exercise_.add(record.model);
   followChanges(record);
   if (now_ >= 0) {
     if (first_ < 0) first_ = now_;
@@ -312,18 +315,24 @@ SessionMetrics MetricsAccumulator::result() const {
   end.useForces();
   end.metrics_.injections = end.injections();
   end.metrics_.executions = executions();
+  end.metrics_.attempts = exercise_.attempts();
+  end.metrics_.attempts_beyond = exercise_.beyond();
   return end.metrics_;
 }
 
-SessionMetrics computeMetrics(const std::string& log_path) {
+SessionMetrics computeMetrics(const std::string& log_path, const std::function<void()>& on_tick) {
   MetricsAccumulator accumulator(session::readLogHeader(log_path));
   session::LogVisitor visitor;
-  visitor.tick = [&](const TickRecord& record) { accumulator.add(record); };
+  visitor.tick = [&](const TickRecord& record) {
+    if (on_tick) on_tick();
+    accumulator.add(record);
+  };
   visitor.haptic = [&](const HapticRecord& record) { accumulator.add(record); };
   visitor.plan = [&](const PlanRecord& record) { accumulator.add(record); };
   visitor.faults = [&](const FaultRecord& record) { accumulator.add(record); };
   visitor.fault_change = [&](const FaultChangeRecord& record) { accumulator.add(record); };
   visitor.execution = [&](const ExecutionRecord& record) { accumulator.add(record); };
+  visitor.exercise = [&](const ExerciseRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
   return accumulator.result();

@@ -33,7 +33,7 @@ class Waiting {
 class Scan {
  public:
   Scan(const ScoreSettings& settings, const session::LogHeader& header, const SessionMetrics& metrics)
-      : attempts_(settings.motion, header), hazards_(settings, metrics) {}
+      : attempts_(settings, header), hazards_(settings, metrics), on_tick_(settings.on_tick) {}
 
   void read(const std::string& log_path) {
     session::LogVisitor visitor;
@@ -57,6 +57,7 @@ class Scan {
 
  private:
   void add(const TickRecord& record) {
+    if (on_tick_) on_tick_();
     attempts_.add(record);
     hazards_.add(record);
     now_ = record.model.tick;
@@ -76,6 +77,7 @@ class Scan {
   HazardCollector hazards_;
   Waiting<HapticRecord> forces_;
   Waiting<ContactRecord> contacts_;
+  std::function<void()> on_tick_;
   Tick now_{-1};
 };
 
@@ -92,14 +94,14 @@ std::vector<HazardScore> hazardsIn(const AttemptOutcome& outcome, const std::vec
 SessionScore scoreSession(const std::string& log_path, const ScoreSettings& settings) {
   SessionScore score;
   score.header = session::readLogHeader(log_path);
-  Scan scan(settings, score.header, computeMetrics(log_path));
+  Scan scan(settings, score.header, computeMetrics(log_path, settings.on_tick));
   scan.read(log_path);
   score.hazards = scan.hazards();
   score.hazards_beyond = scan.hazardsBeyond();
   for (const CollectedAttempt& attempt : scan.attempts()) {
     score.attempts.push_back(
         scoreAttempt(attempt.outcome, attempt.motion.result(), compare(attempt.transits.transits(), settings.plan),
-                     hazardsIn(attempt.outcome, score.hazards), settings.band, settings.deviations));
+                     hazardsIn(attempt.outcome, score.hazards), settings.standard));
     score.histories.push_back(attempt.history);
   }
   return score;

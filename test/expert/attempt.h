@@ -9,7 +9,6 @@
 #include "raven2_trainer/console/expert.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/sight_of.h"
 #include "support/rig.h"
 
 // An attempt at the ring task in the shipped scene: the scripted surgeon at the console, daemon and virtual Raven in
@@ -43,14 +42,14 @@ inline std::vector<console::Verb> ringTask() {
   return {grip, carry, take, put};
 }
 
-/** Gives a source the pictures that somebody else puts into `sight`. */
+/** Tells that a source is finished; gives it the pictures that somebody else puts into `sight`, if somebody does. */
 class SeeingSource : public console::MotionSource {
  public:
   SeeingSource(std::unique_ptr<console::MotionSource> source, std::shared_ptr<std::optional<Sight>> sight)
       : source_(std::move(source)), sight_(std::move(sight)) {}
   console::Intent tick(const console::Senses& senses) override {
     console::Senses seen = senses;
-    seen.sight = *sight_;
+    if (*sight_) seen.sight = *sight_;
     const console::Intent intent = source_->tick(seen);
     *finished = intent.finished;
     return intent;
@@ -65,9 +64,8 @@ class SeeingSource : public console::MotionSource {
 
 class Attempt {
  public:
-  Attempt(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
-      : arms_(config.arms), sight_(std::make_shared<std::optional<Sight>>()) {
-    auto seeing = std::make_unique<SeeingSource>(std::move(source), sight_);
+  Attempt(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source) {
+    auto seeing = std::make_unique<SeeingSource>(std::move(source), std::make_shared<std::optional<Sight>>());
     finished_ = seeing->finished;
     stack_ = std::make_unique<runtime::LockstepStack>(config, std::move(seeing));
     const std::vector<std::string> names = stack_->bodyNames();
@@ -91,9 +89,6 @@ class Attempt {
     stack_->tick();
     stack_->discardRecords();
     const ModelState& model = stack_->view().model;
-    if (model.tick % runtime::kPicturePeriod == 0) {
-      *sight_ = runtime::sightOf(model, stack_->view().robot, arms_, /*free_bodies=*/1, ++pictures_);
-    }
     observe(model);
   }
 
@@ -134,11 +129,8 @@ class Attempt {
     }
   }
 
-  const ArmsConfig arms_;
-  std::shared_ptr<std::optional<Sight>> sight_;
   std::shared_ptr<bool> finished_;
   std::unique_ptr<runtime::LockstepStack> stack_;
-  std::uint32_t pictures_{0};
   std::uint16_t ring_{};
   std::vector<bool> is_tool_;
   Vector3 last_{0, 0, 0};

@@ -67,6 +67,15 @@ def test_a_chosen_list_and_a_folder(tmp_path):
     assert band["least_spread"] == 0.1
 
 
+def test_metrics_are_those_that_the_exercise_scores(tmp_path):
+    folders = []
+    for i, value in enumerate([3.0, 5.0]):
+        metrics = {"time": metric(value), "path": {**metric(value, "mm"), "scored": True},
+                   "tremor": {**metric(value, "um"), "scored": True}, "idle": {**metric(value, "-"), "scored": False}}
+        folders.append(session(tmp_path, str(i), ("done", metrics)))
+    assert list(yaml.safe_load(run(*folders).stdout)["metrics"]) == ["path", "tremor"]
+
+
 @pytest.mark.parametrize("second, reason", [
     ({"exercise": "camera_clutch"}, "one exercise"), ({"hazards": [{"scenario": "sudden_jump"}]}, "hazard")])
 def test_sessions_that_do_not_belong_together_are_refused(tmp_path, second, reason):

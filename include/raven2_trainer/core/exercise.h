@@ -143,9 +143,9 @@ struct ExerciseDrill {
 
 /** A metric that is scored. */
 struct ScoredMetric {
-  std::string name;
+  std::string name;  ///< one of kMetricNames
   std::uint8_t has_limit{};
-  double limit{};  ///< in the metric's unit, what it compares with or must not pass; by metric
+  double limit{};  ///< worst value that passes, in the metric's unit; force_above: [N] what the force is compared with
   std::string place;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -26,12 +27,19 @@ class Lockstep {
    *  outages are counted from this call. */
   void impair(const Impairment& impairment);
 
+  /** When a session ends. */
+  enum class End : std::uint8_t {
+    kTime,      ///< at its time, whatever the hands do
+    kFinished,  ///< or kAfterwards after the hands were finished
+  };
+  static constexpr Tick kAfterwards = 1000;  ///< [1 ms] what was let go falls and comes to rest
+
   /**
    * Runs until `seconds` of session time (from the first pedal down).
    * @param[in] progress called about every 100 ms of simulated time with the share done; may be empty.
    * @return false if no pedal-down came within `runtime.start_timeout` of simulated time, or the model broke down.
    */
-  bool run(double seconds, const std::function<void(double)>& progress);
+  bool run(double seconds, const std::function<void(double)>& progress, End end = End::kTime);
 
   /** What faults' triggers look at, from the next tick on. */
   void setSignals(const FaultSignals& signals) noexcept;

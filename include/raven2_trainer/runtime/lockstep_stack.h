@@ -23,8 +23,8 @@ struct LockstepView {
 
 /**
  * Console, daemon and virtual Raven in one thread, stepped together tick by tick through the same bytes that
- * otherwise cross the sockets: no sockets, no threads, no clocks, no files, faster than real time, and the same states
- * from the same seed and configuration. A process that holds nothing else may fork it.
+ * otherwise cross the sockets, pictures and pedals among them: no sockets, no threads, no clocks, no files, faster than
+ * real time, and the same states from the same seed and configuration. A process that holds nothing else may fork it.
  *
  * Records are left in their rings: whoever records takes them (Lockstep), whoever does not discards them.
  */
@@ -36,6 +36,9 @@ class LockstepStack {
 
   /** One millisecond of everything. */
   void tick();
+
+  /** The hands are done; the pedal stays up. */
+  bool finished() const noexcept;
 
   /** From now on the link between console and daemon is bad, in both directions and from the configuration's seed. */
   void impair(const Impairment& impairment);

@@ -14,6 +14,7 @@ struct SessionPaths {
   std::string metrics() const { return directory + "/metrics.json"; }
   std::string meta() const { return directory + "/meta.json"; }
   std::string faults() const { return directory + "/faults.json"; }
+  std::string score() const { return directory + "/score.json"; }
   std::string video() const { return directory + "/video.mp4"; }
   std::string report() const { return directory + "/report.html"; }
   std::string ticks() const { return directory + "/ticks.csv"; }
@@ -49,6 +50,9 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
 
 /** SessionMeta::build of a session; empty if there is no readable meta.json or nothing in it about the build. */
 std::map<std::string, std::string> readBuild(const SessionPaths& paths);
+
+/** SessionMeta::start_time_utc of a session; empty if there is no readable meta.json. */
+std::string readStartTime(const SessionPaths& paths);
 
 /** FNV-1a, 64 bit, of a file, as 16 hex digits. @throw SessionException if it cannot be read. */
 std::string fileHash(const std::string& path);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/training/contact_tally.h"
 
@@ -39,6 +40,9 @@ struct ResponseRule {
   std::vector<Response> wrong{Response::kPushOn};
   double within{2.0};  ///< [s] from the cue, or from the injection without one
 };
+
+/** What an exercise calls right in its drill. */
+ResponseRule ruleOf(const ExerciseDrill& drill);
 
 /** One millisecond about a hazard. */
 struct HandSample {

@@ -47,11 +47,21 @@ struct HazardScore {
 /** All that can be scored, in a fixed order; doc/scores.md. Mistakes only where there is an exercise. */
 std::vector<Metric> listMetrics(const MotionMetrics& motion, const AttemptOutcome& outcome, const Economy& economy);
 
+/** What attempts are held against. */
+struct Standard {
+  const Band* band{};      ///< of the exercise; nullptr: nothing is judged. It must outlive the results
+  double deviations{1.0};  ///< [-] of the band that a metric may be worse than its mean
+  /** Of the exercise: no other metric is judged, and none may pass its limit. Nothing: all of the band are judged. */
+  std::optional<std::vector<ScoredMetric>> scored;
+};
+
 struct MetricScore {
   Metric metric;
-  const BandMetric* band{};  ///< nullptr: told, not scored
-  BandJudgement judgement{};
-  bool is_judged{};  ///< there are a band and a value
+  const BandMetric* band{};     ///< nullptr: not in the band
+  std::optional<double> bound;  ///< in the metric's unit: the exercise's own limit
+  bool is_scored{};             ///< the exercise asks for it, or the band has it where no exercise says
+  bool is_judged{};             ///< it is scored, and there are a value, a band and something about it in either
+  BandJudgement judgement{};    ///< by the band or by the bound, whichever is stricter
 };
 
 /** One attempt against the band of its exercise. */
@@ -61,7 +71,7 @@ struct AttemptScore {
   Economy economy;
   std::vector<HazardScore> hazards;
   std::vector<MetricScore> metrics;
-  std::vector<std::string> not_judged;  ///< of the band, what was not measured
+  std::vector<std::string> not_judged;  ///< what is scored and was not measured, or is not in the band
   std::optional<bool> passed;           ///< nothing without a band
   std::optional<double> composite;      ///< [-] share of the judged metrics that passed; decides nothing
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
@@ -70,16 +80,13 @@ struct AttemptScore {
 constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve
 
 /**
- * An attempt passes if the exercise was done, every metric of the band that was measured lies within it (none makes up
- * for another), at least one was, and every hazard was answered rightly and in time; in a drill one must have come.
- * @param[in] band of the exercise; nullptr: nothing is judged. It must outlive the result.
- * @param[in] deviations [-] that a metric may be worse than the mean.
+ * An attempt passes if the exercise was done, every scored metric that was measured lies within its limit (none makes
+ * up for another), at least one was, and every hazard was answered rightly and in time; in a drill one must have come.
  */
 AttemptScore scoreAttempt(const AttemptOutcome& outcome,
                           const MotionMetrics& motion,
                           const Economy& economy,
                           const std::vector<HazardScore>& hazards,
-                          const Band* band,
-                          double deviations);
+                          const Standard& standard);
 
 }  // namespace raven2_trainer::training

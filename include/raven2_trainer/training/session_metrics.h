@@ -3,12 +3,14 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/session/session_log.h"
+#include "raven2_trainer/training/exercise_tally.h"
 
 namespace raven2_trainer::training {
 
@@ -74,6 +76,9 @@ struct SessionMetrics {
   PlanResult plan{};   ///< newest, status kNone if none was asked for
   std::vector<Execution> executions;
   std::uint64_t executions_beyond{};  ///< beyond the longest list, kMaxExecutions
+  std::string exercise{"none"}, drill{"none"};
+  std::vector<ExerciseAttempt> attempts;  ///< at the exercise
+  std::uint64_t attempts_beyond{};        ///< beyond the longest list, kMaxAttempts
   SessionCounts counts{};
   std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
   std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
@@ -87,8 +92,8 @@ struct SessionMetrics {
  * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes
  * a new one.
  *
- * Records of one kind come in order, changes of faults before the tick that they belong to; haptic records may come
- * before or after theirs (two threads write them), so each waits for its tick.
+ * Records of one kind come in order, changes of faults and events of the exercise before the tick that they belong to;
+ * haptic records may come before or after theirs (two threads write them), so each waits for its tick.
  */
 class MetricsAccumulator {
  public:
@@ -99,6 +104,7 @@ class MetricsAccumulator {
   void add(const FaultRecord& record);
   void add(const FaultChangeRecord& record);
   void add(const ExecutionRecord& record);
+  void add(const ExerciseRecord& record) { exercise_.add(record); }
   void add(const SessionCounts& counts);
   SessionMetrics result() const;
 
@@ -141,6 +147,7 @@ class MetricsAccumulator {
   session::LogHeader header_;
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
+  ExerciseTally exercise_;
   std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick with which the model began to execute a plan
   bool executes_{false};
   std::vector<FaultRecord> plans_;
@@ -155,8 +162,9 @@ class MetricsAccumulator {
   Tick calm_since_{-1};  ///< session tick from which the error has been below the tolerance; -1 it is not
 };
 
-/** Metrics of a finished log. @throw SessionException. */
-SessionMetrics computeMetrics(const std::string& log_path);
+/** Metrics of a finished log. @param[in] on_tick called with every tick; what it throws ends it. May be empty.
+ *  @throw SessionException. */
+SessionMetrics computeMetrics(const std::string& log_path, const std::function<void()>& on_tick = {});
 
 /** metrics.json; the fields are listed in doc/session.md. @throw SessionException. */
 void writeMetrics(const std::string& path, const SessionMetrics& metrics);

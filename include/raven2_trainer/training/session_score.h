@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,13 @@ namespace raven2_trainer::training {
 /** What a log alone does not tell. */
 struct ScoreSettings {
   MotionSettings motion;
-  ConsoleConfig hand;      ///< mass, stiffness, damping: what forces explain of its motion
-  ResponseRule response;   ///< to a hazard
-  const Band* band{};      ///< of the exercise; nullptr: nothing is judged. It must outlive the result
-  double deviations{1.0};  ///< [-] of the band that a metric may be worse than its mean
-  WayPlanner plan;         ///< of transits; none: no economy
+  std::vector<ExerciseTrack> tracks;  ///< of the exercise, for the ways to where its steps wait for a tip
+  ConsoleConfig hand;                 ///< mass, stiffness, damping: what forces explain of its motion
+  ResponseRule response;              ///< to a hazard
+  Standard standard;                  ///< of its attempts
+  WayPlanner plan;                    ///< of transits; none: no economy
+  /** Called with every tick that is read, once or twice each; what it throws ends the scoring. May be empty. */
+  std::function<void()> on_tick;
 };
 
 /** When something of an attempt was done. */

@@ -59,6 +59,16 @@ TEST(Band, AValueThatIsNotFiniteDoesNotPass) {
   EXPECT_FALSE(judge(std::numeric_limits<double>::infinity(), makeMetric(1.0, 1.0), 0.25, 1.0).passed);
 }
 
+TEST(Band, AnAbsoluteLimitGrantsNoSpread) {
+  EXPECT_TRUE(judgeByLimit(5.0, 5.0, Better::kLower).passed);
+  EXPECT_FALSE(judgeByLimit(5.1, 5.0, Better::kLower).passed);
+  EXPECT_FALSE(judgeByLimit(4.9, 5.0, Better::kHigher).passed);
+  EXPECT_DOUBLE_EQ(judgeByLimit(7.5, 5.0, Better::kLower).excess, 0.5);
+  EXPECT_DOUBLE_EQ(judgeByLimit(-6.0, -5.0, Better::kHigher).excess, 0.2);
+  EXPECT_GT(judgeByLimit(1.0, 0.0, Better::kLower).excess, 1e8);
+  EXPECT_FALSE(judgeByLimit(std::numeric_limits<double>::quiet_NaN(), 5.0, Better::kLower).passed);
+}
+
 TEST(Band, FindsItsMetricsByName) {
   Band band;
   band.metrics = {makeMetric(1.0, 1.0)};

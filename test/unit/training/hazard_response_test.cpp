@@ -64,6 +64,21 @@ HazardResponse judge(const HazardWindow& window, const ResponseRule& rule = {}) 
   return judgeResponse(window, rule, {});
 }
 
+TEST(ResponseRule, IsThatOfTheDrill) {
+  ExerciseDrill drill;
+  for (std::size_t i = 0; i < kDrillResponseCount; ++i)
+    (i % 2 == 0 ? drill.right : drill.wrong).push_back(static_cast<DrillResponse>(i));
+  drill.within = 3.5;
+  const ResponseRule rule = ruleOf(drill);
+  EXPECT_EQ(rule.within, 3.5);
+  ASSERT_EQ(rule.right.size(), 3u);
+  ASSERT_EQ(rule.wrong.size(), 3u);
+  for (std::size_t i = 0; i < kDrillResponseCount; ++i) {
+    const Response response = (i % 2 == 0 ? rule.right : rule.wrong)[i / 2];
+    EXPECT_STREQ(kResponseNames[static_cast<std::size_t>(response)], kDrillResponseNames[i]);
+  }
+}
+
 TEST(HazardResponse, PedalUpIsExactAndRight) {
   HazardWindow window = makeWindow(goingOn);
   push(&window, 40, 900, {0.0, 1.0, 0.0});

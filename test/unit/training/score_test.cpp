@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gtest/gtest.h"
+#include "raven2_trainer/core/metric_names.h"
 
 namespace raven2_trainer::training {
 namespace {
@@ -49,7 +50,7 @@ AttemptScore score(const Band& band,
                    const MotionMetrics& motion = makeMotion(),
                    const AttemptOutcome& outcome = makeOutcome(),
                    const std::vector<HazardScore>& hazards = {}) {
-  return scoreAttempt(outcome, motion, {}, hazards, &band, 1.0);
+  return scoreAttempt(outcome, motion, {}, hazards, {&band, 1.0, {}});
 }
 
 TEST(Metrics, ComeInTheirUnits) {
@@ -61,6 +62,13 @@ TEST(Metrics, ComeInTheirUnits) {
   EXPECT_EQ(metricOf(metrics, "master_radius").group, MetricGroup::kControl);
   EXPECT_EQ(metricOf(metrics, "peak_force").group, MetricGroup::kSafety);
   EXPECT_EQ(metricOf(metrics, "sparc").better, Better::kHigher);
+}
+
+TEST(Metrics, AreTheOnesThatExercisesMayName) {
+  std::vector<std::string> names;
+  for (const Metric& metric : listMetrics({}, {}, {}))
+    names.push_back(metric.name);
+  EXPECT_EQ(names, std::vector<std::string>(kMetricNames.begin(), kMetricNames.end()));
 }
 
 TEST(Metrics, ThatWereNotMeasuredHaveNoValue) {
@@ -111,7 +119,7 @@ TEST(Score, AnAttemptThatWasNotDoneDoesNotPass) {
 }
 
 TEST(Score, WithoutABandNothingIsJudged) {
-  const AttemptScore result = scoreAttempt(makeOutcome(), makeMotion(), {}, {}, nullptr, 1.0);
+  const AttemptScore result = scoreAttempt(makeOutcome(), makeMotion(), {}, {}, {});
   EXPECT_FALSE(result.passed);
   EXPECT_FALSE(result.composite);
   EXPECT_TRUE(result.improve.empty());
@@ -124,6 +132,77 @@ TEST(Score, WhatWasNotMeasuredIsNotJudgedAndSaid) {
   const AttemptScore result = score(band);
   EXPECT_EQ(result.passed, true);
   EXPECT_EQ(result.not_judged, (std::vector<std::string>{"ldlj", "unheard_of"}));
+}
+
+ScoredMetric makeScored(const std::string& name) {
+  ScoredMetric metric;
+  metric.name = name;
+  return metric;
+}
+
+ScoredMetric makeLimited(const std::string& name, double limit) {
+  ScoredMetric metric = makeScored(name);
+  metric.has_limit = 1;
+  metric.limit = limit;
+  return metric;
+}
+
+AttemptScore scoreBy(const std::vector<ScoredMetric>& scored, const MotionMetrics& motion = makeMotion()) {
+  static const Band band = makeBand();
+  return scoreAttempt(makeOutcome(), motion, {}, {}, {&band, 1.0, scored});
+}
+
+const MetricScore& scoreOf(const AttemptScore& score, const std::string& name) {
+  return *std::find_if(score.metrics.begin(), score.metrics.end(),
+                       [&](const MetricScore& m) { return m.metric.name == name; });
+}
+
+TEST(Score, JudgesWhatTheExerciseAsksForAlone) {
+  MotionMetrics slow = makeMotion();
+  slow.duration = 60.0;  // beyond the band's 51
+  const AttemptScore result = scoreBy({makeScored("path"), makeScored("sparc")}, slow);
+  EXPECT_EQ(result.passed, true);
+  EXPECT_FALSE(scoreOf(result, "time").is_scored);
+  EXPECT_FALSE(scoreOf(result, "time").is_judged);
+  EXPECT_EQ(scoreOf(result, "time").band->mean, 45.0) << "told all the same";
+  EXPECT_TRUE(scoreOf(result, "path").is_scored);
+  EXPECT_EQ(scoreBy({makeScored("time"), makeScored("path")}, slow).passed, false);
+}
+
+TEST(Score, SaysWhatTheExerciseAsksForAndNobodyCanJudge) {
+  const AttemptScore result = scoreBy({makeScored("time"), makeScored("ldlj"), makeScored("clutches")});
+  EXPECT_EQ(result.passed, true);
+  EXPECT_EQ(result.not_judged, (std::vector<std::string>{"ldlj", "clutches"}));  // not measured; not in the band
+  EXPECT_EQ(scoreBy({}).passed, false) << "nothing was judged";
+}
+
+TEST(Score, HoldsMetricsAgainstTheExercisesLimits) {
+  // 50 s, 400 mm, 2.5 N; the band's limits are 51 s, 430 mm and none for the force
+  EXPECT_EQ(scoreBy({makeLimited("time", 50.5), makeLimited("path", 401.0)}).passed, true);
+  EXPECT_EQ(scoreBy({makeLimited("time", 49.0)}).passed, false);
+  EXPECT_EQ(scoreOf(scoreBy({makeLimited("time", 49.0)}), "time").judgement.limit, 49.0);
+  EXPECT_EQ(scoreOf(scoreBy({makeLimited("time", 70.0)}), "time").judgement.limit, 51.0) << "the stricter one";
+  EXPECT_EQ(scoreBy({makeLimited("peak_force", 2.6)}).passed, true);
+  EXPECT_EQ(scoreBy({makeLimited("peak_force", 2.4)}).passed, false);
+  EXPECT_EQ(scoreBy({makeLimited("sparc", -4.9)}).passed, false);  // higher is better; it is -5
+  EXPECT_EQ(scoreBy({makeLimited("sparc", -5.2)}).passed, true);
+}
+
+TEST(Score, DoesNotTakeTheForceThatIsComparedWithForATime) {
+  MotionMetrics motion = makeMotion();
+  motion.contact_force.above = 2000;  // [ms]
+  const AttemptScore result = scoreBy({makeScored("time"), makeLimited("force_above", 1.0)}, motion);
+  EXPECT_FALSE(scoreOf(result, "force_above").bound);
+  EXPECT_FALSE(scoreOf(result, "force_above").is_judged);
+  EXPECT_EQ(result.passed, true);
+}
+
+TEST(Score, LimitsAloneAreNoBand) {
+  const AttemptScore result =
+      scoreAttempt(makeOutcome(), makeMotion(), {}, {}, {nullptr, 1.0, {{makeLimited("time", 1.0)}}});
+  EXPECT_FALSE(result.passed);
+  EXPECT_FALSE(scoreOf(result, "time").is_judged);
+  EXPECT_EQ(scoreOf(result, "time").bound, 1.0);
 }
 
 TEST(Score, OfNothingMeasuredIsNoPass) {

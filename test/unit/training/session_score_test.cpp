@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 
 #include "gtest/gtest.h"
 #include "motion_support.h"
@@ -256,7 +257,7 @@ TEST_F(SessionScoreTest, WritesTheSameBytesTwice) {
   band.sessions = 3;
   band.metrics = {{"time", 9.0, 1.0, Better::kLower, 0.0}, {"ldlj", -9.0, 1.0, Better::kHigher, 0.0}};
   ScoreSettings settings = makeSettings();
-  settings.band = &band;
+  settings.standard.band = &band;
   const std::string text = write(finish(settings), settings);
   EXPECT_EQ(write(scoreSession(log(), settings), settings), text);
   const nlohmann::json json = nlohmann::json::parse(text);
@@ -276,6 +277,19 @@ TEST_F(SessionScoreTest, WritesTheSameBytesTwice) {
   EXPECT_EQ(attempt["hazards"][0]["reaction"]["response"], "pedal_up");
   EXPECT_EQ(attempt["hazards"][0]["reaction"]["after_ms"], 350);
   EXPECT_EQ(attempt["touches"]["tower"]["count"], 2);
+}
+
+TEST_F(SessionScoreTest, GivesUpWhereItIsTold) {
+  begin();
+  for (Tick k = 0; k < 100; ++k)
+    writer_->write(makeRecord(k));
+  ScoreSettings settings = makeSettings();
+  int ticks = 0;
+  settings.on_tick = [&] {
+    if (++ticks == 150) throw std::runtime_error("enough");  // in the second reading
+  };
+  EXPECT_THROW(finish(settings), std::runtime_error);
+  EXPECT_EQ(ticks, 150);
 }
 
 TEST_F(SessionScoreTest, OfALogWithoutASessionHasNoAttempts) {

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "raven2_trainer/console/truth_log.h"
+#include "raven2_trainer/runtime/motion.h"
+
+namespace CLI {
+class App;
+}
+
+namespace raven2_trainer::apps {
+
+/** What moves the hands, and what they tell of it: add() registers the options, choice() reads them. */
+struct MotionOptions {
+  std::string motion{"scripted"};
+  std::string reaction{"none"};  ///< [ms], or none
+  std::string truth;             ///< file; empty: none
+
+  void add(CLI::App* app);
+  /** @throw ConfigException. */
+  runtime::MotionChoice choice() const;
+};
+
+/** What scripted hands know that they did, in a file of its own. */
+class TruthFile {
+ public:
+  /** @param[in] path Empty: there is none. @throw ConfigException if it cannot be written. */
+  explicit TruthFile(const std::string& path);
+
+  /** For makeMotion(); null if there is no file. */
+  console::TruthLog* log() noexcept { return path_.empty() ? nullptr : &log_; }
+
+  /** Once the hands rest. @throw ConfigException. */
+  void write();
+
+ private:
+  std::string path_;
+  std::ofstream stream_;
+  console::TruthLog log_;
+};
+
+}  // namespace raven2_trainer::apps

@@ -1,0 +1,39 @@
+#include "raven2_trainer/training/exercise_tally.h"
+
+namespace raven2_trainer::training {
+
+namespace {
+
+/** Session tick of a model tick, as seen from a later one of the same session. */
+Tick sessionTick(const ModelState& now, Tick tick) {
+  if (tick < 0 || now.session_tick < 0) return -1;
+  const Tick session = tick - (now.tick - now.session_tick);
+  return session < 0 ? -1 : session;
+}
+
+}  // namespace
+
+void ExerciseTally::add(const ModelState& model) {
+  const ExerciseState& exercise = model.exercise;
+  if (exercise.status != ExerciseStatus::kNone && exercise.attempt != number_) {
+    number_ = exercise.attempt;
+    if (attempts_.size() < kMaxAttempts) {
+      attempts_.emplace_back();
+    } else {
+      ++beyond_;
+    }
+  }
+  const bool is_listed = !attempts_.empty() && beyond_ == 0;
+  ExerciseAttempt* attempt = is_listed ? &attempts_.back() : nullptr;
+  for (; !waiting_.empty() && waiting_.front().tick <= model.tick; waiting_.pop_front()) {
+    const auto kind = static_cast<std::size_t>(waiting_.front().event.kind);
+    if (attempt != nullptr && kind < attempt->events.size()) ++attempt->events[kind];
+  }
+  if (attempt == nullptr) return;
+  attempt->state = exercise;
+  attempt->began = sessionTick(model, exercise.began);
+  attempt->ended = sessionTick(model, exercise.ended);
+  if (exercise.status == ExerciseStatus::kRunning && model.mode != Mode::kPaused) ++attempt->ticks;
+}
+
+}  // namespace raven2_trainer::training

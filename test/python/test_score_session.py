@@ -1,0 +1,119 @@
+"""The program score_session on a session of simulate. Needs both built; skipped where they are not."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "test" / "python"))
+import raven2_session  # noqa: E402
+from test_smoothness_references import dimensionless_jerk, spectral_arc_length  # noqa: E402
+
+PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
+
+pytestmark = pytest.mark.skipif(not (PROGRAMS / "score_session").exists() or not (PROGRAMS / "simulate").exists(),
+                                reason="score_session or simulate is not built")
+
+
+def score(directory, *options):
+    return subprocess.run([PROGRAMS / "score_session", directory, *map(str, options)], capture_output=True, text=True,
+                          check=False)
+
+
+@pytest.fixture(scope="module", name="directory")
+def session(tmp_path_factory):
+    """Twelve seconds with a fault in them; the scripted hands do nothing about it."""
+    output = tmp_path_factory.mktemp("score") / "first"
+    done = subprocess.run([PROGRAMS / "simulate", "--hazard", "sudden_jump", "--seconds", "12", "--output", output],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return output
+
+
+@pytest.fixture(scope="module", name="result")
+def scored(directory):
+    done = score(directory)
+    assert done.returncode == 0, done.stderr
+    return json.loads((directory / "score.json").read_text())
+
+
+@pytest.fixture(scope="module", name="ticks")
+def counted_ticks(directory):
+    """Those that count, by an own reading of the log."""
+    ticks = raven2_session.Session(directory).log.ticks
+    return ticks[ticks["model"]["session_tick"] >= 0]
+
+
+def sampled_speed(ticks, arm):
+    """[mm/s] Tip speeds of means of ten ticks."""
+    tips = ticks["model"]["arms"][:, arm]["p_BT"]
+    means = tips[:len(tips) // 10 * 10].reshape(-1, 10, 3).mean(axis=1)
+    return 1000 * numpy.linalg.norm(numpy.diff(means, axis=0), axis=1) * 100
+
+
+def test_figures_are_those_of_an_own_reading_of_the_log(result, ticks):
+    (attempt,) = result["attempts"]
+    speeds = [sampled_speed(ticks, arm) for arm in (0, 1)]
+    metrics = {name: metric["value"] for name, metric in attempt["metrics"].items()}
+    assert metrics["time"] == pytest.approx(len(ticks) / 1000)
+    assert metrics["path"] == pytest.approx(sum(speed.sum() for speed in speeds) / 100, rel=1e-9)
+    assert metrics["path"] > 50, "the hands moved"
+    assert metrics["idle"] == pytest.approx(numpy.mean(numpy.maximum(*speeds) < 1))
+    assert metrics["engaged"] == pytest.approx(numpy.mean(ticks["model"]["pedal"] != 0))
+    assert metrics["speed_correlation"] == pytest.approx(numpy.corrcoef(*speeds)[0, 1], rel=1e-9)
+    assert attempt["hands"]["gold"]["sparc"] == pytest.approx(spectral_arc_length(speeds[0]), rel=1e-9)
+    assert attempt["hands"]["green"]["dlj"] == pytest.approx(dimensionless_jerk(speeds[1]), rel=1e-9)
+    apart = numpy.linalg.norm(ticks["model"]["arms"]["p_BT"] - ticks["robot"]["arms"]["p_BT"], axis=2).max(axis=1)
+    linked = (ticks["model"]["linked"] != 0) & (ticks["model"]["robot_fresh"] != 0)
+    assert metrics["tracking"] == pytest.approx(1000 * apart[linked].mean(), rel=1e-9)
+
+
+def test_a_session_without_an_exercise_is_measured_and_not_judged(result):
+    assert result["exercise"] is None and result["band"] is None
+    (attempt,) = result["attempts"]
+    assert attempt["status"] == "none" and attempt["passed"] is None
+    assert attempt["metrics"]["drops"]["value"] is None
+    assert attempt["metrics"]["sparc"]["value"] < -1.4
+    assert 0 < attempt["metrics"]["master_radius"]["value"] < 500
+    assert attempt["metrics"]["tracking"]["value"] < 10
+
+
+def test_the_hazard_is_judged_from_its_injection(directory, result):
+    fault = json.loads((directory / "metrics.json").read_text())["faults"][0]
+    hazard = result["hazards"][0]
+    assert hazard["scenario"] == "sudden_jump"
+    assert abs(hazard["injection_tick"] - fault["first_tick"]) <= 5, "[ms] the robot's clock and the daemon's knowledge"
+    assert hazard["error_mm"] == pytest.approx(fault["max_error_mm"], abs=0.01)
+    assert hazard["excursion_mm"] > 3
+    assert hazard["injection_tick"] + hazard["force_after_ms"] == pytest.approx(fault["force_tick"], abs=2)
+    assert all(each["after_ms"] < 100 for each in hazard["coincidences"])
+    assert hazard["reaction"] is None or hazard["reaction"]["after_ms"] >= 100
+
+
+def test_the_same_bytes_come_twice(directory, result, tmp_path):
+    assert result["version"] == 1
+    assert score(directory, "--output", tmp_path / "again.json").returncode == 0
+    assert (tmp_path / "again.json").read_bytes() == (directory / "score.json").read_bytes()
+
+
+def test_a_trainees_session_is_entered_once(directory, tmp_path):
+    index = tmp_path / "index.json"
+    for _ in range(2):
+        done = score(directory, "--trainee", "kim-01", "--index", index, "--output", tmp_path / "score.json")
+        assert done.returncode == 0, done.stderr
+    (entry,) = json.loads(index.read_text())["sessions"]
+    assert (entry["directory"], entry["trainee"], entry["exercise"]) == ("first", "kim-01", "")
+    assert entry["start_time_utc"].startswith("20")
+    assert entry["attempts"][0]["metrics"]["time"] > 1
+    assert score(directory, "--trainee", "Kim", "--index", index).returncode == 1
+
+
+def test_a_folder_without_a_session_is_refused(tmp_path):
+    done = score(tmp_path)
+    assert done.returncode == 1
+    assert "session.rlog" in done.stderr
