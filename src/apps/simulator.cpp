@@ -45,7 +45,8 @@ int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& opti
   const bool good = watch(simulator, options.duration);
   ros.end();
   simulator.stop();
-  const bool scored = simulator.recorded() && runtime::finishSession(simulator.paths());
+  const auto interrupted = [] { return apps::waitForSignal(0.0); };  // a second time: nobody wants to wait
+  const bool scored = simulator.recorded() && runtime::finishSession(simulator.paths(), interrupted);
   return ros.leave(good && scored ? 0 : 1);
 }
 

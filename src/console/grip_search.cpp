@@ -11,21 +11,22 @@
 namespace raven2_trainer::console {
 namespace {
 
-constexpr double kWireStep = 0.001;      ///< [m]
-constexpr double kStepLength = 0.004;    ///< [m] of a trail
-constexpr double kStepAngle = 0.1;       ///< [rad]
-constexpr double kMaxJointStep = 0.5;    ///< [rad] in one such step: farther is a jump to another branch
-constexpr double kInsertionScale = 8.7;  ///< [rad/m] 16 mm of insertion are as far as 8 degrees
-constexpr double kJawsApart = 0.0045;    ///< [m] half of the way from opened jaws to what must not touch them
-constexpr double kShaftApart = 0.0055;   ///< [m] the same of a shaft of 4 mm radius
-constexpr double kPlentyMargin = 0.35;   ///< [rad] more is no better
+constexpr double kWireStep = 0.001;                     ///< [m]
+constexpr double kStepLength = 0.004;                   ///< [m] of a trail
+constexpr double kStepAngle = 0.1;                      ///< [rad]
+constexpr double kMaxJointStep = 0.5;                   ///< [rad] in one such step: farther is a jump to another branch
+constexpr double kInsertionScale = 8.7;                 ///< [rad/m] 16 mm of insertion are as far as 8 degrees
+constexpr double kOutOfReach = -2.0, kNotThere = -1.0;  ///< scores of a ring that cannot be taken, or not carried so
+constexpr double kBlocked = 100.0;      ///< [-] by which a score shrinks for each place where something is in the way
+constexpr double kOverAll = 0.016;      ///< [m] of a tool's pivot over what it passes: jaws, and room for them
+constexpr double kPlentyMargin = 0.35;  ///< [rad] more is no better
 
 // Turns of the ring from the heading it has, the nearest first.
 constexpr std::array<double, 7> kSpins{0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2};
 constexpr std::array<double, 5> kLeans{0.17, 0.0, 0.52, 0.79, 1.05};  ///< [rad]
 
-// Half open, the jaws reach 9.6 mm beyond their pivot, and shall keep off the plate (z = 0), on which a ring may lie.
-constexpr double kJawsReach = 0.0096, kOffPlate = 0.0006;   ///< [m]
+// On a bar, the jaws reach 9.9 mm beyond their pivot, and shall keep off what the ring may lie on.
+constexpr double kJawsReach = 0.0099, kOffFloor = 0.0008;   ///< [m]
 constexpr double kUsualReach = 0.0075, kFarReach = 0.0092;  ///< [m] pivot to bar
 
 /** W from B: rotations from ITP axes, remote centre. */
@@ -55,36 +56,29 @@ bool jumps(const JointArray& from, const JointArray& to) noexcept {
   return std::abs(kinematics::jawMidline(to) - kinematics::jawMidline(from)) > kMaxJointStep;
 }
 
-/** A straight part of a tool. */
-struct Line {
-  Vector3 a, b;
-  double clear;  ///< [m] half of what is kept from it
-};
-
-/** Jaws and shaft of a tool that stands there, its shaft through the remote centre `rcm_W`. */
-std::array<Line, 2> linesOf(const Pose& X_WT, const Vector3& rcm_W, double lw) {
-  Vector3 towards_T = X_WT.inverse() * rcm_W;
-  towards_T.z() = 0.0;  // the wrist turns about an axis across the jaws' hinge
-  const Vector3 wrist = X_WT * Vector3(lw * towards_T.normalized());
-  return {Line{X_WT * Vector3(0.010, 0, 0), wrist, kJawsApart}, Line{wrist, rcm_W, kShaftApart}};
+double reachFor(double above_floor) noexcept {
+  return std::clamp(kJawsReach + kOffFloor - above_floor, kUsualReach, kFarReach);
 }
 
-/** Least distance of two lines, by points of the first 2 mm apart: within half a millimetre, which suffices here. */
-double distanceOf(const Line& one, const Line& other) {
-  const Vector3 d = other.b - other.a;
-  double least = 1e9;
-  const int points = std::max(1, static_cast<int>(std::min(0.08, (one.b - one.a).norm()) / 0.002));
-  const Vector3 step = (one.b - one.a).normalized() * 0.002;
-  for (int i = 0; i <= points; ++i) {
-    const Vector3 p = one.a + i * step;
-    const double s = std::clamp((p - other.a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-    least = std::min(least, (p - other.a - s * d).norm());
-  }
-  return least;
+Pose raisedTo(Pose X_WT, double height) noexcept {
+  X_WT.p.z() = std::max(X_WT.p.z(), height);
+  return X_WT;
 }
 
-double reachFor(const Pose& X_WR) noexcept {
-  return std::clamp(kJawsReach + kOffPlate - X_WR.p.z(), kUsualReach, kFarReach);
+/** Ways to try, the shortest first, each but for its end. */
+std::vector<std::vector<Pose>> waysBetween(const Pose& from,
+                                           const Pose& to,
+                                           const Surroundings& around,
+                                           const std::optional<Pose>& X_WT_start) {
+  double top = around.floor;
+  for (const Capsule& solid : around.solids)
+    top = std::max({top, solid.a.z() + solid.radius, solid.b.z() + solid.radius});
+  const Pose up = raisedTo(from, top + kOverAll), over = raisedTo(to, top + kOverAll);
+  std::vector<std::vector<Pose>> ways{{}, {over}, {up, over}};
+  if (!X_WT_start) return ways;
+  for (const std::vector<Pose>& way : {std::vector<Pose>{*X_WT_start}, {up, *X_WT_start}, {up, *X_WT_start, over}})
+    ways.push_back(way);
+  return ways;
 }
 
 std::vector<Grip> candidates(const SceneObject& ring, double reach) {
@@ -105,6 +99,14 @@ std::vector<Grip> candidates(const SceneObject& ring, double reach) {
   return grips;
 }
 
+/** Axis of a ring on a wire that goes there. */
+Vector3 axisOn(const Vector3& along) noexcept {
+  const Vector3 up = Vector3::UnitZ(), t = along.normalized(), across = t.cross(up);
+  if (across.norm() < 1e-6) return t;
+  const double angle = std::atan2(across.norm(), t.dot(up));
+  return Eigen::AngleAxisd(std::min(kWireLean, angle), across.normalized()) * t;
+}
+
 /** A millimetre apart on a Catmull-Rom curve through the points. */
 std::vector<Vector3> smooth(const std::vector<Vector3>& points) {
   std::vector<Vector3> line;
@@ -121,6 +123,21 @@ std::vector<Vector3> smooth(const std::vector<Vector3>& points) {
   }
   line.push_back(points[last]);
   return line;
+}
+
+/** As findWay() says. */
+int blockedOn(const ArmsConfig& arms,
+              Arm arm,
+              const std::vector<Pose>& way,
+              const Surroundings& around,
+              JointTrail* trail) {
+  int blocked = 0;
+  for (const Pose& next : way) {
+    const Pose here = trail->pose();
+    if (!trail->go(next)) return -1;
+    blocked += blockedBetween(arms, arm, here, next, around);
+  }
+  return blocked;
 }
 
 }  // namespace
@@ -172,11 +189,21 @@ std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, dou
   Pose X_WR = level(line.front(), heading);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vector3 along = line[std::min(i + 1, line.size() - 1)] - line[i > 0 ? i - 1 : 0];
-    X_WR.R = Quaternion::FromTwoVectors(X_WR.R.col(2), along).toRotationMatrix() * X_WR.R;
+    X_WR.R = Quaternion::FromTwoVectors(X_WR.R.col(2), axisOn(along)).toRotationMatrix() * X_WR.R;
     X_WR.p = line[i];
     poses.push_back(X_WR);
   }
   return poses;
+}
+
+Pose levelled(const Pose& X_WR) noexcept {
+  const Vector3 axis = X_WR.R.col(2);
+  return {Quaternion::FromTwoVectors(axis, Vector3::UnitZ()).toRotationMatrix() * X_WR.R, X_WR.p};
+}
+
+double spinOf(const Pose& X_WR, const Pose& other) noexcept {
+  const Matrix3 R = other.R.transpose() * X_WR.R;
+  return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
 }
 
 std::size_t nearestTo(const Vector3& p_W, const std::vector<Pose>& poses) noexcept {
@@ -211,46 +238,86 @@ bool JointTrail::step(const Pose& X_WT) noexcept {
   return margin_ > 0.0;
 }
 
+int findWay(const ArmsConfig& arms,
+            Arm arm,
+            const Surroundings& around,
+            const std::optional<Pose>& X_WT_start,
+            const Pose& to,
+            JointTrail* trail,
+            std::vector<Pose>* via) {
+  const JointTrail from = *trail;
+  int least = -1;
+  for (std::vector<Pose>& way : waysBetween(from.pose(), to, around, X_WT_start)) {
+    way.push_back(to);
+    JointTrail tried = from;
+    const int blocked = blockedOn(arms, arm, way, around, &tried);
+    if (blocked < 0 || (least >= 0 && blocked >= least)) continue;
+    least = blocked;
+    *trail = tried;
+    way.pop_back();
+    *via = way;
+    if (least == 0) break;
+  }
+  return least;
+}
+
 GripSearch::GripSearch(const ArmsConfig& arms, const GripTask& task)
-    : arms_(arms), task_(task), grips_(candidates(task.ring, reachFor(task.X_WR))) {}
+    : arms_(arms),
+      task_(task),
+      grips_(candidates(task.ring, reachFor(task.X_WR.p.z() - task.around.floor))),
+      before_(task.around) {
+  if (task.X_WT_other) before_.X_WT_other = task.X_WT_other;
+}
 
 bool GripSearch::proceed(int count) {
   const std::size_t spins = task_.stations_W.empty() ? 1 : kSpins.size();
   const std::size_t all = grips_.size() * spins;
   for (int i = 0; i < count && next_ < all; ++i, ++next_) {
-    const Grip& grip = grips_[next_ / spins];
-    const double spin = kSpins[next_ % spins];
-    const double score = std::min(kPlentyMargin, judge(grip, spin));
-    if (score > best_.score) best_ = {grip, spin, score};
+    const GripPlan plan = judge(grips_[next_ / spins], kSpins[next_ % spins]);
+    if (plan.score > best_.score) best_ = plan;
+    if (best_.score >= kPlentyMargin) next_ = all;  // none is better
+    if (plan.score <= kOutOfReach) next_ += spins - 1 - next_ % spins;
   }
   return next_ >= all;
 }
 
-/** Least margin on the whole way: there, with the ring from station to station, and off it. Negative: it cannot be. */
-double GripSearch::judge(const Grip& grip, double spin) const {
+/** Least margin on the whole way: there, with the ring from station to station, and off it. */
+GripPlan GripSearch::judge(const Grip& grip, double spin) const {
+  GripPlan plan{grip, spin, kOutOfReach, {}};
   const Pose X_RT = toolInRing(grip, task_.ring);
   const Pose X_WT = task_.X_WR * X_RT, before = drawnBack(X_WT, kStandOff);
-  if (!keepsApart(X_WT) || !keepsApart(before)) return -1.0;
+  if (!keepsApart(X_WT) || !keepsApart(before)) return plan;
   JointTrail trail(arms_, task_.arm, task_.q);
-  if (!trail.go(before) || !trail.go(X_WT)) return -1.0;
+  int blocked = findWay(arms_, task_.arm, before_, task_.X_WT_start, before, &trail, &plan.via);
+  if (blocked < 0 || !follow(X_WT, &trail, &blocked)) return plan;
+  plan.score = kNotThere;
   Pose last = X_WT;
   if (task_.lifted_W) {
     last = level(*task_.lifted_W, headingOf(task_.X_WR)) * X_RT;
-    if (!trail.go(last)) return -1.0;
+    if (!follow(last, &trail, &blocked)) return plan;
   }
-  for (const Pose& station : task_.stations_W) {
-    last = spun(station, spin) * X_RT;
-    if (!trail.go(last)) return -1.0;
+  for (std::size_t i = 0; i < task_.stations_W.size(); ++i) {
+    const double share = i < task_.shares.size() ? task_.shares[i] : 1.0;
+    last = spun(task_.stations_W[i], share * spin) * X_RT;
+    if (!follow(last, &trail, &blocked)) return plan;
   }
-  return trail.go(drawnBack(last, kStandOff)) ? trail.margin() : -1.0;
+  if (!follow(drawnBack(last, kStandOff), &trail, &blocked)) return plan;
+  plan.score = std::min(kPlentyMargin, trail.margin()) / (1.0 + kBlocked * blocked);
+  return plan;
+}
+
+bool GripSearch::follow(const Pose& to, JointTrail* trail, int* blocked) const {
+  const Pose from = trail->pose();
+  if (!trail->go(to)) return false;
+  *blocked += blockedBetween(arms_, task_.arm, from, to, task_.around);
+  return true;
 }
 
 bool GripSearch::keepsApart(const Pose& X_WT) const {
   if (!task_.X_WT_other) return true;
-  const double lw = arms_.geometry.lw;
-  for (const Line& one : linesOf(X_WT, toEigen(at(arms_.rcm_W, task_.arm)), lw)) {
-    for (const Line& other : linesOf(*task_.X_WT_other, toEigen(at(arms_.rcm_W, otherArm(task_.arm))), lw)) {
-      if (distanceOf(one, other) < one.clear + other.clear) return false;
+  for (const Capsule& one : shapeOf(arms_, task_.arm, X_WT)) {
+    for (const Capsule& other : shapeOf(arms_, otherArm(task_.arm), *task_.X_WT_other)) {
+      if (gapBetween(one, other) < 0.0) return false;
     }
   }
   return true;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "clearance.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/eigen.h"
@@ -15,6 +16,7 @@ namespace raven2_trainer::console {
 constexpr double kOpenJaws = 0.8;       ///< [rad] for a bar
 constexpr double kClosedJaws = -0.05;   ///< [rad] a little beyond each other: they press on what is between them
 constexpr double kStandOff = 0.018;     ///< [m] along the tool, before and after a grip
+constexpr double kWireLean = 0.5;       ///< [rad] which the opening has room for, and spares the wrist as much
 constexpr double kEnoughMargin = 0.14;  ///< [rad] of a joint inside its limits: 8 degrees
 
 /** How a bar is taken: the jaws' hinge along the bar, the tool from the ring's upper side. */
@@ -42,10 +44,17 @@ double headingOf(const Pose& X_WR) noexcept;
 /** Turned about its own axis. */
 Pose spun(Pose X_WR, double angle) noexcept;
 
-/** A ring led along a wire from where the wire begins: its axis along the wire, its x axis as little turned as can be,
- * at the start as of level(). A millimetre apart, along a smooth line through `line_W` [m], and `beyond` [m] past its
- * end. */
+/** A ring led along a wire from where the wire begins: its axis along the wire, but leaning towards upright by
+ * kWireLean where it can, its x axis as little turned as can be, at the start as of level(). A millimetre apart, along
+ * a smooth line through `line_W` [m], and `beyond` [m] past its end. */
 std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, double beyond);
+
+/** The same ring lying level, by the shortest turn. */
+Pose levelled(const Pose& X_WR) noexcept;
+
+/** [rad] by which a ring there is turned about its own axis against one that stands at `other` with nearly that axis.
+ */
+double spinOf(const Pose& X_WR, const Pose& other) noexcept;
 
 /** The one nearest to a point. */
 std::size_t nearestTo(const Vector3& p_W, const std::vector<Pose>& poses) noexcept;
@@ -79,14 +88,32 @@ struct GripTask {
   SceneObject ring;                 ///< its shape
   std::optional<Vector3> lifted_W;  ///< [m] its middle once it is off what it lies on, turned as it is
   std::vector<Pose> stations_W;     ///< where the ring shall go with it, one after the other; it may be spun
-  std::optional<Pose> X_WT_other;   ///< tool of the other arm that stands near
+  std::vector<double> shares;       ///< [-] of the spin that is done at the first stations; all of it at the others
+  std::optional<Pose> X_WT_other;   ///< tool of the other arm that holds the ring
+  Surroundings around;              ///< on the way there and with the ring
+  std::optional<Pose> X_WT_start;   ///< from where all is free; it may go by there
 };
 
 struct GripPlan {
   Grip grip;
   double spin{};     ///< [rad] of the ring at the stations, about its own axis
-  double score{-1};  ///< [rad] least margin; negative: there is none
+  double score{-1};  ///< [rad] least margin, less than a hundredth of it if something is in the way; negative: none
+  std::vector<Pose> via;  ///< tool poses on the way there, before it draws near
 };
+
+/**
+ * Ways for a tool to go somewhere: straight, over all that stands about, or by a place where all is free.
+ * @param[in,out] trail Of the arm, from where it is; goes there.
+ * @param[out] via Poses to pass on the one where least is in the way, the first of those.
+ * @return at how many places something is in the way; -1 the arm cannot follow.
+ */
+int findWay(const ArmsConfig& arms,
+            Arm arm,
+            const Surroundings& around,
+            const std::optional<Pose>& X_WT_start,
+            const Pose& to,
+            JointTrail* trail,
+            std::vector<Pose>* via);
 
 /** The search, a few candidates at a time; ties go to the earlier one. */
 class GripSearch {
@@ -98,12 +125,14 @@ class GripSearch {
   const GripPlan& best() const noexcept { return best_; }
 
  private:
-  double judge(const Grip& grip, double spin) const;
+  GripPlan judge(const Grip& grip, double spin) const;
   bool keepsApart(const Pose& X_WT) const;
+  bool follow(const Pose& to, JointTrail* trail, int* blocked) const;
 
   const ArmsConfig& arms_;
   GripTask task_;
   std::vector<Grip> grips_;
+  Surroundings before_;  ///< until it has the ring
   std::size_t next_{0};
   GripPlan best_;
 };

@@ -43,6 +43,7 @@ class Surgeon : public MotionSource {
     Pose X_TR;         ///< ring in the tool, as last seen
     double heading{};  ///< [rad] to carry it at where it is level
     bool lifted{false};
+    double spin{};  ///< [rad] to turn it about its own axis on the way that the grip was chosen for
   };
 
   /** All steps are done: adds more, or finishes. */

@@ -37,6 +37,11 @@ bool hasCome(const Fault& fault, const FaultCycle& cycle, std::uint32_t tool_cha
   }
 }
 
+/** A fault of a pedal-down or of a step of the exercise comes to hands that move. */
+bool waitsForPedal(FaultTrigger trigger) noexcept {
+  return trigger == FaultTrigger::kPedalDown || trigger == FaultTrigger::kStep;
+}
+
 double share(const Fault& fault, std::int64_t elapsed) noexcept {
   return elapsed + 1 >= fault.ramp_ticks ? 1.0
                                          : static_cast<double>(elapsed + 1) / static_cast<double>(fault.ramp_ticks);
@@ -141,7 +146,7 @@ void FaultEngine::beginCycle(const FaultCycle& cycle) noexcept {
     progress.looked_at = true;
     if (lastsForPackets(fault)) continue;
     progress.clock = clockOf(fault, progress, cycle);
-    advance(fault, &progress, fault.trigger != FaultTrigger::kPedalDown || cycle.pedal_down);
+    advance(fault, &progress, cycle.pedal_down || !waitsForPedal(fault.trigger));
   }
 }
 

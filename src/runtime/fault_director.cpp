@@ -1,20 +1,44 @@
 #include "raven2_trainer/runtime/fault_director.h"
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/load_training.h"
 
 namespace raven2_trainer::runtime {
 
 FaultDirector::FaultDirector(const TrainerConfig& config, SharedState* shared)
-    : config_(config), shared_(*shared), plan_(config::planFor(config, config::faultId(config, config.hazard), 1)) {
+    : config_(config), shared_(*shared), drill_(config::isDrill(config) ? config::faultId(config, config.drill) : 0) {
+  plan_ = drill_ != 0 ? config::drillPlan(config, attempt_, 1)
+                      : config::planFor(config, config::faultId(config, config.hazard), 1);
   shared_.faults.store(plan_);
 }
 
 void FaultDirector::tick() {
   FaultRequest request;
-  while (shared_.fault_requests.tryPop(&request)) {
-    remove(request.fault_id);
-    if (request.start != 0) add(request.fault_id);
+  while (shared_.fault_requests.tryPop(&request))
+    serve(request);
+  if (drill_ != 0) followAttempts();
+}
+
+void FaultDirector::serve(const FaultRequest& request) {
+  if (request.fault_id == 0 || request.fault_id == drill_) drill_ = 0;
+  remove(request.fault_id);
+  if (request.start != 0) add(config::planFor(config_, request.fault_id, 0));
+}
+
+/** What triggers look at in an attempt's first tick is still of the one before: it is armed a tick later. */
+void FaultDirector::followAttempts() {
+  const ModelState model = shared_.model.load();
+  const ExerciseState& exercise = model.exercise;
+  if (exercise.attempt == 0) return;
+  if (exercise.attempt != next_) {
+    next_ = exercise.attempt;
+    next_seen_ = model.tick;
   }
+  const bool is_over = exercise.status == ExerciseStatus::kDone || exercise.status == ExerciseStatus::kFailed;
+  if (is_over || next_ != attempt_) remove(drill_);
+  if (next_ == attempt_ || model.tick <= next_seen_) return;
+  attempt_ = next_;
+  add(config::drillPlan(config_, attempt_, 0));
 }
 
 void FaultDirector::remove(std::uint32_t id) {
@@ -28,8 +52,7 @@ void FaultDirector::remove(std::uint32_t id) {
 }
 
 /** A scenario is armed whole or not at all. */
-void FaultDirector::add(std::uint32_t id) {
-  const FaultPlan added = config::planFor(config_, id, 0);
+void FaultDirector::add(const FaultPlan& added) {
   if (added.count == 0 || !fits(plan_, added)) return;
   FaultPlan next = plan_;
   ++armings_;

@@ -17,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t kAskEvery = 100;  // [ticks] whether it is to be given up
+constexpr std::size_t kMostPlans = 300;   // of a session: an hour of work, and half a minute of planning
+
 std::shared_ptr<const Band> loadBand(const TrainerConfig& config, const ScoringOptions& options) {
   if (!options.band.empty()) return std::make_shared<const Band>(config::loadBand(options.band));
   if (config.exercise_name == "none") return nullptr;
@@ -55,11 +58,11 @@ ConsoleConfig handOf(const TrainerConfig& config, const session::LogHeader& head
   return hand;
 }
 
-/** What the exercise calls right is about its own drill's hazard, not about any. */
+/** In a drill, of whatever scenario, the exercise's; else nobody says what is right. */
 training::ResponseRule responseRule(const TrainerConfig& config) {
   const ExerciseDrill& drill = config.exercise.drill;
-  const bool is_its_own = config.drill != "none" && drill.scenario == config.drill;
-  return is_its_own ? training::ruleOf(drill) : training::ResponseRule{};
+  const bool is_said = config.drill != "none" && !drill.scenario.empty();
+  return is_said ? training::ruleOf(drill) : training::ResponseRule{};
 }
 
 training::ScoreSettings scoreSettings(const TrainerConfig& config,
@@ -67,6 +70,7 @@ training::ScoreSettings scoreSettings(const TrainerConfig& config,
                                       const ScoredSession& scored) {
   training::ScoreSettings settings;
   settings.motion = motionSettings(config, header);
+  settings.tracks = config.exercise.tracks;
   settings.hand = handOf(config, header);
   settings.response = responseRule(config);
   settings.standard.band = scored.band.get();
@@ -236,12 +240,18 @@ ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& 
   scored.band = loadBand(config, options);
   if (config.curriculum != "none") scored.curriculum = config::findCurriculum(config.curricula, config.curriculum);
   training::ScoreSettings settings = scoreSettings(config, session::readLogHeader(paths.log()), scored);
-  settings.on_tick = [&] {
+  const auto giveUpIfTold = [&] {
     if (options.cancelled && options.cancelled()) throw ScoringCancelled{};
   };
-  std::optional<ReferencePaths> reference;  // costs half a second where nothing was carried
+  std::uint64_t ticks = 0;
+  settings.on_tick = [&] {
+    if (++ticks % kAskEvery == 0) giveUpIfTold();
+  };
+  std::optional<ReferencePaths> reference;  // costs memory and time where nothing was carried
+  std::size_t plans = 0;
   settings.plan = [&](const training::Transit& transit) {
-    settings.on_tick();
+    giveUpIfTold();
+    if (++plans > kMostPlans) return std::vector<Vec3>{};
     if (!reference) reference.emplace(config);
     return reference->plan(transit);
   };
@@ -279,6 +289,7 @@ bool finishSession(const session::SessionPaths& paths, const std::function<bool(
     tell(scoreRecorded(paths.directory, options));
     return true;
   } catch (const ScoringCancelled&) {
+    std::fprintf(stderr, "%s: not scored: given up\n", paths.directory.c_str());
     return false;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s: cannot be scored: %s\n", paths.directory.c_str(), e.what());

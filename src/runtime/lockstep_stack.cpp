@@ -256,6 +256,7 @@ void LockstepStack::setSignals(const FaultSignals& signals) noexcept {
 void LockstepStack::arm(const FaultPlan& plan) {
   FaultPlan armed = plan;
   armed.generation = kArmedHere + ++impl_->plans_armed;
+  impl_->software.setSignals(impl_->shared->model.load().faults.signals);  // as the link does
   impl_->software.setFaults(armed);
   impl_->shared->faults.store(armed);
 }

@@ -52,9 +52,11 @@ void RavenServer::controlTick(std::int64_t now_ns) noexcept {
 
 void RavenServer::takeInputs() noexcept {
   FaultPlan plan;
-  if (state_server_.faults().tryLoad(&plan)) software_.setFaults(plan);
-  FaultSignals signals;
-  if (state_server_.signals().tryLoad(&signals)) software_.setSignals(signals);
+  FaultSignals signals;  // behind the plan, for which they were stored first: no trigger sees what was before it
+  if (state_server_.faults().tryLoad(&plan) && state_server_.signals().tryLoad(&signals)) {
+    software_.setFaults(plan);
+    software_.setSignals(signals);
+  }
   if (start_pressed_.exchange(false, std::memory_order_relaxed)) plant_.pressStart();
   Datagram datagram;
   while (datagrams_.tryPop(&datagram)) {

@@ -136,19 +136,22 @@ std::size_t RobotLink::pendingFrame(std::uint8_t* out) noexcept {
   if (state_.is_virtual == 0) return 0;  // no fault ever goes to a real robot
   FaultPlan plan;
   if (!shared_.faults.tryLoad(&plan)) return 0;
-  const std::size_t size = plan.count > 0 ? pendingSignals(out) : 0;
-  if (size > 0 || plan.generation == sent_generation_) return size;
+  if (plan.count > 0) {  // no plan goes ahead of what its triggers look at now
+    ModelState model;
+    if (!shared_.model.tryLoad(&model)) return 0;
+    const std::size_t size = pendingSignals(model.faults.signals, out);
+    if (size > 0) return size;
+  }
+  if (plan.generation == sent_generation_) return 0;
   sent_generation_ = plan.generation;
   plan.session = session_;
   return wire::encodeFaultPlan(++sequence_, plan, out);
 }
 
-std::size_t RobotLink::pendingSignals(std::uint8_t* out) noexcept {
-  ModelState model;
-  if (!shared_.model.tryLoad(&model)) return 0;
-  if (std::memcmp(&model.faults.signals, &sent_signals_, sizeof(sent_signals_)) == 0) return 0;  // NaN is NaN here
-  sent_signals_ = model.faults.signals;
-  return wire::encodeFaultSignals(++sequence_, model.faults.signals, out);
+std::size_t RobotLink::pendingSignals(const FaultSignals& signals, std::uint8_t* out) noexcept {
+  if (std::memcmp(&signals, &sent_signals_, sizeof(sent_signals_)) == 0) return 0;  // NaN is NaN here
+  sent_signals_ = signals;
+  return wire::encodeFaultSignals(++sequence_, signals, out);
 }
 
 }  // namespace raven2_trainer::runtime

@@ -4,8 +4,8 @@
 
 namespace raven2_trainer::training {
 
-AttemptCollector::AttemptCollector(const MotionSettings& settings, const session::LogHeader& header)
-    : settings_(settings), header_(header) {}
+AttemptCollector::AttemptCollector(const ScoreSettings& settings, const session::LogHeader& header)
+    : settings_(settings.motion), tracks_(settings.tracks), header_(header) {}
 
 /** While an exercise runs; without one from the first pedal-down. */
 bool AttemptCollector::counts(const ModelState& model) const {
@@ -30,7 +30,7 @@ void AttemptCollector::add(const TickRecord& record) {
   has_exercise_ = has_exercise_ || exercise.status != ExerciseStatus::kNone;
   CollectedAttempt* attempt = attemptOf(exercise);
   if (attempt == nullptr && counts(model)) {
-    attempts_.push_back({{}, {}, MotionAccumulator(settings_), TransitCollector(settings_.X_WB)});
+    attempts_.push_back({{}, {}, MotionAccumulator(settings_), TransitCollector(settings_.X_WB, tracks_)});
     attempt = &attempts_.back();
     attempt->outcome.number = exercise.status == ExerciseStatus::kNone ? 1 : exercise.attempt;
     attempt->outcome.first = model.session_tick;

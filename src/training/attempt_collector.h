@@ -25,7 +25,7 @@ struct CollectedAttempt {
  */
 class AttemptCollector {
  public:
-  AttemptCollector(const MotionSettings& settings, const session::LogHeader& header);
+  AttemptCollector(const ScoreSettings& settings, const session::LogHeader& header);
   void add(const TickRecord& record);
   void add(const ExerciseRecord& record);
   template <typename Record>
@@ -43,6 +43,7 @@ class AttemptCollector {
   void note(const ExerciseEvent& event, CollectedAttempt* attempt) const;
 
   MotionSettings settings_;
+  std::vector<ExerciseTrack> tracks_;
   session::LogHeader header_;
   std::deque<CollectedAttempt> attempts_;  // in order, not more than 256: ExerciseState::attempt counts to there
   std::vector<ExerciseRecord> events_;     // of the tick that comes next

@@ -431,7 +431,7 @@ void ExerciseJudge::Impl::considerLost(std::size_t object) noexcept {
 void ExerciseJudge::Impl::measure(const ModelState& model) noexcept {
   signals = FaultSignals{};
   if (state.status == ExerciseStatus::kNone) return;
-  signals.step = state.step;
+  signals.step = state.status == ExerciseStatus::kWaiting ? 0 : state.step;
   PerArm<ToolPoints> points;
   for (const Arm arm : kArms)
     at(points, arm) = toolPoints(at(senses.tools(), arm), kinematics::jawOpening(at(model.arms, arm).q));

@@ -33,7 +33,7 @@ class Waiting {
 class Scan {
  public:
   Scan(const ScoreSettings& settings, const session::LogHeader& header, const SessionMetrics& metrics)
-      : attempts_(settings.motion, header), hazards_(settings, metrics), on_tick_(settings.on_tick) {}
+      : attempts_(settings, header), hazards_(settings, metrics), on_tick_(settings.on_tick) {}
 
   void read(const std::string& log_path) {
     session::LogVisitor visitor;

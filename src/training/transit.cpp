@@ -31,6 +31,28 @@ void describeDistances(std::vector<double> distances, Economy* economy) {
   economy->off_path_p95 = distances[rank];
 }
 
+bool isWayOfATip(const Predicate& predicate) {
+  switch (predicate.kind) {
+    case PredicateKind::kHeld:
+    case PredicateKind::kHeldAlone:
+    case PredicateKind::kTipNear:
+    case PredicateKind::kTipInside:
+    case PredicateKind::kTipOutside:
+      return predicate.negated == 0 && (predicate.hand == Hand::kGold || predicate.hand == Hand::kGreen);
+    default:
+      return false;
+  }
+}
+
+/** The arm that a step waits for, in a track that is about no object; nothing: none, or there is no such step. */
+std::optional<Arm> goingArm(const ExerciseTrack& track, std::size_t step) {
+  if (track.object != kNobody || step >= track.steps.size()) return std::nullopt;
+  const std::vector<Predicate>& until = track.steps[step].until;
+  const auto found = std::find_if(until.begin(), until.end(), isWayOfATip);
+  if (found == until.end()) return std::nullopt;
+  return found->hand == Hand::kGold ? Arm::kGold : Arm::kGreen;
+}
+
 }  // namespace
 
 double lengthOf(const std::vector<Vec3>& way) noexcept {
@@ -67,41 +89,72 @@ Economy compare(const std::vector<Transit>& transits, const WayPlanner& plan) {
   return economy;
 }
 
-void TransitCollector::add(const ModelState& model) {
-  for (const Arm arm : kArms) {
-    Carrying& carrying = at(carrying_, arm);
-    if (!carrying.holds) continue;
-    const Vec3 tip_W = toArray(at(X_WB_, arm) * toEigen(at(model.arms, arm).p_BT));
-    for (std::size_t i = 0; i < 3; ++i)
-      carrying.sum_W[i] += tip_W[i] / kSampleTicks;
-    if (++carrying.ticks < kSampleTicks) continue;
-    carrying.samples.push_back({carrying.sum_W, {model.arms[0].q, model.arms[1].q}});
-    carrying.sum_W = {};
-    carrying.ticks = 0;
+TransitCollector::TransitCollector(const PerArm<Pose>& X_WB, const std::vector<ExerciseTrack>& tracks)
+    : X_WB_(X_WB), tracks_(tracks), reaching_(tracks.size()) {
+  for (std::size_t track = 0; track < tracks_.size(); ++track) {
+    if (tracks_[track].after == kNobody) beginStep(track, 0);
   }
 }
 
-void TransitCollector::add(const ExerciseEvent& event) {
-  if (event.arm != Hand::kGold && event.arm != Hand::kGreen) return;
-  const Arm arm = event.arm == Hand::kGold ? Arm::kGold : Arm::kGreen;
-  if (event.kind == ExerciseEventKind::kReleased) close(arm);
-  if (event.kind != ExerciseEventKind::kHeld) return;
-  at(carrying_, arm) = {};
-  at(carrying_, arm).holds = true;
+void TransitCollector::add(const ModelState& model) {
+  for (Going& going : carrying_)
+    sample(model, &going);
+  for (Going& going : reaching_)
+    sample(model, &going);
 }
 
-void TransitCollector::close(Arm arm) {
-  Carrying carrying = std::move(at(carrying_, arm));
+void TransitCollector::sample(const ModelState& model, Going* going) const {
+  if (!going->is_open) return;
+  const Vec3 tip_W = toArray(at(X_WB_, going->arm) * toEigen(at(model.arms, going->arm).p_BT));
+  for (std::size_t i = 0; i < 3; ++i)
+    going->sum_W[i] += tip_W[i] / kSampleTicks;
+  if (++going->ticks < kSampleTicks) return;
+  going->samples.push_back({going->sum_W, {model.arms[0].q, model.arms[1].q}});
+  going->sum_W = {};
+  going->ticks = 0;
+}
+
+void TransitCollector::add(const ExerciseEvent& event) {
+  if (event.kind == ExerciseEventKind::kStepDone) endStep(event.track, event.step);
+  if (event.arm != Hand::kGold && event.arm != Hand::kGreen) return;
+  const Arm arm = event.arm == Hand::kGold ? Arm::kGold : Arm::kGreen;
+  if (event.kind == ExerciseEventKind::kReleased) close(&at(carrying_, arm));
+  if (event.kind != ExerciseEventKind::kHeld) return;
   at(carrying_, arm) = {};
-  if (carrying.samples.empty()) return;
-  const Vec3 taken = carrying.samples.front().tip_W, left = carrying.samples.back().tip_W;
+  at(carrying_, arm).arm = arm;
+  at(carrying_, arm).is_open = true;
+}
+
+void TransitCollector::beginStep(std::size_t track, std::size_t step) {
+  const std::optional<Arm> arm = goingArm(tracks_[track], step);
+  reaching_[track] = {};
+  if (!arm) return;
+  reaching_[track].arm = *arm;
+  reaching_[track].is_open = true;
+}
+
+void TransitCollector::endStep(std::size_t track, std::size_t step) {
+  if (track >= tracks_.size()) return;
+  close(&reaching_[track]);
+  beginStep(track, step + 1);
+  if (step + 1 < tracks_[track].steps.size()) return;
+  for (std::size_t later = 0; later < tracks_.size(); ++later) {
+    if (tracks_[later].after == track) beginStep(later, 0);
+  }
+}
+
+void TransitCollector::close(Going* going) {
+  const Going gone = std::move(*going);
+  *going = {};
+  if (gone.samples.empty()) return;
+  const Vec3 first = gone.samples.front().tip_W, last = gone.samples.back().tip_W;
   const auto is_clear_of = [](const Vec3& place) {
     return [=](const Sample& sample) { return distance(sample.tip_W, place) > kTransitEnd; };
   };
-  const auto begin = std::find_if(carrying.samples.begin(), carrying.samples.end(), is_clear_of(taken));
-  const auto end = std::find_if(carrying.samples.rbegin(), carrying.samples.rend(), is_clear_of(left)).base();
+  const auto begin = std::find_if(gone.samples.begin(), gone.samples.end(), is_clear_of(first));
+  const auto end = std::find_if(gone.samples.rbegin(), gone.samples.rend(), is_clear_of(last)).base();
   if (end - begin < 2 || distance(begin->tip_W, (end - 1)->tip_W) < kLeastTransit) return;
-  Transit transit{arm, at(begin->q, arm), at(begin->q, otherArm(arm)), {}};
+  Transit transit{gone.arm, at(begin->q, gone.arm), at(begin->q, otherArm(gone.arm)), {}};
   for (auto sample = begin; sample != end; ++sample)
     transit.way_W.push_back(sample->tip_W);
   transits_.push_back(std::move(transit));

@@ -8,8 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <vector>
 
+#include "drill/drill.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/runtime/lockstep.h"
@@ -452,6 +454,33 @@ TEST_F(ResimulationTest, GivesFaultsOfEveryHostAgainAndWhatTheirTriggersLookAt) 
   }
   EXPECT_EQ(hosts.size(), 4U);
   EXPECT_EQ(rows.size(), 5U);
+}
+
+TEST_F(ResimulationTest, GivesADrillAgainFromWhatTheJudgeSees) {
+  const TrainerConfig drilled = raven2_trainer::testing::drillConfig("pick_hand_over_place", "own", 1);
+  const session::SessionPaths first = session::createSessionDirectory((folder / "drill").string());
+  Lockstep lockstep(drilled, makeMotion(drilled, "scripted"), first, "scripted");
+  ASSERT_TRUE(lockstep.run(4.0, {}));
+  const session::SessionPaths again{(folder / "drill_again").string()};
+  const ResimulationResult result = Resimulation(drilled, first, again.directory).run({});
+  ASSERT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
+  EXPECT_EQ(changesIn(first), changesIn(again));
+  ASSERT_EQ(changesIn(first).size(), 2U) << "it came and went";
+}
+
+TEST_F(ResimulationTest, TheSameSeedGivesTheSameDrill) {
+  const auto bytes = [](const char* name) {
+    const TrainerConfig drilled = raven2_trainer::testing::drillConfig("pick_hand_over_place", "own", 2);
+    const session::SessionPaths session = session::createSessionDirectory((folder / name).string());
+    Lockstep lockstep(drilled, makeMotion(drilled, "scripted"), session, "scripted");
+    EXPECT_TRUE(lockstep.run(2.5, {}));
+    std::ostringstream text;
+    text << std::ifstream(session.log(), std::ios::binary).rdbuf();
+    return text.str();
+  };
+  const std::string one = bytes("one");
+  EXPECT_GT(one.size(), 1'000'000U);
+  EXPECT_TRUE(one == bytes("two"));
 }
 
 TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {

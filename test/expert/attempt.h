@@ -2,140 +2,183 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "raven2_trainer/console/expert.h"
+#include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/console/script.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"
+#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/training/motion_metrics.h"
 #include "support/rig.h"
 
-// An attempt at the ring task in the shipped scene: the scripted surgeon at the console, daemon and virtual Raven in
-// lockstep. What became of it is told from the model's poses and contacts alone.
+// An attempt at a shipped exercise: the scripted surgeon at the console, daemon and virtual Raven in lockstep. What
+// became of it is told by the exercise's judge and, apart from that, from the model's poses and contacts alone.
 
 namespace raven2_trainer::testing {
 
-/** The parts of the shipped scene that the task is about: meshes/dimensions.yaml. */
-inline SceneRoles ringScene() {
-  SceneRoles roles;
-  roles.objects.push_back({"ring", "ring", /*square=*/1, /*inner_radius=*/0.007, /*bar_radius=*/0.002});
-  roles.pegs.push_back({"near_right", "tower_near_right", {-0.018, -0.028, 0.0}, 0.026, 0.004});
-  roles.pegs.push_back({"near_left", "tower_near_left", {-0.018, 0.028, 0.0}, 0.026, 0.004});
-  return roles;
+inline TrainerConfig trainingConfig(const std::string& exercise) {
+  TrainerConfig config = packagedConfig();
+  config::loadTraining({exercise, "none", "", "none"}, &config);
+  return config;
 }
 
-/** Gold picks the ring up, carries it to the middle, green takes it over and puts it over the near right tower. */
-inline std::vector<console::Verb> ringTask() {
-  using console::Verb;
-  using console::VerbKind;
-  Verb grip, carry, take, put;
-  grip.kind = VerbKind::kGrip;
-  carry.kind = VerbKind::kCarry;
-  take.kind = VerbKind::kTakeOver;
-  put.kind = VerbKind::kPutOver;
-  grip.object = carry.object = take.object = put.object = 0;
-  grip.arm = carry.arm = Arm::kGold;
-  take.arm = put.arm = Arm::kGreen;
-  carry.to_W = {0.010, 0.0, 0.045};
-  put.peg = 0;
-  return {grip, carry, take, put};
+/** Whether a peg that stands upright passes through an object's opening, below the peg's top. By the peg's axis in the
+ *  object's frame. */
+inline bool surrounds(const SceneObject& object, const Pose& X_WO, const ScenePeg& peg) {
+  const Pose X_OW = X_WO.inverse();
+  const Vector3 foot_O = X_OW * toEigen(peg.base_W), up_O = X_OW.R.col(2);
+  if (std::abs(up_O.z()) < 0.3) return false;
+  const double height = -foot_O.z() / up_O.z();
+  const Vector3 p_O = foot_O + height * up_O;
+  const double r = object.square != 0 ? p_O.cwiseAbs().head<2>().maxCoeff() : p_O.head<2>().norm();
+  return height > 0.0 && height < peg.height && r < object.inner_radius;
 }
 
-/** Tells that a source is finished; gives it the pictures that somebody else puts into `sight`, if somebody does. */
-class SeeingSource : public console::MotionSource {
- public:
-  SeeingSource(std::unique_ptr<console::MotionSource> source, std::shared_ptr<std::optional<Sight>> sight)
-      : source_(std::move(source)), sight_(std::move(sight)) {}
-  console::Intent tick(const console::Senses& senses) override {
-    console::Senses seen = senses;
-    if (*sight_) seen.sight = *sight_;
-    const console::Intent intent = source_->tick(seen);
-    *finished = intent.finished;
-    return intent;
-  }
+inline training::MotionSettings motionSettings(const ArmsConfig& arms) {
+  training::MotionSettings settings;
+  for (const Arm arm : kArms)
+    at(settings.X_WB, arm) = {model::armBaseRotation(arm), toEigen(at(arms.rcm_W, arm))};
+  return settings;
+}
 
-  std::shared_ptr<bool> finished{std::make_shared<bool>(false)};
-
- private:
-  std::unique_ptr<console::MotionSource> source_;
-  std::shared_ptr<std::optional<Sight>> sight_;
-};
-
+/** One attempt. @param[in] clumsy Name of the exercise's clumsy hand; empty: the expert. */
 class Attempt {
  public:
-  Attempt(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source) {
-    auto seeing = std::make_unique<SeeingSource>(std::move(source), std::make_shared<std::optional<Sight>>());
-    finished_ = seeing->finished;
-    stack_ = std::make_unique<runtime::LockstepStack>(config, std::move(seeing));
-    const std::vector<std::string> names = stack_->bodyNames();
-    ring_ = static_cast<std::uint16_t>(std::find(names.begin(), names.end(), "ring") - names.begin());
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const std::string end = names[i].substr(names[i].size() - std::min<std::size_t>(2, names[i].size()));
+  Attempt(const TrainerConfig& config, std::uint64_t seed, const std::string& clumsy = "")
+      : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)), motion_(motionSettings(config.arms)) {
+    config_.seed = seed;
+    const std::string motion = clumsy.empty() ? "expert" : "clumsy:" + clumsy;
+    stack_ = std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, {motion, {}}, &truth_));
+    names_ = stack_->bodyNames();
+    for (const SceneObject& object : config_.roles.objects) {
+      bodies_.push_back(numberOf(object.link));
+      at_last_.emplace_back(0, 0, 0);
+    }
+    for (const std::string& name : names_) {
+      const std::string end = name.substr(name.size() - std::min<std::size_t>(2, name.size()));
       is_tool_.push_back(end == "_L" || end == "_R");
     }
   }
 
-  /** Until the hands are finished and the ring had a second to come to rest, or the time is over. */
-  void run(double seconds) {
-    Tick rest = 1000;
-    for (Tick i = 0; i < static_cast<Tick>(seconds / kTickSeconds) && rest > 0; ++i) {
+  /** Until the hands are finished and everything had two seconds to come to rest, it has failed, or the time is over.
+   */
+  void run() {
+    Tick rest = 2000;
+    const auto most = static_cast<Tick>((config_.exercise.time_limit + 30.0) / kTickSeconds);
+    for (Tick i = 0; i < most && rest > 0 && exercise().status != ExerciseStatus::kFailed; ++i) {
       step();
-      rest -= *finished_ ? 1 : 0;
+      rest -= finished() ? 1 : 0;
     }
   }
 
   void step() {
     stack_->tick();
-    stack_->discardRecords();
-    const ModelState& model = stack_->view().model;
-    observe(model);
+    takeRecords();
+    observe();
   }
 
-  bool finished() const { return *finished_; }
-  /** Ring around a tower that stands there, below its top, at rest, and touched by no arm. */
-  bool isDone(const ScenePeg& tower) const { return isAround(tower) && !is_touched_ && speed_ < 1e-3; }
-
-  bool isAround(const ScenePeg& tower) const {
-    const Vector3 normal = ring().R.col(2), foot = toEigen(tower.base_W);
-    if (std::abs(normal.z()) < 0.3) return false;
-    const Vector3 off = foot - ring().p;
-    const double z = ring().p.z() - (normal.x() * off.x() + normal.y() * off.y()) / normal.z();
-    const Vector3 p_R = ring().inverse() * Vector3(foot.x(), foot.y(), z);
-    return std::abs(p_R.x()) < 0.007 && std::abs(p_R.y()) < 0.007 && z < foot.z() + tower.height && z > foot.z();
+  // what the judge says
+  const ExerciseState& exercise() const { return model().exercise; }
+  const std::vector<ExerciseRecord>& events() const { return events_; }
+  double seconds() const { return static_cast<double>(exercise().ended - exercise().began) * kTickSeconds; }
+  /** [-] spectral arc length of both tips while the exercise ran. */
+  double smoothness() const {
+    return training::overHands(motion_.result(), &training::HandMotion::sparc).value_or(0.0);
   }
-  Pose ring() const { return toEigen(stack_->view().model.bodies[0]); }
-  double seconds() const { return static_cast<double>(stack_->view().model.tick) * kTickSeconds; }
-  double highest() const { return highest_; }  ///< [m] that the ring ever was
+  std::uint32_t mistakes(Mistake kind) const { return exercise().mistakes[static_cast<std::size_t>(kind)]; }
+
+  // what is so: an object around a peg, at rest, and touched by no arm
+  bool isPlaced(std::uint8_t object, std::uint8_t peg) const {
+    return surrounds(config_.roles.objects[object], pose(object), config_.roles.pegs[peg]) && speeds_[object] < 1e-3 &&
+           !touched_[object];
+  }
+  /** Every `around` that the last steps of the tracks ask for. */
+  bool isAllPlaced() const {
+    for (const ExerciseTrack& track : config_.exercise.tracks) {
+      for (const Predicate& p : track.steps.back().until) {
+        if (p.kind == PredicateKind::kAround && p.negated == 0 && !isPlaced(p.object, p.place)) return false;
+      }
+    }
+    return true;
+  }
+  Pose pose(std::uint8_t object) const { return toEigen(model().bodies[object]); }
+  double largestForce() const { return largest_force_; }  ///< [N] on a hand
+
+  // what the hands know
+  bool finished() const { return stack_->finished(); }
+  const std::vector<console::Verb>& verbs() const { return verbs_; }
+  const console::TruthLog& truth() const { return truth_; }
+  /** Tick that used a packet. */
+  Tick tickOf(std::uint32_t sequence) const {
+    const auto used = used_.lower_bound(sequence);
+    return used == used_.end() ? model().tick : used->second;
+  }
+
+  const TrainerConfig& config() const { return config_; }
   const ModelState& model() const { return stack_->view().model; }
   const RobotState& robot() const { return stack_->view().robot; }
-  double largestForce() const { return largest_force_; }  ///< [N] on a hand
+  const std::string& nameOf(std::uint16_t body) const { return body < names_.size() ? names_[body] : kNone; }
   runtime::LockstepStack& stack() { return *stack_; }
 
  private:
-  void observe(const ModelState& model) {
-    const Vector3 p = toEigen(model.bodies[0].p);
-    speed_ = (p - last_).norm() / kTickSeconds;
-    last_ = p;
-    highest_ = std::max(highest_, p.z());
+  std::uint16_t numberOf(const std::string& link) const {
+    return static_cast<std::uint16_t>(std::find(names_.begin(), names_.end(), link) - names_.begin());
+  }
+
+  void takeRecords() {
+    ExerciseRecord told;
+    while (stack_->shared()->records.exercises.tryPop(&told))
+      events_.push_back(told);
+    CommandRecord used;
+    while (stack_->shared()->records.commands.tryPop(&used))
+      used_[used.command.sequence] = used.tick;
+    TickRecord tick;
+    while (stack_->shared()->records.ticks.tryPop(&tick)) {
+      if (tick.model.exercise.status == ExerciseStatus::kRunning) motion_.add(tick);
+    }
+    stack_->discardRecords();
+  }
+
+  void observe() {
+    speeds_.resize(bodies_.size());
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const Vector3 p = toEigen(model().bodies[i].p);
+      speeds_[i] = (p - at_last_[i]).norm() / kTickSeconds;
+      at_last_[i] = p;
+    }
     for (const Arm arm : kArms)
       largest_force_ = std::max(largest_force_, toEigen(at(stack_->view().haptic.force_I, arm)).norm());
+    touched_.assign(bodies_.size(), false);
     const ContactList list = stack_->shared()->contacts.load();
-    is_touched_ = false;
     for (std::uint32_t i = 0; i < list.count; ++i) {
       const Contact& c = list.contacts[i];
-      if (c.a == ring_ && is_tool_.at(c.b)) is_touched_ = true;
-      if (c.b == ring_ && is_tool_.at(c.a)) is_touched_ = true;
+      for (std::size_t object = 0; object < bodies_.size(); ++object) {
+        if (c.a == bodies_[object] && is_tool_.at(c.b)) touched_[object] = true;
+        if (c.b == bodies_[object] && is_tool_.at(c.a)) touched_[object] = true;
+      }
     }
   }
 
-  std::shared_ptr<bool> finished_;
+  const std::string kNone{"-"};
+  TrainerConfig config_;
+  std::vector<console::Verb> verbs_;
+  training::MotionAccumulator motion_;
+  console::TruthLog truth_;
   std::unique_ptr<runtime::LockstepStack> stack_;
-  std::uint16_t ring_{};
-  std::vector<bool> is_tool_;
-  Vector3 last_{0, 0, 0};
-  double speed_{0.0}, highest_{0.0}, largest_force_{0.0};
-  bool is_touched_{false};
+  std::vector<std::string> names_;
+  std::vector<std::uint16_t> bodies_;  ///< numbers of the scene's objects in contacts
+  std::vector<bool> is_tool_, touched_;
+  std::vector<Vector3> at_last_;
+  std::vector<double> speeds_;
+  std::vector<ExerciseRecord> events_;
+  std::map<std::uint32_t, Tick> used_;
+  double largest_force_{0.0};
 };
 
 }  // namespace raven2_trainer::testing

@@ -39,6 +39,7 @@ targets: []
 metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}
 drill: {scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], wrong: [push_on, slow], within: 1.25}
 """
+RULE = {"right": ["stop"], "wrong": ["push_on", "slow"], "within_s": 1.25}
 CURRICULUM = """
 title: Two stages
 deviations: 1.0
@@ -180,16 +181,20 @@ def test_a_drill_is_judged_as_the_exercise_says(school):
     directory, _ = school.record("drill", "--drill", "sudden_jump")
     score = school.score("drill")
     assert score["drill"] == "sudden_jump"
-    assert score["response_rule"] == {"right": ["stop"], "wrong": ["push_on", "slow"], "within_s": 1.25}
+    assert score["response_rule"] == RULE
     assert score["attempts"][0]["passed"] is False, "no stop was asked for"
     assert not (directory.parent / "index.json").exists() or "drill" not in [
         entry["directory"] for entry in school.index()], "nobody's session"
 
 
-def test_the_hazard_of_another_drill_is_judged_by_default(school):
+def test_a_drill_with_another_scenario_is_judged_as_the_exercise_says_too(school):
     school.record("other", "--drill", "unavailable_recoverable")
-    assert school.score("other")["response_rule"] == {
-        "right": ["pedal_up", "hold_still", "retreat", "stop"], "wrong": ["push_on"], "within_s": 2.0}
+    assert school.score("other")["response_rule"] == RULE
+
+
+def test_without_a_drill_the_usual_responses_are_right(first):
+    assert first["response_rule"] == {"right": ["pedal_up", "hold_still", "retreat", "stop"], "wrong": ["push_on"],
+                                      "within_s": 2.0}
 
 
 def test_a_session_that_was_cut_off_is_scored_when_it_is_recovered(school, course):
@@ -226,3 +231,22 @@ def test_a_metric_that_is_not_there_is_refused_with_its_line(school):
     done = run("simulate", "--config", school.config, "--exercise", "wrong", "--output", school.folder / "never")
     assert done.returncode == 1
     assert f"wrong.yaml:{line}: metrics/tremors is no metric, expected one of: time, path" in done.stderr
+
+
+def test_the_expert_climbs_by_bands_that_were_made_of_it(school):
+    """From the packaged exercise to its band, and with that through the first stage of the packaged curriculum."""
+    made = subprocess.run([sys.executable, ROOT / "scripts/make_bands", "camera_clutch", "--seeds", "1001-1002", "--output",
+                           school.folder / "config/bands"], capture_output=True, text=True, check=False)
+    assert made.returncode == 0, made.stdout + made.stderr
+    told = []
+    for seed in (1, 2):
+        done = run("simulate", "--config", school.config, "--exercise", "camera_clutch", "--motion", "expert", "--seed",
+                   seed, "--homing", "quick", "--trainee", "bob", "--curriculum", "frs_basics", "--output",
+                   school.folder / f"sessions/expert{seed}")
+        assert done.returncode == 0, done.stderr
+        told += [line for line in done.stderr.splitlines() if "attempt" in line or "stages done" in line]
+    assert [line.split(": ", 1)[1] for line in told] == ["attempt 1: done, passed", "0 of 8 stages done",
+                                                         "attempt 1: done, passed", "1 of 8 stages done"]
+    score = school.score("expert1")
+    assert score["band"]["origin"] == "scripted expert of raven2_trainer, seeds 1001-1002, not surgeons"
+    assert score["attempts"][0]["not_judged"] == []

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "raven2_trainer/core/config.h"
@@ -9,18 +10,31 @@ namespace raven2_trainer::config {
 /** What is trained and by whom, by name. */
 struct TrainingNames {
   std::string exercise{};    ///< file in the folder `exercises` without its ending, or "none"
-  std::string drill{};       ///< scenario of the library that the exercise runs into, or "none"
+  std::string drill{};       ///< scenario of the library that the exercise runs into, "own": its own, or "none"
   std::string trainee{};     ///< id of at most 32 of a-z, 0-9, _ and -
   std::string curriculum{};  ///< file in the folder `curricula` without its ending, or "none"
 };
 
 /**
  * Puts the names into the configuration, reads what they name and adds it to the files. With an exercise the scene is
- * the one that it asks for, and the hazard that is armed at the start is its drill.
+ * the one that it asks for, and the hazard that is armed at the start is its drill; TrainerConfig::drill is then the
+ * scenario's name, also where "own" was asked for.
  * @param[in,out] config with its folders and its library of scenarios.
- * @throw ConfigException for a name that is not known, listing those that are, for a drill without an exercise, and for
- * what is wrong in a file.
+ * @throw ConfigException for a name that is not known, listing those that are, for a drill without an exercise or of
+ * one that has none, and for what is wrong in a file.
  */
 void loadTraining(const TrainingNames& names, TrainerConfig* config);
+
+/** Is the hazard that is armed at the start the exercise's drill? */
+bool isDrill(const TrainerConfig& config) noexcept;
+
+/**
+ * The drill of one attempt: the rows of its scenario, each to come once and for certain, on the exercise's trigger
+ * instead of their own. The first comes `delay` after the exercise's step began, plus a share of `jitter` that is drawn
+ * from the configuration's seed and the attempt; the others as long after it as in the scenario. An empty plan without
+ * a drill, or where injection is not enabled.
+ * @param[in] attempt ExerciseState::attempt.
+ */
+FaultPlan drillPlan(const TrainerConfig& config, std::uint32_t attempt, std::uint64_t generation);
 
 }  // namespace raven2_trainer::config

@@ -10,7 +10,7 @@ namespace raven2_trainer::console {
 /** Something that a scripted surgeon did, and knows that it did. */
 struct TruthEvent {
   std::uint32_t sequence{};  ///< of the ITP packet it went out with
-  std::string what;          ///< begin, end, retry, given_up, let_go, pushed, pedal_up, ...
+  std::string what;          ///< begin, close and open (jaws, at their beginning), end, retry, given_up, let_go, ...
   int verb{-1};              ///< number of the verb from 0; -1 none
   std::string detail;        ///< no commas
 };

@@ -133,10 +133,10 @@ constexpr std::array<const char*, kDrillResponseCount> kDrillResponseNames{"peda
 
 /** The exercise as a hazard drill. */
 struct ExerciseDrill {
-  std::string scenario;                     ///< of config/faults; empty: no drill
-  std::uint32_t step{};                     ///< ExerciseState::step with whose beginning the clock starts
-  double delay{};                           ///< [s] from there
-  double jitter{};                          ///< [s] beside it, uniform in [0, jitter]
+  std::string scenario;  ///< of config/faults; empty: no drill
+  std::uint32_t step{};  ///< ExerciseState::step with whose beginning the clock starts; 1: the timer's
+  double delay{};        ///< [s] from there
+  double jitter{};       ///< [s] beside it, uniform in [0, jitter]
   std::vector<DrillResponse> right, wrong;  ///< first responses
   double within{};                          ///< [s] from the cue; a right one that comes later is late
 };
@@ -204,11 +204,11 @@ constexpr std::array<const char*, kArmCount> kArmLinkEndings{"_L", "_R"};
 struct ExerciseState {
   ExerciseStatus status{ExerciseStatus::kNone};
   ExerciseFailure failure{ExerciseFailure::kNone};
-  std::uint8_t attempt{};                       ///< counts starts and restarts
-  std::uint32_t step{};                         ///< 1 + steps done, over all tracks; 0 no attempt (FaultSignals::step)
-  std::array<std::uint8_t, kMaxTracks> done{};  ///< steps done of each track
-  Tick began{-1};                               ///< [1 ms] tick in which the timer started; -1 not yet
-  Tick ended{-1};                               ///< [1 ms] in which it was done or failed
+  std::uint8_t attempt{};                              ///< counts starts and restarts
+  std::uint32_t step{};                                ///< 1 + steps done, over all tracks; 0 no attempt
+  std::array<std::uint8_t, kMaxTracks> done{};         ///< steps done of each track
+  Tick began{-1};                                      ///< [1 ms] tick in which the timer started; -1 not yet
+  Tick ended{-1};                                      ///< [1 ms] in which it was done or failed
   std::array<std::uint8_t, kMaxSceneBodies> bodies{};  ///< of each body: the flags below
   std::array<std::uint32_t, kMistakeCount> mistakes{};
   double progress{};  ///< [-] along the wire of the running step, 0 to 1

@@ -178,7 +178,7 @@ enum class FaultTrigger : std::uint8_t {
   kRunLevel,        ///< run level `threshold` is reached
   kTissueDistance,  ///< a tip is at most `threshold` [m] from tissue
   kTargetDistance,  ///< a tip is at most `threshold` [m] from the exercise's target
-  kStep,            ///< the exercise has reached step `threshold`
+  kStep,            ///< the exercise has reached step `threshold`; it then waits for the pedal to be down
   kToolChange,      ///< the tool-change button
 };
 constexpr std::size_t kFaultTriggerCount = 9;
@@ -239,7 +239,7 @@ struct FaultChange {
 struct FaultSignals {
   double tissue_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
   double target_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
-  std::uint32_t step{};                                             ///< of the exercise; 0 none
+  std::uint32_t step{};                                             ///< of the exercise; 0 before its timer
   std::uint32_t tool_changes{};                                     ///< presses of the button so far
 };
 static_assert(std::is_trivially_copyable<FaultPlan>::value && std::is_trivially_copyable<FaultSignals>::value &&

@@ -26,8 +26,8 @@ struct FaultCycle {
  * Applies the faults of one host, tick by tick. With nothing armed every apply is the identity and costs one branch.
  *
  * Each fault's clock runs from its trigger (FaultTrigger). It is due at `first_tick` and then every `period_ticks`;
- * with trigger pedal_down, when it is due with the pedal up, it waits for the next pedal-down cycle. Then it lasts for
- * exactly `duration_ticks` cycles, or packets (lastsForPackets()). Draws come from each fault's own seed.
+ * with trigger pedal_down or step, when it is due with the pedal up, it waits for the next pedal-down cycle. Then it
+ * lasts for exactly `duration_ticks` cycles, or packets (lastsForPackets()). Draws come from each fault's own seed.
  *
  * Every beginning and end is told once, in order (nextChange()). Real-time safe.
  */

@@ -58,7 +58,7 @@ class RobotLink {
   Reject applyState(const wire::Frame& frame, std::int64_t now_ns) noexcept;
   Reject applyChange(const wire::Frame& frame) noexcept;
   Reject applyAnswer(const wire::Frame& frame) noexcept;
-  std::size_t pendingSignals(std::uint8_t* out) noexcept;
+  std::size_t pendingSignals(const FaultSignals& signals, std::uint8_t* out) noexcept;
   Reject checkOrder(const RobotState& next) const noexcept;
   void publish(std::int64_t received_ns) noexcept;
   void count(Reject reason) noexcept;

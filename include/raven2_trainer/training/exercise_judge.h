@@ -65,9 +65,9 @@ class ExerciseJudge {
   /** At the end of the last tick. */
   const ExerciseState& state() const noexcept;
 
-  /** Of the last tick: step and distances; `tool_changes` is left 0. Distances are infinite without an attempt, that of
-   *  the target also after its end. The target is what the running steps wait for: peg, point, region, place on a wire,
-   *  or else their object. */
+  /** Of the last tick: step, 0 until the timer runs, and distances; `tool_changes` is left 0. Distances are infinite
+   *  without an attempt, that of the target also after its end. The target is what the running steps wait for: peg,
+   *  point, region, place on a wire, or else their object. */
   FaultSignals signals() const noexcept;
 
   static constexpr std::size_t kMaxEvents = 16;

@@ -14,10 +14,11 @@ namespace raven2_trainer::training {
 /** What a log alone does not tell. */
 struct ScoreSettings {
   MotionSettings motion;
-  ConsoleConfig hand;      ///< mass, stiffness, damping: what forces explain of its motion
-  ResponseRule response;   ///< to a hazard
-  Standard standard;       ///< of its attempts
-  WayPlanner plan;         ///< of transits; none: no economy
+  std::vector<ExerciseTrack> tracks;  ///< of the exercise, for the ways to where its steps wait for a tip
+  ConsoleConfig hand;                 ///< mass, stiffness, damping: what forces explain of its motion
+  ResponseRule response;              ///< to a hazard
+  Standard standard;                  ///< of its attempts
+  WayPlanner plan;                    ///< of transits; none: no economy
   /** Called with every tick that is read, once or twice each; what it throws ends the scoring. May be empty. */
   std::function<void()> on_tick;
 };

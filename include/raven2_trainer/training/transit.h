@@ -4,14 +4,19 @@
 #include <optional>
 #include <vector>
 
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// How much farther a tip went than it had to while it carried something: its way against the planner's.
+// How much farther a tip went than it had to, carrying something or to where it should go: its way against the
+// planner's.
 
 namespace raven2_trainer::training {
 
-/** An arm carries a body, from taking it to letting go, less kTransitEnd of the way at both ends. */
+/**
+ * An arm carries a body, from taking it to letting go; or, in a track about no object, goes where a step waits for it,
+ * from when the step's turn came to its end. Less kTransitEnd of the way at both ends.
+ */
 struct Transit {
   Arm arm{};
   JointArray start{}, other{};  ///< [rad, m] joints of the arm and of the other one where it begins
@@ -42,11 +47,12 @@ Economy compare(const std::vector<Transit>& transits, const WayPlanner& plan);
 /** Cuts transits out of an attempt. */
 class TransitCollector {
  public:
-  explicit TransitCollector(const PerArm<Pose>& X_WB) : X_WB_(X_WB) {}
+  /** @param[in] tracks of the exercise; copied. */
+  explicit TransitCollector(const PerArm<Pose>& X_WB, const std::vector<ExerciseTrack>& tracks = {});
   /** A tick that counts, in order; events of the tick first. */
   void add(const ModelState& model);
   void add(const ExerciseEvent& event);
-  /** Those that were let go. */
+  /** Those that came to their ends. */
   const std::vector<Transit>& transits() const noexcept { return transits_; }
 
  private:
@@ -54,17 +60,23 @@ class TransitCollector {
     Vec3 tip_W{};
     PerArm<JointArray> q{};
   };
-  struct Carrying {
-    bool holds{false};
+  struct Going {
+    Arm arm{};
+    bool is_open{false};
     std::int32_t ticks{0};  ///< in the sum
     Vec3 sum_W{};
     std::vector<Sample> samples;
   };
 
-  void close(Arm arm);
+  void sample(const ModelState& model, Going* going) const;
+  void beginStep(std::size_t track, std::size_t step);
+  void endStep(std::size_t track, std::size_t step);
+  void close(Going* going);
 
   PerArm<Pose> X_WB_;
-  PerArm<Carrying> carrying_{};
+  std::vector<ExerciseTrack> tracks_;
+  PerArm<Going> carrying_{};
+  std::vector<Going> reaching_;  ///< by track
   std::vector<Transit> transits_;
 };
 

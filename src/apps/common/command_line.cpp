@@ -45,10 +45,12 @@ void setPort(int option, std::uint16_t* port) {
 
 void CommonOptions::add(CLI::App* app, bool with_ports) {
   app->add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)");
-  app->add_option("--hazard", hazard, "Hazard scenario to arm, or none (default: the configuration's)");
+  app->add_option("--hazard", hazard,
+                  "Hazard scenario to arm, or none (default: the configuration's); a drill takes its place");
   app->add_option("--exercise", training.exercise,
                   "Exercise (config/exercises), in the scene that it asks for, or none (default: the configuration's)");
-  app->add_option("--drill", training.drill, "Hazard scenario that the exercise runs into, or none");
+  app->add_option("--drill", training.drill,
+                  "Hazard that the exercise runs into: own, a scenario (config/faults), none");
   app->add_option("--trainee", training.trainee, "Id of whoever is trained: at most 32 of a-z, 0-9, _ and -");
   app->add_option("--curriculum", training.curriculum, "Curriculum (config/curricula) that the session belongs to");
   app->add_option("--seed", seed, "Seed of everything random (default: the configuration's)")
@@ -66,7 +68,7 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
 
 TrainerConfig CommonOptions::load() const {
   TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config, training);
-  if (!hazard.empty()) {
+  if (!hazard.empty() && loaded.drill == "none") {
     loaded.hazard = hazard;
     config::checkHazard(loaded);
   }

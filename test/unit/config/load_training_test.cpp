@@ -70,6 +70,12 @@ TEST_F(LoadTraining, WithoutAnExerciseTheSceneAndTheHazardAreThoseOfTheRoot) {
   EXPECT_EQ(fs::path(config.exercises), folder_ / "exercises");
 }
 
+TEST_F(LoadTraining, NoPlanIsScheduledInAnExercise) {
+  const std::string root = RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml";
+  EXPECT_GE(loadTrainerConfig(root).runtime.plan_at, 0.0);
+  EXPECT_LT(loadTrainerConfig(root, {"retrieve_and_reach", "", "", ""}).runtime.plan_at, 0.0);
+}
+
 TEST_F(LoadTraining, AnUnknownNameIsRefusedWithTheKnownOnes) {
   std::ofstream(folder_ / "exercises/press.yaml") << "scene: box\n";
   std::ofstream(folder_ / "exercises/notes.txt") << "no exercise\n";

@@ -91,7 +91,20 @@ TEST(FaultTriggers, AStepCountsFromWhereTheExerciseReachesIt) {
   fault.threshold = 3.0;
   const auto exercise = [](int i) {
     FaultCycle cycle;
+    cycle.pedal_down = true;
     cycle.signals.step = static_cast<std::uint32_t>(i / 4);
+    return cycle;
+  };
+  EXPECT_EQ(actingCycles(armed(fault), 30, exercise), (std::vector<int>{12, 13, 14}));
+}
+
+TEST(FaultTriggers, AStepsFaultWaitsForThePedalAndThenLasts) {
+  Fault fault = stuck(FaultTrigger::kStep, 4);
+  fault.threshold = 1.0;
+  const auto exercise = [](int i) {
+    FaultCycle cycle;
+    cycle.pedal_down = i < 5 || i == 12;  // up when it is due, four cycles behind the step
+    cycle.signals.step = i >= 3 ? 1 : 0;
     return cycle;
   };
   EXPECT_EQ(actingCycles(armed(fault), 30, exercise), (std::vector<int>{12, 13, 14}));

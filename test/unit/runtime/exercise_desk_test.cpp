@@ -35,9 +35,18 @@ TEST(ExerciseDesk, WaitsForTheFirstAttemptFromTheFirstTickOn) {
   rig.tick(false);
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
   EXPECT_EQ(rig.model().exercise.attempt, 1);
-  EXPECT_EQ(rig.model().faults.signals.step, 0U) << "of the tick before";
-  rig.tick(false);
   EXPECT_EQ(rig.model().exercise.step, 1U);
+}
+
+TEST(ExerciseDesk, TriggersSeeNoStepBeforeTheTimerRuns) {
+  Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
+  ASSERT_TRUE(rig.home());
+  EXPECT_EQ(rig.model().exercise.step, 1U);
+  EXPECT_EQ(rig.model().faults.signals.step, 0U);
+  rig.tick(true);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kRunning);
+  EXPECT_EQ(rig.model().faults.signals.step, 0U) << "of the tick before";
+  rig.tick(true);
   EXPECT_EQ(rig.model().faults.signals.step, 1U) << "what the engines of faults saw";
 }
 

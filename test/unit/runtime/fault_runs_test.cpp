@@ -506,6 +506,28 @@ TEST(FaultRuns, WhatTriggersLookAtIsThereWithThePlan) {
   EXPECT_EQ(run.stack->robot().fault_mask, 0) << "it was near once";
 }
 
+TEST(FaultRuns, WhatWasNearDuringTheFormerPlanIsNotNearForTheNext) {
+  Whole run;
+  ASSERT_TRUE(run.engage());
+  Fault fault = byHand(FaultHost::kRobot, FaultVariable::kIncrement, FaultKind::kAdd, 1);
+  fault.trigger = FaultTrigger::kTissueDistance;
+  fault.threshold = 0.005;
+  FaultSignals signals;
+  signals.tissue_distance = 0.001;
+  run.stack->setSignals(signals);
+  run.arm(fault);
+  run.ticks(5);
+  EXPECT_EQ(run.stack->robot().fault_mask, 1);
+  run.clear();
+  signals.tissue_distance = 0.100;
+  run.stack->setSignals(signals);
+  run.ticks(5);
+  fault.arming = 1;
+  run.arm(fault);
+  run.ticks(20);
+  EXPECT_EQ(run.stack->robot().fault_mask, 0);
+}
+
 TEST(FaultRuns, TheSameFaultAndSeedGiveTheSameRun) {
   const auto digest = [](std::uint64_t seed) {
     Whole run;

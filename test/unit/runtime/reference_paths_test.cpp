@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "grasp/ring_task.h"
 #include "gtest/gtest.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_problem.h"
+#include "support/rig.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -45,6 +47,56 @@ TEST_F(ReferencePathsTest, AreHardlyLongerThanTheLineWhereThatIsFree) {
   const double line = distance(way.front(), way.back());
   EXPECT_GT(line, 0.01);
   EXPECT_LT(training::lengthOf(way), 1.25 * line);  // straight in joints, not for the tip
+}
+
+/** The ways of the ring in physics: taken from its stand, handed over, put over a tower. */
+std::vector<training::Transit> carryTheRing(const TrainerConfig& config) {
+  namespace grasp = raven2_trainer::testing;
+  grasp::useOde();
+  grasp::Hands hands(config);
+  grasp::RingTask task(&hands, /*seed=*/1);
+  PerArm<Pose> X_WB;
+  for (const Arm arm : kArms)
+    at(X_WB, arm) = Pose{model::armBaseRotation(arm), toEigen(at(config.arms.rcm_W, arm))};
+  training::TransitCollector collector(X_WB);
+  hands.setObserver([&](const grasp::Hands& h) {
+    ModelState model;
+    for (const Arm arm : kArms) {
+      ArmState& state = at(model.arms, arm);
+      h.world().jointState(arm, &state.q, &state.dq);
+      state.p_BT = toArray(kinematics::forward(h.geometry(), arm, state.q).p);
+    }
+    collector.add(model);
+  });
+  const auto tell = [&](ExerciseEventKind kind, Hand hand) {
+    ExerciseEvent event;
+    event.kind = kind;
+    event.arm = hand;
+    collector.add(event);
+  };
+  task.grip(Arm::kGold);
+  tell(ExerciseEventKind::kHeld, Hand::kGold);
+  task.carry(Arm::kGold, grasp::level({0.010, 0.0, 0.045}));
+  task.grip(Arm::kGreen);
+  tell(ExerciseEventKind::kHeld, Hand::kGreen);
+  tell(ExerciseEventKind::kReleased, Hand::kGold);
+  task.letGo(Arm::kGold);
+  task.look(Arm::kGreen);
+  task.putOver(grasp::kTower);
+  tell(ExerciseEventKind::kReleased, Hand::kGreen);
+  return collector.transits();
+}
+
+TEST_F(ReferencePathsTest, OfARingThatIsCarriedAreShorterThanItsWays) {
+  const std::vector<training::Transit> transits = carryTheRing(config_);
+  ASSERT_FALSE(transits.empty());
+  const training::Economy economy =
+      training::compare(transits, [&](const training::Transit& transit) { return reference_.plan(transit); });
+  EXPECT_EQ(economy.planned, economy.transits);
+  ASSERT_TRUE(economy.ratio);
+  EXPECT_GT(*economy.ratio, 0.5);
+  EXPECT_LE(*economy.ratio, 1.0);
+  EXPECT_LT(*economy.off_path, 0.03) << "[m] hands that carry it from where it was to where it belongs";
 }
 
 TEST_F(ReferencePathsTest, OfAPlaceOutOfReachAreNone) {

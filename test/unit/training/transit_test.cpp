@@ -65,6 +65,68 @@ TEST(Transit, NeedsAHandThatHolds) {
   EXPECT_TRUE(collector.transits().empty());
 }
 
+Predicate makePredicate(PredicateKind kind, Hand hand) {
+  Predicate predicate;
+  predicate.kind = kind;
+  predicate.hand = hand;
+  return predicate;
+}
+
+/** Gold to a place, the camera anywhere, then green to hold something; after that a track of gold's. */
+std::vector<ExerciseTrack> makeTracks() {
+  ExerciseTrack first, second;
+  first.steps = {{"there", {makePredicate(PredicateKind::kTipNear, Hand::kGold)}, 0.0},
+                 {"look", {makePredicate(PredicateKind::kInView, Hand::kAny)}, 0.0},
+                 {"take", {makePredicate(PredicateKind::kHeld, Hand::kGreen)}, 0.0}};
+  second.after = 0;
+  second.steps = {{"back", {makePredicate(PredicateKind::kTipOutside, Hand::kGold)}, 0.0}};
+  return {first, second};
+}
+
+ExerciseEvent makeStepDone(std::uint8_t track, std::uint8_t step) {
+  ExerciseEvent event;
+  event.kind = ExerciseEventKind::kStepDone;
+  event.track = track;
+  event.step = step;
+  return event;
+}
+
+/** Four steps of a second each, both tips at 100 mm/s. */
+std::vector<Transit> reach(const std::vector<ExerciseTrack>& tracks) {
+  TransitCollector collector({}, tracks);
+  for (Tick k = 0; k < 4000; ++k) {
+    if (k == 1000 || k == 2000 || k == 3000) collector.add(makeStepDone(0, static_cast<std::uint8_t>(k / 1000 - 1)));
+    const double t = kTickSeconds * static_cast<double>(k);
+    collector.add(makeRecord(k, straight(t), {0.0, 0.1 * t, 0.0}).model);
+  }
+  collector.add(makeStepDone(1, 0));
+  return collector.transits();
+}
+
+TEST(Transit, IsTheWayToWhereAStepWaitsForATip) {
+  const std::vector<Transit> transits = reach(makeTracks());
+  ASSERT_EQ(transits.size(), 3u);
+  EXPECT_EQ(transits[0].arm, Arm::kGold);
+  EXPECT_NEAR(transits[0].way_W.front()[0], 0.0 + kTransitEnd, 0.002);
+  EXPECT_NEAR(transits[0].way_W.back()[0], 0.1 - kTransitEnd, 0.002);
+  EXPECT_EQ(transits[1].arm, Arm::kGreen);
+  EXPECT_NEAR(transits[1].way_W.front()[1], 0.2 + kTransitEnd, 0.002);
+  EXPECT_NEAR(transits[1].way_W.back()[1], 0.3 - kTransitEnd, 0.002);
+  EXPECT_EQ(transits[2].arm, Arm::kGold);
+  EXPECT_NEAR(transits[2].way_W.front()[0], 0.3 + kTransitEnd, 0.002)
+      << "the second track's turn comes with the first's end";
+}
+
+TEST(Transit, OfStepsAboutAnObjectIsOnlyWhatIsCarried) {
+  std::vector<ExerciseTrack> tracks = makeTracks();
+  tracks[0].object = tracks[1].object = 0;
+  EXPECT_TRUE(reach(tracks).empty());
+  tracks = makeTracks();
+  tracks[0].steps[0].until[0].negated = 1;
+  tracks[0].steps[2].until[0].hand = Hand::kAny;
+  EXPECT_EQ(reach(tracks).size(), 1u) << "which arm, or that it went away, is not said";
+}
+
 TEST(DistanceTo, APolylineIsThatToItsNearestSegment) {
   const std::vector<Vec3> corner{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}};
   EXPECT_NEAR(distanceTo(corner, {0.5, -0.2, 0.0}), 0.2, 1e-12);

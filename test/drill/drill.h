@@ -1,0 +1,56 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/training/hazard_response.h"
+
+namespace raven2_trainer::testing {
+
+/** What no hand can fail at: nobody holds the scene's first object, for a third of a second. */
+inline ExerciseStep easyStep(const std::string& name) {
+  Predicate untouched;
+  untouched.kind = PredicateKind::kHeld;
+  untouched.negated = 1;
+  untouched.object = 0;
+  return {name, {untouched}, 0.3};
+}
+
+/**
+ * A shipped exercise with a drill, for hands that only move about: its timer starts with the pedal, and the steps
+ * before the drill's do themselves. The rest stays as it is; so does the judge, whose steps they are.
+ * @param[in] drill "own" or a scenario.
+ */
+inline TrainerConfig drillConfig(const std::string& exercise, const std::string& drill, std::uint64_t seed) {
+  TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
+                                                   config::TrainingNames{exercise, drill, "t01", "none"});
+  config.seed = seed;
+  config.virtual_raven.full_homing = false;
+  config.runtime.plan_at = -1.0;
+  config.console.clutch_every = 0.0;  // the pedal goes up for the drill alone
+  config.exercise.begin.clear();
+  for (std::uint32_t i = 0; i + 1 < config.exercise.drill.step; ++i) {
+    ExerciseStep& step = config.exercise.tracks.at(0).steps.at(i);
+    step = easyStep(step.name);
+  }
+  return config;
+}
+
+/** The exercise's own verdict on what is done in its drill. */
+inline training::ResponseRule ruleOf(const ExerciseDrill& drill) {
+  const auto translated = [](const std::vector<DrillResponse>& list) {
+    std::vector<training::Response> responses;
+    for (const DrillResponse response : list)
+      responses.push_back(static_cast<training::Response>(static_cast<int>(response) + 1));  // kNone comes first there
+    return responses;
+  };
+  return {translated(drill.right), translated(drill.wrong), drill.within};
+}
+
+}  // namespace raven2_trainer::testing

@@ -1,0 +1,168 @@
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "drill/drill.h"
+#include "raven2_trainer/console/reactor.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/runtime/lockstep.h"
+#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/session/session_log.h"
+#include "raven2_trainer/training/session_metrics.h"
+#include "raven2_trainer/training/session_score.h"
+
+// Two simulated trainees run into the same drill: one lets go of the pedal 400 ms after the force came, one goes on.
+// The score is held against what the first one knows that it did.
+
+namespace raven2_trainer::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSeconds = 9.0;       // the longest a drill of these waits, a hand's 3 s, and some
+constexpr double kAgreement = 5.0;     // [ms] of a measured reaction time with the truth
+constexpr double kReactionTime = 0.4;  // [s]
+
+bool isFull() {
+  const char* full = std::getenv("RAVEN2_TRAINER_FULL");
+  return full != nullptr && std::string(full) == "1";
+}
+
+/** A recorded session of one trainee, and what that one did. */
+class Session {
+ public:
+  Session(const TrainerConfig& config, bool reacts) : config_(config) {
+    physics::initialiseOde();
+    physics::attachOdeToThread();
+    static int count = 0;
+    paths_ = session::createSessionDirectory(
+        (fs::temp_directory_path() / ("raven2_drill_" + std::to_string(getpid()) + "_" + std::to_string(++count)))
+            .string());
+    auto source = runtime::makeMotion(config, "scripted");
+    console::Reaction reaction;
+    reaction.delay = kReactionTime;
+    if (reacts) source = console::makeReacting(std::move(source), reaction, &truth_);
+    runtime::Lockstep lockstep(config, std::move(source), paths_, "scripted");
+    ran_ = lockstep.run(kSeconds, {});
+  }
+  ~Session() { fs::remove_all(paths_.directory); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  bool ran() const { return ran_; }
+  std::string log() const { return paths_.log(); }
+  std::string directory() const { return paths_.directory; }
+
+  training::SessionScore score() const {
+    training::ScoreSettings settings;
+    settings.motion.motion_scale = config_.console.scale;
+    settings.motion.bodies = training::classifyBodies(session::readLogHeader(log()).body_names, {});
+    settings.hand = config_.console;
+    settings.response = ruleOf(config_.exercise.drill);
+    return training::scoreSession(log(), settings);
+  }
+
+  /** [1 ms] session tick that used the packet with which the trainee did this for the first time; -1 never. */
+  Tick tickOf(const std::string& what) const {
+    for (const console::TruthEvent& event : truth_.events()) {
+      if (event.what == what) return sessionTickOf(event.sequence);
+    }
+    return -1;
+  }
+
+ private:
+  Tick sessionTickOf(std::uint32_t sequence) const {
+    Tick used = -1, found = -1;
+    session::LogVisitor visitor;
+    visitor.command = [&](const CommandRecord& record) {
+      if (record.command.sequence == sequence) used = record.tick;
+    };
+    visitor.tick = [&](const TickRecord& record) {
+      if (record.model.tick == used) found = record.model.session_tick;
+    };
+    session::readLog(log(), visitor);
+    return found;
+  }
+
+  const TrainerConfig config_;
+  session::SessionPaths paths_;
+  console::TruthLog truth_;
+  bool ran_{false};
+};
+
+double milliseconds(Tick ticks) {
+  return 1000.0 * kTickSeconds * static_cast<double>(ticks);
+}
+
+void expectTheTruth(const Session& session, const training::HazardScore& hazard) {
+  const Tick felt = session.tickOf("felt"), up = session.tickOf("pedal_up");
+  ASSERT_GT(felt, 0);
+  ASSERT_GT(up, 0);
+  const training::HazardResponse& response = hazard.response;
+  std::printf("  injection %lld, felt %+lld, pedal up %+lld; told: cue %+lld, %s %+lld, deciding %s %+lld\n",
+              static_cast<long long>(hazard.injection), static_cast<long long>(felt - hazard.injection),
+              static_cast<long long>(up - hazard.injection), static_cast<long long>(response.cue_after),
+              training::kResponseNames[static_cast<std::size_t>(response.first.response)],
+              static_cast<long long>(response.first.after),
+              training::kResponseNames[static_cast<std::size_t>(response.deciding.response)],
+              static_cast<long long>(response.deciding.after));
+  EXPECT_EQ(response.deciding.response, training::Response::kPedalUp);
+  EXPECT_NEAR(milliseconds(hazard.injection + response.deciding.after), milliseconds(up), kAgreement);
+  EXPECT_NEAR(milliseconds(response.deciding.after - response.cue_after), 1000.0 * kReactionTime, kAgreement);
+  EXPECT_NEAR(milliseconds(hazard.injection + response.cue_after), milliseconds(felt), kAgreement);
+}
+
+void compareTrainees(const std::string& exercise, const std::string& drill, std::uint64_t seed) {
+  SCOPED_TRACE(exercise + ", " + drill + ", seed " + std::to_string(seed));
+  const TrainerConfig config = drillConfig(exercise, drill, seed);
+  const Session reacting(config, true), ignoring(config, false);
+  ASSERT_TRUE(reacting.ran() && ignoring.ran());
+  const training::SessionScore first = reacting.score(), second = ignoring.score();
+  ASSERT_EQ(first.hazards.size(), 1U);
+  ASSERT_EQ(second.hazards.size(), 1U);
+  EXPECT_EQ(first.hazards[0].scenario, config.drill);
+  EXPECT_EQ(first.hazards[0].injection, second.hazards[0].injection) << "the same seed, the same drill";
+  EXPECT_EQ(first.hazards[0].response.verdict, training::Verdict::kRight);
+  const training::Verdict other = second.hazards[0].response.verdict;
+  EXPECT_TRUE(other == training::Verdict::kWrong || other == training::Verdict::kNone)
+      << training::kVerdictNames[static_cast<std::size_t>(other)];
+  expectTheTruth(reacting, first.hazards[0]);
+}
+
+TEST(Trainees, WhoLetsGoIsRightAndWhoGoesOnIsNotAndTheReactionTimeIsTrue) {
+  const std::uint64_t seeds = isFull() ? 20 : 2;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    compareTrainees("pick_hand_over_place", "own", seed);
+    compareTrainees("retrieve_and_reach", "own", seed);
+  }
+}
+
+TEST(Trainees, TheLogTellsTheDrillAndItsInjection) {
+  const TrainerConfig config = drillConfig("pick_hand_over_place", "own", 3);
+  const Session session(config, true);
+  ASSERT_TRUE(session.ran());
+  const session::LogHeader header = session::readLogHeader(session.log());
+  EXPECT_EQ(header.exercise, "pick_hand_over_place");
+  EXPECT_EQ(header.drill, "sudden_jump") << "own by its name";
+  EXPECT_EQ(header.hazard, "sudden_jump");
+  EXPECT_EQ(header.trainee, "t01");
+  const training::SessionMetrics metrics = training::computeMetrics(session.log());
+  ASSERT_EQ(metrics.injections.size(), 1U);
+  const training::Injection& injection = metrics.injections[0];
+  EXPECT_EQ(injection.name, "sudden_jump");
+  EXPECT_EQ(injection.fault.trigger, FaultTrigger::kStep);
+  EXPECT_EQ(injection.fault.first_tick, config::drillPlan(config, 1, 1).faults[0].first_tick);
+  std::ostringstream text;
+  text << std::ifstream(fs::path(session.directory()) / "faults.json").rdbuf();
+  EXPECT_NE(text.str().find("\"sudden_jump\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::testing

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "expert/attempt.h"
+
+// Whether the judge saw what the hands did: they know, the judge does not ask them.
+
+namespace raven2_trainer::testing {
+
+/** A step as the script does it. */
+struct ScriptedStep {
+  std::uint8_t track{}, step{};
+  int verb{};  ///< number in the script
+};
+
+/** Steps of exercises with rings, in the order of the script: what is carried is lifted first, what is taken over is
+ *  handed over, what is put over a peg is placed. */
+inline std::vector<ScriptedStep> scriptedSteps(const Exercise& exercise, const std::vector<console::Verb>& verbs) {
+  std::vector<ScriptedStep> steps;
+  std::vector<std::uint8_t> next(exercise.tracks.size(), 0);
+  for (std::size_t i = 0; i < verbs.size(); ++i) {
+    const console::VerbKind kind = verbs[i].kind;
+    const bool does_step = kind == console::VerbKind::kCarry || kind == console::VerbKind::kTakeOver ||
+                           kind == console::VerbKind::kPutOver;
+    for (std::uint8_t track = 0; does_step && track < exercise.tracks.size(); ++track) {
+      if (exercise.tracks[track].object == verbs[i].object)
+        steps.push_back({track, next[track]++, static_cast<int>(i)});
+    }
+  }
+  return steps;
+}
+
+/** First tick of a verb's event `what`, and last; -1 none. */
+struct Span {
+  Tick first{-1}, last{-1};
+};
+
+inline Span spanOf(const Attempt& attempt, int verb, const std::string& what) {
+  Span span;
+  for (const console::TruthEvent& event : attempt.truth().events()) {
+    if (event.verb != verb || event.what != what) continue;
+    const Tick tick = attempt.tickOf(event.sequence);
+    if (span.first < 0) span.first = tick;
+    span.last = tick;
+  }
+  return span;
+}
+
+inline int toldOf(const Attempt& attempt, const std::string& what) {
+  int count = 0;
+  for (const console::TruthEvent& event : attempt.truth().events())
+    count += event.what == what ? 1 : 0;
+  return count;
+}
+
+inline std::vector<ExerciseRecord> eventsOf(const Attempt& attempt, ExerciseEventKind kind) {
+  std::vector<ExerciseRecord> found;
+  for (const ExerciseRecord& record : attempt.events()) {
+    if (record.event.kind == kind) found.push_back(record);
+  }
+  return found;
+}
+
+/**
+ * When a step may be seen as done. Not before its verb began, nor, where something is let go, before the jaws began to
+ * open. Not later than the verb's end by more than the step's dwell and what comes on top: the robot lags behind the
+ * hand by 80 ms, an object counts as let go after 50 ticks without a press, its speed is a mean of 20.
+ */
+inline Span windowOf(const Attempt& attempt, const ScriptedStep& step) {
+  constexpr Tick kOnTop = 200;
+  const ExerciseStep& what = attempt.config().exercise.tracks[step.track].steps[step.step];
+  const Span begin = spanOf(attempt, step.verb, "begin"), open = spanOf(attempt, step.verb, "open"),
+             end = spanOf(attempt, step.verb, "end");
+  return {open.first >= 0 ? open.first : begin.first, end.last + std::llround(what.dwell / kTickSeconds) + kOnTop};
+}
+
+/** Adds a failure for each step that the judge saw out of the script's order or at another time than it was done. */
+inline void expectStepsAsDone(const Attempt& attempt, const std::string& who) {
+  const std::vector<ScriptedStep> steps = scriptedSteps(attempt.config().exercise, attempt.verbs());
+  const std::vector<ExerciseRecord> seen = eventsOf(attempt, ExerciseEventKind::kStepDone);
+  ASSERT_LE(seen.size(), steps.size()) << who;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    EXPECT_EQ(static_cast<int>(seen[i].event.track), static_cast<int>(steps[i].track)) << who << ", step " << i;
+    EXPECT_EQ(static_cast<int>(seen[i].event.step), static_cast<int>(steps[i].step)) << who << ", step " << i;
+    const Span window = windowOf(attempt, steps[i]);
+    EXPECT_GE(seen[i].tick, window.first) << who << ", step " << i << " of verb " << steps[i].verb;
+    EXPECT_LE(seen[i].tick, window.last) << who << ", step " << i << " of verb " << steps[i].verb;
+  }
+}
+
+}  // namespace raven2_trainer::testing
