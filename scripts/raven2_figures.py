@@ -62,7 +62,8 @@ class Series:
         log = session.log
         self.log = log
         self.header = log.header
-        ticks = log.ticks[log.ticks["model"]["session_tick"] >= 0]
+        begun = int(np.argmax(np.append(log.ticks["model"]["session_tick"] >= 0, True)))
+        ticks = log.ticks[begun:]  # no copy: a session of five minutes has a gigabyte of them
         model, robot = ticks["model"], ticks["robot"]
         self.ticks = ticks
         self.t = model["session_tick"] / 1000.0

@@ -199,8 +199,7 @@ class SessionLog:
         self._arrays = {}
         for number, offsets in found.items():
             size = types[number].itemsize
-            payloads = b"".join([data[offset : offset + size] for offset in offsets])
-            self._arrays[kinds[number]["name"]] = np.frombuffer(payloads, dtype=types[number])
+            self._arrays[kinds[number]["name"]] = np.frombuffer(_gathered(data, offsets, size), dtype=types[number])
         if flight and not len(self._arrays["counts"]):
             self.lost += flight.lost()
             for name, array in flight.records(types):
@@ -236,6 +235,14 @@ class SessionLog:
             else:
                 self.bad_bytes += end - skipped_from
         return found
+
+
+def _gathered(data, offsets, size):
+    """Payloads one behind the other, read-only; never more than one of them twice in memory."""
+    payloads = bytearray(len(offsets) * size)
+    for i, offset in enumerate(offsets):
+        payloads[i * size : (i + 1) * size] = data[offset : offset + size]
+    return memoryview(payloads).toreadonly()
 
 
 def _look(data, position, end, limit=MAX_PAYLOAD):

@@ -36,14 +36,14 @@ def _table(facts):
     rows = []
     for i, hazard in enumerate(facts.hazards, 1):
         judged, fault = hazard["judged"], hazard["fault"]
-        after, response = facts.reaction(hazard)
-        reaction = "–" if after is None else f"{esc(metric_words.response(response))} after {1000 * after:,.0f} ms"
+        answers = ", ".join(f"{metric_words.response(response)} after {1000 * after:,.0f} ms"
+                            for after, response, _ in facts.answers(hazard))
         cue = judged.get("cue_after_ms")
         rows.append([i, esc(words(hazard["name"])), number(hazard["at_s"], 3, "s"),
                      number(fault.get("max_error_mm", judged.get("error_mm")), 2, "mm"),
                      number(judged.get("excursion_mm"), 2, "mm"),
                      number(fault.get("max_force_N", judged.get("peak_force_N")), 2, "N"), number(cue, 0, "ms"),
-                     reaction, esc(verdict_words(judged))])
+                     esc(answers or "–"), esc(verdict_words(judged))])
     return table(["", "Scenario", "Began", "Largest tip error", "Robot moved by", "Strongest cue", "Felt after",
                   "Reaction",
                   "Verdict"], rows, {0, 2, 3, 4, 5, 6})

@@ -18,7 +18,7 @@ h3 small { font-weight: 400; color: var(--soft); font-size: 13.5px; margin-left:
 p { margin: 6px 0; max-width: 95ch; overflow-wrap: anywhere; }
 .sub { color: var(--soft); font-size: 14px; overflow-wrap: anywhere; }
 .summary { margin-top: 16px; }
-nav { margin: 10px 0 0; font-size: 14px; }
+nav { margin: 10px 0 0; font-size: 14px; display: flex; flex-wrap: wrap; }
 nav a { margin-right: 16px; white-space: nowrap; }
 a { color: var(--accent); }
 .banner { display: flex; gap: 20px; align-items: flex-start; margin: 20px 0 0; padding: 18px 22px; border-radius: 6px;
@@ -63,7 +63,8 @@ th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: 2px 
   vertical-align: bottom; }
 td { border-bottom: 1px solid var(--line); padding: 5px 9px; vertical-align: top; }
 td small { color: var(--soft); }
-.limit, td.v { white-space: nowrap; } .n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.limit, td.v { white-space: nowrap; }
+.n { text-align: right; font-variant-numeric: tabular-nums; } td.n { white-space: nowrap; }
 .two { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 0 36px; }
 .three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 8px 20px; }
 .three figure { margin: 4px 0; }

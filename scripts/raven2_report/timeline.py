@@ -6,7 +6,7 @@ from raven2_report import drawing, metric_words
 from raven2_report.facts import PHASES, arm_of_link
 from raven2_report.text import words
 
-WIDTH, LEFT, RIGHT = 1000, 96, 14
+WIDTH, LEFT, RIGHT = 1000, 116, 14
 FILLS = {"work": "#3f77a8", "held": "#dfe3e8", "alone": "url(#hatch)", "stopped": "#2b323a", "camera": "url(#dots)"}
 FAMILIES = (("work", "operating"), ("alone", "model alone"), ("camera", "camera"), ("held", "pedal up, waiting"),
             ("stopped", "stopped, paused"))
@@ -18,11 +18,19 @@ PATTERNS = ('<defs><pattern id="hatch" width="7" height="7" patternUnits="userSp
             '<circle cx="3" cy="3" r="1.6" fill="#8a6d2f"/></pattern></defs>')
 
 
+def shown_until(facts):
+    """[s] A session that ends with nothing going on for long is not shown to its end."""
+    last = max([facts.phases[-1][0], facts.attempt_span()[1] if facts.attempt else 0.0]
+               + [event["at_s"] for event in facts.events] + [h["end_s"] or h["at_s"] for h in facts.hazards])
+    idle = PHASES.get(facts.phases[-1][2], ("", "held"))[1] in ("held", "stopped")
+    return min(facts.duration, 1.15 * last + 2.0) if idle and facts.duration > 1.5 * last + 4.0 else facts.duration
+
+
 class Lanes:
     """Stacks lanes from the top; every lane has its name on the left."""
 
-    def __init__(self, duration):
-        self.range, self.y, self.parts = (0.0, max(duration, 0.1)), 6.0, []
+    def __init__(self, until):
+        self.range, self.y, self.parts = (0.0, max(until, 0.1)), 6.0, []
 
     def lane(self, name, height):
         panel = drawing.Panel(LEFT, self.y, WIDTH - LEFT - RIGHT, height, self.range, (0, 1))
@@ -44,7 +52,7 @@ def _fitting(words_, width, size=12):
 
 
 def _block(panel, first, last, fill, label, title, ink=drawing.INK):
-    x, end = panel.to_x(first), panel.to_x(last)
+    x, end = panel.to_x(first), panel.to_x(min(last, panel.x_range[1]))
     parts = drawing.rect(x, panel.y, max(end - x, 1.0), panel.height, fill, title, stroke="#fff", stroke_width=0.8)
     shown = _fitting(label, end - x)
     if shown:
@@ -59,7 +67,8 @@ def _block(panel, first, last, fill, label, title, ink=drawing.INK):
 def section(facts):
     if not facts.phases:
         return ""
-    lanes = Lanes(facts.duration)
+    until = shown_until(facts)
+    lanes = Lanes(until)
     _modes(facts, lanes)
     _steps(facts, lanes)
     _hazards(facts, lanes)
@@ -69,7 +78,8 @@ def section(facts):
     body = PATTERNS + "".join(lanes.parts) + axis.x_axis("time since the first pedal down [s]")
     picture = drawing.svg(WIDTH, lanes.y + 32, body, "Timeline of the session: modes, steps, hazards, mistakes and "
                                                      "forces", "timeline")
-    return f"<figure>{_key(facts)}{picture}</figure>"
+    left = f"Nothing more happened until {facts.duration:.0f} s." if until < facts.duration else ""
+    return f"<figure>{_key(facts)}{picture}<figcaption>{left}</figcaption></figure>"
 
 
 def _key(facts):
@@ -87,6 +97,8 @@ def _key(facts):
 def _modes(facts, lanes):
     panel = lanes.lane("Mode", 26)
     for first, last, mode in facts.phases:
+        if first >= panel.x_range[1]:
+            break
         label, family = PHASES.get(mode, (words(mode), "held"))
         ink = "#fff" if family in ("work", "stopped") else drawing.INK
         lanes.parts.append(_block(panel, first, last, FILLS[family], label, f"{label}: {first:.2f} s to {last:.2f} s",

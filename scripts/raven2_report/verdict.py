@@ -69,9 +69,10 @@ def headline(facts):
         return "Free session: no exercise was set, so nothing is passed or failed"
     if facts.attempt is None:
         return "Not judged: this session has no score"
-    ends = {"done": "the exercise was done", "failed": "the exercise failed"}
-    end = ends.get(facts.attempt.get("status"), "the exercise was not finished")
-    return f"Not judged: {end}, but there is no expert band for it"
+    if facts.attempt.get("status") == "done":
+        return "Not judged: the exercise was done, but there is no expert band for it"
+    why = (reasons(facts) or ["the exercise was not finished"])[0]
+    return f"Not judged: {why}, and there is no expert band for the exercise"
 
 
 def improvements(facts):

@@ -198,20 +198,20 @@ SCRIPT = """
     if (bar) bar.style.display = zoom === 1 ? '' : 'none';
   }
   function ask() { if (!queued) { queued = true; requestAnimationFrame(draw); } }
-  function turn(da, de) { a += da; e = Math.max(-90, Math.min(90, e + de)); ask(); }
+  function turn(da, de) { a += da; e = Math.max(-90, Math.min(90, e + de)); }
   var last = null;
   box.addEventListener('pointerdown', function (ev) {
     last = [ev.clientX, ev.clientY]; box.setPointerCapture(ev.pointerId); ev.preventDefault();
   });
   box.addEventListener('pointermove', function (ev) {
     if (!last) return;
-    turn(-(ev.clientX - last[0]) / 2.5, (ev.clientY - last[1]) / 2.5); last = [ev.clientX, ev.clientY];
+    turn(-(ev.clientX - last[0]) / 2.5, (ev.clientY - last[1]) / 2.5); last = [ev.clientX, ev.clientY]; ask();
   });
   ['pointerup', 'pointercancel'].forEach(function (n) { box.addEventListener(n, function () { last = null; }); });
   box.addEventListener('keydown', function (ev) {
     var k = { ArrowLeft: [5, 0], ArrowRight: [-5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] }[ev.key];
-    if (k) { turn(k[0], k[1]); ev.preventDefault(); }
-    if (ev.key === '+' || ev.key === '-') { zoom *= ev.key === '+' ? 1.15 : 1 / 1.15; ask(); }
+    if (k) { turn(k[0], k[1]); ev.preventDefault(); draw(); }
+    if (ev.key === '+' || ev.key === '-') { zoom *= ev.key === '+' ? 1.15 : 1 / 1.15; draw(); }
   });
   box.setAttribute('tabindex', '0'); box.style.cursor = 'grab'; box.style.touchAction = 'none';
   var hint = document.getElementById('turn-hint');
