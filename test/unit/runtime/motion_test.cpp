@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 
@@ -48,6 +50,19 @@ TEST(Motion, AClumsyHandMustBeOneOfTheExercises) {
     EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
   config.exercise.clumsy.clear();
   EXPECT_NE(refusal(config, "clumsy:slow").find("has: none"), std::string::npos);
+}
+
+TEST(Motion, EveryPackagedExerciseHasAnExpertAndClumsyHandsThatCanBeHad) {
+  int exercises = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RAVEN2_TRAINER_SOURCE_DIR "/config/exercises")) {
+    const TrainerConfig config = configOf(entry.path().stem().string());
+    ++exercises;
+    EXPECT_NE(makeMotion(config, "expert"), nullptr) << entry.path();
+    EXPECT_FALSE(config.exercise.clumsy.empty()) << entry.path();
+    for (const ClumsyHand& hand : config.exercise.clumsy)
+      EXPECT_NE(makeMotion(config, "clumsy:" + hand.name), nullptr) << entry.path() << hand.name;
+  }
+  EXPECT_GE(exercises, 6);
 }
 
 TEST(Motion, OnlyExpertAndClumsyHandsDoTheExercise) {
