@@ -171,9 +171,9 @@ std::string describeHazard(const training::HazardScore& hazard) {
   std::string text =
       format("hazard %s at %.3f s: %s", hazard.scenario.c_str(), static_cast<double>(hazard.injection) * kTickSeconds,
              training::kVerdictNames[static_cast<std::size_t>(r.verdict)]);
-  if (r.first.after >= 0) {
-    text += format(", %s after %lld ms", training::kResponseNames[static_cast<std::size_t>(r.first.response)],
-                   static_cast<long long>(r.first.after));
+  if (r.reaction.after >= 0) {
+    text += format(", %s after %lld ms", training::kResponseNames[static_cast<std::size_t>(r.reaction.response)],
+                   static_cast<long long>(r.reaction.after));
   }
   return text + "\n";
 }

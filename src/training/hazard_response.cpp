@@ -19,7 +19,8 @@ constexpr double kBack = 0.010;           // [m/s] against the old direction
 constexpr std::size_t kBackTicks = 30;    // [1 ms]
 constexpr double kSlowShare = 0.2;        // [-] of the speed before
 constexpr double kStill = 0.005;          // [m/s]
-constexpr std::size_t kSlowTicks = 150;   // [1 ms]
+constexpr std::size_t kSlowTicks = 1000;  // [1 ms] hands rest shorter between strokes, whatever happens
+constexpr Tick kComesToStand = 150;       // [1 ms] on the way there a hand is slow
 constexpr std::size_t kPushTicks = 1500;  // [1 ms] behind the cue
 constexpr double kPushPath = 0.020;       // [m]
 
@@ -93,8 +94,7 @@ void findEdges(const HazardWindow& window,
 void joinSlowing(Responses slow, const Responses& still, Responses* found) {
   for (const TimedResponse& stand : still) {
     const auto before = std::find_if(slow.rbegin(), slow.rend(), [&](const TimedResponse& s) {
-      return s.response == Response::kSlow && s.after <= stand.after &&
-             stand.after - s.after <= static_cast<Tick>(kSlowTicks);
+      return s.response == Response::kSlow && s.after <= stand.after && stand.after - s.after <= kComesToStand;
     });
     if (before == slow.rend()) {
       found->push_back(stand);
@@ -105,18 +105,24 @@ void joinSlowing(Responses slow, const Responses& still, Responses* found) {
   found->insert(found->end(), slow.begin(), slow.end());
 }
 
-void findMotion(const HazardWindow& window, const HandMotionTrack& hand, Responses* found) {
+void findRetreat(const HazardWindow& window, const HandMotionTrack& hand, Responses* found) {
   if (!hand.wasMoving()) return;
   findRuns(
       window, Response::kRetreat, kBackTicks, [&](std::size_t k) { return hand.along(hand.velocity(k)) <= -kBack; },
       found);
-  const double limit = std::max(kSlowShare * hand.speedBefore(), kStill);
+}
+
+/** Of both hands: one of them rests while the other works, whatever happens. */
+void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hands, Responses* found) {
+  const double before = std::max(hands[0].speedBefore(), hands[1].speedBefore());
+  if (before < kMoving) return;
+  const auto speed = [&](std::size_t k) { return std::max(hands[0].velocity(k).norm(), hands[1].velocity(k).norm()); };
+  const double limit = std::max(kSlowShare * before, kStill);
   Responses slow, still;
   findRuns(
-      window, Response::kSlow, kSlowTicks, [&](std::size_t k) { return hand.velocity(k).norm() <= limit; }, &slow);
+      window, Response::kSlow, kSlowTicks, [&](std::size_t k) { return speed(k) <= limit; }, &slow);
   findRuns(
-      window, Response::kHoldStill, kSlowTicks, [&](std::size_t k) { return hand.velocity(k).norm() <= kStill; },
-      &still);
+      window, Response::kHoldStill, kSlowTicks, [&](std::size_t k) { return speed(k) <= kStill; }, &still);
   joinSlowing(slow, still, found);
 }
 
@@ -200,6 +206,15 @@ void decide(const Responses& responses, const ResponseRule& rule, HazardResponse
   }
 }
 
+/** A slowing or turning that the rule does not name may be the work's own; before the cue, or with it, it is. */
+TimedResponse findReaction(const Responses& responses, const HazardResponse& result) {
+  if (result.deciding.after >= 0) return result.deciding;
+  const Tick noticed = std::max<Tick>(result.cue_after, 0) + kCoincidence;
+  const auto found =
+      std::find_if(responses.begin(), responses.end(), [&](const TimedResponse& r) { return r.after >= noticed; });
+  return found != responses.end() ? *found : TimedResponse{};
+}
+
 /** By time; of those at once the one that stands first in the list of responses. */
 bool isEarlier(const TimedResponse& a, const TimedResponse& b) {
   return a.after != b.after ? a.after < b.after : a.response < b.response;
@@ -241,11 +256,13 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
       window, Response::kPedalUp, [](const HandSample& s) { return s.pedal == 0; }, &all);
   findEdges(
       window, Response::kStop, [](const HandSample& s) { return s.stop != 0; }, &all);
-  for (const Arm arm : kArms) {
-    const HandMotionTrack hand(window, explained, arm);
-    findMotion(window, hand, &all);
+  const PerArm<HandMotionTrack> hands{HandMotionTrack(window, explained, Arm::kGold),
+                                      HandMotionTrack(window, explained, Arm::kGreen)};
+  for (const HandMotionTrack& hand : hands) {
+    findRetreat(window, hand, &all);
     findPush(window, hand, result.cue_after, &all);
   }
+  findSlowing(window, hands, &all);
   std::sort(all.begin(), all.end(), isEarlier);
   const auto deliberate =
       std::find_if(all.begin(), all.end(), [](const TimedResponse& r) { return r.after >= kCoincidence; });
@@ -253,6 +270,7 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
   const Responses responses(deliberate, all.end());
   if (!responses.empty()) result.first = responses.front();
   decide(responses, rule, &result);
+  result.reaction = findReaction(responses, result);
   return result;
 }
 

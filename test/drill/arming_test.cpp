@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -6,6 +8,7 @@
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"
 #include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/training/hazard_response.h"
 
 // Every exercise's drill strikes when and as the exercise says, in the whole: judge, link, robot, hands.
 
@@ -80,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Exercises,
 
 TEST(Drill, ComesOnceInAnAttemptAndAgainInTheNext) {
   TrainerConfig config = drillConfig("pick_hand_over_place", "own", 1);
-  config.console.motion_time = 13.0;  // then the pedal goes up for good
+  config.console.clutch_every = 5.0;  // attempts begin anew with the pedal up
   DrillRun run(config);
   ASSERT_TRUE(run.strike());
   run.ticks(9000);  // in the library it comes every 8 s
@@ -93,12 +96,15 @@ TEST(Drill, ComesOnceInAnAttemptAndAgainInTheNext) {
   again.id = 1;
   ASSERT_TRUE(run.stack->shared()->requests.tryPush(again));
   run.ticks(3);
-  EXPECT_EQ(run.stack->view().model.exercise.attempt, 2);
-  const FaultPlan plan = run.stack->shared()->faults.load();
-  ASSERT_EQ(plan.count, 1U);
-  EXPECT_EQ(plan.faults[0].first_tick, config::drillPlan(run.config, 2, 1).faults[0].first_tick);
-  run.ticks(100);
+  ASSERT_EQ(run.stack->view().model.exercise.attempt, 2);
   EXPECT_EQ(run.began.size(), 1U) << "the step of the attempt before is not its step";
+  run.reached = -1;
+  ASSERT_TRUE(run.strike());
+  const Tick delay = config::drillPlan(run.config, 2, 1).faults[0].first_tick;
+  EXPECT_NE(delay, config::drillPlan(run.config, 1, 1).faults[0].first_tick);
+  EXPECT_GE(run.began[1], run.reached + delay);
+  EXPECT_LE(run.began[1], run.reached + delay + kLinkWay);
+  EXPECT_EQ(run.stack->view().model.exercise.attempt, 2);
 }
 
 TEST(Drill, OfAnotherScenarioStrikesAtTheSameTick) {

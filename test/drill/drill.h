@@ -1,15 +1,11 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_training.h"
 #include "raven2_trainer/core/config.h"
-#include "raven2_trainer/training/hazard_response.h"
 
 namespace raven2_trainer::testing {
 
@@ -40,17 +36,6 @@ inline TrainerConfig drillConfig(const std::string& exercise, const std::string&
     step = easyStep(step.name);
   }
   return config;
-}
-
-/** The exercise's own verdict on what is done in its drill. */
-inline training::ResponseRule ruleOf(const ExerciseDrill& drill) {
-  const auto translated = [](const std::vector<DrillResponse>& list) {
-    std::vector<training::Response> responses;
-    for (const DrillResponse response : list)
-      responses.push_back(static_cast<training::Response>(static_cast<int>(response) + 1));  // kNone comes first there
-    return responses;
-  };
-  return {translated(drill.right), translated(drill.wrong), drill.within};
 }
 
 }  // namespace raven2_trainer::testing

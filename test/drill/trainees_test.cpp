@@ -1,3 +1,4 @@
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -5,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <sstream>
 
@@ -65,7 +65,7 @@ class Session {
     settings.motion.motion_scale = config_.console.scale;
     settings.motion.bodies = training::classifyBodies(session::readLogHeader(log()).body_names, {});
     settings.hand = config_.console;
-    settings.response = ruleOf(config_.exercise.drill);
+    settings.response = training::ruleOf(config_.exercise.drill);
     return training::scoreSession(log(), settings);
   }
 
@@ -106,16 +106,16 @@ void expectTheTruth(const Session& session, const training::HazardScore& hazard)
   ASSERT_GT(felt, 0);
   ASSERT_GT(up, 0);
   const training::HazardResponse& response = hazard.response;
-  std::printf("  injection %lld, felt %+lld, pedal up %+lld; told: cue %+lld, %s %+lld, deciding %s %+lld\n",
+  std::printf("  injection %lld, felt %+lld, pedal up %+lld; told: cue %+lld, %s %+lld, first %s %+lld\n",
               static_cast<long long>(hazard.injection), static_cast<long long>(felt - hazard.injection),
               static_cast<long long>(up - hazard.injection), static_cast<long long>(response.cue_after),
+              training::kResponseNames[static_cast<std::size_t>(response.reaction.response)],
+              static_cast<long long>(response.reaction.after),
               training::kResponseNames[static_cast<std::size_t>(response.first.response)],
-              static_cast<long long>(response.first.after),
-              training::kResponseNames[static_cast<std::size_t>(response.deciding.response)],
-              static_cast<long long>(response.deciding.after));
-  EXPECT_EQ(response.deciding.response, training::Response::kPedalUp);
-  EXPECT_NEAR(milliseconds(hazard.injection + response.deciding.after), milliseconds(up), kAgreement);
-  EXPECT_NEAR(milliseconds(response.deciding.after - response.cue_after), 1000.0 * kReactionTime, kAgreement);
+              static_cast<long long>(response.first.after));
+  EXPECT_EQ(response.reaction.response, training::Response::kPedalUp);
+  EXPECT_NEAR(milliseconds(hazard.injection + response.reaction.after), milliseconds(up), kAgreement);
+  EXPECT_NEAR(milliseconds(response.reaction.after - response.cue_after), 1000.0 * kReactionTime, kAgreement);
   EXPECT_NEAR(milliseconds(hazard.injection + response.cue_after), milliseconds(felt), kAgreement);
 }
 
@@ -137,7 +137,7 @@ void compareTrainees(const std::string& exercise, const std::string& drill, std:
 }
 
 TEST(Trainees, WhoLetsGoIsRightAndWhoGoesOnIsNotAndTheReactionTimeIsTrue) {
-  const std::uint64_t seeds = isFull() ? 20 : 2;
+  const std::uint64_t seeds = isFull() ? 20 : 1;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     compareTrainees("pick_hand_over_place", "own", seed);
     compareTrainees("retrieve_and_reach", "own", seed);

@@ -77,8 +77,9 @@ struct TimedResponse {
 struct HazardResponse {
   Tick force_after{-1};    ///< [1 ms] from the injection to the first force on a hand; -1 never
   Tick cue_after{-1};      ///< [1 ms] the same to more than kCueForce, which a hand notices
-  TimedResponse first;     ///< deliberate: kCoincidence or later; its time is the reaction time
+  TimedResponse first;     ///< deliberate: kCoincidence or later
   TimedResponse deciding;  ///< the first that the rule names
+  TimedResponse reaction;  ///< at the reaction time: what decided, or else the first, kCoincidence behind the cue
   Verdict verdict{Verdict::kNone};
   std::vector<TimedResponse> coincidences;  ///< what came sooner than anybody reacts, in order of time
   bool recovered{};
@@ -99,8 +100,9 @@ constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a f
  * Judges one hazard: responses in all samples, figures until recovery.
  * A response is the start of a run of samples with the pedal down in which, of a hand's velocity w less what the force
  * explains, u its mean over the 200 ms before the injection, if |u| >= 10 mm/s:
- * kRetreat w u / |u| <= -10 mm/s for 30 ms; kSlow |w| <= max(|u| / 5, 5 mm/s) for 150 ms; kHoldStill the same and |w|
- * <= 5 mm/s for 150 ms beginning 150 ms later at the latest. kPedalUp, kStop: the pedal goes up, a stop is asked for.
+ * kRetreat w u / |u| <= -10 mm/s for 30 ms. Of the faster of both hands: kSlow |w| <= max(|u| / 5, 5 mm/s) for 1 s;
+ * kHoldStill the same and |w| <= 5 mm/s for 1 s beginning 150 ms later at the latest. kPedalUp, kStop: the pedal goes
+ * up, a stop is asked for.
  * kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along u
  * (anywhere, if it had stood).
  */

@@ -129,6 +129,22 @@ TEST(HazardResponse, WhoStandsLongAfterSlowingDidTwoThings) {
   EXPECT_NEAR(static_cast<double>(result.deciding.after), 800.0, 6.0);
 }
 
+TEST(HazardResponse, ARestBetweenStrokesIsNoResponse) {
+  const Speed strokes = [](Tick t) { return t >= 250 && t < 1150 ? 0.0 : 0.08; };
+  EXPECT_EQ(judge(makeWindow(strokes)).first.response, Response::kPushOn);
+  const Speed longer = [](Tick t) { return t >= 250 && t < 1300 ? 0.0 : 0.08; };
+  expectFirst(judge(makeWindow(longer)), Response::kHoldStill, 250);
+}
+
+TEST(HazardResponse, AHandThatRestsWhileTheOtherWorksIsNoResponse) {
+  HazardWindow window = makeWindow(then(0.08, 250, 0.0));
+  for (std::size_t k = kInjection; k < window.samples.size(); ++k) {
+    const double place = 0.08 * kTickSeconds * static_cast<double>(k - kInjection);
+    at(window.samples[k].master_I, Arm::kGreen) = {0.0, place * kScale, 0.0};
+  }
+  EXPECT_EQ(judge(window).first.response, Response::kPushOn);
+}
+
 TEST(HazardResponse, AHandThatStoodCanNeitherSlowDownNorTurnBack) {
   const HazardResponse result = judge(makeWindow(then(0.0, 300, 0.0)));
   EXPECT_EQ(result.first.response, Response::kNone);
@@ -182,15 +198,30 @@ TEST(HazardResponse, WhatComesSoonerThanAnybodyReactsIsACoincidence) {
 
 TEST(HazardResponse, AResponseThatTheRuleDoesNotNameDoesNotDecide) {
   HazardWindow window = makeWindow(then(0.08, 250, 0.012));
-  liftPedal(&window, 600, 4000);
+  liftPedal(&window, 1400, 4000);
   ResponseRule rule;
   rule.right = {Response::kPedalUp};
   const HazardResponse result = judge(window, rule);
   expectFirst(result, Response::kSlow, 250);
   EXPECT_EQ(result.deciding.response, Response::kPedalUp);
-  EXPECT_EQ(result.deciding.after, 600);
+  EXPECT_EQ(result.deciding.after, 1400);
+  EXPECT_EQ(result.reaction.after, 1400) << "the slowing was the work's own";
   rule.wrong = {Response::kSlow};
   EXPECT_EQ(judge(window, rule).verdict, Verdict::kWrong);
+}
+
+TEST(HazardResponse, WhatTheRuleDoesNotNameIsNoReactionToACueThatCameWithIt) {
+  ResponseRule rule;
+  rule.right = {Response::kPedalUp};
+  rule.wrong = {};
+  for (const Tick cue : {100, 200}) {
+    HazardWindow window = makeWindow(then(0.08, 250, 0.008));
+    push(&window, cue, 4000, {0.0, 0.5, 0.0});
+    const HazardResponse result = judge(window, rule);
+    expectFirst(result, Response::kSlow, 250);
+    EXPECT_EQ(result.verdict, Verdict::kNone);
+    EXPECT_EQ(result.reaction.response, cue == 100 ? Response::kSlow : Response::kNone) << cue;
+  }
 }
 
 /** A hand on 200 N/m and 10 Ns/m with 0.5 kg: as config/console.yaml's kind. */

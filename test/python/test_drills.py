@@ -1,0 +1,133 @@
+"""Two trainees in the same drill, by the programs alone: one lets go of the pedal 400 ms after the force, one goes on."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import raven2_lockstep  # noqa: E402
+import raven2_session  # noqa: E402
+
+PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
+
+pytestmark = pytest.mark.skipif(not (PROGRAMS / "simulate").exists(), reason="simulate is not built")
+
+# Strokes in a box do it; the second step ends after the drill, so that the drill comes within the attempt.
+EXERCISE = """
+name: stroke
+title: Both hands about the middle
+number: 99
+source: this test
+skills: []
+scene: frs_trainer
+time_limit: 60.0
+begin: {pedal: down}
+sets: {}
+tracks:
+  - name: both
+    steps:
+      - {name: come, until: [{tip_near: middle, arm: gold, within: 0.3}], dwell: 0.5}
+      - {name: stay, until: [{tip_near: middle, arm: green, within: 0.3}], dwell: 6.0}
+watch: []
+targets: []
+metrics: {time: {}}
+drill: {scenario: sudden_jump, at: {step: 2, delay: 0.3, jitter: 0.5}, right: [pedal_up], wrong: [push_on], within: 2.0}
+"""
+BARE = EXERCISE.replace("name: stroke", "name: bare").split("drill:")[0]
+AGREEMENT = 5  # [ms] of a measured time with the truth
+# (exercise, motion, [s] until the drill was answered, or was not)
+CASES = [("stroke", "scripted", 6.5), ("pick_hand_over_place", "expert", 14.0)]
+
+
+def simulate(school, name, *options):
+    output = school / "sessions" / name
+    return output, subprocess.run(
+        [PROGRAMS / "simulate", "--config", school / "config/trainer.yaml", "--homing", "quick", "--seed", "3",
+         "--output", output, *map(str, options)], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module", name="school")
+def make_school(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("drills")
+    raven2_lockstep.copy_of_configuration(folder)
+    (folder / "config/exercises/stroke.yaml").write_text(EXERCISE)
+    (folder / "config/exercises/bare.yaml").write_text(BARE)
+    return folder
+
+
+class Trainee:
+    """A recorded drill, its only hazard in score.json, and what the hands know that they did, first times by name."""
+
+    def __init__(self, school, case, reaction):
+        exercise, motion, seconds = case
+        truth = school / f"{exercise}_{reaction}.csv"
+        self.directory, done = simulate(school, f"{exercise}_{reaction}", "--exercise", exercise, "--drill", "own",
+                                        "--motion", motion, "--reaction", reaction, "--truth", truth,
+                                        "--seconds", seconds)
+        assert done.returncode == 0, done.stderr
+        with truth.open(encoding="ascii") as file:
+            self.events = {row["what"]: int(row["sequence"]) for row in reversed(list(csv.DictReader(file)))}
+        self.score = json.loads((self.directory / "score.json").read_text())
+        (self.hazard,) = self.score["hazards"]
+        self.log = raven2_session.Session(self.directory).log
+
+
+@pytest.fixture(scope="module", name="both", params=CASES, ids=[case[1] for case in CASES])
+def make_both(school, request):
+    return Trainee(school, request.param, 400), Trainee(school, request.param, "none")
+
+
+def session_tick(log, sequence):
+    """Of the tick that used a packet."""
+    (command,) = log.commands[log.commands["command"]["sequence"] == sequence]
+    model = log.ticks["model"]
+    return int(model["session_tick"][np.searchsorted(model["tick"], command["tick"])])
+
+
+def test_who_lets_go_is_right_and_who_goes_on_is_not(both):
+    reacting, ignoring = (trainee.hazard for trainee in both)
+    assert reacting["verdict"] == "right"
+    assert ignoring["verdict"] in ("wrong", "none")
+    assert reacting["injection_tick"] == ignoring["injection_tick"], "the same seed, the same drill"
+
+
+def test_the_reaction_time_is_the_truth(both):
+    reacting, _ = both
+    hazard = reacting.hazard
+    injection = hazard["injection_tick"]
+    assert hazard["reaction"]["response"] == "pedal_up"
+    let_go = session_tick(reacting.log, reacting.events["pedal_up"])
+    assert abs(injection + hazard["reaction"]["after_ms"] - let_go) <= AGREEMENT
+    felt = session_tick(reacting.log, reacting.events["felt"])
+    assert abs(injection + hazard["cue_after_ms"] - felt) <= AGREEMENT
+    assert abs(hazard["reaction"]["after_ms"] - hazard["cue_after_ms"] - 400) <= AGREEMENT
+
+
+def test_the_drill_stands_in_score_log_and_ground_truth(both):
+    for trainee in both:
+        score, injection_tick = trainee.score, trainee.hazard["injection_tick"]
+        assert score["drill"] == trainee.log.training["drill"] == "sudden_jump", "own by its name"
+        assert score["response_rule"] == {"right": ["pedal_up"], "wrong": ["push_on"], "within_s": 2.0}
+        (attempt,) = score["attempts"]
+        assert [hazard["injection_tick"] for hazard in attempt["hazards"]] == [injection_tick]
+        (injection,) = json.loads((trainee.directory / "faults.json").read_text())["injections"]
+        assert injection["name"] == "sudden_jump"
+        assert 0 <= injection["inject"]["tick"] - injection_tick <= 3, "the daemon hears of it a little later"
+
+
+@pytest.mark.parametrize("options, words", [
+    (("--exercise", "bare", "--drill", "own"), "bare.yaml has no key drill"),
+    (("--exercise", "bare", "--drill", "sudden_jump"), "bare.yaml has no key drill"),
+    (("--exercise", "stroke", "--drill", "no_such"), 'no hazard is called "no_such"'),
+    (("--drill", "own"), "there is no exercise that could run into it"),
+])
+def test_a_drill_that_cannot_be_is_refused(school, options, words):
+    output, done = simulate(school, "refused", *options)
+    assert done.returncode != 0 and words in done.stderr, done.stderr
+    assert not output.exists()
