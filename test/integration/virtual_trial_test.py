@@ -26,10 +26,11 @@ MASTER_PORT, STATE_PORT = 27180, 27183
 BOTH = (0, 1)
 MEAN_LIMIT = 0.003  # m
 RELEASES = 5
-# um a packet of either arm, s: about 20 mm/s. Around a square, across a clutch, back to where it began.
+HOLD = 0.2  # s, config/execution.yaml: from where the arms stand to where the trial begins
+# um a packet of either arm, s: 20 mm/s around a square, across a clutch, back to where it began; there and back at 35 mm/s.
 FIRST_HALF = (((20, 0, 0), (20, 0, 0), 0.5), ((0, 20, 6), (0, -20, 6), 0.5))
 SECOND_HALF = (((-20, 0, 0), (-20, 0, 0), 0.5), ((0, -20, -6), (0, 20, -6), 0.5))
-THERE, BACK = (((15, 15, 0), (15, -15, 0), 1.0),), (((-15, -15, 0), (-15, 15, 0), 1.0),)
+THERE, BACK = (((25, 25, 0), (25, -25, 0), 0.7),), (((-25, -25, 0), (-25, 25, 0), 0.7),)
 
 
 class VirtualTrial(unittest.TestCase):
@@ -135,7 +136,7 @@ class VirtualTrial(unittest.TestCase):
         """The pedal goes up on the way, in motion, about this share of it done. @return as of check_stops()."""
         self.trial(strokes)
         number = self.repeat()
-        far = self.press().cycle + int(1000 * share * strokes[0][2])
+        far = self.press().cycle + int(1000 * (HOLD + share * strokes[0][2]))
         released, first = release_when(self.console, self.robot,
                                        lambda s: s.cycle > far and all(is_fast(s, arm) for arm in BOTH))
         report = self.daemon.await_execution(number, 5)
