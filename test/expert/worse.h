@@ -1,0 +1,61 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "expert/told.h"
+
+// Clumsy hands against the expert, in the way that the exercise's file expects.
+
+namespace raven2_trainer::testing {
+
+inline bool isDone(const Attempt& attempt) {
+  return attempt.exercise().status == ExerciseStatus::kDone;
+}
+
+/** 1 to `many`, or the one that is asked for by RAVEN2_TRAINER_SEED. */
+inline std::vector<std::uint64_t> seeds(int many) {
+  if (const char* one = std::getenv("RAVEN2_TRAINER_SEED")) return {static_cast<std::uint64_t>(std::atoi(one))};
+  std::vector<std::uint64_t> all;
+  for (int seed = 1; seed <= many; ++seed)
+    all.push_back(static_cast<std::uint64_t>(seed));
+  return all;
+}
+
+/** How many were done, and how long it took. */
+inline void tellRate(const char* exercise, std::vector<double> times, std::size_t tried) {
+  std::sort(times.begin(), times.end());
+  std::printf("  %s: %zu of %zu done, median %.1f s\n", exercise, times.size(), tried,
+              times.empty() ? 0.0 : times[times.size() / 2]);
+}
+
+/** What the exercise's file expects of a clumsy hand: a kind of thing and which. */
+inline std::pair<std::string, std::string> expectation(const ClumsyHand& hand) {
+  for (const ScriptValue& value : hand.values) {
+    if (value.key.compare(0, 7, "expect/") == 0) return {value.key.substr(7), value.text};
+  }
+  return {};
+}
+
+/** Worse than the expert in the way that is expected, and in this test's own terms of what that means. */
+inline bool isWorse(const Attempt& clumsy, const Attempt& expert, const std::pair<std::string, std::string>& expected) {
+  const auto& [kind, which] = expected;
+  if (kind == "fail") return which == nameOf(clumsy.exercise().failure);
+  if (kind == "mistake") {
+    const auto mistake = std::find(kMistakeNames.begin(), kMistakeNames.end(), which);
+    return mistake != kMistakeNames.end() && clumsy.mistakes(static_cast<Mistake>(mistake - kMistakeNames.begin())) > 0;
+  }
+  if (which == "time") {
+    const bool is_over = clumsy.exercise().failure == ExerciseFailure::kTimeLimit;
+    return is_over || clumsy.seconds() > 1.5 * expert.seconds();
+  }
+  if (which == "sparc")
+    return clumsy.smoothness() < 1.25 * expert.smoothness();  // less is worse, and both are negative
+  if (which == "wire_touches") return clumsy.mistakes(Mistake::kWireTouch) > expert.mistakes(Mistake::kWireTouch);
+  return false;
+}
+
+}  // namespace raven2_trainer::testing
