@@ -77,8 +77,7 @@ inline Span windowOf(const Attempt& attempt, const ScriptedStep& step) {
 }
 
 /** Adds a failure for each step that the judge saw out of the script's order or at another time than it was done. */
-inline void expectStepsAsDone(const Attempt& attempt, const std::string& who) {
-  const std::vector<ScriptedStep> steps = scriptedSteps(attempt.config().exercise, attempt.verbs());
+inline void expectStepsAsDone(const Attempt& attempt, const std::vector<ScriptedStep>& steps, const std::string& who) {
   const std::vector<ExerciseRecord> seen = eventsOf(attempt, ExerciseEventKind::kStepDone);
   ASSERT_LE(seen.size(), steps.size()) << who;
   for (std::size_t i = 0; i < seen.size(); ++i) {
