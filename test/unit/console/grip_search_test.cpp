@@ -228,6 +228,20 @@ TEST(AlongWire, LeadsARingThroughThePointsLeaningTowardsUpright) {
   EXPECT_NEAR((way.back().R * y_R - Vector3::UnitY()).norm(), 0.0, 1e-6);
 }
 
+TEST(Spin, IsSeenAgainAndLeftAloneByTheShortestTurnToLevel) {
+  // GIVEN a ring that leans by 1 rad to the left, spun about its own axis
+  const Pose leaning{Eigen::AngleAxisd(-1.0, Vector3::UnitX()).toRotationMatrix(), {0.1, 0.2, 0.3}};
+  for (const double angle : {-3.0, -1.2, 0.0, 0.4, 3.0}) {
+    const Pose X_WR = spun(leaning, angle);
+    EXPECT_NEAR(spinOf(X_WR, leaning), angle, 1e-12);
+    EXPECT_NEAR(headingOf(levelled(X_WR)), angle, 1e-12);
+    EXPECT_NEAR(levelled(X_WR).R(2, 2), 1.0, 1e-12);
+  }
+  // THEN an axis that is off by a few degrees does not matter
+  const Pose tilted{Eigen::AngleAxisd(0.1, Vector3::UnitY()).toRotationMatrix() * leaning.R, leaning.p};
+  EXPECT_NEAR(spinOf(spun(tilted, 0.4), leaning), 0.4, 0.1);
+}
+
 TEST(Facing, ARingUpsideDownIsTheSameRing) {
   const Pose X_WR{Eigen::AngleAxisd(3.0, Vector3::UnitY()).toRotationMatrix(), {0.1, 0.2, 0.3}};
   const Pose seen = facing(X_WR, Vector3::UnitZ());
