@@ -64,16 +64,18 @@ inline std::vector<ExerciseRecord> eventsOf(const Attempt& attempt, ExerciseEven
 }
 
 /**
- * When a step may be seen as done. Not before its verb began, nor, where something is let go, before the jaws began to
- * open. Not later than the verb's end by more than the step's dwell and what comes on top: the robot lags behind the
- * hand by 80 ms, an object counts as let go after 50 ticks without a press, its speed is a mean of 20.
+ * When a step may be seen as done. Not before its verb began, or the jaws began to close for it: closing may lift what
+ * they take. Where something is let go, not before the jaws began to open. Not later than the verb's end by more than
+ * the step's dwell and what comes on top: the robot lags behind the hand by 80 ms, an object counts as let go after 50
+ * ticks without a press, its speed is a mean of 20.
  */
 inline Span windowOf(const Attempt& attempt, const ScriptedStep& step) {
   constexpr Tick kOnTop = 200;
   const ExerciseStep& what = attempt.config().exercise.tracks[step.track].steps[step.step];
   const Span begin = spanOf(attempt, step.verb, "begin"), open = spanOf(attempt, step.verb, "open"),
-             end = spanOf(attempt, step.verb, "end");
-  return {open.first >= 0 ? open.first : begin.first, end.last + std::llround(what.dwell / kTickSeconds) + kOnTop};
+             close = spanOf(attempt, step.verb - 1, "close"), end = spanOf(attempt, step.verb, "end");
+  const Tick taken = close.last >= 0 ? close.last : begin.first;
+  return {open.first >= 0 ? open.first : taken, end.last + std::llround(what.dwell / kTickSeconds) + kOnTop};
 }
 
 /** Adds a failure for each step that the judge saw out of the script's order or at another time than it was done. */
