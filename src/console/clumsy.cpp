@@ -43,7 +43,9 @@ void makeClumsy(const Clumsiness& clumsiness, std::vector<Verb>* verbs, Skill* s
   if (clumsiness.via_W) {
     changed(clumsiness, "via_W", {VerbKind::kCarry, VerbKind::kTouch}, verbs).via_W = *clumsiness.via_W;
   }
-  if (clumsiness.push_W) changed(clumsiness, "push_W", {VerbKind::kPutOver}, verbs).push_W = *clumsiness.push_W;
+  if (clumsiness.push_W) {
+    changed(clumsiness, "push_W", {VerbKind::kPutOver, VerbKind::kFollowWire}, verbs).push_W = *clumsiness.push_W;
+  }
   if (clumsiness.speed) {
     demandBetween(*clumsiness.speed, 0.05, 3.0, "speed");
     skill->slowest *= *clumsiness.speed;

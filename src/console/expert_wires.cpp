@@ -49,6 +49,8 @@ double Expert::addWire(const Verb& verb, GripTask* task) const {
 
 std::vector<Pose> Expert::wayAlong(const Verb& verb, const Pose& X_WR, double spin) const {
   std::vector<Pose> way = alongWire(roles_.wires[verb.wire].line_W, 0.0, kBeyondWire);
+  for (Pose& X_W : way)
+    X_W.p += toEigen(verb.push_W);
   const std::size_t next = std::min(nearestTo(X_WR.p, way) + 1, way.size() - 1);
   way.erase(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(next));
   const double turned = spinOf(X_WR, way.front());

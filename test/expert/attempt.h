@@ -91,6 +91,8 @@ class Attempt {
   double smoothness() const {
     return training::overHands(motion_.result(), &training::HandMotion::sparc).value_or(0.0);
   }
+  /** [m] RMS of the tips in 6 to 14 Hz. */
+  double tremor() const { return training::overHands(motion_.result(), &training::HandMotion::tremor).value_or(0.0); }
   std::uint32_t mistakes(Mistake kind) const { return exercise().mistakes[static_cast<std::size_t>(kind)]; }
 
   // what is so: an object around a peg, at rest, and touched by no arm

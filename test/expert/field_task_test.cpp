@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
+#include <memory>
 
 #include "expert/truth.h"
 #include "expert/worse.h"
@@ -10,6 +12,8 @@
 
 namespace raven2_trainer::testing {
 namespace {
+
+constexpr std::uint64_t kFirst = 1;  ///< seed
 
 /** What does a step. */
 console::VerbKind verbFor(const ExerciseStep& step) {
@@ -60,8 +64,8 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     config_ = trainingConfig(GetParam());
   }
 
-  std::unique_ptr<Attempt> attempt(std::uint64_t seed, const std::string& clumsy = "") const {
-    auto attempt = std::make_unique<Attempt>(config_, seed, clumsy);
+  std::shared_ptr<Attempt> attempt(std::uint64_t seed, const std::string& clumsy = "") const {
+    auto attempt = std::make_shared<Attempt>(config_, seed, clumsy);
     const bool is_done_by_poses = run(attempt.get());
     const std::string who = (clumsy.empty() ? "seed " : clumsy + ", seed ") + std::to_string(seed);
     tell(who, *attempt);
@@ -70,6 +74,14 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     const std::vector<ScriptedStep> steps = stepsInARow(config_.exercise, attempt->verbs());
     expectSeen(*attempt, steps, who);
     return attempt;
+  }
+
+  /** That of the expert with which clumsy hands are compared; only once. */
+  std::shared_ptr<Attempt> first() const {
+    static std::map<std::string, std::shared_ptr<Attempt>> known;
+    std::shared_ptr<Attempt>& one = known[GetParam()];
+    if (one == nullptr) one = attempt(kFirst);
+    return one;
   }
 
   /** Until the hands are finished and everything had two seconds to come to rest, it has failed, or the time is over.
@@ -171,21 +183,25 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
 
 TEST_P(FieldExercise, IsDoneThroughItpAndPedalsAlone) {
   std::vector<double> times;
+  std::uint32_t mistakes = 0;
   const std::vector<std::uint64_t> all = seeds(isFull() ? 20 : 2);
   for (const std::uint64_t seed : all) {
-    const auto tried = attempt(seed);
-    if (isDone(*tried)) times.push_back(tried->seconds());
+    const auto tried = seed == kFirst ? first() : attempt(seed);
+    if (!isDone(*tried)) continue;
+    times.push_back(tried->seconds());
+    for (const std::uint32_t count : tried->exercise().mistakes)
+      mistakes += count;
   }
   tellRate(GetParam(), times, all.size());
   EXPECT_GE(static_cast<double>(times.size()), 0.95 * static_cast<double>(all.size()));
+  EXPECT_LE(mistakes, all.size() / 10) << "none is intended; aims err";
 }
 
 TEST_P(FieldExercise, ClumsyHandsDoWorseAsExpected) {
-  constexpr std::uint64_t kSeed = 1;
-  const auto expert = attempt(kSeed);
+  const auto expert = first();
   ASSERT_TRUE(isDone(*expert));
   for (const ClumsyHand& hand : config_.exercise.clumsy) {
-    const auto clumsy = attempt(kSeed, hand.name);
+    const auto clumsy = attempt(kFirst, hand.name);
     EXPECT_TRUE(isWorse(*clumsy, *expert, expectation(hand))) << hand.name;
     if (!isFull()) break;
   }

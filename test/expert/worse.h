@@ -52,8 +52,14 @@ inline bool isWorse(const Attempt& clumsy, const Attempt& expert, const std::pai
     const bool is_over = clumsy.exercise().failure == ExerciseFailure::kTimeLimit;
     return is_over || clumsy.seconds() > 1.5 * expert.seconds();
   }
-  if (which == "sparc")
-    return clumsy.smoothness() < 1.25 * expert.smoothness();  // less is worse, and both are negative
+  if (which == "sparc") {  // less is worse, and both are negative
+    std::printf("  sparc %.2f, of the expert %.2f\n", clumsy.smoothness(), expert.smoothness());
+    return clumsy.smoothness() < 1.25 * expert.smoothness();
+  }
+  if (which == "tremor") {
+    std::printf("  tremor %.1f um, of the expert %.1f um\n", 1e6 * clumsy.tremor(), 1e6 * expert.tremor());
+    return clumsy.tremor() > 1.5 * expert.tremor();
+  }
   if (which == "wire_touches") return clumsy.mistakes(Mistake::kWireTouch) > expert.mistakes(Mistake::kWireTouch);
   return false;
 }
