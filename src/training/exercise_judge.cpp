@@ -130,8 +130,10 @@ ExerciseJudge::Impl::Impl(const Exercise& e,
     tracks.emplace_back(track, senses);
 }
 
+/** The last place is kept for the attempt's end: many touches may end with it. */
 void ExerciseJudge::Impl::push(const ExerciseEvent& event) noexcept {
-  if (event_count < kMaxEvents) {
+  const bool is_end = event.kind == ExerciseEventKind::kDone || event.kind == ExerciseEventKind::kFailed;
+  if (event_count < (is_end ? kMaxEvents : kMaxEvents - 1)) {
     events[event_count++] = event;
   } else {
     ++lost_events;
