@@ -290,8 +290,9 @@ void PhysicsLoop::dropMotion() noexcept {
   increments_.dgrasp = {};
 }
 
-/** Where the masters want the arms. */
+/** Where the masters want the arms. A model that goes on alone, whatever took the robot from it, has to come back. */
 void PhysicsLoop::aimAsTold() noexcept {
+  if (!linked_) leaveRobot();
   bool is_clamped = false;
   for (const Arm arm : kArms) {
     ArmState& state = at(state_.arms, arm);
