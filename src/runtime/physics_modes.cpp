@@ -305,6 +305,10 @@ void PhysicsLoop::joinRobot() noexcept {
 void PhysicsLoop::leaveRobot() noexcept {
   if (is_apart_) return;
   is_apart_ = true;
+  takeOpenings();
+}
+
+void PhysicsLoop::takeOpenings() noexcept {
   for (const Arm arm : kArms)
     at(joint_opening_, arm) = at(mappers_, arm).opening();
 }

@@ -132,6 +132,7 @@ class PhysicsLoop {
   PlanningAnswer pressCamera(bool is_pressed) noexcept;
   void moveCamera() noexcept;
   void leaveRobot() noexcept;
+  void takeOpenings() noexcept;
   bool mustReturn() const noexcept { return is_apart_ && isRobotThere(); }
   bool waitsForReturn() noexcept;
   void beginReturn() noexcept;
@@ -213,7 +214,7 @@ class PhysicsLoop {
   bool stopped_by_robot_{false};
   bool stop_asked_{false};            ///< by request or pedal
   bool is_apart_{false};              ///< the model left the robot on purpose
-  PerArm<double> joint_opening_{};    ///< [rad] of the jaws, wanted by both when it left
+  PerArm<double> joint_opening_{};    ///< [rad] of the jaws, wanted when it left, and with which it comes back
   Mode camera_from_{Mode::kPedalUp};  ///< kCameraMoving: what it was before
   std::uint32_t tool_changes_{0};
   physics::SceneSnapshot trial_scene_{};  ///< when the trial began
