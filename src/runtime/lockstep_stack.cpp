@@ -14,12 +14,13 @@
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/runtime/session_player.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::runtime {
 namespace {
 
-constexpr std::uint64_t kConsole = 1;  // the one master there is
+constexpr std::uint64_t kConsole = 1;                          // the one master there is
 constexpr std::uint64_t kArmedHere = std::uint64_t{1} << 31U;  // generations that the director never gives
 
 }  // namespace
@@ -37,6 +38,7 @@ struct LockstepStack::Impl {
         haptic(config, shared.get()),
         link(config, shared.get()),
         planner(config, raven, scene, shared.get()),
+        player(config, physics.bodyNames(), shared.get()),
         software(config.arms, config.virtual_raven),
         plant(raven, config.virtual_raven) {
     software.setDetector(config.detector);
@@ -51,6 +53,7 @@ struct LockstepStack::Impl {
 
   void tick() {
     now_ns += kTickNanoseconds;
+    servePlayer();
     stepConsole();
     faults.tick();
     physics.tick(now_ns);
@@ -79,6 +82,18 @@ struct LockstepStack::Impl {
     while (const auto packet = (*way)->take(now_ns))
       receive(packet->bytes.data(), packet->bytes.size());
   }
+
+  void servePlayer() {
+    player.serve();
+    if (to_show == 0 || view.model.mode != Mode::kPedalUp) return;
+    Request request;
+    request.kind = RequestKind::kBeginReplay;
+    request.plan = to_show;
+    shared->requests.tryPush(request);
+    to_show = 0;
+  }
+
+  bool isShowing() const { return to_show != 0 || view.model.mode == Mode::kReplaying; }
 
   /** Planning takes a fixed simulated time, so that the result does not depend on the machine. */
   void servePlanner() {
@@ -158,8 +173,8 @@ struct LockstepStack::Impl {
   void receiveForce(const std::uint8_t* bytes, std::size_t size) {
     ForcePacket received;
     if (wire::decodeForce(bytes, size, &received) != Reject::kNone) return;
-    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp));
     hands.applyForce(received);
+    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp) && !isShowing());
   }
 
   void refreshView() {
@@ -190,6 +205,8 @@ struct LockstepStack::Impl {
   HapticLoop haptic;
   RobotLink link;
   PlannerWorker planner;
+  SessionPlayer player;
+  std::uint32_t to_show{0};  // Request::plan of what is shown before the surgeon begins; 0 nothing, or it was asked for
   // the virtual Raven
   raven::ControlSoftware software;
   plant::Plant plant;
@@ -215,6 +232,10 @@ LockstepStack::~LockstepStack() = default;
 void LockstepStack::impair(const Impairment& impairment) {
   impl_->to_daemon.emplace(impairment, impl_->config.seed, 0, impl_->now_ns);
   impl_->to_console.emplace(impairment, impl_->config.seed, 1, impl_->now_ns);
+}
+
+void LockstepStack::showFirst(const std::string& session) {
+  impl_->to_show = impl_->player.open(session);
 }
 
 void LockstepStack::setSignals(const FaultSignals& signals) noexcept {

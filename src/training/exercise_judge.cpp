@@ -434,6 +434,7 @@ void ExerciseJudge::Impl::measure(const ModelState& model) noexcept {
   signals = FaultSignals{};
   if (state.status == ExerciseStatus::kNone) return;
   signals.step = state.step;
+  if (model.mode == Mode::kReplaying) return;  // what is shown is near to nothing
   PerArm<ToolPoints> points;
   for (const Arm arm : kArms)
     at(points, arm) = toolPoints(at(senses.tools(), arm), kinematics::jawOpening(at(model.arms, arm).q));
