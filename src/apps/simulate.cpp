@@ -26,6 +26,7 @@ struct Options {
   std::string homing;        ///< the configuration's if empty
   double motion_scale{0.0};  ///< [-] the configuration's if 0
   std::string impairment{"none"};
+  std::string replay;  ///< session that is shown first; empty: none
   bool video{false};
 };
 
@@ -70,6 +71,7 @@ int simulate(const Options& options) {
   session::SessionMeta meta = runtime::startMeta("simulate", apps::version(), label);
   runtime::Lockstep lockstep(config, std::move(hands), paths, label);
   if (options.impairment != "none") lockstep.impair(impairment);
+  if (!options.replay.empty()) lockstep.showFirst(options.replay);
   apps::ProgressBar bar("simulate");
   const auto end =
       runtime::doesExercise(options.motion.motion) ? runtime::Lockstep::End::kFinished : runtime::Lockstep::End::kTime;
@@ -116,6 +118,7 @@ int main(int argc, char** argv) {
   app.add_option("--impair", options.impairment,
                  "Bad link between console and daemon: preset of config/impairments or FILE.yaml")
       ->capture_default_str();
+  app.add_option("--replay", options.replay, "Show this session first: its directory, or its log");
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
   return apps::runProgram(&app, argc, argv, [&] { return simulate(options); });
 }

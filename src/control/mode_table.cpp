@@ -83,6 +83,10 @@ constexpr Row kRows[] = {
     {Mode::kCameraMoving,   Event::kCameraLeft,       Mode::kPedalUp},
     {Mode::kCameraMoving,   Event::kCameraLeftAlone,  Mode::kSimulationHeld},
     {Mode::kCameraMoving,   Event::kCameraLeftOnTape, Mode::kTrialHeld},
+    // a recorded session, with the pedal up
+    {Mode::kWaiting,        Event::kReplayWanted,     Mode::kReplaying},
+    {Mode::kPedalUp,        Event::kReplayWanted,     Mode::kReplaying},
+    {Mode::kReplaying,      Event::kReplayEnded,      Mode::kPedalUp},
     // clang-format on
 };
 

@@ -194,6 +194,10 @@ void DrivenLoops::hapticTick(std::int64_t now_ns) noexcept {
   impl_->haptic.tick(now_ns);
 }
 
+SharedState& DrivenLoops::shared() noexcept {
+  return *impl_->shared;
+}
+
 void DrivenLoops::drain() noexcept {
   impl_->drain();
 }

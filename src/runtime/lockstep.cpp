@@ -44,6 +44,10 @@ void Lockstep::impair(const Impairment& impairment) {
   impl_->stack.impair(impairment);
 }
 
+void Lockstep::showFirst(const std::string& session) {
+  impl_->stack.showFirst(session);
+}
+
 void Lockstep::setSignals(const FaultSignals& signals) noexcept {
   impl_->stack.setSignals(signals);
 }
@@ -55,13 +59,14 @@ void Lockstep::tick() {
 bool Lockstep::run(double seconds, const std::function<void(double)>& progress, End end) {
   const auto wanted = static_cast<Tick>(std::llround(seconds / kTickSeconds));
   const auto timeout = static_cast<Tick>(std::llround(impl_->config.runtime.start_timeout / kTickSeconds));
-  Tick afterwards = 0;
+  Tick afterwards = 0, shown = 0;
   for (;;) {
     tick();
     const ModelState& model = impl_->stack.view().model;
+    if (model.mode == Mode::kReplaying) ++shown;
     if (model.session_tick + 1 >= wanted) break;
     if (end == End::kFinished && impl_->stack.finished() && ++afterwards > kAfterwards) break;
-    if (model.session_tick < 0 && timeout > 0 && model.tick >= timeout) {
+    if (model.session_tick < 0 && timeout > 0 && model.tick - shown >= timeout) {
       finish();
       return false;
     }

@@ -15,6 +15,7 @@
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/runtime/session_player.h"
 #include "raven2_trainer/runtime/sight_of.h"
 #include "raven2_trainer/wire/itp.h"
 #include "raven2_trainer/wire/pedals.h"
@@ -41,6 +42,7 @@ struct LockstepStack::Impl {
         haptic(config, shared.get()),
         link(config, shared.get()),
         planner(config, raven, scene, shared.get()),
+        player(config, physics.bodyNames(), shared.get()),
         software(config.arms, config.virtual_raven),
         plant(raven, config.virtual_raven) {
     software.setDetector(config.detector);
@@ -55,6 +57,7 @@ struct LockstepStack::Impl {
 
   void tick() {
     now_ns += kTickNanoseconds;
+    servePlayer();
     stepConsole();
     faults.tick();
     physics.tick(now_ns);
@@ -89,6 +92,18 @@ struct LockstepStack::Impl {
     while (const auto packet = (*way)->take(now_ns))
       receive(packet->bytes.data(), packet->bytes.size());
   }
+
+  void servePlayer() {
+    player.serve();
+    if (to_show == 0 || view.model.mode != Mode::kPedalUp) return;
+    Request request;
+    request.kind = RequestKind::kBeginReplay;
+    request.plan = to_show;
+    shared->requests.tryPush(request);
+    to_show = 0;
+  }
+
+  bool isShowing() const { return to_show != 0 || view.model.mode == Mode::kReplaying; }
 
   /** Planning takes a fixed simulated time, so that the result does not depend on the machine. */
   void servePlanner() {
@@ -168,8 +183,8 @@ struct LockstepStack::Impl {
   void receiveForce(const std::uint8_t* bytes, std::size_t size) {
     ForcePacket received;
     if (wire::decodeForce(bytes, size, &received) != Reject::kNone) return;
-    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp));
     hands.applyForce(received);
+    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp) && !isShowing());
   }
 
   /** What the next tick's hands see, of this one. */
@@ -217,6 +232,8 @@ struct LockstepStack::Impl {
   HapticLoop haptic;
   RobotLink link;
   PlannerWorker planner;
+  SessionPlayer player;
+  std::uint32_t to_show{0};  // Request::plan of what is shown before the surgeon begins; 0 nothing, or it was asked for
   // the virtual Raven
   raven::ControlSoftware software;
   plant::Plant plant;
@@ -247,6 +264,10 @@ void LockstepStack::impair(const Impairment& impairment) {
 
 bool LockstepStack::finished() const noexcept {
   return impl_->hands.finished();
+}
+
+void LockstepStack::showFirst(const std::string& session) {
+  impl_->to_show = impl_->player.open(session);
 }
 
 void LockstepStack::setSignals(const FaultSignals& signals) noexcept {

@@ -34,6 +34,11 @@ bool isTold(Mode mode) noexcept {
   return mode == Mode::kTeleoperating || mode == Mode::kSimulating || mode == Mode::kTrial;
 }
 
+/** The world stands still, but for what is shown kinematically. */
+bool isShown(Mode mode) noexcept {
+  return mode == Mode::kChoosing || mode == Mode::kReplaying;
+}
+
 /** The one through which the surgeon looks. */
 const CameraConfig& liveCamera(const RenderConfig& render) {
   for (const CameraConfig& camera : render.cameras) {
@@ -86,6 +91,7 @@ void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   superviseExecution();
   superviseTrial();
   superviseReturn();
+  superviseReplay();
   updatePedal();
   // where the arms shall be
   updateTargets();
@@ -290,8 +296,9 @@ void PhysicsLoop::dropMotion() noexcept {
   increments_.dgrasp = {};
 }
 
-/** Where the masters want the arms. */
+/** Where the masters want the arms. A model that goes on alone, whatever took the robot from it, has to come back. */
 void PhysicsLoop::aimAsTold() noexcept {
+  if (!linked_) leaveRobot();
   bool is_clamped = false;
   for (const Arm arm : kArms) {
     ArmState& state = at(state_.arms, arm);
@@ -313,6 +320,7 @@ void PhysicsLoop::useCommands() noexcept {
 
 void PhysicsLoop::moveModel() noexcept {
   if (state_.mode == Mode::kChoosing) return showGoal();
+  if (state_.mode == Mode::kReplaying) return showReplay();
   const bool is_returning = state_.mode == Mode::kReturning;
   const bool disengaged = state_.mode == Mode::kWaiting || state_.mode == Mode::kPedalUp ||
                           (state_.mode == Mode::kCameraMoving && !is_apart_);
@@ -412,6 +420,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   state_.camera = camera_.state();
   state_.pedals = state_.mode == Mode::kCameraMoving ? bit(Pedal::kCamera) : 0;
   world_.bodyPoses(&state_.bodies);
+  if (state_.mode == Mode::kReplaying) state_.bodies = shown_.bodies_W;
   listContacts();
   exercise_.tick(&state_, contacts_);
   shared_.model.store(state_);
@@ -426,7 +435,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
 void PhysicsLoop::listContacts() noexcept {
   contacts_.count = 0;
   contacts_.dropped = 0;
-  if (state_.mode != Mode::kChoosing) world_.contactList(&contacts_);  // else those of the last step are long past
+  if (!isShown(state_.mode)) world_.contactList(&contacts_);  // else those of the last step are long past
   contacts_.tick = state_.tick;
 }
 
@@ -440,7 +449,7 @@ void PhysicsLoop::publishContacts() noexcept {
 void PhysicsLoop::fillArm(Arm arm, ArmState* state) const noexcept {
   world_.jointState(arm, &state->q, &state->dq);
   state->q_d = at(q_d_, arm);
-  state->contacts = state_.mode == Mode::kChoosing ? 0 : world_.contacts(arm);
+  state->contacts = isShown(state_.mode) ? 0 : world_.contacts(arm);
   const ArmGeometry& geometry = config_.arms.geometry;
   const Pose X_BT = kinematics::forward(geometry, arm, state->q);
   const Eigen::Matrix<double, 7, 1> dq(state->dq.data());

@@ -124,6 +124,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
   const Mode before = state_.mode;
   state_.mode = next;
   if (before == Mode::kTracking) follower_.stop();
+  if (before == Mode::kReplaying) standAgain();
   const bool moves_robot = next == Mode::kTeleoperating || (next == Mode::kExecuting && movesRobot());
   linked_ = moves_robot && robotJoins();
   if (linked_) joinRobot();
@@ -193,6 +194,10 @@ PlanningAnswer PhysicsLoop::answerTraining(const Request& request) noexcept {
       return changeTool();
     case RequestKind::kStartExercise:
       return restartExercise();
+    case RequestKind::kBeginReplay:
+      return beginReplay(request);
+    case RequestKind::kEndReplay:
+      return ask(Event::kReplayEnded);
     default:
       return PlanningAnswer::kNotNow;  // nothing that is served here
   }
@@ -305,6 +310,10 @@ void PhysicsLoop::joinRobot() noexcept {
 void PhysicsLoop::leaveRobot() noexcept {
   if (is_apart_) return;
   is_apart_ = true;
+  takeOpenings();
+}
+
+void PhysicsLoop::takeOpenings() noexcept {
   for (const Arm arm : kArms)
     at(joint_opening_, arm) = at(mappers_, arm).opening();
 }
@@ -326,12 +335,12 @@ void PhysicsLoop::beginReturn() noexcept {
   return_.start(standing(), goal);
 }
 
-/** The robot is not where the model went. */
-bool PhysicsLoop::isAstray() const noexcept {
+/** There is a robot, and it is not where the model is, or was. [rad; m] */
+bool PhysicsLoop::isAstray(const PerArm<JointArray>& from) const noexcept {
   if (!isRobotThere()) return false;
   for (const Arm arm : kArms) {
     for (std::size_t j = 0; j < kGrasp1; ++j) {
-      const double off = std::abs(at(return_.goal(), arm)[j] - at(robot_.arms, arm).q[j]);
+      const double off = std::abs(at(from, arm)[j] - at(robot_.arms, arm).q[j]);
       if (off > config_.execution.start_tolerance[j]) return true;
     }
   }
@@ -341,7 +350,7 @@ bool PhysicsLoop::isAstray() const noexcept {
 void PhysicsLoop::superviseReturn() noexcept {
   if (state_.mode == Mode::kPedalUp && mustReturn()) raise(Event::kReturnWanted);
   if (state_.mode != Mode::kReturning || !return_.isOver()) return;
-  if (isAstray()) return beginReturn();
+  if (isAstray(return_.goal())) return beginReturn();
   if (trial_.isUnderWay() && pedal_) return;  // to repeat it takes a pedal-down of its own
   if (isRobotThere()) is_apart_ = false;      // else whoever comes is gone to
   for (const Arm arm : kArms)

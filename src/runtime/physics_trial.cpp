@@ -34,6 +34,7 @@ bool keepsRepeat(Mode mode) noexcept {
 PlanningAnswer PhysicsLoop::beginTrial() noexcept {
   const PlanningAnswer answer = mayBegin() ? ask(Event::kTrialWanted) : PlanningAnswer::kNotNow;
   if (answer != PlanningAnswer::kAccepted) return answer;
+  if (!isRobotThere()) takeOpenings();  // it was away before, and what its jaws hold now they shall hold again
   trial_.open(isRobotThere() ? robotJoints() : standing());
   world_.saveScene(&trial_scene_);
   return answer;

@@ -131,10 +131,23 @@ struct Resimulation::Impl {
     plans.take(now, [&](const PlanRecord& r) {
       if (r.refused == 0) push(&shared->plan_results, r.result, now);
     });
+    feedReplay(recorded.model);
     shared->robot.store(recorded.robot);
     // With an exercise its judge gives them again, and the comparison covers them.
     if (config.exercise_name == "none") physics.setSignals(recorded.model.faults.signals);
     if (recorded.slipped != 0) physics.timeSlip();
+  }
+
+  /** What was shown of another session stands in the ticks themselves, and so does where that was over. */
+  void feedReplay(const ModelState& model) {
+    const bool is_shown = model.mode == Mode::kReplaying;
+    ReplayFrame frame;
+    frame.is_last = is_shown ? 0 : 1;
+    for (const Arm arm : kArms)
+      at(frame.q, arm) = at(model.arms, arm).q;
+    frame.bodies_W = model.bodies;
+    if (is_shown || was_shown) push(&shared->replay_frames, frame, model.tick);
+    was_shown = is_shown;
   }
 
   void compare(const TickRecord& recorded) {
@@ -199,6 +212,7 @@ struct Resimulation::Impl {
     discard(&shared->plan_requests);
     discard(&shared->relay_packets);
     discard(&shared->force_packets);
+    discard(&shared->replay_frames);  // whatever ended it came before
     if (recorder) return recorder->drain();
     discard(&shared->tick_records);
     discard(&shared->command_records);
@@ -237,6 +251,7 @@ struct Resimulation::Impl {
   InputQueue<ExerciseRecord> exercises{"an event of the exercise"};
   SessionCounts counts{};
   ResimulationResult result;
+  bool was_shown{false};
   std::uint64_t told{0};
   std::uint64_t reports{shared->last_execution.version()};
 };

@@ -29,6 +29,7 @@
 #include "raven2_trainer/runtime/recover.h"
 #include "raven2_trainer/runtime/relay_channel.h"
 #include "raven2_trainer/runtime/robot_link.h"
+#include "raven2_trainer/runtime/session_player.h"
 #include "raven2_trainer/runtime/sight_of.h"
 #include "raven2_trainer/runtime/sight_sender.h"
 #include "raven2_trainer/session/recovery.h"
@@ -44,6 +45,7 @@ constexpr int kSenderWaitMs = 20;
 constexpr int kMaxDrain = 64;                         // datagrams a wake-up: a flood cannot keep the thread
 constexpr int kMaxForeign = 16;                       // of others, for the count; the kernel drops the rest
 constexpr std::size_t kRecoverNewest = 64;            // [sessions] at a start; the next start takes the rest
+constexpr double kPlayerPeriod = 0.05;                // [s] of the second that waits to be shown
 constexpr std::size_t kBackgroundStack = 16U << 20U;  // llvmpipe compiles its shaders on the render thread
 
 std::int64_t toNanoseconds(double seconds) {
@@ -104,6 +106,7 @@ struct Simulator::Impl {
         physics(config, raven, scene, shared.get()),
         haptic(config, shared.get()),
         planner(config, raven, scene, shared.get()),
+        player(config, physics.bodyNames(), shared.get()),
         paths(session::createSessionDirectory(options.output)),
         meta(startMeta("simulator", options.version, options.motion)),
         recorder(config, physics.bodyNames(), paths, options.motion, shared.get(), &flight) {
@@ -157,6 +160,7 @@ struct Simulator::Impl {
     recovery_thread.start(background("recovery"), [this] { recoveryLoop(); });
     faults_thread.start(background("faults"), [this] { faultsLoop(); });
     planner_thread.start(background("planner"), [this] { plannerLoop(); });
+    player_thread.start(background("player"), [this] { playerLoop(); });
     if (options.render) render_thread.start(background("render"), [this] { renderLoop(); });
   }
 
@@ -354,6 +358,13 @@ struct Simulator::Impl {
     }
   }
 
+  void playerLoop() {
+    while (!stopping()) {
+      player.serve();
+      sleepFor(kPlayerPeriod);
+    }
+  }
+
   void renderLoop() {
     try {
       RenderLoop loop(config, raven, scene, shared.get(), [this](const LiveImage& picture) { show(picture); });
@@ -403,10 +414,12 @@ struct Simulator::Impl {
     physics_thread.stop();  // before the sender takes its last look: nothing they gave out stays behind
     stop.store(true);
     outgoing.signal();
-    for (Thread* thread : {&planner_thread, &faults_thread, &render_thread, &recorder_thread, &recovery_thread})
+    for (Thread* thread :
+         {&planner_thread, &player_thread, &faults_thread, &render_thread, &recorder_thread, &recovery_thread}) {
       thread->hurry();
-    for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &faults_thread,
-                           &render_thread, &recorder_thread, &recovery_thread, &sight_thread}) {
+    }
+    for (Thread* thread : {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &player_thread,
+                           &faults_thread, &render_thread, &recorder_thread, &recovery_thread, &sight_thread}) {
       thread->join();
     }
   }
@@ -472,6 +485,7 @@ struct Simulator::Impl {
   PhysicsLoop physics;
   HapticLoop haptic;
   PlannerWorker planner;
+  SessionPlayer player;
   session::SessionPaths paths;
   session::SessionMeta meta;
   Recorder recorder;
@@ -489,7 +503,7 @@ struct Simulator::Impl {
 
   CyclicThread physics_thread, haptic_thread;
   Thread ingest_thread, link_thread, sender_thread, recorder_thread, faults_thread, planner_thread, render_thread;
-  Thread recovery_thread, sight_thread;
+  Thread recovery_thread, sight_thread, player_thread;
 };
 
 Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {
@@ -536,6 +550,10 @@ void Simulator::stop() {
 
 bool Simulator::recorded() const noexcept {
   return !impl_->record_failed;
+}
+
+std::uint32_t Simulator::openReplay(const std::string& path) {
+  return impl_->player.open(path);
 }
 
 SharedState& Simulator::shared() const noexcept {

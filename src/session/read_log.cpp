@@ -12,14 +12,19 @@ namespace {
 
 enum class Outcome { kRead, kUnusable };
 
+template <typename T>
+bool decode(const FrameHeader& header, const std::uint8_t* payload, T* record) {
+  ByteReader in(payload, header.length);
+  FieldReader fields(in);
+  Layout<T>::visit(fields, *record);
+  return !fields.invalid() && in.left() == 0;
+}
+
 /** Decodes the payload as a T for `call`; left alone if nobody asked for it. */
 template <typename T>
 Outcome deliver(const FrameHeader& header, const std::uint8_t* payload, const std::function<void(const T&)>& call) {
-  ByteReader in(payload, header.length);
-  FieldReader fields(in);
   T record{};
-  Layout<T>::visit(fields, record);
-  if (fields.invalid() || in.left() != 0) return Outcome::kUnusable;
+  if (!decode(header, payload, &record)) return Outcome::kUnusable;
   if (call) call(record);
   return Outcome::kRead;
 }
@@ -78,6 +83,37 @@ LogHeader takeHeader(LogScanner* scanner, const std::string& path) {
 LogHeader readLogHeader(const std::string& path) {
   LogScanner scanner(path);
   return takeHeader(&scanner, path);
+}
+
+struct TickReader::Impl {
+  explicit Impl(const std::string& path) : scanner(path), header(takeHeader(&scanner, path)) {}
+
+  LogScanner scanner;
+  const LogHeader header;
+};
+
+TickReader::TickReader(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+
+TickReader::~TickReader() = default;
+
+const LogHeader& TickReader::header() const noexcept {
+  return impl_->header;
+}
+
+std::uint64_t TickReader::position() const noexcept {
+  return impl_->scanner.position();
+}
+
+bool TickReader::next(TickRecord* record) {
+  FrameHeader header;
+  const std::uint8_t* payload = nullptr;
+  while (impl_->scanner.next(&header, &payload)) {
+    if (header.type != RecordType::kTick || header.version != kRecordVersion) continue;
+    *record = TickRecord{};
+    if (decode(header, payload, record)) return true;
+    impl_->scanner.reject();
+  }
+  return false;
 }
 
 LogSummary readLog(const std::string& path, const LogVisitor& visitor) {

@@ -130,8 +130,10 @@ ExerciseJudge::Impl::Impl(const Exercise& e,
     tracks.emplace_back(track, senses);
 }
 
+/** The last place is kept for the attempt's end: many touches may end with it. */
 void ExerciseJudge::Impl::push(const ExerciseEvent& event) noexcept {
-  if (event_count < kMaxEvents) {
+  const bool is_end = event.kind == ExerciseEventKind::kDone || event.kind == ExerciseEventKind::kFailed;
+  if (event_count < (is_end ? kMaxEvents : kMaxEvents - 1)) {
     events[event_count++] = event;
   } else {
     ++lost_events;
@@ -432,6 +434,7 @@ void ExerciseJudge::Impl::measure(const ModelState& model) noexcept {
   signals = FaultSignals{};
   if (state.status == ExerciseStatus::kNone) return;
   signals.step = state.status == ExerciseStatus::kWaiting ? 0 : state.step;
+  if (model.mode == Mode::kReplaying) return;  // what is shown is near to nothing
   PerArm<ToolPoints> points;
   for (const Arm arm : kArms)
     at(points, arm) = toolPoints(at(senses.tools(), arm), kinematics::jawOpening(at(model.arms, arm).q));

@@ -12,7 +12,8 @@ using raven2_trainer::testing::allocatorCalls;
 using raven2_trainer::testing::ModeDriver;
 using raven2_trainer::testing::mutexLocks;
 
-/** Simulation and back, the camera, a stop, a trial repeated on model and robot, and a trial given up. @return ticks of
+/** Simulation and back, the camera, a stop, a trial repeated on model and robot, a trial given up, and two sessions
+ *  shown, one to its end. @return ticks of
  *  repeating with the robot. */
 int allModes(ModeDriver* d) {
   d->ask(RequestKind::kBeginSimulation);
@@ -49,6 +50,12 @@ int allModes(ModeDriver* d) {
   d->rest(false, 20);
   d->ask(RequestKind::kDiscardTrial);
   d->waitFor(Mode::kPedalUp);
+  d->beginReplay(1000, /*ends=*/false);
+  d->rest(false, 100);
+  d->ask(RequestKind::kEndReplay);
+  d->rest(false, 1);
+  d->beginReplay(20, /*ends=*/true);
+  d->rest(false, 50);
   return repeated;
 }
 

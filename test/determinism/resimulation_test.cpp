@@ -18,6 +18,7 @@
 #include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "raven2_trainer/runtime/recorder.h"
+#include "support/made_up_session.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::runtime {
@@ -42,6 +43,7 @@ class EventfulSession {
     ASSERT_TRUE(rig.home());
     strokesAndClutches();
     training();
+    replays();
     executions();
     plans();
     collisions();
@@ -210,6 +212,38 @@ class EventfulSession {
     until(Mode::kPedalUp, false);
   }
 
+  void replay(std::uint32_t number, int ticks, bool ends) {
+    raven2_trainer::testing::offerSession(rig.shared.get(), number, ticks, ends);
+    Request order;
+    order.kind = RequestKind::kBeginReplay;
+    order.id = 80 + number;
+    order.plan = number;
+    ASSERT_TRUE(rig.shared->requests.tryPush(order));
+    rest(false, 40);
+    ASSERT_EQ(rig.model().mode, ticks > 40 || !ends ? Mode::kReplaying : Mode::kPedalUp) << number;
+  }
+
+  /** To its end; without any more of it, and given up; the same for a press; and one with a refused one in it. */
+  void replays() {
+    rest(false, 60);
+    replay(1, 30, true);
+    replay(2, 20, false);
+    request(RequestKind::kEndReplay, 90);
+    rest(false, 20);
+    replay(3, 200, true);
+    rest(true, 20);
+    rest(false, 60);
+    replay(4, 60, true);
+    raven2_trainer::testing::offerSession(rig.shared.get(), 5, 50, false);
+    request(RequestKind::kBeginReplay, 91);
+    rest(false, 60);
+    replay(6, 30, true);
+    stroke(60, 1.0);
+    rest(false, 60);
+    stroke(60, -1.0);
+    rest(false, 60);
+  }
+
   void robotDrop() {
     stroke(60, 1.0);
     rig.robot_connected = false;
@@ -219,6 +253,7 @@ class EventfulSession {
     rig.connect();
     rig.robot_connected = true;
     rest(false, 100);
+    until(Mode::kPedalUp, false);  // the model went on alone and goes back
   }
 
   void timeSlip() {
@@ -332,11 +367,12 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   EXPECT_GT(guided, 0U);
   EXPECT_GT(at_edge, 0U);
   EXPECT_GT(watched, 0U);
-  EXPECT_EQ(modes, (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning,
-                                   Mode::kTracking, Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting,
-                                   Mode::kStopped, Mode::kSimulating, Mode::kSimulationHeld, Mode::kTrial,
-                                   Mode::kTrialHeld, Mode::kTrialReady, Mode::kReturning, Mode::kCameraMoving}));
-  EXPECT_EQ(requests.size(), 20U);
+  EXPECT_EQ(modes,
+            (std::set<Mode>{Mode::kWaiting, Mode::kPedalUp, Mode::kTeleoperating, Mode::kPlanning, Mode::kTracking,
+                            Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting, Mode::kStopped,
+                            Mode::kSimulating, Mode::kSimulationHeld, Mode::kTrial, Mode::kTrialHeld, Mode::kTrialReady,
+                            Mode::kReturning, Mode::kCameraMoving, Mode::kReplaying}));
+  EXPECT_EQ(requests.size(), 22U);
   EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kFinished, ExecutionEnd::kReleased, ExecutionEnd::kFinished,
                                              ExecutionEnd::kReleased}));
   EXPECT_EQ(slips, 1U);

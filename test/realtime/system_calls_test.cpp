@@ -113,6 +113,48 @@ TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
               static_cast<unsigned long long>(major), memory.words.c_str());
 }
 
+/** A tick of a session that never was, and in each clutch the request that it be shown. */
+void offerReplay(DrivenLoops* loops, std::uint64_t tick) noexcept {
+  const ModelState model = loops->model();
+  ReplayFrame frame;
+  for (const Arm arm : kArms) {
+    at(frame.q, arm) = at(model.arms, arm).q;
+    at(frame.q, arm)[kInsertion] += 0.002;
+  }
+  frame.bodies_W = model.bodies;
+  loops->shared().replay_frames.tryPush(frame);
+  if (tick % 300 != 10) return;  // the pedal is up for the first 60
+  Request request;
+  request.kind = RequestKind::kBeginReplay;
+  request.plan = static_cast<std::uint32_t>(tick);
+  loops->shared().requests.tryPush(request);
+}
+
+TEST(SystemCalls, AShownSessionMakesNoneEither) {
+  expectSignals();
+  raven2_trainer::testing::useOde();
+  DrivenLoops loops(raven2_trainer::testing::packagedConfig());
+  std::atomic<int> filtered{0}, shown{0}, returned{0};
+  loops.observer = [&](LoopId loop, std::uint64_t tick) {
+    if (tick == 400 && installFilter()) ++filtered;
+    if (loop != LoopId::kPhysics || tick < 400) return;
+    const Mode mode = loops.model().mode;
+    shown += mode == Mode::kReplaying ? 1 : 0;
+    returned += mode == Mode::kReturning ? 1 : 0;
+    offerReplay(&loops, tick);
+  };
+  counting.store(true);
+  loops.start();
+  while (loops.timing(LoopId::kPhysics).ticks < 1400 || loops.timing(LoopId::kHaptic).ticks < 1400)
+    ::usleep(5000);
+  counting.store(false);
+  loops.stop();
+  ASSERT_EQ(filtered.load(), 2) << "no filter, nothing shown";
+  EXPECT_EQ(caughtCalls(), "");
+  EXPECT_GT(shown.load(), 50);
+  EXPECT_GT(returned.load(), 0) << "this robot follows what is shown, so the model has to go to it";
+}
+
 TEST(SystemCalls, AForbiddenOneIsCaught) {
   expectSignals();
   StateCell<LoopTiming> timing;

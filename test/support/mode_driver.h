@@ -8,6 +8,7 @@
 
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "support/made_up_session.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::testing {
@@ -69,9 +70,22 @@ class ModeDriver {
   PlanningAnswer ask(RequestKind kind, bool pedal = false, std::uint8_t on_robot = 0, std::uint8_t enabled = 0) {
     Request request;
     request.kind = kind;
-    request.id = ++last_id;
     request.on_robot = on_robot;
     request.enabled = enabled;
+    return ask(request, pedal);
+  }
+
+  /** For a session that never was to be shown. */
+  PlanningAnswer beginReplay(int ticks, bool ends, bool pedal = false) {
+    Request request;
+    request.kind = RequestKind::kBeginReplay;
+    request.plan = ++replays;
+    offerSession(rig.shared.get(), replays, ticks, ends);
+    return ask(request, pedal);
+  }
+
+  PlanningAnswer ask(Request request, bool pedal) {
+    request.id = ++last_id;
     EXPECT_TRUE(rig.shared->requests.tryPush(request));
     rest(pedal, 1);
     return rig.model().planning.answered == last_id ? rig.model().planning.answer : PlanningAnswer::kNone;
@@ -114,7 +128,7 @@ class ModeDriver {
 
   Rig rig;
   std::function<void()> watch;  ///< looks after every tick
-  std::uint32_t last_id{0};
+  std::uint32_t last_id{0}, replays{0};
 };
 
 }  // namespace raven2_trainer::testing

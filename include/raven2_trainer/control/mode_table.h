@@ -34,8 +34,10 @@ enum class Event : std::uint8_t {
   kCameraLeft,        ///< it is up again, and was pressed with model and robot together,
   kCameraLeftAlone,   ///< in pure simulation,
   kCameraLeftOnTape,  ///< in a virtual trial
+  kReplayWanted,      ///< a recorded session shall be shown
+  kReplayEnded,       ///< no longer, for whatever reason: everything is again as it was
 };
-constexpr std::size_t kEventCount = 28;
+constexpr std::size_t kEventCount = 30;
 
 /** The mode after an event; the mode itself if the table has no row for it. Real-time safe. */
 Mode nextMode(Mode mode, Event event) noexcept;

@@ -88,7 +88,8 @@ struct Request {
   Vec3 goal_W{};            ///< [m] [@frame W] kTip
   JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
   std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id
-  std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there
+  std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there. kBeginReplay: what
+                            ///< runtime::SessionPlayer::open() gave
 };
 
 /** Orders to the fault director. */

@@ -13,6 +13,7 @@
 #include "raven2_trainer/core/guide_path.h"
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/record_rings.h"
+#include "raven2_trainer/core/replay_frame.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/state_cell.h"
@@ -21,7 +22,7 @@ namespace raven2_trainer {
 
 /**
  * The one struct that the daemon's threads share. Every cell has one writer, every ring one producer and one
- * consumer, named on the line above it. No member is ever locked. About 10 MiB: allocate on the heap, once.
+ * consumer, named on the line above it. No member is ever locked. About 11 MiB: allocate on the heap, once.
  */
 struct SharedState {
   /** With record queues of its own. */
@@ -104,6 +105,8 @@ struct SharedState {
   SpscRing<RelayPacket, 256> relay_packets;
   // haptic -> sender
   SpscRing<ForcePacket, 256> force_packets;
+  // player -> physics; not counted: what is left of a replay that was given up is thrown away
+  SpscRing<ReplayFrame, kReplayFrames> replay_frames;
   // the queues to the recorder (RecordRings says who fills which)
   RecordRings& records;
   RecordRing<TickRecord, 2048>& tick_records;

@@ -32,7 +32,7 @@ enum class Mode : std::uint8_t {
   kTrialHeld,       ///< the same, pedal up: the model holds
   kTrialReady,      ///< the trial is over and waits for what shall become of it
   kReturning,       ///< pedal up: the model glides to where the robot is, through everything
-  kReplaying,       ///< pedal up: the model shows a recorded session
+  kReplaying,       ///< pedal up: a recorded session is shown, the world stands still; the robot holds
   kCameraMoving,    ///< camera pedal held: the masters move the camera, model and robot hold
 };
 constexpr std::size_t kModeCount = 18;

@@ -6,6 +6,7 @@
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/shared_state.h"
 
 namespace raven2_trainer::runtime {
 
@@ -38,6 +39,8 @@ class DrivenLoops {
   void drain() noexcept;
 
   ModelState model() const noexcept;
+  /** For requests, and what else may come beside the motion: from the physics thread, where the observer is. */
+  SharedState& shared() noexcept;
   HapticState haptic() const noexcept;
 
  private:

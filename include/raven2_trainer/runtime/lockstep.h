@@ -27,6 +27,9 @@ class Lockstep {
    *  outages are counted from this call. */
   void impair(const Impairment& impairment);
 
+  /** This session is shown before the surgeon begins: LockstepStack::showFirst(). */
+  void showFirst(const std::string& session);
+
   /** When a session ends. */
   enum class End : std::uint8_t {
     kTime,      ///< at its time, whatever the hands do
@@ -37,7 +40,8 @@ class Lockstep {
   /**
    * Runs until `seconds` of session time (from the first pedal down).
    * @param[in] progress called about every 100 ms of simulated time with the share done; may be empty.
-   * @return false if no pedal-down came within `runtime.start_timeout` of simulated time, or the model broke down.
+   * @return false if no pedal-down came within `runtime.start_timeout` of simulated time, what is shown first not
+   * counted, or the model broke down.
    */
   bool run(double seconds, const std::function<void(double)>& progress, End end = End::kTime);
 

@@ -47,6 +47,10 @@ class LockstepStack {
   /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is of no account. */
   void arm(const FaultPlan& plan);
 
+  /** As soon as model and robot wait for the pedal this session is shown (mode `replaying`), and the surgeon waits for
+   *  its end. Before the first tick. @throw SessionException as SessionPlayer::open(). */
+  void showFirst(const std::string& session);
+
   /** What the daemon knows. */
   const LockstepView& view() const noexcept;
   /** What is true: the robot's program, its plant, its PLC. */

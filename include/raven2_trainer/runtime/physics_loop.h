@@ -41,7 +41,8 @@ namespace raven2_trainer::runtime {
  *
  * Away from the robot: pure simulation and virtual trials (TrialDesk keeps what is done) move the model alone, and it
  * holds with the pedal up. Before it is linked again it glides back through everything, with the pedal up; a pedal-down
- * waits for that. A trial is repeated as a plan is executed, by both arms.
+ * waits for that. A trial is repeated as a plan is executed, by both arms. While a recorded session is shown nothing is
+ * stepped; whatever ends that puts the arms back to where they stood.
  */
 class PhysicsLoop {
  public:
@@ -132,10 +133,11 @@ class PhysicsLoop {
   PlanningAnswer pressCamera(bool is_pressed) noexcept;
   void moveCamera() noexcept;
   void leaveRobot() noexcept;
+  void takeOpenings() noexcept;
   bool mustReturn() const noexcept { return is_apart_ && isRobotThere(); }
   bool waitsForReturn() noexcept;
   void beginReturn() noexcept;
-  bool isAstray() const noexcept;
+  bool isAstray(const PerArm<JointArray>& from) const noexcept;
   void superviseReturn() noexcept;
   PerArm<JointArray> robotJoints() const noexcept;
   PerArm<JointArray> standing() const noexcept;
@@ -150,6 +152,13 @@ class PhysicsLoop {
   void armRepeat() noexcept;
   void repeat() noexcept;
   void settleTrial(Mode next, control::Event event) noexcept;
+
+  // recorded sessions: physics_replay.cpp
+  PlanningAnswer beginReplay(const Request& request) noexcept;
+  void superviseReplay() noexcept;
+  bool isReplayOver() noexcept;
+  void showReplay() noexcept;
+  void standAgain() noexcept;
 
   // planning and executing: physics_planning.cpp
   Tick thisTick() const noexcept { return state_.tick + 1; }
@@ -213,11 +222,14 @@ class PhysicsLoop {
   bool stopped_by_robot_{false};
   bool stop_asked_{false};            ///< by request or pedal
   bool is_apart_{false};              ///< the model left the robot on purpose
-  PerArm<double> joint_opening_{};    ///< [rad] of the jaws, wanted by both when it left
+  PerArm<double> joint_opening_{};    ///< [rad] of the jaws, wanted when it left, and with which it comes back
   Mode camera_from_{Mode::kPedalUp};  ///< kCameraMoving: what it was before
   std::uint32_t tool_changes_{0};
-  physics::SceneSnapshot trial_scene_{};  ///< when the trial began
-  bool scene_waits_{false};               ///< kReturning: to be put back to that
+  physics::SceneSnapshot trial_scene_{};       ///< when the trial began
+  bool scene_waits_{false};                    ///< kReturning: to be put back to that
+  std::uint32_t replay_{0};                    ///< Request::plan of the newest replay
+  ReplayFrame shown_{};                        ///< kReplaying
+  PerArm<JointArray> stood_q_{}, stood_dq_{};  ///< before it
   std::uint32_t relay_sequence_{0};
   bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed

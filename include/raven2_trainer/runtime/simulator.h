@@ -58,6 +58,10 @@ class Simulator {
   /** After stop(): whether the session's files were written to their end. A disk that refuses ends no session. */
   bool recorded() const noexcept;
 
+  /** For RequestKind::kBeginReplay: SessionPlayer::open(). Any thread but the real-time ones. @throw SessionException
+   *  with the reason why it cannot be shown. */
+  std::uint32_t openReplay(const std::string& path);
+
   SharedState& shared() const noexcept;
   const TrainerConfig& config() const noexcept;
   const model::RavenModel& raven() const noexcept;

@@ -146,6 +146,26 @@ struct LogSummary {
  */
 LogSummary readLog(const std::string& path, const LogVisitor& visitor);
 
+/** The ticks of a log alone, one at a time as they are asked for; else as readLog(). */
+class TickReader {
+ public:
+  /** @throw SessionException as readLog(). */
+  explicit TickReader(const std::string& path);
+  ~TickReader();
+  TickReader(const TickReader&) = delete;
+  TickReader& operator=(const TickReader&) = delete;
+
+  const LogHeader& header() const noexcept;
+  /** @return false at the end of the file. @throw SessionException if it cannot be read. */
+  bool next(TickRecord* record);
+  /** [bytes] of the file read so far. */
+  std::uint64_t position() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /** The first record alone. @throw SessionException as readLog(). */
 LogHeader readLogHeader(const std::string& path);
 

@@ -71,7 +71,7 @@ class ExerciseJudge {
   FaultSignals signals() const noexcept;
 
   static constexpr std::size_t kMaxEvents = 16;
-  /** Events of the last tick, at most kMaxEvents. */
+  /** Events of the last tick, at most kMaxEvents; the last place is the attempt's end. */
   std::size_t eventCount() const noexcept;
   const ExerciseEvent& event(std::size_t i) const noexcept;
   /** Events that found no room in their tick, of all ticks. */

@@ -12,10 +12,11 @@ namespace {
 using raven2_trainer::testing::apart;
 using raven2_trainer::testing::ModeDriver;
 
-constexpr std::array<Mode, 16> kLed{Mode::kPedalUp,        Mode::kTeleoperating, Mode::kPlanning,  Mode::kTracking,
+constexpr std::array<Mode, 17> kLed{Mode::kPedalUp,        Mode::kTeleoperating, Mode::kPlanning,  Mode::kTracking,
                                     Mode::kStopped,        Mode::kPaused,        Mode::kChoosing,  Mode::kArmed,
                                     Mode::kExecuting,      Mode::kSimulating,    Mode::kTrial,     Mode::kTrialHeld,
-                                    Mode::kSimulationHeld, Mode::kTrialReady,    Mode::kReturning, Mode::kCameraMoving};
+                                    Mode::kSimulationHeld, Mode::kTrialReady,    Mode::kReturning, Mode::kCameraMoving,
+                                    Mode::kReplaying};
 
 class ModePairs : public ::testing::TestWithParam<Mode> {
  protected:
@@ -87,6 +88,9 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
         return ask(RequestKind::kEndSimulation);
       case Mode::kCameraMoving:
         return ask(RequestKind::kSetCameraPedal, 1);
+      case Mode::kReplaying:  // 8 mm from the robot at its end, and then no further
+        d->beginReplay(150, /*ends=*/false, pedal);
+        return d->rest(pedal, 160);
       default:
         return press(false);
     }
@@ -100,6 +104,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     ask(RequestKind::kCancelPlan);
     ask(RequestKind::kEndSimulation);
     ask(RequestKind::kDiscardTrial);
+    ask(RequestKind::kEndReplay);
     for (int i = 0; i < 4; ++i)  // no more can be under way
       d->answerPlan();
     for (int i = 0; i < 3000 && d->mode() != Mode::kPedalUp; ++i) {
@@ -109,8 +114,10 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     press(false, 20);
   }
 
-  /** What is shown of a goal or a path is put back at once, with the pedal up: of nothing else that moves the model. */
+  /** What is shown of a goal or a path is put back at once, with the pedal up, and what is shown of a session comes and
+   *  goes at once: of nothing else that moves the model. */
   static bool putsBack(Mode before, Mode now) {
+    if (before == Mode::kReplaying || now == Mode::kReplaying) return true;
     if (before == Mode::kChoosing) return now != Mode::kChoosing;
     return before == Mode::kTracking && (now == Mode::kPlanning || now == Mode::kChoosing || now == Mode::kArmed);
   }

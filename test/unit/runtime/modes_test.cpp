@@ -120,6 +120,47 @@ TEST_F(Modes, WithoutARobotSimulationEndsWhereItIs) {
   EXPECT_LT(apart(d->modelTip(), held), 0.2e-3);
 }
 
+TEST_F(Modes, AModelThatGoesOnAloneGlidesBackToo) {
+  for (const bool is_asked : {true, false}) {
+    SCOPED_TRACE(is_asked ? "disengaged with the pedal down" : "the robot was not heard for a while");
+    d->stroke(200, 1.0);
+    ASSERT_EQ(d->rig.model().linked, 1);
+    if (is_asked) {
+      ASSERT_EQ(d->ask(RequestKind::kDisengage, true), PlanningAnswer::kNone);
+    } else {
+      d->rig.robot_connected = false;
+      d->rig.link.disconnected();
+    }
+    d->stroke(600, 1.0);
+    d->rest(true, 100);
+    EXPECT_EQ(d->rig.model().linked, 0);
+    if (!is_asked) {
+      d->rig.robot_connected = true;
+      d->rig.connect();
+      d->rest(true, 50);
+    }
+    ASSERT_GT(d->rig.error(Arm::kGold), 8e-3);
+    Vec3 before = d->modelTip();
+    double fastest = 0.0;
+    d->watch = [&] {
+      fastest = std::max(fastest, apart(d->modelTip(), before));
+      before = d->modelTip();
+    };
+    d->rest(false, 5);
+    EXPECT_EQ(d->mode(), Mode::kReturning);
+    ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
+    d->watch = nullptr;
+    EXPECT_LT(fastest, 0.5e-3) << "the model does not jump";
+    EXPECT_LT(d->rig.error(Arm::kGold), 0.1e-3);
+    d->ask(RequestKind::kEngage);
+    d->stroke(200, -1.0);
+    d->rest(true, 300);
+    EXPECT_EQ(d->rig.model().linked, 1);
+    EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
+    d->rest(false, 60);
+  }
+}
+
 TEST_F(Modes, NothingBeginsWithThePedalDown) {
   d->rest(true, 50);
   for (const RequestKind kind : {RequestKind::kBeginSimulation, RequestKind::kBeginTrial, RequestKind::kEndSimulation,

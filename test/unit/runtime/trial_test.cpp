@@ -297,6 +297,24 @@ TEST_F(Trial, WithoutARobotItGoesBackToWhereItBegan) {
   EXPECT_LT(model_error, 1e-3);
 }
 
+TEST_F(Trial, WithoutARobotTheJawsComeBackAsTheTrialFoundThem) {
+  d->rig.robot_connected = false;
+  d->rig.link.disconnected();
+  d->rest(false, 700);
+  const double at_first = kinematics::jawOpening(d->rig.model().arms[0].q_d);
+  d->stroke(300, 1.0, 0.02);  // closes on something, before the trial
+  d->rest(false, 60);
+  const double before = kinematics::jawOpening(d->rig.model().arms[0].q_d);
+  ASSERT_LT(before, at_first - 0.3);
+  ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
+  d->stroke(300, 1.0, -0.01);
+  d->rest(false, 60);
+  ASSERT_GT(kinematics::jawOpening(d->rig.model().arms[0].q_d), before + 0.2);
+  ASSERT_EQ(d->ask(RequestKind::kDiscardTrial), PlanningAnswer::kAccepted);
+  ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
+  EXPECT_NEAR(kinematics::jawOpening(d->rig.model().arms[0].q_d), before, 1e-9);
+}
+
 TEST_F(Trial, TheSameHandsGiveTheSameTicks) {
   std::vector<ModelState> first;
   for (int run = 0; run < 2; ++run) {

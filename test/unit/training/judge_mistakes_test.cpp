@@ -181,6 +181,25 @@ TEST(JudgeTouch, MoreThanItsTableHoldsIsNotSeenAndHurtsNothing) {
   EXPECT_EQ(bench.judge->eventCount(), 0U);
 }
 
+TEST(JudgeTouch, EndingWithTheAttemptLeavesRoomForItsEnd) {
+  // 16 touches that end with it: as many events as there are places
+  std::vector<WatchRule> rules;
+  for (int i = 0; i < 8; ++i)
+    rules.push_back(touchRule(Mistake::kCollision, {"plate"}, {"ring", "block"}, 0.0, 10.0));
+  Bench bench = watching(rules);
+  bench.touch(kPlate, kRing, 1.0);
+  bench.touch(kPlate, kBlock, 1.0);
+  bench.run(3);
+  ASSERT_EQ(bench.mistakes(Mistake::kCollision), 16U);
+  bench.events.clear();
+  bench.judge->giveUp();
+  bench.run(1);
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kFailed);
+  EXPECT_EQ(bench.judge->eventCount(), ExerciseJudge::kMaxEvents);
+  EXPECT_EQ(bench.count(E::kTouchEnded), 15);
+  ASSERT_EQ(bench.count(E::kFailed), 1) << "that it is over is always told";
+}
+
 // ---- drops
 
 WatchRule dropRule(std::uint32_t limit = 0) {

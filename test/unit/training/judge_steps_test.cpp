@@ -657,5 +657,20 @@ TEST(JudgeSignals, WithoutAnAttemptThereAreNone) {
   EXPECT_TRUE(std::isfinite(bench.judge->signals().tissue_distance));
 }
 
+TEST(JudgeSignals, WhatIsShownOfARecordedSessionIsNearToNothing) {
+  Bench bench(Bench::with({track({step({around(kPegA)})})}));
+  bench.tip(Arm::kGold, {0.0, 0.05, 0.001});
+  bench.tick();
+  ASSERT_TRUE(std::isfinite(bench.judge->signals().tissue_distance));
+  bench.model.mode = Mode::kReplaying;
+  bench.tick();
+  EXPECT_TRUE(std::isinf(bench.judge->signals().tissue_distance));
+  EXPECT_TRUE(std::isinf(bench.judge->signals().target_distance));
+  EXPECT_EQ(bench.judge->signals().step, 1U);
+  bench.model.mode = Mode::kPedalUp;
+  bench.tick();
+  EXPECT_TRUE(std::isfinite(bench.judge->signals().tissue_distance));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training::testing

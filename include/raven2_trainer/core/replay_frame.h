@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "raven2_trainer/core/scene_roles.h"
+#include "raven2_trainer/core/types.h"
+
+namespace raven2_trainer {
+
+/** What is shown of one tick of a recorded session. */
+struct ReplayFrame {
+  std::uint32_t replay{};                             ///< Request::plan of its replay; 0 whichever there is
+  std::uint8_t is_last{};                             ///< 1: the recording is over, the rest means nothing
+  PerArm<JointArray> q{};                             ///< [rad; m] of the model's arms
+  std::array<RigidPose, kMaxSceneBodies> bodies_W{};  ///< as ModelState::bodies
+};
+static_assert(std::is_trivially_copyable<ReplayFrame>::value, "travels in a ring");
+
+constexpr std::size_t kReplayFrames = 1024;  ///< that wait to be shown: a second
+
+}  // namespace raven2_trainer
