@@ -246,6 +246,7 @@ void Recorder::finish(SessionCounts counts) {
     if (flight_ != nullptr) flight_->keep();
     throw;
   }
+  if (flight_ != nullptr) flight_->remove();
   metrics_.add(counts);
   const training::SessionMetrics metrics = metrics_.result();
   training::writeMetrics(paths_.metrics(), metrics);

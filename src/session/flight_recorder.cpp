@@ -64,9 +64,14 @@ bool FlightRecorder::map(const std::string& folder) {
 FlightRecorder::~FlightRecorder() {
   if (file_ == nullptr) return;
   ::munmap(static_cast<void*>(file_), sizeof(FlightFile));
-  if (keep_) return;
-  ::unlink(path_.c_str());
+  remove();
+}
+
+void FlightRecorder::remove() noexcept {
+  if (file_ == nullptr || keep_) return;
+  keep_ = true;  // nothing is left to remove
   if (!link_.empty()) ::unlink(link_.c_str());
+  ::unlink(path_.c_str());
 }
 
 RecordRings* FlightRecorder::rings() noexcept {

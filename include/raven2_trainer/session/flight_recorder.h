@@ -33,7 +33,7 @@ class FlightRecorder {
  public:
   /** @param folder on a tmpfs, e.g. /dev/shm; "none": plain memory. Does not throw: see description(). */
   explicit FlightRecorder(const std::string& folder);
-  /** Removes the file, unless keep() was called. */
+  /** Removes the file, unless keep() or remove() was called. */
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
@@ -45,6 +45,8 @@ class FlightRecorder {
   void checkpoint(const FlightCheckpoint& checkpoint) noexcept;
   /** The log could not be finished: leaves the file for a recovery. */
   void keep() noexcept { keep_ = true; }
+  /** The log is whole: removes the file, however the process ends from here on. The queues stay usable. */
+  void remove() noexcept;
   /** Path of the file, or "none: REASON". */
   const std::string& description() const noexcept { return description_; }
 

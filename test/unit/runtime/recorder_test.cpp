@@ -157,6 +157,22 @@ TEST_F(RecorderTest, DescribesInTheHeaderWhatIsTrained) {
   EXPECT_DOUBLE_EQ(header.camera.aspect * config.render.video_height, config.render.video_width);
 }
 
+/** A process whose ROS master hangs leaves without destructors: its log must be read as the whole one that it is. */
+TEST_F(RecorderTest, AFinishedLogNeedsNoFlightRecorder) {
+  session::FlightRecorder flight("/dev/shm");
+  if (flight.description().rfind("none", 0) == 0) GTEST_SKIP() << flight.description();
+  const auto queues = std::make_unique<SharedState>(flight.rings());
+  Recorder with_flight(config, {}, paths, "", queues.get(), &flight);
+  queues->tick_records.tryPush(TickRecord{});
+  ASSERT_TRUE(fs::exists(flight.description()));
+  with_flight.drain();
+  with_flight.finish(sharedCounts(*queues));
+  EXPECT_FALSE(fs::exists(flight.description()));
+  EXPECT_FALSE(fs::is_symlink(paths.directory + "/flight_recorder"));
+  EXPECT_TRUE(read().clean);
+  queues->tick_records.tryPush(TickRecord{});  // the memory is still there
+}
+
 TEST_F(RecorderTest, InLockstepGivesUpOnADiskThatRefuses) {
   limitFileSize(fs::file_size(paths.log()));
   push(1);
