@@ -58,7 +58,11 @@ PedalRequests PedalGate::take(const PedalState& pedals, std::int64_t now_ns, Mod
 PedalRequests PedalGate::idle(std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
   if (isHeard(now_ns)) return {};
   is_heard_ = false;
-  return change(0, mode, view);
+  PedalRequests requests = change(0, mode, view);
+  for (Request& request : requests.items) {
+    if (request.kind == RequestKind::kSetCameraPedal) request.enabled = static_cast<std::uint8_t>(CameraPedal::kSilent);
+  }
+  return requests;
 }
 
 PedalRequests PedalGate::change(std::uint32_t held, Mode mode, std::uint8_t view) noexcept {

@@ -56,7 +56,7 @@ enum class RequestKind : std::uint8_t {
   kEmergencyStop,
   kClearStop,       ///< of an emergency stop by request or pedal
   kSetView,         ///< `enabled`: 1 the real camera's picture, 0 the virtual one
-  kSetCameraPedal,  ///< `enabled`: 1 the masters move the camera
+  kSetCameraPedal,  ///< `enabled`: a CameraPedal
   kToolChange,      ///< the tool of `arm` was changed
   kStartExercise,   ///< anew: scene and arms' objects back to where they were, timer and mistakes at nothing
   kBeginReplay,     ///< the model shows a recorded session
@@ -68,6 +68,13 @@ constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
     "begin_planning", "record_goal",      "end_planning",  "execute_plan",   "begin_simulation", "end_simulation",
     "begin_trial",    "end_trial",        "discard_trial", "repeat_trial",   "emergency_stop",   "clear_stop",
     "set_view",       "set_camera_pedal", "tool_change",   "start_exercise", "begin_replay",     "end_replay"};
+
+/** Request::enabled of kSetCameraPedal. */
+enum class CameraPedal : std::uint8_t {
+  kReleased,
+  kPressed,  ///< the masters move the camera
+  kSilent,   ///< nothing was heard of it for too long: it counts as up, but nobody lifted a foot to go on with the arms
+};
 
 /** Where a plan shall lead. */
 enum class GoalKind : std::uint8_t {

@@ -130,7 +130,7 @@ class PhysicsLoop {
   PlanningAnswer clearStop() noexcept;
   PlanningAnswer changeTool() noexcept;
   PlanningAnswer restartExercise() noexcept;
-  PlanningAnswer pressCamera(bool is_pressed) noexcept;
+  PlanningAnswer pressCamera(CameraPedal pedal) noexcept;
   void moveCamera() noexcept;
   void leaveRobot() noexcept;
   void takeOpenings() noexcept;

@@ -89,7 +89,7 @@ TEST_F(Gate, SilenceLetsGoAndWhoComesBackIsHeard) {
   const PedalRequests silent = gate.idle(now_ns + 201 * kMillisecond, Mode::kCameraMoving, 0);
   ASSERT_EQ(silent.count, 1U) << "of those that were held only the camera's release asks";
   EXPECT_EQ(silent.items[0].kind, RequestKind::kSetCameraPedal);
-  EXPECT_EQ(silent.items[0].enabled, 0);
+  EXPECT_EQ(silent.items[0].enabled, static_cast<std::uint8_t>(CameraPedal::kSilent));
   EXPECT_EQ(gate.idle(now_ns + 300 * kMillisecond, Mode::kPedalUp, 0).count, 0U);
   sequence = 0;  // a master that started anew
   now_ns += 400 * kMillisecond;

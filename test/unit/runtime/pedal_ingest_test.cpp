@@ -82,6 +82,37 @@ TEST_F(PedalIngest, SilenceReleasesTheCamera) {
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
 }
 
+/** The surgeon still moves the camera, with both pedals down: what is lost is only the packet of one of them. */
+TEST_F(PedalIngest, SilenceOfTheCamerasPedalDoesNotSetTheArmsMoving) {
+  d->rest(true, 100);
+  ASSERT_EQ(d->mode(), Mode::kTeleoperating);
+  send(bit(Pedal::kCamera));
+  d->rest(true, 10);
+  ASSERT_EQ(d->mode(), Mode::kCameraMoving);
+  const Vec3 before = d->modelTip();
+  d->rig.ingest.idle(d->rig.model().time_ns + 400 * kTickNanoseconds);
+  d->watch = [this] {
+    EXPECT_EQ(d->mode(), Mode::kPedalUp);
+    EXPECT_EQ(d->rig.last_relay.command.pedal, 0);
+    EXPECT_EQ(d->rig.last_relay.command.dp_I, MasterCommand{}.dp_I);
+  };
+  d->stroke(200, 1.0);
+  d->watch = nullptr;
+  EXPECT_LT(raven2_trainer::testing::apart(d->modelTip(), before), 1e-3);
+  d->rest(false, 2);
+  d->rest(true, 50);
+  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "a pedal-down of its own counts";
+}
+
+TEST_F(PedalIngest, WhoLiftsTheCamerasPedalGoesOnWithTheArms) {
+  d->rest(true, 100);
+  send(bit(Pedal::kCamera));
+  d->rest(true, 10);
+  send(0);
+  d->rest(true, 1);
+  EXPECT_EQ(d->mode(), Mode::kTeleoperating);
+}
+
 TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
   EXPECT_EQ(send(bit(Pedal::kStop), kStranger), Reject::kForeignSource);
   wire::PedalBytes bytes = wire::encodePedals({++sequence, bit(Pedal::kStop)});
