@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "raven2_trainer/wire/pedals.h"
 #include "support/mode_driver.h"
 
@@ -111,6 +113,31 @@ TEST_F(PedalIngest, WhoLiftsTheCamerasPedalGoesOnWithTheArms) {
   send(0);
   d->rest(true, 1);
   EXPECT_EQ(d->mode(), Mode::kTeleoperating);
+}
+
+TEST_F(PedalIngest, TheLateAnswerToAPlanThatWasGivenUpIsNotTheNextOnes) {
+  std::array<PlanRequest, 2> asked;
+  for (PlanRequest& each : asked) {
+    press(Pedal::kPlanning);
+    ASSERT_EQ(d->mode(), Mode::kChoosing);
+    press(Pedal::kPlanning);
+    ASSERT_EQ(d->mode(), Mode::kPlanning);
+    ASSERT_TRUE(d->rig.shared->plan_requests.tryPop(&each));
+    if (&each == &asked[0]) press(Pedal::kPlanning);
+  }
+  EXPECT_NE(asked[0].id, 0U);
+  EXPECT_NE(asked[1].id, asked[0].id);
+  PlanResult late;
+  late.id = asked[0].id;
+  late.status = PlanStatus::kNoPath;
+  ASSERT_TRUE(d->rig.shared->plan_results.tryPush(late));
+  d->rest(false, 1);
+  EXPECT_EQ(d->mode(), Mode::kPlanning) << "the second is still waited for";
+  EXPECT_EQ(d->rig.shared->last_plan.load().status, PlanStatus::kCancelled);
+  late.id = asked[1].id;
+  ASSERT_TRUE(d->rig.shared->plan_results.tryPush(late));
+  d->rest(false, 1);
+  EXPECT_NE(d->mode(), Mode::kPlanning);
 }
 
 TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
