@@ -160,10 +160,8 @@ bool PhysicsLoop::robotApplies() const noexcept {
 
 // ---- requests ----------------------------------------------------------------------------------------------------
 
-/** Pedals' requests have no id: nobody waits for an answer. */
 void PhysicsLoop::serveTraining(const Request& request) noexcept {
-  const PlanningAnswer answer = answerTraining(request);
-  if (request.id != 0) desk_.answer(request.id, answer);
+  desk_.answer(request.id, answerTraining(request));
 }
 
 PlanningAnswer PhysicsLoop::answerTraining(const Request& request) noexcept {

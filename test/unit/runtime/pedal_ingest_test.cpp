@@ -140,6 +140,15 @@ TEST_F(PedalIngest, TheLateAnswerToAPlanThatWasGivenUpIsNotTheNextOnes) {
   EXPECT_NE(d->mode(), Mode::kPlanning);
 }
 
+TEST_F(PedalIngest, TheAnswerToAClientStaysWhateverPedalsAskFor) {
+  ASSERT_EQ(d->ask(RequestKind::kSetView), PlanningAnswer::kAccepted);
+  for (int i = 0; i < 3; ++i) {  // begun, recorded, given up
+    press(Pedal::kPlanning);
+    EXPECT_EQ(d->rig.model().planning.answered, d->last_id);
+    EXPECT_EQ(d->rig.model().planning.answer, PlanningAnswer::kAccepted);
+  }
+}
+
 TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
   EXPECT_EQ(send(bit(Pedal::kStop), kStranger), Reject::kForeignSource);
   wire::PedalBytes bytes = wire::encodePedals({++sequence, bit(Pedal::kStop)});
