@@ -44,6 +44,8 @@ class ItpGate {
   /** Lets go of a master that has been silent, once its pedal counts as up. Call at least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
+  /** Whether a packet without a signature could be used: no key asked for, and none of this master's was signed yet. */
+  bool takesUnsigned() const noexcept { return !signed_only_; }
   bool isPinned() const noexcept { return pinned_; }
   std::uint64_t source() const noexcept { return source_; }  ///< of the pinned master
   /** Newest number taken as the last one. */

@@ -4,6 +4,7 @@
 
 #include "raven2_trainer/wire/pedals.h"
 #include "support/mode_driver.h"
+#include "unit/wire/gate_bench.h"
 
 // Pedals beside ITP, from their packet to the mode.
 
@@ -168,6 +169,65 @@ TEST(PedalIngestSigned, WhereItpHasToBeSignedTheyAreRefused) {
   const wire::PedalBytes bytes = wire::encodePedals({1, bit(Pedal::kStop)});
   EXPECT_EQ(ingest.receive({bytes.data(), bytes.size(), kMaster, 0}), Reject::kUnsigned);
   EXPECT_EQ(shared->pedal_requests.counts().pushed, 0U);
+}
+
+/** An ingest of its own, and a master of both kinds of ITP. */
+class PedalIngestRules : public ::testing::Test {
+ protected:
+  static constexpr std::int64_t kStart = 1'000'000'000;  // [ns]
+
+  static ItpRules rulesOf(bool hardened, ItpAuth auth) {
+    ItpRules rules = raven2_trainer::testing::packagedConfig().network.itp;
+    rules.hardened = hardened;
+    rules.auth = auth;
+    return rules;
+  }
+
+  void listen(bool hardened, ItpAuth auth) {
+    ingest = std::make_unique<MasterIngest>(rulesOf(hardened, auth), &wire::benchKey(), shared.get());
+  }
+
+  Reject receive(const std::uint8_t* bytes, std::size_t size, std::uint64_t source) {
+    return ingest->receive({bytes, size, source, now_ns});
+  }
+
+  Reject pedals(std::uint32_t held, std::uint64_t source = kMaster) {
+    const wire::PedalBytes bytes = wire::encodePedals({++sequence, held});
+    return receive(bytes.data(), bytes.size(), source);
+  }
+
+  /** With the pedal up. */
+  static wire::ItpBytes itp(std::uint32_t number) {
+    wire::ItpPacket packet;
+    packet.sequence = number;
+    packet.checksum = wire::itpChecksum(packet);
+    return wire::encodeItp(packet);
+  }
+
+  void sign() {
+    wire::SignedSender sender(&wire::benchKey(), wire::Audience::kDaemon);
+    const wire::HandshakeBytes hello = sender.hello(wire::Nonce{1}, now_ns);
+    wire::HandshakeBytes reply;
+    ASSERT_EQ(ingest->answer({hello.data(), hello.size(), kMaster, now_ns}, wire::Nonce{2}, &reply), Reject::kNone);
+    ASSERT_TRUE(sender.receive(reply.data(), reply.size(), now_ns));
+    const wire::SignedItpBytes bytes = sender.sign(itp(2), false);
+    ASSERT_EQ(receive(bytes.data(), bytes.size(), kMaster), Reject::kNone);
+  }
+
+  std::unique_ptr<SharedState> shared{std::make_unique<SharedState>()};
+  std::unique_ptr<MasterIngest> ingest;
+  std::int64_t now_ns{kStart};
+  std::uint32_t sequence{0};
+};
+
+TEST_F(PedalIngestRules, FromTheFirstSignedPacketOnNoneIsHeardWhereBothAreTaken) {
+  listen(true, ItpAuth::kAcceptBoth);
+  const wire::ItpBytes plain = itp(1);
+  ASSERT_EQ(receive(plain.data(), plain.size(), kMaster), Reject::kNone);
+  EXPECT_EQ(pedals(bit(Pedal::kView)), Reject::kNone);
+  sign();
+  EXPECT_EQ(pedals(bit(Pedal::kStop)), Reject::kUnsigned);
+  EXPECT_EQ(shared->pedal_requests.counts().pushed, 1U);
 }
 
 }  // namespace
