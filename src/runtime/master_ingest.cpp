@@ -25,6 +25,7 @@ Reject MasterIngest::takePedals(const wire::Arrival& arrival) noexcept {
 }
 
 Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedals) const noexcept {
+  if (!gate_.isAllowed(arrival.source)) return Reject::kForeignSource;
   if (rules_.auth == ItpAuth::kRequired || !gate_.takesUnsigned()) return Reject::kUnsigned;
   if (rules_.hardened && (!gate_.isPinned() || arrival.source != gate_.source())) return Reject::kForeignSource;
   return wire::decodePedals(arrival.bytes, arrival.size, pedals);

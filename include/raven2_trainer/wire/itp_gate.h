@@ -33,6 +33,8 @@ class ItpGate {
   /** Only sources whose bits under `mask` are those of `address` are heard; mask 0: anyone. */
   void allowOnly(std::uint64_t address, std::uint64_t mask) noexcept;
 
+  bool isAllowed(std::uint64_t source) const noexcept;
+
   /** One ITP datagram. @return kNone: use `*packet`. */
   Reject judge(const Arrival& arrival, ItpPacket* packet) noexcept;
 
@@ -57,7 +59,6 @@ class ItpGate {
   Reject judgePlain(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject judgeSigned(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject useSigned(SessionTable::Entry* entry, std::uint64_t counter, const ItpPacket& packet) noexcept;
-  bool isAllowed(std::uint64_t source) const noexcept;
   bool isForeign(std::uint64_t source) const noexcept;
   void pin(const Arrival& arrival) noexcept;
 

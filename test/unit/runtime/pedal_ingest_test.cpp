@@ -220,6 +220,16 @@ class PedalIngestRules : public ::testing::Test {
   std::uint32_t sequence{0};
 };
 
+TEST_F(PedalIngestRules, OnlyTheAddressThatMaySpeakIsHeardOfAnyonesToo) {
+  constexpr std::uint64_t kAllowed = 0x7F000001ULL << 16U, kOther = 0x7F000002ULL << 16U;
+  listen(false, ItpAuth::kOff);
+  ingest->allowOnly(kAllowed);
+  EXPECT_EQ(pedals(bit(Pedal::kStop), kOther | 36000U), Reject::kForeignSource);
+  EXPECT_EQ(shared->pedal_requests.counts().pushed, 0U);
+  EXPECT_EQ(pedals(bit(Pedal::kStop), kAllowed | 36000U), Reject::kNone);
+  EXPECT_EQ(shared->pedal_requests.counts().pushed, 1U);
+}
+
 TEST_F(PedalIngestRules, FromTheFirstSignedPacketOnNoneIsHeardWhereBothAreTaken) {
   listen(true, ItpAuth::kAcceptBoth);
   const wire::ItpBytes plain = itp(1);
