@@ -10,8 +10,7 @@ Reject MasterIngest::receive(const wire::Arrival& arrival) noexcept {
 
 void MasterIngest::idle(std::int64_t now_ns) noexcept {
   gate_.idle(now_ns);
-  const ModelState model = shared_.model.load();
-  ask(pedal_gate_.idle(now_ns, model.mode, model.view));
+  ask(pedal_gate_.idle(now_ns));
 }
 
 Reject MasterIngest::takePedals(const wire::Arrival& arrival) noexcept {

@@ -28,14 +28,14 @@ struct PedalRequests {
  */
 class PedalGate {
  public:
-  /** @param[in] timeout [s] of silence after which all count as up. */
+  /** @param[in] timeout [s] of silence after which the camera's counts as up. */
   explicit PedalGate(double timeout) noexcept : timeout_ns_(static_cast<std::int64_t>(timeout * 1e9)) {}
 
   /** A packet of the master's. @param[in] mode, view as the model's newest state has them. */
   PedalRequests take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
 
-  /** At least every 100 ms: silence. */
-  PedalRequests idle(std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
+  /** At least every 100 ms: silence lets go of the camera. */
+  PedalRequests idle(std::int64_t now_ns) noexcept;
 
   /** Bits by Pedal. */
   std::uint32_t held() const noexcept { return held_; }
