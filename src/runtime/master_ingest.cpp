@@ -27,7 +27,8 @@ Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedal
   if (!gate_.isAllowed(arrival.source)) return Reject::kForeignSource;
   if (rules_.auth == ItpAuth::kRequired || !gate_.takesUnsigned()) return Reject::kUnsigned;
   if (rules_.hardened && (!gate_.isPinned() || arrival.source != gate_.source())) return Reject::kForeignSource;
-  return wire::decodePedals(arrival.bytes, arrival.size, pedals);
+  const Reject reason = wire::decodePedals(arrival.bytes, arrival.size, pedals);
+  return reason == Reject::kNone ? pedal_gate_.check(pedals->sequence, arrival.time_ns) : reason;
 }
 
 /** What finds its ring full is counted there, and asked for again by the next press. */

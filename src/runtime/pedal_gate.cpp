@@ -50,14 +50,24 @@ void add(RequestKind kind, CameraPedal pedal, PedalRequests* requests) noexcept 
 
 }  // namespace
 
+Reject PedalGate::check(std::uint32_t sequence, std::int64_t now_ns) const noexcept {
+  wire::NewestOnly order = order_;
+  return isHeard(now_ns) ? order.check(sequence) : Reject::kNone;
+}
+
 PedalRequests PedalGate::take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
-  const bool is_newer = static_cast<std::int32_t>(pedals.sequence - sequence_) > 0;
-  if (isHeard(now_ns) && !is_newer) return {};
-  if (!is_newer) held_ = 0;  // a master that started anew
+  if (check(pedals.sequence, now_ns) != Reject::kNone) return {};
+  if (order_.check(pedals.sequence) != Reject::kNone) beginAnew(pedals.sequence);
   is_heard_ = true;
   heard_ns_ = now_ns;
-  sequence_ = pedals.sequence;
   return change(pedals.held, mode, view);
+}
+
+/** Another master, or the same one, restarted. */
+void PedalGate::beginAnew(std::uint32_t sequence) noexcept {
+  held_ = 0;
+  order_.reset();
+  order_.check(sequence);
 }
 
 /** Of the others it is not known whether they are up: one that is still held after an outage was not pressed again.

@@ -73,6 +73,9 @@ TEST_F(Gate, LateAndDoubledPacketsAreNotHeard) {
   take(bit(Pedal::kCamera));
   EXPECT_EQ(gate.take({11, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U) << "the same number again";
   EXPECT_EQ(gate.take({7, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U);
+  EXPECT_EQ(gate.check(11, now_ns), Reject::kDuplicate);
+  EXPECT_EQ(gate.check(7, now_ns), Reject::kOutOfOrder);
+  EXPECT_EQ(gate.check(7, now_ns + 201 * kMillisecond), Reject::kNone) << "after a silence any number is new";
   EXPECT_EQ(gate.held(), bit(Pedal::kCamera));
   EXPECT_EQ(take(0).count, 1U);
 }

@@ -150,6 +150,17 @@ TEST_F(PedalIngest, TheAnswerToAClientStaysWhateverPedalsAskFor) {
   }
 }
 
+TEST_F(PedalIngest, LateAndDoubledOnesAreCountedAsSuch) {
+  sequence = 10;
+  EXPECT_EQ(send(bit(Pedal::kView)), Reject::kNone);
+  --sequence;
+  EXPECT_EQ(send(bit(Pedal::kView)), Reject::kDuplicate);
+  sequence = 5;
+  EXPECT_EQ(send(0), Reject::kOutOfOrder);
+  EXPECT_EQ(d->rig.ingest.pedalCounts().applied, 1U);
+  EXPECT_EQ(d->rig.ingest.pedalCounts().rejectedTotal(), 2U);
+}
+
 TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
   EXPECT_EQ(send(bit(Pedal::kStop), kStranger), Reject::kForeignSource);
   wire::PedalBytes bytes = wire::encodePedals({++sequence, bit(Pedal::kStop)});
