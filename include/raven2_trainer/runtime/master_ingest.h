@@ -55,6 +55,7 @@ class MasterIngest {
   wire::ItpGate gate_;
   PedalGate pedal_gate_;
   SharedState& shared_;
+  ModelState model_{};  ///< as last read
   LinkCounts counts_{}, pedal_counts_{};
 };
 
