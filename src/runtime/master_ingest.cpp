@@ -23,12 +23,14 @@ Reject MasterIngest::takePedals(const wire::Arrival& arrival) noexcept {
   return reason;
 }
 
-Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedals) const noexcept {
+Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedals) noexcept {
   if (!gate_.isAllowed(arrival.source)) return Reject::kForeignSource;
   if (rules_.auth == ItpAuth::kRequired || !gate_.takesUnsigned()) return Reject::kUnsigned;
   if (rules_.hardened && (!gate_.isPinned() || arrival.source != gate_.source())) return Reject::kForeignSource;
-  const Reject reason = wire::decodePedals(arrival.bytes, arrival.size, pedals);
-  return reason == Reject::kNone ? pedal_gate_.check(pedals->sequence, arrival.time_ns) : reason;
+  Reject reason = wire::decodePedals(arrival.bytes, arrival.size, pedals);
+  if (reason == Reject::kNone) reason = pedal_gate_.check(pedals->sequence, arrival.time_ns);
+  if (reason == Reject::kNone && !pedal_rate_.take(arrival.time_ns)) reason = Reject::kRateLimited;
+  return reason;
 }
 
 /** What finds its ring full is counted there, and asked for again by the next press. */

@@ -241,6 +241,17 @@ TEST_F(PedalIngestRules, OnlyTheAddressThatMaySpeakIsHeardOfAnyonesToo) {
   EXPECT_EQ(shared->pedal_requests.counts().pushed, 1U);
 }
 
+TEST_F(PedalIngestRules, AFloodIsNotServed) {
+  listen(false, ItpAuth::kOff);
+  int heard = 0;
+  for (int i = 0; i < 1000; ++i, now_ns += kTickNanoseconds)
+    heard += pedals(i % 2 == 0 ? bit(Pedal::kToolChange) : 0) == Reject::kNone ? 1 : 0;
+  EXPECT_GE(heard, 200);
+  EXPECT_LE(heard, 250) << "50 at once, and 200 a second";
+  const std::uint64_t refused = ingest->pedalCounts().rejected[static_cast<std::size_t>(Reject::kRateLimited)];
+  EXPECT_EQ(refused, 1000U - static_cast<std::uint64_t>(heard));
+}
+
 TEST_F(PedalIngestRules, FromTheFirstSignedPacketOnNoneIsHeardWhereBothAreTaken) {
   listen(true, ItpAuth::kAcceptBoth);
   const wire::ItpBytes plain = itp(1);
