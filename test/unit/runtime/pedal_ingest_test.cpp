@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "raven2_trainer/runtime/lockstep_stack.h"
 #include "raven2_trainer/wire/pedals.h"
 #include "support/mode_driver.h"
 #include "unit/wire/gate_bench.h"
@@ -180,6 +181,41 @@ TEST(PedalIngestSigned, WhereItpHasToBeSignedTheyAreRefused) {
   const wire::PedalBytes bytes = wire::encodePedals({1, bit(Pedal::kStop)});
   EXPECT_EQ(ingest.receive({bytes.data(), bytes.size(), kMaster, 0}), Reject::kUnsigned);
   EXPECT_EQ(shared->pedal_requests.counts().pushed, 0U);
+}
+
+/** Holds its pedal and the camera's. */
+class CameraHand : public console::MotionSource {
+ public:
+  console::Intent tick(const console::Senses&) override {
+    console::Intent intent;
+    intent.pedal = ++ticks_ > 10;
+    intent.pedals = ticks_ > 500 ? bit(Pedal::kCamera) : 0;
+    return intent;
+  }
+
+ private:
+  int ticks_{0};
+};
+
+TEST(PedalLockstep, SilenceOfTheLinkReleasesTheCameraByTheSimulatedClock) {
+  raven2_trainer::testing::useOde();
+  LockstepStack stack(ModeDriver::configuration(), std::make_unique<CameraHand>());
+  const auto ticks = [&](int n) {
+    for (int i = 0; i < n; ++i) {
+      stack.tick();
+      stack.discardRecords();
+    }
+  };
+  for (int i = 0; i < 10000 && stack.view().model.mode != Mode::kCameraMoving; ++i)
+    ticks(1);
+  ASSERT_EQ(stack.view().model.mode, Mode::kCameraMoving);
+  Impairment nothing_passes;
+  nothing_passes.loss = 1.0;
+  stack.impair(nothing_passes);
+  ticks(150);
+  EXPECT_EQ(stack.view().model.mode, Mode::kCameraMoving);
+  ticks(150);
+  EXPECT_EQ(stack.view().model.mode, Mode::kPedalUp);
 }
 
 /** An ingest of its own, and a master of both kinds of ITP. */
