@@ -17,6 +17,7 @@ Reject MasterIngest::takePedals(const wire::Arrival& arrival) noexcept {
   PedalState pedals;
   const Reject reason = judgePedals(arrival, &pedals);
   pedal_counts_.count(reason);
+  shared_.pedal_link.store(pedal_counts_);
   if (reason != Reject::kNone) return reason;
   shared_.model.tryLoad(&model_);  // lapped: a tick older is as good
   ask(pedal_gate_.take(pedals, arrival.time_ns, model_.mode, model_.view));

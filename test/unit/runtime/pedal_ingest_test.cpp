@@ -170,6 +170,7 @@ TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
   d->rest(false, 5);
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
   EXPECT_EQ(d->rig.ingest.pedalCounts().rejectedTotal(), 2U);
+  EXPECT_EQ(d->rig.shared->pedal_link.load().rejectedTotal(), 2U) << "for whoever wants to know";
   EXPECT_EQ(d->rig.ingest.counts().rejectedTotal(), 0U) << "they are no ITP";
 }
 
