@@ -41,13 +41,16 @@ TrainerConfig load(const Options& options) {
 /** Until a signal, the end of the time, or of the exercise that the hands do. */
 void watch(const Options& options, const runtime::ConsoleRunner& console) {
   double rest = runtime::doesExercise(options.motion.motion) ? kAfterwards : std::numeric_limits<double>::infinity();
-  bool told = false, told_signing = false;
+  bool told = false, told_signing = false, told_pedals = false;
   for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
     if (apps::waitForSignal(kPoll)) break;
     if (console.finished() && !told) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
     told = console.finished();
     if (console.signing() && !told_signing) std::fprintf(stderr, "the daemon has answered: packets are signed\n");
     told_signing = console.signing();
+    if (console.pedalsRefused() && !told_pedals)
+      std::fprintf(stderr, "warning: these hands use pedals beside ITP, which the daemon refuses where ITP is signed\n");
+    told_pedals = console.pedalsRefused();
     if (told && (rest -= kPoll) < 0.0) break;
   }
 }

@@ -17,6 +17,12 @@ constexpr double kMaxForce = 20.0;   ///< [N] far above any such device (the Omn
 constexpr int kSightLifetime = 500;  ///< [ticks] after so long without a picture their numbers may start anew
 constexpr int kForceLifetime = 50;   ///< [ticks] a force not renewed is gone (reliability.md 2.2, rule 7)
 
+/** Whether a number is to be taken after the newest one, which still counts. */
+Reject order(std::uint32_t sequence, std::uint32_t newest) noexcept {
+  if (sequence == newest) return Reject::kDuplicate;
+  return static_cast<std::int32_t>(sequence - newest) < 0 ? Reject::kOutOfOrder : Reject::kNone;
+}
+
 bool isPlausible(const ForcePacket& packet) noexcept {
   for (const Vec3& force : packet.force_I) {
     for (const double f : force) {
@@ -78,9 +84,8 @@ void Console::setReady(bool ready) noexcept {
 }
 
 Reject Console::applyForce(const ForcePacket& force) noexcept {
-  const auto newer_by = static_cast<std::int32_t>(force.sequence - impl_->force.sequence);
-  const bool is_late = newer_by < 0 && impl_->force_age < kForceLifetime;
-  if (is_late) return Reject::kOutOfOrder;
+  const Reject reason = order(force.sequence, impl_->force.sequence);
+  if (reason != Reject::kNone && impl_->force_age < kForceLifetime) return reason;
   if (!isPlausible(force)) return Reject::kOutOfRange;
   impl_->force = force;
   impl_->force_age = 0;
@@ -90,8 +95,8 @@ Reject Console::applyForce(const ForcePacket& force) noexcept {
 
 Reject Console::applySight(const Sight& sight) noexcept {
   const std::optional<Sight>& last = impl_->senses.sight;
-  const bool is_late = last && static_cast<std::int32_t>(sight.sequence - last->sequence) < 0;
-  if (is_late && impl_->sight_age < kSightLifetime) return Reject::kOutOfOrder;
+  const Reject reason = last ? order(sight.sequence, last->sequence) : Reject::kNone;
+  if (reason != Reject::kNone && impl_->sight_age < kSightLifetime) return reason;
   if (!isPlausible(sight)) return Reject::kNotFinite;
   impl_->senses.sight = sight;
   impl_->sight_age = 0;

@@ -28,8 +28,7 @@ void JoyPedals::hear(const sensor_msgs::Joy& joy, std::int64_t now_ns) {
 
 void JoyPedals::idle(std::int64_t now_ns) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const ModelState model = shared_.model.load();
-  ask(gate_.idle(now_ns, model.mode, model.view));
+  ask(gate_.idle(now_ns));
 }
 
 void JoyPedals::ask(const runtime::PedalRequests& requests) {

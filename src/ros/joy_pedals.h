@@ -29,7 +29,7 @@ class JoyPedals {
 
   /** @param[in] now_ns [ns] of CLOCK_MONOTONIC. */
   void hear(const sensor_msgs::Joy& joy, std::int64_t now_ns);
-  /** At least every 100 ms: silence releases all. */
+  /** At least every 100 ms: silence lets go of the camera. */
   void idle(std::int64_t now_ns);
 
  private:

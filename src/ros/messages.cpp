@@ -69,16 +69,6 @@ DiagnosticStatus loopStatus(const std::string& name, const LoopTiming& timing) {
   return s;
 }
 
-DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
-  DiagnosticStatus s = status(name + " link", counts.addsUp(), std::to_string(counts.applied) + " applied");
-  s.values = {value("received", counts.received), value("applied", counts.applied)};
-  for (std::size_t i = 1; i < kRejectCount; ++i) {
-    if (counts.rejected[i] > 0)
-      s.values.push_back(value(std::string("rejected_") + kRejectNames[i], counts.rejected[i]));
-  }
-  return s;
-}
-
 DiagnosticStatus robotStatus(const RobotState& robot,
                              std::int64_t now_ns,
                              std::uint16_t refused_version,
@@ -113,6 +103,16 @@ DiagnosticStatus queueStatus(const SessionCounts& counts) {
 }
 
 }  // namespace
+
+DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
+  DiagnosticStatus s = status(name + " link", counts.addsUp(), std::to_string(counts.applied) + " applied");
+  s.values = {value("received", counts.received), value("applied", counts.applied)};
+  for (std::size_t i = 1; i < kRejectCount; ++i) {
+    if (counts.rejected[i] > 0)
+      s.values.push_back(value(std::string("rejected_") + kRejectNames[i], counts.rejected[i]));
+  }
+  return s;
+}
 
 sensor_msgs::JointState jointState(const ModelState& model, double d4, const ros::Time& stamp) {
   sensor_msgs::JointState message;

@@ -32,6 +32,9 @@ geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& f
 sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp);
 sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time& stamp);
 
+/** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. */
+diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts);
+
 /** `now_ns`: monotonic, for the age of the robot's state. `refused_version`: SharedState::robot_version_refused;
  * `plan_refused`: SharedState::plan_refused. One
  * status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */

@@ -19,7 +19,8 @@ ConsoleRunner::ConsoleRunner(const TrainerConfig& config, std::unique_ptr<consol
                  config.network.itp.auth == ItpAuth::kRequired ? ItpSender::Unanswered::kSilence
                                                                : ItpSender::Unanswered::kPlain),
       forces_(config.network.bind_address, config.network.force_port),
-      ready_timeout_ns_(static_cast<std::int64_t>(config.console.ready_timeout * 1e9)) {
+      ready_timeout_ns_(static_cast<std::int64_t>(config.console.ready_timeout * 1e9)),
+      must_sign_(config.network.itp.auth == ItpAuth::kRequired) {
   if (config.network.sight) pictures_.emplace(config.network.bind_address, config.network.sight_port);
 }
 
@@ -49,6 +50,7 @@ void ConsoleRunner::send(std::int64_t now_ns) noexcept {
   to_daemon_.send(console_.tick(), now_ns);
   const std::optional<PedalState> told = pedal_beat_.tick(console_.pedals());
   if (!told) return;
+  if (must_sign_ || to_daemon_.isSigning()) pedals_refused_.store(true, std::memory_order_relaxed);
   const wire::PedalBytes bytes = wire::encodePedals(*told);
   to_daemon_.sendBeside(bytes.data(), bytes.size());
 }

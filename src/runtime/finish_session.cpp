@@ -289,7 +289,7 @@ bool finishSession(const session::SessionPaths& paths, const std::function<bool(
     tell(scoreRecorded(paths.directory, options));
     return true;
   } catch (const ScoringCancelled&) {
-    std::fprintf(stderr, "%s: not scored: given up\n", paths.directory.c_str());
+    std::fprintf(stderr, "%s: not scored: given up; score_session scores it\n", paths.directory.c_str());
     return false;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s: cannot be scored: %s\n", paths.directory.c_str(), e.what());

@@ -75,10 +75,11 @@ struct LockstepStack::Impl {
     };
     const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
     carry(bytes.data(), bytes.size(), &to_daemon, receive);
-    const std::optional<PedalState> told = pedal_beat.tick(hands.pedals());
-    if (!told) return;
-    const wire::PedalBytes pedals = wire::encodePedals(*told);
-    carry(pedals.data(), pedals.size(), &to_daemon, receive);
+    if (const std::optional<PedalState> told = pedal_beat.tick(hands.pedals())) {
+      const wire::PedalBytes pedals = wire::encodePedals(*told);
+      carry(pedals.data(), pedals.size(), &to_daemon, receive);
+    }
+    ingest.idle(now_ns);
   }
 
   /** One packet, or none, into a link, and whatever comes out of it by now. */

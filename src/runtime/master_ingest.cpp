@@ -10,24 +10,28 @@ Reject MasterIngest::receive(const wire::Arrival& arrival) noexcept {
 
 void MasterIngest::idle(std::int64_t now_ns) noexcept {
   gate_.idle(now_ns);
-  const ModelState model = shared_.model.load();
-  ask(pedal_gate_.idle(now_ns, model.mode, model.view));
+  ask(pedal_gate_.idle(now_ns));
 }
 
 Reject MasterIngest::takePedals(const wire::Arrival& arrival) noexcept {
   PedalState pedals;
   const Reject reason = judgePedals(arrival, &pedals);
   pedal_counts_.count(reason);
+  shared_.pedal_link.store(pedal_counts_);
   if (reason != Reject::kNone) return reason;
-  const ModelState model = shared_.model.load();
-  ask(pedal_gate_.take(pedals, arrival.time_ns, model.mode, model.view));
+  shared_.model.tryLoad(&model_);  // lapped: a tick older is as good
+  ask(pedal_gate_.take(pedals, arrival.time_ns, model_.mode, model_.view));
   return reason;
 }
 
-Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedals) const noexcept {
-  if (rules_.auth == ItpAuth::kRequired) return Reject::kUnsigned;
+Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedals) noexcept {
+  if (!gate_.isAllowed(arrival.source)) return Reject::kForeignSource;
+  if (rules_.auth == ItpAuth::kRequired || !gate_.takesUnsigned()) return Reject::kUnsigned;
   if (rules_.hardened && (!gate_.isPinned() || arrival.source != gate_.source())) return Reject::kForeignSource;
-  return wire::decodePedals(arrival.bytes, arrival.size, pedals);
+  Reject reason = wire::decodePedals(arrival.bytes, arrival.size, pedals);
+  if (reason == Reject::kNone) reason = pedal_gate_.check(pedals->sequence, arrival.time_ns);
+  if (reason == Reject::kNone && !pedal_rate_.take(arrival.time_ns)) reason = Reject::kRateLimited;
+  return reason;
 }
 
 /** What finds its ring full is counted there, and asked for again by the next press. */

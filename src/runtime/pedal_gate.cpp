@@ -38,38 +38,58 @@ RequestKind pressed(Pedal pedal, Mode mode) noexcept {
   return RequestKind::kNone;
 }
 
-void add(RequestKind kind, bool enabled, PedalRequests* requests) noexcept {
+void add(RequestKind kind, std::uint8_t enabled, PedalRequests* requests) noexcept {
   Request& request = requests->items[requests->count++];
   request.kind = kind;
-  request.enabled = enabled ? 1 : 0;
+  request.enabled = enabled;
+}
+
+void add(RequestKind kind, CameraPedal pedal, PedalRequests* requests) noexcept {
+  add(kind, static_cast<std::uint8_t>(pedal), requests);
 }
 
 }  // namespace
 
+Reject PedalGate::check(std::uint32_t sequence, std::int64_t now_ns) const noexcept {
+  wire::NewestOnly order = order_;
+  return isHeard(now_ns) ? order.check(sequence) : Reject::kNone;
+}
+
 PedalRequests PedalGate::take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
-  const bool is_newer = static_cast<std::int32_t>(pedals.sequence - sequence_) > 0;
-  if (isHeard(now_ns) && !is_newer) return {};
+  if (check(pedals.sequence, now_ns) != Reject::kNone) return {};
+  if (order_.check(pedals.sequence) != Reject::kNone) beginAnew(pedals.sequence);
   is_heard_ = true;
   heard_ns_ = now_ns;
-  sequence_ = pedals.sequence;
   return change(pedals.held, mode, view);
 }
 
-PedalRequests PedalGate::idle(std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
+/** Another master, or the same one, restarted. */
+void PedalGate::beginAnew(std::uint32_t sequence) noexcept {
+  held_ = 0;
+  order_.reset();
+  order_.check(sequence);
+}
+
+/** Of the others it is not known whether they are up: one that is still held after an outage was not pressed again.
+ *  A stop asks once more than it has to. */
+PedalRequests PedalGate::idle(std::int64_t now_ns) noexcept {
   if (isHeard(now_ns)) return {};
   is_heard_ = false;
-  return change(0, mode, view);
+  PedalRequests requests;
+  if ((held_ & bit(Pedal::kCamera)) != 0) add(RequestKind::kSetCameraPedal, CameraPedal::kSilent, &requests);
+  held_ &= ~(bit(Pedal::kCamera) | bit(Pedal::kStop));
+  return requests;
 }
 
 PedalRequests PedalGate::change(std::uint32_t held, Mode mode, std::uint8_t view) noexcept {
   const std::uint32_t down = held & ~held_, up = held_ & ~held;
   held_ = held;
   PedalRequests requests;
-  if ((up & bit(Pedal::kCamera)) != 0) add(RequestKind::kSetCameraPedal, false, &requests);
+  if ((up & bit(Pedal::kCamera)) != 0) add(RequestKind::kSetCameraPedal, CameraPedal::kReleased, &requests);
   for (std::size_t i = kPedalCount; i-- > 0;) {  // the stop is the last of them
     const auto pedal = static_cast<Pedal>(i);
     const bool enabled = pedal == Pedal::kCamera || (pedal == Pedal::kView && view == 0);
-    if ((down & bit(pedal)) != 0) add(pressed(pedal, mode), enabled, &requests);
+    if ((down & bit(pedal)) != 0) add(pressed(pedal, mode), static_cast<std::uint8_t>(enabled), &requests);
   }
   return requests;
 }

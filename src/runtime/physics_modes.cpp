@@ -160,10 +160,8 @@ bool PhysicsLoop::robotApplies() const noexcept {
 
 // ---- requests ----------------------------------------------------------------------------------------------------
 
-/** Pedals' requests have no id: nobody waits for an answer. */
 void PhysicsLoop::serveTraining(const Request& request) noexcept {
-  const PlanningAnswer answer = answerTraining(request);
-  if (request.id != 0) desk_.answer(request.id, answer);
+  desk_.answer(request.id, answerTraining(request));
 }
 
 PlanningAnswer PhysicsLoop::answerTraining(const Request& request) noexcept {
@@ -189,7 +187,7 @@ PlanningAnswer PhysicsLoop::answerTraining(const Request& request) noexcept {
       state_.view = request.enabled != 0 ? 1 : 0;
       return PlanningAnswer::kAccepted;
     case RequestKind::kSetCameraPedal:
-      return pressCamera(request.enabled != 0);
+      return pressCamera(static_cast<CameraPedal>(request.enabled));
     case RequestKind::kToolChange:
       return changeTool();
     case RequestKind::kStartExercise:
@@ -232,14 +230,15 @@ PlanningAnswer PhysicsLoop::changeTool() noexcept {
   return PlanningAnswer::kAccepted;
 }
 
-/** A pedal that is still down when the camera's goes up is pressed anew in the same tick. */
-PlanningAnswer PhysicsLoop::pressCamera(bool is_pressed) noexcept {
+/** A pedal that is still down when the camera's goes up is pressed anew in the same tick; not when silence took the
+ *  camera from a surgeon who goes on moving it: then it takes a pedal-down of its own. */
+PlanningAnswer PhysicsLoop::pressCamera(CameraPedal pedal) noexcept {
   const Mode before = state_.mode;
   const bool is_moving = before == Mode::kCameraMoving;
-  if (is_pressed == is_moving) return PlanningAnswer::kNotNow;
+  if ((pedal == CameraPedal::kPressed) == is_moving) return PlanningAnswer::kNotNow;
   if (is_moving) {
     dropMotion();
-    pedal_before_ = false;
+    pedal_before_ = pedal == CameraPedal::kSilent && pedal_;
     return ask(cameraLeft(camera_from_));
   }
   const PlanningAnswer answer = ask(Event::kCameraPressed);

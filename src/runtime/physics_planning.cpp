@@ -40,13 +40,20 @@ JointArray PhysicsLoop::modelJoints(Arm arm) const noexcept {
 // ---- plans -------------------------------------------------------------------------------------------------------
 
 /** As many as the rings hold: no answer can find its ring full, and whether one is refused follows from the record. */
-void PhysicsLoop::requestPlan(const Request& request) noexcept {
+void PhysicsLoop::requestPlan(Request request) noexcept {
   const bool is_busy = state_.mode == Mode::kPlanning || desk_.isFull();
   if (!is_busy) raise(Event::kPlanRequested);
   const bool is_refused = is_busy || state_.mode != Mode::kPlanning;
   desk_.answer(request.id, is_refused ? PlanningAnswer::kNotNow : PlanningAnswer::kAccepted);
+  if (request.id == 0) request.id = nextOwnId();  // who asked waits for no answer, but the planner's has to be known
   if (is_refused) return desk_.refuse(request.id, thisTick());
   desk_.ask(request, {modelJoints(Arm::kGold), modelJoints(Arm::kGreen)}, thisTick());
+}
+
+/** Each plan has another one than those before it: a late answer to one that was given up is nobody else's. */
+std::uint32_t PhysicsLoop::nextOwnId() noexcept {
+  next_plan_id_ = next_plan_id_ < kOwnRequestIds ? next_plan_id_ + 1 : 1;
+  return next_plan_id_;
 }
 
 void PhysicsLoop::handlePlanResult(const PlanResult& result) noexcept {
@@ -64,7 +71,7 @@ void PhysicsLoop::scheduledPlan() noexcept {
   plan_scheduled_ = true;
   Request request;
   request.kind = RequestKind::kPlan;
-  request.id = next_plan_id_++;
+  request.id = nextOwnId();
   requestPlan(request);
 }
 

@@ -40,6 +40,7 @@ PlanDesk::PlanDesk(const TrainerConfig& config,
       gauge_(raven, scene) {}
 
 void PlanDesk::answer(std::uint32_t id, PlanningAnswer answer) noexcept {
+  if (id == 0) return;
   state_.answered = id;
   state_.answer = answer;
 }

@@ -75,10 +75,12 @@ class Console {
   /** The robot is ready (run level PEDAL_UP seen in a force packet, or told so): the motion may start. */
   void setReady(bool ready) noexcept;
 
-  /** Newest force from the daemon. @return why it was not used: overtaken on the way, or no force of this world. */
+  /** Newest force from the daemon. @return why it was not used: overtaken on the way, doubled, or no force of this
+   * world. */
   Reject applyForce(const ForcePacket& force) noexcept;
 
-  /** A picture. @return kOutOfOrder if a newer one was seen, kNotFinite if it shows what cannot be. */
+  /** A picture. @return kOutOfOrder or kDuplicate if a newer one or this one was seen, kNotFinite if it shows what
+   * cannot be. */
   Reject applySight(const Sight& sight) noexcept;
 
   /** One millisecond: the next packet. */

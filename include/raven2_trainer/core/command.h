@@ -56,7 +56,7 @@ enum class RequestKind : std::uint8_t {
   kEmergencyStop,
   kClearStop,       ///< of an emergency stop by request or pedal
   kSetView,         ///< `enabled`: 1 the real camera's picture, 0 the virtual one
-  kSetCameraPedal,  ///< `enabled`: 1 the masters move the camera
+  kSetCameraPedal,  ///< `enabled`: a CameraPedal
   kToolChange,      ///< the tool of `arm` was changed
   kStartExercise,   ///< anew: scene and arms' objects back to where they were, timer and mistakes at nothing
   kBeginReplay,     ///< the model shows a recorded session
@@ -69,6 +69,13 @@ constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
     "begin_trial",    "end_trial",        "discard_trial", "repeat_trial",   "emergency_stop",   "clear_stop",
     "set_view",       "set_camera_pedal", "tool_change",   "start_exercise", "begin_replay",     "end_replay"};
 
+/** Request::enabled of kSetCameraPedal. */
+enum class CameraPedal : std::uint8_t {
+  kReleased,
+  kPressed,  ///< the masters move the camera
+  kSilent,   ///< nothing was heard of it for too long: it counts as up, but nobody lifted a foot to go on with the arms
+};
+
 /** Where a plan shall lead. */
 enum class GoalKind : std::uint8_t {
   kDefault,  ///< the goal of planner.yaml, a tip position
@@ -77,6 +84,9 @@ enum class GoalKind : std::uint8_t {
 };
 constexpr std::size_t kGoalKindCount = 3;
 constexpr std::array<const char*, kGoalKindCount> kGoalKindNames{"default", "tip", "joints"};
+
+/** Request::id up to this are the daemon's own: of its schedule, and of plans that pedals ask for. */
+constexpr std::uint32_t kOwnRequestIds = 999;
 
 struct Request {
   RequestKind kind{RequestKind::kNone};
@@ -87,7 +97,8 @@ struct Request {
   std::uint8_t on_robot{};  ///< kExecutePlan: 1 the robot moves too
   Vec3 goal_W{};            ///< [m] [@frame W] kTip
   JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
-  std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id
+  std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id; 0: no
+                            ///< answer is wanted, and a plan gets one of kOwnRequestIds
   std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there. kBeginReplay: what
                             ///< runtime::SessionPlayer::open() gave
 };

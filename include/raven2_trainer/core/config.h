@@ -134,7 +134,7 @@ struct ItpRules {
 /** Pedals and buttons beside the one that engages, as sensor_msgs/Joy (doc/ros.md). */
 struct JoyConfig {
   std::string topic;                       ///< empty: none
-  double timeout{};                        ///< [s] silence after which all count as up
+  double timeout{};                        ///< [s] silence after which the camera's counts as up
   std::array<int, kPedalCount> buttons{};  ///< by Pedal: position in Joy::buttons, -1 none
 };
 

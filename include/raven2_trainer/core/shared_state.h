@@ -64,6 +64,8 @@ struct SharedState {
   StateCell<GuidePath> guide_path;
   // written by ingest
   StateCell<LinkCounts> master_link;
+  // written by ingest: of the packets of pedals beside ITP
+  StateCell<LinkCounts> pedal_link;
   // written by robot_link
   StateCell<LinkCounts> robot_link;
   // written by robot_link: frame version for which the robot was refused, major << 8 | minor; 0 none

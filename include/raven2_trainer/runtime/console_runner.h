@@ -32,6 +32,8 @@ class ConsoleRunner {
   bool realtime() const noexcept { return thread_.realtime(); }
   /** Packets go out signed: the daemon has answered. */
   bool signing() const noexcept { return signing_.load(std::memory_order_relaxed); }
+  /** Pedals beside ITP were held though packets go out signed, or have to: the daemon refuses those, unsigned. */
+  bool pedalsRefused() const noexcept { return pedals_refused_.load(std::memory_order_relaxed); }
   std::uint16_t forcePort() const noexcept { return forces_.port(); }
   /** 0: it takes no pictures. */
   std::uint16_t sightPort() const noexcept { return pictures_ ? pictures_->port() : 0; }
@@ -49,12 +51,13 @@ class ConsoleRunner {
   net::UdpReceiver forces_;
   std::optional<net::UdpReceiver> pictures_;
   const std::int64_t ready_timeout_ns_;
+  const bool must_sign_;
   std::int64_t started_ns_{0};
   bool ready_{false};
   LinkCounts forces_counted_{}, pictures_counted_{};
   StateCell<LinkCounts> force_counts_, sight_counts_;
   StateCell<LoopTiming> timing_;
-  std::atomic<bool> finished_{false}, signing_{false};
+  std::atomic<bool> finished_{false}, signing_{false}, pedals_refused_{false};
   CyclicThread thread_;
 };
 

@@ -6,6 +6,7 @@
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/runtime/pedal_gate.h"
 #include "raven2_trainer/wire/itp_gate.h"
+#include "raven2_trainer/wire/token_bucket.h"
 
 namespace raven2_trainer::runtime {
 
@@ -43,18 +44,22 @@ class MasterIngest {
   const LinkCounts& pedalCounts() const noexcept { return pedal_counts_; }
 
  private:
+  static constexpr double kPedalRate = 200.0;      ///< [1/s] twice PedalBeat's
+  static constexpr std::int32_t kPedalBurst = 50;  ///< of a quarter of a second that came at once, and edges
   static constexpr std::uint64_t kAddressBits = 0xFFFFFFFFULL << 16U;
 
   Reject judge(const wire::Arrival& arrival) noexcept;
   Reject count(Reject reason) noexcept;
   Reject takePedals(const wire::Arrival& arrival) noexcept;
-  Reject judgePedals(const wire::Arrival& arrival, PedalState* pedals) const noexcept;
+  Reject judgePedals(const wire::Arrival& arrival, PedalState* pedals) noexcept;
   void ask(const PedalRequests& requests) noexcept;
 
   ItpRules rules_;
   wire::ItpGate gate_;
   PedalGate pedal_gate_;
+  wire::TokenBucket pedal_rate_{kPedalRate, kPedalBurst};
   SharedState& shared_;
+  ModelState model_{};  ///< as last read
   LinkCounts counts_{}, pedal_counts_{};
 };
 

@@ -7,6 +7,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/pedals.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/wire/newest_only.h"
 
 namespace raven2_trainer::runtime {
 
@@ -28,25 +29,30 @@ struct PedalRequests {
  */
 class PedalGate {
  public:
-  /** @param[in] timeout [s] of silence after which all count as up. */
+  /** @param[in] timeout [s] of silence after which the camera's counts as up. */
   explicit PedalGate(double timeout) noexcept : timeout_ns_(static_cast<std::int64_t>(timeout * 1e9)) {}
 
-  /** A packet of the master's. @param[in] mode, view as the model's newest state has them. */
+  /** Whether a packet with this number is to be taken: kNone, or why it came too late. */
+  Reject check(std::uint32_t sequence, std::int64_t now_ns) const noexcept;
+
+  /** A packet of the master's; one that check() refuses changes nothing. @param[in] mode, view as the model's newest state has them. */
   PedalRequests take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
 
-  /** At least every 100 ms: silence. */
-  PedalRequests idle(std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
+  /** At least every 100 ms: silence lets go of the camera. */
+  PedalRequests idle(std::int64_t now_ns) noexcept;
 
   /** Bits by Pedal. */
   std::uint32_t held() const noexcept { return held_; }
 
  private:
+  void beginAnew(std::uint32_t sequence) noexcept;
   PedalRequests change(std::uint32_t held, Mode mode, std::uint8_t view) noexcept;
   bool isHeard(std::int64_t now_ns) const noexcept { return is_heard_ && now_ns - heard_ns_ <= timeout_ns_; }
 
   std::int64_t timeout_ns_;
   std::int64_t heard_ns_{0};
-  std::uint32_t sequence_{0}, held_{0};
+  wire::NewestOnly order_;
+  std::uint32_t held_{0};
   bool is_heard_{false};
 };
 

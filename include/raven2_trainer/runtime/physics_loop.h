@@ -130,7 +130,7 @@ class PhysicsLoop {
   PlanningAnswer clearStop() noexcept;
   PlanningAnswer changeTool() noexcept;
   PlanningAnswer restartExercise() noexcept;
-  PlanningAnswer pressCamera(bool is_pressed) noexcept;
+  PlanningAnswer pressCamera(CameraPedal pedal) noexcept;
   void moveCamera() noexcept;
   void leaveRobot() noexcept;
   void takeOpenings() noexcept;
@@ -162,7 +162,8 @@ class PhysicsLoop {
 
   // planning and executing: physics_planning.cpp
   Tick thisTick() const noexcept { return state_.tick + 1; }
-  void requestPlan(const Request& request) noexcept;
+  void requestPlan(Request request) noexcept;
+  std::uint32_t nextOwnId() noexcept;
   void cancelPlan(const Request& request) noexcept;
   void beginChoosing(const Request& request) noexcept;
   void recordGoal(Request request) noexcept;
@@ -233,7 +234,7 @@ class PhysicsLoop {
   std::uint32_t relay_sequence_{0};
   bool relay_started_{false};  ///< a robot was there once: it hears from us every tick from then on
   bool relay_in_step_{false};  ///< our numbering follows the one the robot echoed
-  std::uint32_t next_plan_id_{1};
+  std::uint32_t next_plan_id_{0};
   std::uint64_t last_cycle_{0};
   std::atomic<bool> pause_requested_{false};
   std::uint64_t fault_generation_{~std::uint64_t{0}};  ///< of the plan in force

@@ -34,7 +34,7 @@ class PlanDesk {
            SharedState* shared);
 
   const PlanningState& state() const noexcept { return state_; }
-  /** To the request with this id. */
+  /** To the request with this id. Those of pedals have none, 0: the answer to a client stays. */
   void answer(std::uint32_t id, PlanningAnswer answer) noexcept;
   /** Id of the plan along whose path the hand may be guided; 0 none. */
   std::uint32_t guidePlan() const noexcept;

@@ -33,6 +33,8 @@ class ItpGate {
   /** Only sources whose bits under `mask` are those of `address` are heard; mask 0: anyone. */
   void allowOnly(std::uint64_t address, std::uint64_t mask) noexcept;
 
+  bool isAllowed(std::uint64_t source) const noexcept;
+
   /** One ITP datagram. @return kNone: use `*packet`. */
   Reject judge(const Arrival& arrival, ItpPacket* packet) noexcept;
 
@@ -44,6 +46,8 @@ class ItpGate {
   /** Lets go of a master that has been silent, once its pedal counts as up. Call at least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
+  /** Whether a packet without a signature could be used: no key asked for, and none of this master's was signed yet. */
+  bool takesUnsigned() const noexcept { return !signed_only_; }
   bool isPinned() const noexcept { return pinned_; }
   std::uint64_t source() const noexcept { return source_; }  ///< of the pinned master
   /** Newest number taken as the last one. */
@@ -55,7 +59,6 @@ class ItpGate {
   Reject judgePlain(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject judgeSigned(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject useSigned(SessionTable::Entry* entry, std::uint64_t counter, const ItpPacket& packet) noexcept;
-  bool isAllowed(std::uint64_t source) const noexcept;
   bool isForeign(std::uint64_t source) const noexcept;
   void pin(const Arrival& arrival) noexcept;
 

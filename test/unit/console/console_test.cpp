@@ -246,6 +246,7 @@ TEST(Console, IgnoresLateAndImpossibleForces) {
   for (std::uint32_t i = 0; i < 2000; ++i) {
     EXPECT_EQ(console.applyForce(forceX(1.0, 1000 + i)), Reject::kNone);
     EXPECT_EQ(console.applyForce(forceX(-2.0, 999 + i)), Reject::kOutOfOrder);  // overtaken on the way
+    EXPECT_EQ(console.applyForce(forceX(-2.0, 1000 + i)), Reject::kDuplicate);
     EXPECT_EQ(console.applyForce(forceX(nan, 1001 + i)), Reject::kOutOfRange);
     EXPECT_EQ(console.applyForce(forceX(1e6, 1001 + i)), Reject::kOutOfRange);
     console.tick();

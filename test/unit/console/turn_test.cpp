@@ -168,6 +168,7 @@ TEST_F(ConsoleSenses, ShowsTheNewestPictureAndNoneBeforeTheFirst) {
   EXPECT_FALSE(senses_.sight.has_value());
   EXPECT_EQ(console_.applySight(picture(5, 0.5)), Reject::kNone);
   EXPECT_EQ(console_.applySight(picture(4, 0.4)), Reject::kOutOfOrder);
+  EXPECT_EQ(console_.applySight(picture(5, 0.4)), Reject::kDuplicate);
   console_.tick();
   ASSERT_TRUE(senses_.sight.has_value());
   EXPECT_EQ(senses_.sight->opening[0], 0.5);

@@ -98,7 +98,7 @@ TEST_F(JoyPedalsTest, SilenceLetsTheCameraGo) {
   const std::vector<Request> released = asked();
   ASSERT_EQ(released.size(), 1U);
   EXPECT_EQ(released[0].kind, RequestKind::kSetCameraPedal);
-  EXPECT_EQ(released[0].enabled, 0);
+  EXPECT_EQ(released[0].enabled, static_cast<std::uint8_t>(CameraPedal::kSilent));
   now_ns += 600 * kMillisecond;
   EXPECT_EQ(hear({0, 0, 0, 0, 1}).size(), 1U) << "who speaks again and holds it presses it";
 }

@@ -1,10 +1,15 @@
 #include "raven2_trainer/runtime/console_runner.h"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/net/udp_sender.h"
+#include "raven2_trainer/runtime/key_file.h"
 #include "raven2_trainer/runtime/sight_sender.h"
 #include "raven2_trainer/wire/pedals.h"
 #include "raven2_trainer/wire/sight.h"
@@ -149,6 +154,24 @@ TEST_F(ConsoleOnSockets, PedalsGoBesideItpFromTheSameSocketAndAreHeeded) {
   EXPECT_EQ(released.kind, RequestKind::kSetCameraPedal);
   EXPECT_EQ(released.enabled, 0);
   EXPECT_FALSE(shared->pedal_requests.tryPop(&pressed));
+}
+
+TEST_F(ConsoleOnSockets, PedalsThatADaemonOfSignedItpRefusesAreTold) {
+  const std::string path = std::filesystem::temp_directory_path() / ("raven2_pedals_" + std::to_string(::getpid()));
+  writeKeyFile(path);
+  for (const ItpAuth auth : {ItpAuth::kOff, ItpAuth::kRequired}) {
+    config.network.itp.auth = auth;
+    config.network.key_file = path;
+    const auto console = makeConsole();
+    told.pedals = 0;
+    tick(console.get(), 20);
+    EXPECT_FALSE(console->pedalsRefused()) << "none is held";
+    told.pedals = bit(Pedal::kCamera);
+    tick(console.get(), 20);
+    EXPECT_EQ(console->pedalsRefused(), auth == ItpAuth::kRequired);
+  }
+  std::filesystem::remove(path);
+  ::prctl(PR_SET_DUMPABLE, 1);  // of the key no core dump is made
 }
 
 TEST_F(ConsoleOnSockets, SeesWhatTheDaemonShows) {

@@ -73,6 +73,9 @@ TEST_F(Gate, LateAndDoubledPacketsAreNotHeard) {
   take(bit(Pedal::kCamera));
   EXPECT_EQ(gate.take({11, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U) << "the same number again";
   EXPECT_EQ(gate.take({7, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U);
+  EXPECT_EQ(gate.check(11, now_ns), Reject::kDuplicate);
+  EXPECT_EQ(gate.check(7, now_ns), Reject::kOutOfOrder);
+  EXPECT_EQ(gate.check(7, now_ns + 201 * kMillisecond), Reject::kNone) << "after a silence any number is new";
   EXPECT_EQ(gate.held(), bit(Pedal::kCamera));
   EXPECT_EQ(take(0).count, 1U);
 }
@@ -85,15 +88,43 @@ TEST_F(Gate, NumbersWrap) {
 
 TEST_F(Gate, SilenceLetsGoAndWhoComesBackIsHeard) {
   take(bit(Pedal::kCamera) | bit(Pedal::kStop));
-  EXPECT_EQ(gate.idle(now_ns + 199 * kMillisecond, Mode::kStopped, 0).count, 0U);
-  const PedalRequests silent = gate.idle(now_ns + 201 * kMillisecond, Mode::kCameraMoving, 0);
+  EXPECT_EQ(gate.idle(now_ns + 199 * kMillisecond).count, 0U);
+  const PedalRequests silent = gate.idle(now_ns + 201 * kMillisecond);
   ASSERT_EQ(silent.count, 1U) << "of those that were held only the camera's release asks";
   EXPECT_EQ(silent.items[0].kind, RequestKind::kSetCameraPedal);
-  EXPECT_EQ(silent.items[0].enabled, 0);
-  EXPECT_EQ(gate.idle(now_ns + 300 * kMillisecond, Mode::kPedalUp, 0).count, 0U);
+  EXPECT_EQ(silent.items[0].enabled, static_cast<std::uint8_t>(CameraPedal::kSilent));
+  EXPECT_EQ(gate.idle(now_ns + 300 * kMillisecond).count, 0U);
   sequence = 0;  // a master that started anew
   now_ns += 400 * kMillisecond;
   EXPECT_EQ(take(bit(Pedal::kToolChange)).count, 1U);
+}
+
+TEST_F(Gate, WhatIsHeldThroughAnOutageWasNotPressedAgain) {
+  const std::uint32_t held = bit(Pedal::kTrial) | bit(Pedal::kView) | bit(Pedal::kToolChange);
+  EXPECT_EQ(take(held).count, 3U);
+  now_ns += 500 * kMillisecond;
+  EXPECT_EQ(gate.idle(now_ns).count, 0U);
+  EXPECT_EQ(take(held, Mode::kTrialHeld).count, 0U) << "the trial goes on";
+  take(0);
+  EXPECT_EQ(take(bit(Pedal::kTrial), Mode::kTrialHeld).count, 1U);
+}
+
+TEST_F(Gate, CameraAndStopAreAskedForAgainAfterAnOutage) {
+  EXPECT_EQ(take(bit(Pedal::kCamera) | bit(Pedal::kStop)).count, 2U);
+  now_ns += 500 * kMillisecond;
+  EXPECT_EQ(gate.idle(now_ns).count, 1U);
+  const PedalRequests again = take(bit(Pedal::kCamera) | bit(Pedal::kStop));
+  ASSERT_EQ(again.count, 2U);
+  EXPECT_EQ(again.items[0].kind, RequestKind::kEmergencyStop);
+}
+
+TEST_F(Gate, OfAMasterThatStartedAnewNothingIsKnown) {
+  sequence = 100;
+  take(bit(Pedal::kPlanning));
+  now_ns += 500 * kMillisecond;
+  gate.idle(now_ns);
+  sequence = 0;
+  EXPECT_EQ(take(bit(Pedal::kPlanning)).count, 1U);
 }
 
 }  // namespace
