@@ -122,6 +122,11 @@ void listControl(const MotionMetrics& motion, std::vector<Metric>* metrics) {
              motion.tracking.count() > 0 ? Value(motion.tracking.mean() * kMillimetres) : std::nullopt);
 }
 
+/** An attempt that fails before its timer starts has no tick of which something could be measured. */
+bool hasBegun(const AttemptOutcome& outcome, const MotionMetrics& motion) {
+  return outcome.status != ExerciseStatus::kFailed || motion.ticks > 0;
+}
+
 bool isAnsweredRightly(const HazardScore& hazard) {
   return hazard.response.verdict == Verdict::kRight;
 }
@@ -223,8 +228,10 @@ AttemptScore scoreAttempt(const AttemptOutcome& outcome,
   score.motion = motion;
   score.economy = economy;
   score.hazards = hazards;
-  for (const Metric& metric : listMetrics(motion, outcome, economy))
+  for (Metric metric : listMetrics(motion, outcome, economy)) {
+    if (!hasBegun(outcome, motion)) metric.value.reset();
     score.metrics.push_back(scoreMetric(metric, standard));
+  }
   if (standard.band != nullptr) {
     score.not_judged = unjudged(standard, score.metrics);
     conclude(&score);

@@ -33,7 +33,7 @@ struct AttemptOutcome {
   ExerciseFailure failure{ExerciseFailure::kNone};
   std::uint32_t steps{};  ///< done
   std::array<std::uint32_t, kMistakeCount> mistakes{};
-  Tick first{-1}, last{-1};  ///< [1 ms] session ticks that count
+  Tick first{-1}, last{-1};  ///< [1 ms] session ticks that count; -1: it failed before its timer started
   bool is_drill{};           ///< a hazard was to come in it
 };
 

@@ -19,6 +19,7 @@ Touches& touches(MotionMetrics* motion, Partner partner) {
 MotionMetrics makeMotion() {
   MotionMetrics motion;
   motion.duration = 50.0;
+  motion.ticks = 50000;
   at(motion.hands, Arm::kGold).path = 0.3;
   at(motion.hands, Arm::kGreen).path = 0.1;
   at(motion.hands, Arm::kGold).sparc = -4.0;
