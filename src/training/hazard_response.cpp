@@ -21,6 +21,7 @@ constexpr double kSlowShare = 0.2;        // [-] of the speed before
 constexpr double kStill = 0.005;          // [m/s]
 constexpr std::size_t kSlowTicks = 1000;  // [1 ms] hands rest shorter between strokes, whatever happens
 constexpr Tick kComesToStand = 150;       // [1 ms] on the way there a hand is slow
+constexpr Tick kCueComes = 1000;          // [1 ms] behind the injection; later cues are of faults that last as long
 constexpr std::size_t kPushTicks = 1500;  // [1 ms] behind the cue
 constexpr double kPushPath = 0.020;       // [m]
 
@@ -230,6 +231,11 @@ ResponseRule ruleOf(const ExerciseDrill& drill) {
     return all;
   };
   return {responses(drill.right), responses(drill.wrong), drill.within};
+}
+
+Tick watchOf(const ResponseRule& rule) noexcept {
+  const auto within = static_cast<Tick>(std::ceil(rule.within / kTickSeconds));
+  return std::max(kWatch, kCueComes + within + static_cast<Tick>(kSlowTicks));
 }
 
 ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand) {

@@ -94,7 +94,10 @@ struct HazardResponse {
 constexpr Tick kCoincidence = 100;  ///< [ms] sooner is no reaction; athletes' simple reactions take longer
 constexpr double kCueForce = 0.3;   ///< [N] ours, a tenth of the Omni's peak
 constexpr Tick kLead = 500;         ///< [1 ms] before the injection that a window should have
-constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a fault that is soon over
+constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a fault that is soon over; or watchOf()
+
+/** [1 ms] Behind an injection until a right answer that began in time can be told: for a cue within a second. */
+Tick watchOf(const ResponseRule& rule) noexcept;
 
 /**
  * Judges one hazard: responses in all samples, figures until recovery.

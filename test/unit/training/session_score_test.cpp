@@ -304,6 +304,35 @@ TEST_F(SessionScoreTest, JudgesWhatWasDoneAboutAHazard) {
   EXPECT_EQ(score.attempts[0].hazards.size(), 1u);
 }
 
+/** The robot's tip is 10 mm astray for 400 ms, and the hands rest. @param[in] up when the pedal goes up. */
+void writeFaultAnsweredLate(session::LogWriter* writer, Tick up) {
+  for (Tick k = 0; k < 20'000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    record.model.pedal = k >= up ? 0 : 1;
+    if (k == kInjection || k == kInjection + 400) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.id = 1;
+      change.change.acts = k == kInjection ? 1 : 0;
+      writer->write(change);
+    }
+    writer->write(record);
+  }
+}
+
+TEST_F(SessionScoreTest, AnswersAreLookedForAsLongAsTheyMayTake) {
+  ScoreSettings settings = makeSettings();
+  settings.response.right = {Response::kPedalUp};
+  for (const double within : {2.0, 8.0}) {
+    settings.response.within = within;
+    begin();
+    writeFaultAnsweredLate(writer_.get(), kInjection + 7000);
+    const HazardResponse response = finish(settings).hazards.at(0).response;
+    EXPECT_EQ(response.verdict, within > 7.0 ? Verdict::kRight : Verdict::kNone) << within;
+  }
+}
+
 TEST_F(SessionScoreTest, WritesTheSameBytesTwice) {
   begin();
   writeFault(writer_.get());
