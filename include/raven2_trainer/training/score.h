@@ -77,11 +77,12 @@ struct AttemptScore {
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
 };
 
-constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve
+constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve; of a drill without one, too
 
 /**
  * An attempt passes if the exercise was done, every scored metric that was measured lies within its limit (none makes
- * up for another), at least one was, and every hazard was answered rightly and in time; in a drill one must have come.
+ * up for another), at least one was, and every hazard that found no hand let go (Verdict::kCoincidence) was answered
+ * rightly and in time; in a drill one must have been.
  */
 AttemptScore scoreAttempt(const AttemptOutcome& outcome,
                           const MotionMetrics& motion,

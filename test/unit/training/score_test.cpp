@@ -240,11 +240,25 @@ TEST(Score, AHazardThatIsNotAnsweredRightlyFailsAndComesFirst) {
   }
 }
 
+TEST(Score, AHazardThatFoundTheHandsLetGoFailsNobodyAndIsNoDrill) {
+  const Band band = makeBand();
+  AttemptOutcome outcome = makeOutcome();
+  const HazardScore coincidence = makeHazard(Verdict::kCoincidence), right = makeHazard(Verdict::kRight);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence}).passed, true);
+  EXPECT_NE(score(band, makeMotion(), outcome, {coincidence}).improve.front(), kHazardMetric);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence, makeHazard(Verdict::kNone)}).passed, false);
+  outcome.is_drill = true;
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence}).passed, false);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence}).improve.front(), kHazardMetric);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence, right}).passed, true);
+}
+
 TEST(Score, ADrillWithoutItsHazardIsNoPass) {
   const Band band = makeBand();
   AttemptOutcome drill = makeOutcome();
   drill.is_drill = true;
   EXPECT_EQ(score(band, makeMotion(), drill).passed, false);
+  EXPECT_EQ(score(band, makeMotion(), drill).improve.front(), kHazardMetric) << "it is said why";
   EXPECT_EQ(score(band, makeMotion(), drill, {makeHazard(Verdict::kRight)}).passed, true);
 }
 
