@@ -72,6 +72,13 @@ TEST(Metrics, AreTheOnesThatExercisesMayName) {
   EXPECT_EQ(names, std::vector<std::string>(kMetricNames.begin(), kMetricNames.end()));
 }
 
+TEST(Metrics, AreBetterAsBandsMustSay) {
+  for (const Metric& metric : listMetrics({}, {}, {}))
+    EXPECT_EQ(metric.better, betterOf(metric.name)) << metric.name;
+  for (const char* name : kHigherIsBetter)
+    EXPECT_TRUE(isMetric(name)) << name;
+}
+
 TEST(Metrics, ThatWereNotMeasuredHaveNoValue) {
   const std::vector<Metric> metrics = listMetrics(makeMotion(), makeOutcome(ExerciseStatus::kNone), {});
   for (const char* name : {"ldlj", "tremor", "out_of_view", "bimanual", "tracking", "drops", "break_offs"})
