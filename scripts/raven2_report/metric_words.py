@@ -88,7 +88,7 @@ RESPONSES = {"pedal_up": "released the pedal", "hold_still": "held still", "slow
 ANSWERS = {"pedal_up": "release the pedal", "hold_still": "hold still", "slow": "slow down", "retreat": "draw back",
            "stop": "press the emergency stop", "push_on": "push on"}
 VERDICTS = {"right": "answered rightly", "late": "answered rightly, but late", "wrong": "answered wrongly",
-            "none": "not answered"}
+            "none": "not answered", "coincidence": "not judged: the hands had let go before anybody could react"}
 MISTAKES = {"wire_touch": "Wire touched", "collision": "Collision", "drop": "Dropped", "break_off": "Broken off",
             "out_of_order": "Out of order", "wrong_arm": "Wrong arm"}
 

@@ -18,9 +18,15 @@ def failed_metrics(facts):
 
 
 def badly_answered(facts):
-    """The attempt's hazards that were not answered rightly and in time."""
-    hazards = (facts.attempt or {}).get("hazards", [])
-    return [h for h in hazards if isinstance(h, dict) and h.get("verdict") != "right"]
+    """The attempt's hazards that were not answered rightly and in time; in a drill also those that nobody could answer."""
+    hazards = [h for h in (facts.attempt or {}).get("hazards", []) if isinstance(h, dict)]
+    bad = [h for h in hazards if h.get("verdict") not in ("right", "coincidence")]
+    wanted = facts.training["drill"] != "none" and not _any_right(hazards)
+    return bad or (hazards if wanted else [])
+
+
+def _any_right(hazards):
+    return any(isinstance(h, dict) and h.get("verdict") == "right" for h in hazards)
 
 
 def state(facts):
@@ -60,7 +66,7 @@ def headline(facts):
     if kind == "passed":
         judged = [m for m in facts.attempt["metrics"].values() if isinstance(m, dict) and m.get("passed") is True]
         return f"Passed: {counted(len(judged), 'metric')} within the expert's band" + (
-            ", and the hazard answered rightly" if facts.attempt.get("hazards") else "")
+            ", and the hazard answered rightly" if _any_right(facts.attempt.get("hazards", [])) else "")
     if kind == "failed":
         why = reasons(facts)
         more = f", and {counted(len(why) - 1, 'more reason')}" if len(why) > 1 else ""

@@ -4,6 +4,7 @@
 
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/metric_names.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -18,6 +19,11 @@ BandMetric readMetric(Section section, const std::string& name) {
   metric.mean = section.number("mean", -kLargest, kLargest);
   metric.deviation = section.number("deviation", 0.0, kLargest);
   metric.better = static_cast<Better>(section.choice("better", kBetterNames));
+  const Better own = betterOf(name);
+  if (metric.better != own) {
+    throw ConfigException(section.where("better") + ": of " + name + " " + kBetterNames[static_cast<std::size_t>(own)] +
+                          " is better");
+  }
   metric.least = section.number("least", 0.0, kLargest);
   section.finish();
   return metric;
@@ -33,8 +39,10 @@ Band loadBand(const std::string& path) {
   band.sessions = root.integer("sessions", 2, 1'000'000);
   band.least_spread = root.number("least_spread", 0.0, 10.0);
   Section metrics = root.section("metrics");
-  for (const std::string& name : metrics.keys())
+  for (const std::string& name : metrics.keys()) {
+    if (!isMetric(name)) throw ConfigException(metrics.where(name) + ": is no metric (doc/scores.md)");
     band.metrics.push_back(readMetric(metrics.section(name), name));
+  }
   if (band.metrics.empty()) throw ConfigException(root.where("metrics") + " holds none");
   root.finish();
   return band;

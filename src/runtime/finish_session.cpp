@@ -6,6 +6,7 @@
 
 #include "raven2_trainer/config/load_band.h"
 #include "raven2_trainer/config/load_curriculum.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/metric_names.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/reference_paths.h"
@@ -107,7 +108,7 @@ training::IndexEntry indexEntry(const std::string& directory, const ScoredSessio
 
 /** Enters the session, and looks what the trainee did so far. */
 void keep(const std::string& directory, const ScoringOptions& options, ScoredSession* scored) {
-  scored->trainee = options.trainee.empty() ? scored->score.header.trainee : options.trainee;
+  scored->trainee = scored->score.header.trainee;
   if (options.no_index || scored->trainee.empty()) return;
   scored->index =
       !options.index.empty() ? options.index : (fs::canonical(directory).parent_path() / "index.json").string();
@@ -233,6 +234,8 @@ void tell(const ScoredSession& scored) {
 }  // namespace
 
 ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& options) {
+  if (!options.trainee.empty() && !training::isTraineeId(options.trainee))  // before anything is written
+    throw SessionException("trainee \"" + options.trainee.substr(0, 40) + "\": expected 1 to 32 of a-z, 0-9, _ and -");
   const session::SessionPaths paths = session::openSessionDirectory(directory);
   const TrainerConfig config = sessionConfig(paths);
   ScoredSession scored;
@@ -256,6 +259,7 @@ ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& 
     return reference->plan(transit);
   };
   scored.score = training::scoreSession(paths.log(), settings);
+  if (!options.trainee.empty()) scored.score.header.trainee = options.trainee;
   training::writeScore(scored.path, scored.score, settings);
   keep(directory, options, &scored);
   return scored;

@@ -14,6 +14,12 @@ bool AttemptCollector::counts(const ModelState& model) const {
   return model.exercise.status == ExerciseStatus::kRunning;
 }
 
+/** One that fails before its timer starts has no tick that counts, and is an attempt all the same. */
+bool AttemptCollector::begins(const ModelState& model) const {
+  const bool has_failed = model.exercise.status == ExerciseStatus::kFailed && model.mode != Mode::kReplaying;
+  return counts(model) || has_failed;
+}
+
 /** The newest, if it is the one that the state speaks of. */
 CollectedAttempt* AttemptCollector::attemptOf(const ExerciseState& exercise) {
   if (attempts_.empty()) return nullptr;
@@ -24,18 +30,22 @@ CollectedAttempt* AttemptCollector::attemptOf(const ExerciseState& exercise) {
   return newest->outcome.number == exercise.attempt ? newest : nullptr;
 }
 
+CollectedAttempt* AttemptCollector::begin(const ModelState& model) {
+  attempts_.push_back({{}, {}, MotionAccumulator(settings_), TransitCollector(settings_.X_WB, tracks_)});
+  CollectedAttempt* attempt = &attempts_.back();
+  attempt->outcome.number = model.exercise.status == ExerciseStatus::kNone ? 1 : model.exercise.attempt;
+  attempt->outcome.first = counts(model) ? model.session_tick : -1;
+  attempt->outcome.is_drill = header_.drill != "none";
+  attempt->transits.begin(model.exercise);
+  return attempt;
+}
+
 void AttemptCollector::add(const TickRecord& record) {
   const ModelState& model = record.model;
   const ExerciseState& exercise = model.exercise;
   has_exercise_ = has_exercise_ || exercise.status != ExerciseStatus::kNone;
   CollectedAttempt* attempt = attemptOf(exercise);
-  if (attempt == nullptr && counts(model)) {
-    attempts_.push_back({{}, {}, MotionAccumulator(settings_), TransitCollector(settings_.X_WB, tracks_)});
-    attempt = &attempts_.back();
-    attempt->outcome.number = exercise.status == ExerciseStatus::kNone ? 1 : exercise.attempt;
-    attempt->outcome.first = model.session_tick;
-    attempt->outcome.is_drill = header_.drill != "none";
-  }
+  if (attempt == nullptr && begins(model)) attempt = begin(model);
   if (attempt != nullptr) {
     attempt->outcome.status = exercise.status;
     attempt->outcome.failure = exercise.failure;

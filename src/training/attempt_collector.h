@@ -39,6 +39,8 @@ class AttemptCollector {
 
  private:
   bool counts(const ModelState& model) const;
+  bool begins(const ModelState& model) const;
+  CollectedAttempt* begin(const ModelState& model);
   CollectedAttempt* attemptOf(const ExerciseState& exercise);
   void note(const ExerciseEvent& event, CollectedAttempt* attempt) const;
 

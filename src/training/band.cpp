@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/metric_names.h"
+
 namespace raven2_trainer::training {
 
 namespace {
@@ -24,7 +26,8 @@ double signOf(Better better) {
 
 BandJudgement judge(double value, const BandMetric& metric, double least_spread, double deviations) {
   BandJudgement result;
-  result.spread = std::max({metric.deviation, least_spread * std::abs(metric.mean), metric.least});
+  const double share = metric.name == kLogarithmic ? 0.0 : least_spread;
+  result.spread = std::max({metric.deviation, share * std::abs(metric.mean), metric.least});
   const bool is_always_zero = metric.mean == 0.0 && metric.deviation == 0.0;
   const double granted = is_always_zero ? metric.least : deviations * result.spread;
   const double sign = signOf(metric.better);

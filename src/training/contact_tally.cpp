@@ -109,7 +109,8 @@ ForceSummary ForceTally::summary() const {
 
 ContactTally::ContactTally(std::vector<BodyClass> bodies, double force_limit)
     : bodies_(std::move(bodies)), force_(force_limit) {
-  last_tick_.fill(kNever);
+  for (auto& ticks : counted_)
+    ticks.fill(kNever);
 }
 
 BodyClass ContactTally::classOf(std::uint16_t body) const noexcept {
@@ -139,10 +140,15 @@ void ContactTally::add(const ContactRecord& record) {
 void ContactTally::count(Partner partner, std::uint16_t a, std::uint16_t b, Tick tick) {
   const auto i = static_cast<std::size_t>(partner);
   const auto [last, is_new] = last_touch_.try_emplace({std::min(a, b), std::max(a, b)}, tick);
-  if (is_new || tick - last->second > kTouchGap) ++touches_[i].count;
+  const bool begins = is_new || tick - last->second > kTouchGap;
+  if (begins) ++touches_[i].count;
+  // The pause that is over now belongs to the touch; another touch of the kind may have counted some of it.
+  for (Tick t = begins ? tick : last->second; t <= tick; ++t) {
+    Tick& counted = counted_[i][static_cast<std::size_t>(t) % kRemembered];
+    if (counted != t) ++touches_[i].ticks;
+    counted = t;
+  }
   last->second = tick;
-  if (tick != last_tick_[i]) ++touches_[i].ticks;
-  last_tick_[i] = tick;
 }
 
 ForceSummary ContactTally::force() const {

@@ -13,7 +13,8 @@ constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 
 
 }  // namespace
 
-HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics) : settings_(settings) {
+HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics)
+    : settings_(settings), watch_(watchOf(settings.response)) {
   for (const FaultEvent& event : metrics.faults) {
     if (coming_.size() < kMaxHazards) {
       coming_.push_back(describe(event, metrics));
@@ -36,9 +37,9 @@ HazardCollector::Hazard HazardCollector::describe(const FaultEvent& event, const
   return hazard;
 }
 
-Tick HazardCollector::lastOf(const Hazard& hazard) {
+Tick HazardCollector::lastOf(const Hazard& hazard) const {
   const Tick recovery = hazard.end >= 0 ? std::min(hazard.end, hazard.begin + kLongest) : hazard.begin + kLongest;
-  return std::max(recovery, hazard.begin + kWatch);
+  return std::max(recovery, hazard.begin + watch_);
 }
 
 void HazardCollector::openWindows(Tick now) {

@@ -46,9 +46,10 @@ class HazardCollector {
   void append(const TickRecord& record, Open* open) const;
   HandSample sampleOf(const TickRecord& record) const;
   void close(Open* open);
-  static Tick lastOf(const Hazard& hazard);
+  Tick lastOf(const Hazard& hazard) const;
 
   ScoreSettings settings_;
+  Tick watch_;  // [1 ms] behind an injection, for a response
   std::deque<Hazard> coming_;
   std::deque<Open> open_;
   std::vector<HazardScore> scores_;

@@ -21,6 +21,7 @@ constexpr double kSlowShare = 0.2;        // [-] of the speed before
 constexpr double kStill = 0.005;          // [m/s]
 constexpr std::size_t kSlowTicks = 1000;  // [1 ms] hands rest shorter between strokes, whatever happens
 constexpr Tick kComesToStand = 150;       // [1 ms] on the way there a hand is slow
+constexpr Tick kCueComes = 1000;          // [1 ms] behind the injection; later cues are of faults that last as long
 constexpr std::size_t kPushTicks = 1500;  // [1 ms] behind the cue
 constexpr double kPushPath = 0.020;       // [m]
 
@@ -66,14 +67,15 @@ class HandMotionTrack {
 
 using Responses = std::vector<TimedResponse>;
 
-/** Every run of at least `ticks` samples with `holds`: its start, or the injection if it was on before. */
+/** Every run of at least `ticks` samples with `holds`: its start, or `from` if it was on before. */
 void findRuns(const HazardWindow& window,
+              std::size_t from,
               Response response,
               std::size_t ticks,
               const std::function<bool(std::size_t)>& holds,
               Responses* found) {
   std::size_t length = 0;
-  for (std::size_t k = window.injection; k < window.samples.size(); ++k) {
+  for (std::size_t k = from; k < window.samples.size(); ++k) {
     const bool counts = window.samples[k].pedal != 0 && holds(k);
     length = counts ? length + 1 : 0;
     if (length == ticks) found->push_back({response, static_cast<Tick>(k + 1 - ticks - window.injection)});
@@ -108,21 +110,25 @@ void joinSlowing(Responses slow, const Responses& still, Responses* found) {
 void findRetreat(const HazardWindow& window, const HandMotionTrack& hand, Responses* found) {
   if (!hand.wasMoving()) return;
   findRuns(
-      window, Response::kRetreat, kBackTicks, [&](std::size_t k) { return hand.along(hand.velocity(k)) <= -kBack; },
-      found);
+      window, window.injection, Response::kRetreat, kBackTicks,
+      [&](std::size_t k) { return hand.along(hand.velocity(k)) <= -kBack; }, found);
 }
 
-/** Of both hands: one of them rests while the other works, whatever happens. */
-void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hands, Responses* found) {
+/** Of both hands: one of them rests while the other works, whatever happens. Whoever rested already can stay so. */
+void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hands, Tick cue, Responses* found) {
   const double before = std::max(hands[0].speedBefore(), hands[1].speedBefore());
-  if (before < kMoving) return;
   const auto speed = [&](std::size_t k) { return std::max(hands[0].velocity(k).norm(), hands[1].velocity(k).norm()); };
+  const auto isStill = [&](std::size_t k) { return speed(k) <= kStill; };
+  if (before < kMoving) {
+    const std::size_t noticed = window.injection + static_cast<std::size_t>(std::max<Tick>(cue, 0) + kCoincidence);
+    findRuns(window, noticed, Response::kHoldStill, kSlowTicks, isStill, found);
+    return;
+  }
   const double limit = std::max(kSlowShare * before, kStill);
   Responses slow, still;
   findRuns(
-      window, Response::kSlow, kSlowTicks, [&](std::size_t k) { return speed(k) <= limit; }, &slow);
-  findRuns(
-      window, Response::kHoldStill, kSlowTicks, [&](std::size_t k) { return speed(k) <= kStill; }, &still);
+      window, window.injection, Response::kSlow, kSlowTicks, [&](std::size_t k) { return speed(k) <= limit; }, &slow);
+  findRuns(window, window.injection, Response::kHoldStill, kSlowTicks, isStill, &still);
   joinSlowing(slow, still, found);
 }
 
@@ -215,6 +221,18 @@ TimedResponse findReaction(const Responses& responses, const HazardResponse& res
   return found != responses.end() ? *found : TimedResponse{};
 }
 
+/** Whether the pedal was up, or a stop asked for, from before anybody reacts to the end: what else was to be done? */
+bool hadLetGo(const HazardWindow& window) {
+  const std::size_t noticed = window.injection + static_cast<std::size_t>(kCoincidence);
+  if (noticed >= window.samples.size()) return false;
+  const auto begin = window.samples.begin();
+  const auto from = begin + static_cast<std::ptrdiff_t>(noticed);
+  const auto isUp = [](const HandSample& sample) { return sample.pedal == 0; };
+  const auto isStop = [](const HandSample& sample) { return sample.stop != 0; };
+  return std::all_of(from, window.samples.end(), isUp) ||
+         std::any_of(begin + static_cast<std::ptrdiff_t>(window.injection), from, isStop);
+}
+
 /** By time; of those at once the one that stands first in the list of responses. */
 bool isEarlier(const TimedResponse& a, const TimedResponse& b) {
   return a.after != b.after ? a.after < b.after : a.response < b.response;
@@ -230,6 +248,11 @@ ResponseRule ruleOf(const ExerciseDrill& drill) {
     return all;
   };
   return {responses(drill.right), responses(drill.wrong), drill.within};
+}
+
+Tick watchOf(const ResponseRule& rule) noexcept {
+  const auto within = static_cast<Tick>(std::ceil(rule.within / kTickSeconds));
+  return std::max(kWatch, kCueComes + within + static_cast<Tick>(kSlowTicks));
 }
 
 ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand) {
@@ -262,7 +285,7 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
     findRetreat(window, hand, &all);
     findPush(window, hand, result.cue_after, &all);
   }
-  findSlowing(window, hands, &all);
+  findSlowing(window, hands, result.cue_after, &all);
   std::sort(all.begin(), all.end(), isEarlier);
   const auto deliberate =
       std::find_if(all.begin(), all.end(), [](const TimedResponse& r) { return r.after >= kCoincidence; });
@@ -270,6 +293,7 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
   const Responses responses(deliberate, all.end());
   if (!responses.empty()) result.first = responses.front();
   decide(responses, rule, &result);
+  if (result.verdict == Verdict::kNone && hadLetGo(window)) result.verdict = Verdict::kCoincidence;
   result.reaction = findReaction(responses, result);
   return result;
 }

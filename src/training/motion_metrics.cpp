@@ -69,8 +69,15 @@ double scatter(const std::vector<Vec3>& places) {
   return sum / static_cast<double>(places.size());
 }
 
-void describeStrokes(const std::vector<double>& speed, HandMotion* hand) {
-  std::vector<double> arc_lengths;
+std::vector<double> joined(const std::vector<std::vector<double>>& pieces) {
+  std::vector<double> all;
+  for (const std::vector<double>& piece : pieces)
+    all.insert(all.end(), piece.begin(), piece.end());
+  return all;
+}
+
+/** Adds those of one piece: a stroke ends at a cut. */
+void findStrokes(const std::vector<double>& speed, HandMotion* hand, std::vector<double>* arc_lengths) {
   const auto is_fast = [](double v) { return v > kStrokeSpeed; };
   for (auto begin = speed.begin(); begin != speed.end();) {
     begin = std::find_if(begin, speed.end(), is_fast);
@@ -78,10 +85,16 @@ void describeStrokes(const std::vector<double>& speed, HandMotion* hand) {
     if (static_cast<std::size_t>(end - begin) >= kStrokeLeast) {
       ++hand->strokes;
       const std::optional<double> arc = spectralArcLength({begin, end}, kSampleRate);
-      if (arc) arc_lengths.push_back(*arc);
+      if (arc) arc_lengths->push_back(*arc);
     }
     begin = end;
   }
+}
+
+void describeStrokes(const std::vector<std::vector<double>>& speeds, HandMotion* hand) {
+  std::vector<double> arc_lengths;
+  for (const std::vector<double>& speed : speeds)
+    findStrokes(speed, hand, &arc_lengths);
   hand->stroke_sparc = median(arc_lengths);
 }
 
@@ -203,11 +216,13 @@ void MotionAccumulator::add(const ContactRecord& record) {
   if (has(record.tick)) contacts_.add(record);
 }
 
-std::vector<double> MotionAccumulator::speeds(Arm arm) const {
-  std::vector<double> all;
-  for (std::size_t k = 1; k < samples_.size(); ++k) {
-    if (!samples_[k].follows) continue;
-    all.push_back(distance(at(samples_[k].tip_W, arm), at(samples_[k - 1].tip_W, arm)) * kSampleRate);
+/** By pieces without a gap in time. */
+std::vector<std::vector<double>> MotionAccumulator::speeds(Arm arm) const {
+  std::vector<std::vector<double>> all;
+  for (const std::vector<Vec3>& piece : pieces(&Sample::tip_W, arm, false)) {
+    all.emplace_back();
+    for (std::size_t k = 1; k < piece.size(); ++k)
+      all.back().push_back(distance(piece[k], piece[k - 1]) * kSampleRate);
   }
   return all;
 }
@@ -254,7 +269,8 @@ void MotionAccumulator::describeTremor(Arm arm, HandMotion* hand) const {
 
 HandMotion MotionAccumulator::handMotion(Arm arm) const {
   HandMotion hand;
-  const std::vector<double> speed = speeds(arm);
+  const std::vector<std::vector<double>> by_piece = speeds(arm);
+  const std::vector<double> speed = joined(by_piece);
   for (const double v : speed) {
     hand.path += v / kSampleRate;
     hand.max_speed = std::max(hand.max_speed, v);
@@ -262,8 +278,8 @@ HandMotion MotionAccumulator::handMotion(Arm arm) const {
   hand.mean_speed = meanOf(speed);
   hand.active_time = static_cast<double>(countAbove(speed, kActiveSpeed)) / kSampleRate;
   hand.sparc = spectralArcLength(speed, kSampleRate);
-  hand.dlj = dimensionlessJerk(speed, kSampleRate);
-  hand.ldlj = logDimensionlessJerk(speed, kSampleRate);
+  hand.dlj = dimensionlessJerk(by_piece, kSampleRate);
+  hand.ldlj = logDimensionlessJerk(by_piece, kSampleRate);
   double square = 0.0;
   std::size_t count = 0;
   for (const std::vector<Vec3>& piece : pieces(&Sample::tip_W, arm, false)) {
@@ -273,7 +289,7 @@ HandMotion MotionAccumulator::handMotion(Arm arm) const {
     count += piece.size() - 3;
   }
   if (count > 0) hand.mean_jerk = std::sqrt(square / static_cast<double>(count));
-  describeStrokes(speed, &hand);
+  describeStrokes(by_piece, &hand);
   describeMaster(arm, &hand);
   describeTremor(arm, &hand);
   if (settings_.camera) hand.out_of_view = seconds(at(tip_hidden_ticks_, arm));
@@ -281,7 +297,7 @@ HandMotion MotionAccumulator::handMotion(Arm arm) const {
 }
 
 void MotionAccumulator::describeBoth(MotionMetrics* metrics) const {
-  const std::vector<double> gold = speeds(Arm::kGold), green = speeds(Arm::kGreen);
+  const std::vector<double> gold = joined(speeds(Arm::kGold)), green = joined(speeds(Arm::kGreen));
   std::size_t idle = 0;
   for (std::size_t k = 0; k < gold.size(); ++k)
     idle += std::max(gold[k], green[k]) < kActiveSpeed ? 1 : 0;

@@ -122,8 +122,25 @@ void listControl(const MotionMetrics& motion, std::vector<Metric>* metrics) {
              motion.tracking.count() > 0 ? Value(motion.tracking.mean() * kMillimetres) : std::nullopt);
 }
 
+/** An attempt that fails before its timer starts has no tick of which something could be measured. */
+bool hasBegun(const AttemptOutcome& outcome, const MotionMetrics& motion) {
+  return outcome.status != ExerciseStatus::kFailed || motion.ticks > 0;
+}
+
 bool isAnsweredRightly(const HazardScore& hazard) {
   return hazard.response.verdict == Verdict::kRight;
+}
+
+/** Who had let go already cannot answer, and is not blamed. */
+bool isBlameless(const HazardScore& hazard) {
+  return isAnsweredRightly(hazard) || hazard.response.verdict == Verdict::kCoincidence;
+}
+
+/** Every hazard that could be; in a drill one at least. */
+bool areAnswered(const AttemptScore& score) {
+  const auto& hazards = score.hazards;
+  if (score.outcome.is_drill && std::none_of(hazards.begin(), hazards.end(), isAnsweredRightly)) return false;
+  return std::all_of(hazards.begin(), hazards.end(), isBlameless);
 }
 
 /** Failures by how far they are beyond their limits, then the passes that came nearest to them. */
@@ -137,7 +154,7 @@ std::vector<std::string> advise(const AttemptScore& score) {
     return a->judgement.excess > b->judgement.excess;
   });
   std::vector<std::string> advice;
-  if (!std::all_of(score.hazards.begin(), score.hazards.end(), isAnsweredRightly)) advice.push_back(kHazardMetric);
+  if (!areAnswered(score)) advice.push_back(kHazardMetric);
   for (const MetricScore* metric : order) {
     if (advice.size() < kMostAdvice) advice.push_back(metric->metric.name);
   }
@@ -198,9 +215,8 @@ void conclude(AttemptScore* score) {
   const auto judged = std::count_if(score->metrics.begin(), score->metrics.end(), is_judged);
   const auto passed = std::count_if(score->metrics.begin(), score->metrics.end(), has_passed);
   if (judged > 0) score->composite = static_cast<double>(passed) / static_cast<double>(judged);
-  const bool is_struck = !score->outcome.is_drill || !score->hazards.empty();
-  score->passed = judged > 0 && passed == judged && score->outcome.status == ExerciseStatus::kDone && is_struck &&
-                  std::all_of(score->hazards.begin(), score->hazards.end(), isAnsweredRightly);
+  score->passed =
+      judged > 0 && passed == judged && score->outcome.status == ExerciseStatus::kDone && areAnswered(*score);
 }
 
 }  // namespace
@@ -223,8 +239,10 @@ AttemptScore scoreAttempt(const AttemptOutcome& outcome,
   score.motion = motion;
   score.economy = economy;
   score.hazards = hazards;
-  for (const Metric& metric : listMetrics(motion, outcome, economy))
+  for (Metric metric : listMetrics(motion, outcome, economy)) {
+    if (!hasBegun(outcome, motion)) metric.value.reset();
     score.metrics.push_back(scoreMetric(metric, standard));
+  }
   if (standard.band != nullptr) {
     score.not_judged = unjudged(standard, score.metrics);
     conclude(&score);

@@ -31,6 +31,15 @@ bool isUsable(const std::vector<double>& speed) {
   return speed.size() >= kLeastSamples && allFinite(speed) && largest(speed) > 0.0;
 }
 
+double squaredJerk(const std::vector<double>& speed, double rate) {
+  double sum = 0.0;
+  for (std::size_t k = 2; k < speed.size(); ++k) {
+    const double jerk = (speed[k] - 2.0 * speed[k - 1] + speed[k - 2]) * rate * rate;
+    sum += jerk * jerk;
+  }
+  return sum;
+}
+
 /** Normalised spectrum from the first to the last bin that reaches the threshold, up to kHighest. */
 std::vector<double> significantSpectrum(const std::vector<double>& speed, double rate) {
   const std::size_t length = powerOfTwo(speed.size()) * kPadding;
@@ -60,19 +69,29 @@ std::optional<double> spectralArcLength(const std::vector<double>& speed, double
 }
 
 std::optional<double> dimensionlessJerk(const std::vector<double>& speed, double rate) {
-  if (!isUsable(speed)) return std::nullopt;
-  double sum = 0.0;
-  for (std::size_t k = 2; k < speed.size(); ++k) {
-    const double jerk = (speed[k] - 2.0 * speed[k - 1] + speed[k - 2]) * rate * rate;
-    sum += jerk * jerk;
+  return dimensionlessJerk(std::vector<std::vector<double>>{speed}, rate);
+}
+
+std::optional<double> dimensionlessJerk(const std::vector<std::vector<double>>& speeds, double rate) {
+  double sum = 0.0, peak = 0.0;
+  std::size_t samples = 0;
+  for (const std::vector<double>& speed : speeds) {
+    if (!allFinite(speed)) return std::nullopt;
+    sum += squaredJerk(speed, rate);
+    peak = std::max(peak, largest(speed));
+    samples += speed.size();
   }
-  const double duration = static_cast<double>(speed.size()) / rate;
-  const double peak = largest(speed);
+  if (samples < kLeastSamples || !(peak > 0.0)) return std::nullopt;
+  const double duration = static_cast<double>(samples) / rate;
   return -duration * duration * duration / (peak * peak) * sum / rate;
 }
 
 std::optional<double> logDimensionlessJerk(const std::vector<double>& speed, double rate) {
-  const std::optional<double> jerk = dimensionlessJerk(speed, rate);
+  return logDimensionlessJerk(std::vector<std::vector<double>>{speed}, rate);
+}
+
+std::optional<double> logDimensionlessJerk(const std::vector<std::vector<double>>& speeds, double rate) {
+  const std::optional<double> jerk = dimensionlessJerk(speeds, rate);
   if (!jerk || std::abs(*jerk) < kNoJerk) return std::nullopt;
   return -std::log(std::abs(*jerk));
 }

@@ -96,6 +96,19 @@ TransitCollector::TransitCollector(const PerArm<Pose>& X_WB, const std::vector<E
   }
 }
 
+void TransitCollector::begin(const ExerciseState& exercise) {
+  for (const std::uint8_t body : exercise.bodies) {
+    if ((body & kHeldByGold) != 0) carry(Arm::kGold);
+    if ((body & kHeldByGreen) != 0) carry(Arm::kGreen);
+  }
+}
+
+void TransitCollector::carry(Arm arm) {
+  at(carrying_, arm) = {};
+  at(carrying_, arm).arm = arm;
+  at(carrying_, arm).is_open = true;
+}
+
 void TransitCollector::add(const ModelState& model) {
   for (Going& going : carrying_)
     sample(model, &going);
@@ -119,10 +132,7 @@ void TransitCollector::add(const ExerciseEvent& event) {
   if (event.arm != Hand::kGold && event.arm != Hand::kGreen) return;
   const Arm arm = event.arm == Hand::kGold ? Arm::kGold : Arm::kGreen;
   if (event.kind == ExerciseEventKind::kReleased) close(&at(carrying_, arm));
-  if (event.kind != ExerciseEventKind::kHeld) return;
-  at(carrying_, arm) = {};
-  at(carrying_, arm).arm = arm;
-  at(carrying_, arm).is_open = true;
+  if (event.kind == ExerciseEventKind::kHeld) carry(arm);
 }
 
 void TransitCollector::beginStep(std::size_t track, std::size_t step) {

@@ -1,5 +1,6 @@
 """scripts/make_expert_band: from score.json of several sessions to one band."""
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -50,6 +51,12 @@ def test_means_and_sample_deviations_of_the_attempts_that_were_done(tmp_path):
     assert band["metrics"]["sparc"] == {"mean": -6.0, "deviation": 1.0, "better": "higher", "least": 0.0}
     assert band["metrics"]["drops"] == {"mean": 0, "deviation": 0, "better": "lower", "least": 0}
     assert band["metrics"]["clutches"]["least"] == 1
+
+
+def test_a_logarithm_is_granted_a_factor_of_two(tmp_path):
+    folders = [session(tmp_path, str(i), ("done", {"ldlj": {**metric(value, "-", "higher"), "scored": True}}))
+               for i, value in enumerate([-24.0, -24.2])]
+    assert yaml.safe_load(run(*folders).stdout)["metrics"]["ldlj"]["least"] == pytest.approx(math.log(2.0), rel=1e-5)
 
 
 def test_a_metric_that_is_not_in_every_attempt_is_left_out_and_named(tmp_path):

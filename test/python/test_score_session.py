@@ -106,11 +106,13 @@ def test_a_trainees_session_is_entered_once(directory, tmp_path):
     for _ in range(2):
         done = score(directory, "--trainee", "kim-01", "--index", index, "--output", tmp_path / "score.json")
         assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "score.json").read_text())["trainee"] == "kim-01"
     (entry,) = json.loads(index.read_text())["sessions"]
     assert (entry["directory"], entry["trainee"], entry["exercise"]) == ("first", "kim-01", "")
     assert entry["start_time_utc"].startswith("20")
     assert entry["attempts"][0]["metrics"]["time"] > 1
-    assert score(directory, "--trainee", "Kim", "--index", index).returncode == 1
+    assert score(directory, "--trainee", "Kim", "--index", index, "--output", tmp_path / "kim.json").returncode == 1
+    assert not (tmp_path / "kim.json").exists()
 
 
 def test_a_folder_without_a_session_is_refused(tmp_path):

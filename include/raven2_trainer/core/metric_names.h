@@ -1,6 +1,9 @@
 #pragma once
 
 #include <array>
+#include <string_view>
+
+#include "raven2_trainer/core/band.h"
 
 namespace raven2_trainer {
 
@@ -42,6 +45,25 @@ constexpr std::array<const char*, 34> kMetricNames{
     "tracking",
 };
 
+/** Of these more is better, of the others less. */
+constexpr std::array<const char*, 7> kHigherIsBetter{"economy", "sparc",    "stroke_sparc",     "ldlj",
+                                                     "engaged", "bimanual", "speed_correlation"};
+
+inline bool isMetric(std::string_view name) noexcept {
+  for (const char* known : kMetricNames) {
+    if (name == known) return true;
+  }
+  return false;
+}
+
+inline Better betterOf(std::string_view metric) noexcept {
+  for (const char* name : kHigherIsBetter) {
+    if (metric == name) return Better::kHigher;
+  }
+  return Better::kLower;
+}
+
+constexpr const char* kLogarithmic = "ldlj";        ///< a share of its mean means nothing
 constexpr const char* kForceAbove = "force_above";  ///< whose limit is a force [N], not the worst time that passes
 
 }  // namespace raven2_trainer

@@ -9,7 +9,7 @@ namespace raven2_trainer::training {
 /** How a value lies to a band. */
 struct BandJudgement {
   double limit{};   ///< worst value that passes
-  double spread{};  ///< that was granted: the greatest of deviation, least_spread of the mean, and least
+  double spread{};  ///< that was granted: the greatest of deviation, least, and least_spread of the mean (not of ldlj)
   bool passed{};
   /** [spreads] from the limit to the value, towards worse; negative within; +-1e9 where there is no spread. */
   double excess{};

@@ -39,7 +39,7 @@ constexpr std::array<const char*, kPartnerCount> kPartnerNames{"tower", "wire", 
 
 struct Touches {
   std::uint64_t count{};  ///< onsets: of one tool and one body, parted for more than kTouchGap before
-  Tick ticks{};           ///< [1 ms] with at least one
+  Tick ticks{};           ///< [1 ms] with at least one, pauses in it included
 };
 
 constexpr Tick kTouchGap = 100;       ///< [ms] shorter pauses belong to one touch (field.md 5.4)
@@ -79,12 +79,13 @@ class ContactTally {
   ForceSummary force() const;
 
  private:
+  static constexpr std::size_t kRemembered = 128;  // [1 ms] more than kTouchGap
   void count(Partner partner, std::uint16_t a, std::uint16_t b, Tick tick);
   BodyClass classOf(std::uint16_t body) const noexcept;
 
   std::vector<BodyClass> bodies_;
   std::array<Touches, kPartnerCount> touches_{};
-  std::array<Tick, kPartnerCount> last_tick_;
+  std::array<std::array<Tick, kRemembered>, kPartnerCount> counted_;  ///< the newest ticks in `touches_`, by remainder
   std::map<std::pair<std::uint16_t, std::uint16_t>, Tick> last_touch_;  ///< by tool or object, and what it met
   ForceTally force_;
   Tick force_tick_{-1};

@@ -31,8 +31,9 @@ enum class Verdict : std::uint8_t {
   kRight,  ///< a right one, in time
   kLate,   ///< a right one, too late
   kWrong,
+  kCoincidence,  ///< none could come: the hands let go before anybody reacts, and did not go on
 };
-constexpr std::array<const char*, 4> kVerdictNames{"none", "right", "late", "wrong"};
+constexpr std::array<const char*, 5> kVerdictNames{"none", "right", "late", "wrong", "coincidence"};
 
 /** What is right. A response in neither list does not decide; the first that is in one does. */
 struct ResponseRule {
@@ -94,15 +95,19 @@ struct HazardResponse {
 constexpr Tick kCoincidence = 100;  ///< [ms] sooner is no reaction; athletes' simple reactions take longer
 constexpr double kCueForce = 0.3;   ///< [N] ours, a tenth of the Omni's peak
 constexpr Tick kLead = 500;         ///< [1 ms] before the injection that a window should have
-constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a fault that is soon over
+constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a fault that is soon over; or watchOf()
+
+/** [1 ms] Behind an injection until a right answer that began in time can be told: for a cue within a second. */
+Tick watchOf(const ResponseRule& rule) noexcept;
 
 /**
  * Judges one hazard: responses in all samples, figures until recovery.
  * A response is the start of a run of samples with the pedal down in which, of a hand's velocity w less what the force
  * explains, u its mean over the 200 ms before the injection, if |u| >= 10 mm/s:
  * kRetreat w u / |u| <= -10 mm/s for 30 ms. Of the faster of both hands: kSlow |w| <= max(|u| / 5, 5 mm/s) for 1 s;
- * kHoldStill the same and |w| <= 5 mm/s for 1 s beginning 150 ms later at the latest. kPedalUp, kStop: the pedal goes
- * up, a stop is asked for.
+ * kHoldStill the same and |w| <= 5 mm/s for 1 s beginning 150 ms later at the latest; where no hand was that fast
+ * |w| <= 5 mm/s for 1 s from kCoincidence behind the cue on, or later. kPedalUp, kStop: the pedal goes up, a stop is
+ * asked for.
  * kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along u
  * (anywhere, if it had stood).
  */

@@ -102,7 +102,7 @@ class MotionAccumulator {
   void followRobot(const TickRecord& record);
   bool isVisible(const model::Camera& camera, const Vec3& tip_W) const;
   Vec3 tipInWorld(const ModelState& model, Arm arm) const;
-  std::vector<double> speeds(Arm arm) const;
+  std::vector<std::vector<double>> speeds(Arm arm) const;
   std::vector<std::vector<Vec3>> pieces(const PerArm<Vec3> Sample::*place, Arm arm, bool engaged) const;
   HandMotion handMotion(Arm arm) const;
   void describeMaster(Arm arm, HandMotion* hand) const;

@@ -33,7 +33,7 @@ struct AttemptOutcome {
   ExerciseFailure failure{ExerciseFailure::kNone};
   std::uint32_t steps{};  ///< done
   std::array<std::uint32_t, kMistakeCount> mistakes{};
-  Tick first{-1}, last{-1};  ///< [1 ms] session ticks that count
+  Tick first{-1}, last{-1};  ///< [1 ms] session ticks that count; -1: it failed before its timer started
   bool is_drill{};           ///< a hazard was to come in it
 };
 
@@ -77,11 +77,12 @@ struct AttemptScore {
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
 };
 
-constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve
+constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve; of a drill without one, too
 
 /**
  * An attempt passes if the exercise was done, every scored metric that was measured lies within its limit (none makes
- * up for another), at least one was, and every hazard was answered rightly and in time; in a drill one must have come.
+ * up for another), at least one was, and every hazard that found no hand let go (Verdict::kCoincidence) was answered
+ * rightly and in time; in a drill one must have been.
  */
 AttemptScore scoreAttempt(const AttemptOutcome& outcome,
                           const MotionMetrics& motion,

@@ -19,8 +19,12 @@ std::optional<double> spectralArcLength(const std::vector<double>& speed, double
 /** Dimensionless jerk [-], at most 0: -(T^3 / v_peak^2) times the integral of (d2v/dt2)^2, T = samples / rate. */
 std::optional<double> dimensionlessJerk(const std::vector<double>& speed, double rate);
 
+/** The same of a motion with cuts in it: T of all pieces together, no difference over a cut. */
+std::optional<double> dimensionlessJerk(const std::vector<std::vector<double>>& speeds, double rate);
+
 /** -ln |dimensionlessJerk()| [-], the greater the smoother; nothing for constant speed. */
 std::optional<double> logDimensionlessJerk(const std::vector<double>& speed, double rate);
+std::optional<double> logDimensionlessJerk(const std::vector<std::vector<double>>& speeds, double rate);
 
 /** Root of the mean square of the third difference quotient of places [length/s^3]. */
 std::optional<double> meanJerk(const std::vector<Vec3>& places, double rate);

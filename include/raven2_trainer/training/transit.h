@@ -49,6 +49,8 @@ class TransitCollector {
  public:
   /** @param[in] tracks of the exercise; copied. */
   explicit TransitCollector(const PerArm<Pose>& X_WB, const std::vector<ExerciseTrack>& tracks = {});
+  /** Before the first tick: what is held already is carried from there on. */
+  void begin(const ExerciseState& exercise);
   /** A tick that counts, in order; events of the tick first. */
   void add(const ModelState& model);
   void add(const ExerciseEvent& event);
@@ -69,6 +71,7 @@ class TransitCollector {
   };
 
   void sample(const ModelState& model, Going* going) const;
+  void carry(Arm arm);
   void beginStep(std::size_t track, std::size_t step);
   void endStep(std::size_t track, std::size_t step);
   void close(Going* going);

@@ -96,6 +96,9 @@ TEST(LoadBand, RefusesWhatIsWrongWithItsLine) {
   expectRefused(bandOf, kBand, "least: 0.1", "least: 0.1, most: 3", 6);
   expectRefused(bandOf, kBand, "mean: 61.5", "mean: .nan", 5);
   expectRefused(bandOf, kBand, "origin:", "orgin:", 1);
+  expectRefused(bandOf, kBand, "  time:", "  tiem:", 5);
+  expectRefused(bandOf, kBand, "better: lower", "better: higher", 5);
+  expectRefused(bandOf, kBand, "better: higher", "better: lower", 6);
 }
 
 TEST(LoadBand, ABandWithoutMetricsIsNone) {

@@ -18,6 +18,13 @@ TEST(Band, GrantsTheGreatestOfItsThreeSpreads) {
   EXPECT_EQ(judge(0.0, makeMetric(4.0, 1.2, Better::kLower, 5.0), 0.25, 1.0).spread, 5.0);
 }
 
+TEST(Band, GrantsNoShareOfALogarithm) {
+  const BandMetric ldlj{"ldlj", -24.0, 0.1, Better::kHigher, 0.6931};
+  EXPECT_EQ(judge(-24.0, ldlj, 0.25, 1.0).spread, 0.6931);  // a quarter of it would be a jerk 400 times as great
+  EXPECT_TRUE(judge(-24.6, ldlj, 0.25, 1.0).passed);
+  EXPECT_FALSE(judge(-24.8, ldlj, 0.25, 1.0).passed);
+}
+
 TEST(Band, PassesUpToItsLimitWhereLowerIsBetter) {
   const BandMetric metric = makeMetric(40.0, 12.0);
   EXPECT_EQ(judge(0.0, metric, 0.0, 1.0).limit, 52.0);

@@ -61,7 +61,17 @@ TEST(ContactTally, CountsATouchAnewAfterMoreThanHundredTicksApart) {
   feed(&tally, 1109, 1110, kJawL, kTower);  // 100 later: the same touch
   feed(&tally, 1211, 1211, kJawL, kTower);  // 101 later
   EXPECT_EQ(touchesOf(tally, Partner::kTower).count, 2u);
-  EXPECT_EQ(touchesOf(tally, Partner::kTower).ticks, 13);
+  EXPECT_EQ(touchesOf(tally, Partner::kTower).ticks, 111 + 1) << "pauses belong to a touch";
+}
+
+TEST(ContactTally, CountsATickOnceWhoeverTouches) {
+  ContactTally tally = makeTally();
+  feed(&tally, 100, 109, kJawL, kTower);
+  feed(&tally, 150, 159, kJawR, kTower);
+  feed(&tally, 170, 179, kJawL, kTower);  // from 100 to here without an end
+  feed(&tally, 240, 240, kJawR, kTower);
+  EXPECT_EQ(touchesOf(tally, Partner::kTower).count, 2u);
+  EXPECT_EQ(touchesOf(tally, Partner::kTower).ticks, 141);
 }
 
 TEST(ContactTally, TakesTheLinksOfAnArmAsOneAndTheArmsApart) {

@@ -145,11 +145,25 @@ TEST(HazardResponse, AHandThatRestsWhileTheOtherWorksIsNoResponse) {
   EXPECT_EQ(judge(window).first.response, Response::kPushOn);
 }
 
-TEST(HazardResponse, AHandThatStoodCanNeitherSlowDownNorTurnBack) {
-  const HazardResponse result = judge(makeWindow(then(0.0, 300, 0.0)));
+TEST(HazardResponse, AHandThatWasSlowCanNeitherSlowDownNorTurnBack) {
+  const HazardResponse result = judge(makeWindow(then(0.008, 300, -0.008)));
   EXPECT_EQ(result.first.response, Response::kNone);
   EXPECT_EQ(result.first.after, -1);
   EXPECT_EQ(result.verdict, Verdict::kNone);
+}
+
+TEST(HazardResponse, AHandThatStoodHoldsStillIfItStaysForASecondBehindTheCue) {
+  HazardWindow window = makeWindow(then(0.0, 1650, 0.008));
+  expectFirst(judge(window), Response::kHoldStill, 100, 0);  // no cue: from the injection
+  push(&window, 400, 4000, {0.0, 0.5, 0.0});
+  expectFirst(judge(window), Response::kHoldStill, 500, 0);
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight);
+  push(&window, 400, 700, {0.0, 0.0, 0.0});  // 1.65 s is too soon behind a cue at 700 ms
+  EXPECT_EQ(judge(window).first.response, Response::kNone);
+}
+
+TEST(HazardResponse, AHandThatWasSlowHoldsStillFromWhenItComesToStand) {
+  expectFirst(judge(makeWindow(then(0.008, 600, 0.001))), Response::kHoldStill, 600);
 }
 
 TEST(HazardResponse, AnEmergencyStopIsOne) {
@@ -175,7 +189,7 @@ TEST(HazardResponse, AHandThatStoodPushesOnInAnyDirection) {
 }
 
 TEST(HazardResponse, ALateOneIsLate) {
-  HazardWindow window = makeWindow(then(0.0, 0, 0.0));
+  HazardWindow window = makeWindow(then(0.006, 0, 0.006));
   push(&window, 500, 4000, {0.0, 0.5, 0.0});
   liftPedal(&window, 2400, 4000);
   EXPECT_EQ(judge(window).verdict, Verdict::kRight);  // 1.9 s behind the cue
@@ -194,6 +208,27 @@ TEST(HazardResponse, WhatComesSoonerThanAnybodyReactsIsACoincidence) {
   ASSERT_EQ(result.coincidences.size(), 1u);
   EXPECT_EQ(result.coincidences[0].response, Response::kPedalUp);
   EXPECT_EQ(result.coincidences[0].after, 60);
+}
+
+TEST(HazardResponse, WhoLetGoBeforeAnybodyReactsAndStaysSoCouldNotAnswer) {
+  HazardWindow window = makeWindow(goingOn);
+  liftPedal(&window, 60, 4000);
+  EXPECT_EQ(judge(window).verdict, Verdict::kCoincidence);
+  EXPECT_EQ(judge(window).deciding.after, -1);
+  liftPedal(&window, 0, 4000);
+  EXPECT_EQ(judge(window).verdict, Verdict::kCoincidence);
+  sampleAt(&window, 1500).pedal = 1;
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "it went down, and up again in time";
+  for (Tick t = 1500; t < 4000; ++t)
+    sampleAt(&window, t).pedal = 1;
+  EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "whoever goes on has answered nothing";
+}
+
+TEST(HazardResponse, AStopThatCameBeforeAnybodyReactsLeavesNothingToAnswer) {
+  HazardWindow window = makeWindow(then(0.006, 0, 0.006));
+  EXPECT_EQ(judge(window).verdict, Verdict::kNone);
+  sampleAt(&window, 50).stop = 1;
+  EXPECT_EQ(judge(window).verdict, Verdict::kCoincidence);
 }
 
 TEST(HazardResponse, AResponseThatTheRuleDoesNotNameDoesNotDecide) {

@@ -135,6 +135,29 @@ TEST(MotionMetrics, CutOutWhatDoesNotCount) {
   EXPECT_FALSE(motion.has(kFirstTick + 6000));
 }
 
+/** A stroke of 200 mm in 2 s, cut in its middle for `pause` ms. */
+HandMotion cutStroke(Tick pause) {
+  MotionAccumulator motion({});
+  for (Tick k = 0; k < 2000; ++k)
+    motion.add(makeRecord(k < 1000 ? k : k + pause, {0.2 * minimumJerk(kTickSeconds * static_cast<double>(k), 2.0)}));
+  return gold(motion.result());
+}
+
+TEST(MotionMetrics, EndAStrokeAtACut) {
+  EXPECT_EQ(cutStroke(0).strokes, 1u);
+  EXPECT_EQ(cutStroke(500).strokes, 2u);
+}
+
+/** A tip that is stopped at once during a pause: what lies on both sides of it is without jerk. */
+TEST(MotionMetrics, TakeNoJerkOverACut) {
+  MotionAccumulator motion({});
+  for (Tick k = 0; k < 2000; ++k) {
+    const double x = k < 1000 ? 1e-5 * static_cast<double>(k) : 1e-6 * static_cast<double>(k);
+    motion.add(makeRecord(k < 1000 ? k : k + 500, {x, 0.0, 0.0}));
+  }
+  EXPECT_NEAR(gold(motion.result()).dlj.value(), 0.0, 1e-9);
+}
+
 /** 20 mm/s along x between two instants. */
 Path between(double begin, double end) {
   return [=](double t) { return Vec3{0.02 * (std::min(std::max(t, begin), end) - begin), 0.0, 0.0}; };

@@ -19,6 +19,7 @@ Touches& touches(MotionMetrics* motion, Partner partner) {
 MotionMetrics makeMotion() {
   MotionMetrics motion;
   motion.duration = 50.0;
+  motion.ticks = 50000;
   at(motion.hands, Arm::kGold).path = 0.3;
   at(motion.hands, Arm::kGreen).path = 0.1;
   at(motion.hands, Arm::kGold).sparc = -4.0;
@@ -69,6 +70,13 @@ TEST(Metrics, AreTheOnesThatExercisesMayName) {
   for (const Metric& metric : listMetrics({}, {}, {}))
     names.push_back(metric.name);
   EXPECT_EQ(names, std::vector<std::string>(kMetricNames.begin(), kMetricNames.end()));
+}
+
+TEST(Metrics, AreBetterAsBandsMustSay) {
+  for (const Metric& metric : listMetrics({}, {}, {}))
+    EXPECT_EQ(metric.better, betterOf(metric.name)) << metric.name;
+  for (const char* name : kHigherIsBetter)
+    EXPECT_TRUE(isMetric(name)) << name;
 }
 
 TEST(Metrics, ThatWereNotMeasuredHaveNoValue) {
@@ -239,11 +247,25 @@ TEST(Score, AHazardThatIsNotAnsweredRightlyFailsAndComesFirst) {
   }
 }
 
+TEST(Score, AHazardThatFoundTheHandsLetGoFailsNobodyAndIsNoDrill) {
+  const Band band = makeBand();
+  AttemptOutcome outcome = makeOutcome();
+  const HazardScore coincidence = makeHazard(Verdict::kCoincidence), right = makeHazard(Verdict::kRight);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence}).passed, true);
+  EXPECT_NE(score(band, makeMotion(), outcome, {coincidence}).improve.front(), kHazardMetric);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence, makeHazard(Verdict::kNone)}).passed, false);
+  outcome.is_drill = true;
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence}).passed, false);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence}).improve.front(), kHazardMetric);
+  EXPECT_EQ(score(band, makeMotion(), outcome, {coincidence, right}).passed, true);
+}
+
 TEST(Score, ADrillWithoutItsHazardIsNoPass) {
   const Band band = makeBand();
   AttemptOutcome drill = makeOutcome();
   drill.is_drill = true;
   EXPECT_EQ(score(band, makeMotion(), drill).passed, false);
+  EXPECT_EQ(score(band, makeMotion(), drill).improve.front(), kHazardMetric) << "it is said why";
   EXPECT_EQ(score(band, makeMotion(), drill, {makeHazard(Verdict::kRight)}).passed, true);
 }
 

@@ -148,6 +148,43 @@ TEST_F(SessionScoreTest, ScoresEachAttemptAtAnExercise) {
   EXPECT_NEAR(score.histories[1].steps[0].at, 2.0, 1e-9);
 }
 
+TEST_F(SessionScoreTest, AnAttemptThatFailsBeforeItsTimerStartsIsOne) {
+  begin();
+  for (Tick k = 0; k < 300; ++k)
+    writer_->write(makeExerciseTick(k, 1, ExerciseStatus::kWaiting));
+  ExerciseRecord torn = makeEvent(300, ExerciseEventKind::kMistake);
+  torn.event.mistake = Mistake::kBreakOff;
+  writer_->write(torn);
+  for (Tick k = 300; k < 400; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kFailed);
+    record.model.exercise.failure = ExerciseFailure::kBrokeOff;
+    record.model.exercise.mistakes[static_cast<std::size_t>(Mistake::kBreakOff)] = 1;
+    writer_->write(record);
+  }
+  for (Tick k = 400; k < 1400; ++k)
+    writer_->write(makeExerciseTick(k, 2, ExerciseStatus::kRunning));
+  ScoreSettings settings = makeSettings();
+  Band band;
+  band.metrics = {{"time", 45.0, 6.0, Better::kLower, 0.0}};
+  settings.standard.band = &band;
+  const SessionScore score = finish(settings);
+  ASSERT_EQ(score.attempts.size(), 2u);
+  const AttemptScore& torn_off = score.attempts[0];
+  EXPECT_EQ(torn_off.outcome.number, 1);
+  EXPECT_EQ(torn_off.outcome.failure, ExerciseFailure::kBrokeOff);
+  EXPECT_EQ(torn_off.outcome.first, -1);
+  EXPECT_EQ(torn_off.outcome.last, -1);
+  EXPECT_EQ(torn_off.passed, std::optional<bool>(false));
+  EXPECT_FALSE(torn_off.composite) << "a time of 0 s would be the best of all";
+  for (const MetricScore& metric : torn_off.metrics)
+    EXPECT_FALSE(metric.metric.value) << metric.metric.name;
+  ASSERT_EQ(score.histories[0].mistakes.size(), 1u);
+  EXPECT_EQ(score.attempts[1].outcome.first, 400);
+  const nlohmann::json json = nlohmann::json::parse(write(score, settings));
+  EXPECT_TRUE(json["attempts"][0]["first_tick"].is_null());
+  EXPECT_EQ(json["attempts"][0]["mistakes"]["break_off"], 1);
+}
+
 TEST_F(SessionScoreTest, ComparesWhatWasCarriedWithItsPlannedWay) {
   begin();
   for (Tick k = 0; k < 2000; ++k) {
@@ -167,6 +204,24 @@ TEST_F(SessionScoreTest, ComparesWhatWasCarriedWithItsPlannedWay) {
   EXPECT_EQ(score.attempts[0].economy.transits, 1u);
   EXPECT_NEAR(score.attempts[0].economy.ratio.value(), 2.0 * std::sin(arc / 2.0) / arc,
               0.012);  // both ends wait for a sample: 0.06 rad less at most
+}
+
+TEST_F(SessionScoreTest, WhatIsHeldAsTheTimerStartsIsCarriedFromThereOn) {
+  begin();
+  for (Tick k = 0; k < 2000; ++k) {
+    ExerciseRecord event = makeEvent(k, k == 200 ? ExerciseEventKind::kHeld : ExerciseEventKind::kReleased);
+    event.event.arm = Hand::kGreen;
+    if (k == 200 || k == 1500) writer_->write(event);
+    TickRecord record = makeExerciseTick(k, 1, k < 500 ? ExerciseStatus::kWaiting : ExerciseStatus::kRunning);
+    record.model.exercise.bodies[3] = k >= 200 && k < 1500 ? kHeldByGreen : 0;
+    at(record.model.arms, Arm::kGreen).p_BT = {1e-4 * static_cast<double>(k), 0.0, 0.0};
+    writer_->write(record);
+  }
+  ScoreSettings settings = makeSettings();
+  settings.plan = [](const Transit& t) { return std::vector<Vec3>{t.way_W.front(), t.way_W.back()}; };
+  const SessionScore score = finish(settings);
+  EXPECT_EQ(score.attempts[0].economy.transits, 1u);
+  EXPECT_NEAR(score.attempts[0].economy.ratio.value_or(0.0), 1.0, 1e-9);
 }
 
 TEST_F(SessionScoreTest, TakesRecordsOfOtherThreadsBeforeAndBehindTheirTick) {
@@ -247,6 +302,35 @@ TEST_F(SessionScoreTest, JudgesWhatWasDoneAboutAHazard) {
   EXPECT_EQ(hazard.response.duration, 900);  // 400 astray, 500 calm
   ASSERT_EQ(score.attempts.size(), 1u);
   EXPECT_EQ(score.attempts[0].hazards.size(), 1u);
+}
+
+/** The robot's tip is 10 mm astray for 400 ms, and the hands rest. @param[in] up when the pedal goes up. */
+void writeFaultAnsweredLate(session::LogWriter* writer, Tick up) {
+  for (Tick k = 0; k < 20'000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    record.model.pedal = k >= up ? 0 : 1;
+    if (k == kInjection || k == kInjection + 400) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.id = 1;
+      change.change.acts = k == kInjection ? 1 : 0;
+      writer->write(change);
+    }
+    writer->write(record);
+  }
+}
+
+TEST_F(SessionScoreTest, AnswersAreLookedForAsLongAsTheyMayTake) {
+  ScoreSettings settings = makeSettings();
+  settings.response.right = {Response::kPedalUp};
+  for (const double within : {2.0, 8.0}) {
+    settings.response.within = within;
+    begin();
+    writeFaultAnsweredLate(writer_.get(), kInjection + 7000);
+    const HazardResponse response = finish(settings).hazards.at(0).response;
+    EXPECT_EQ(response.verdict, within > 7.0 ? Verdict::kRight : Verdict::kNone) << within;
+  }
 }
 
 TEST_F(SessionScoreTest, WritesTheSameBytesTwice) {
