@@ -43,7 +43,11 @@ struct RosBridge::Impl {
         client(&daemon->shared()),
         services(&node, daemon, &client, may_command),
         planning_services(node, daemon->config(), &client, may_command),
-        training_services(&node, &client, may_command),
+        replay(
+            &client,
+            [daemon](const std::string& path) { return daemon->openReplay(path); },
+            daemon->paths().directory),
+        training_services(&node, &client, isLoopbackOnly() ? &replay : nullptr, may_command),
         planning_topics(&node, *daemon),
         training_topics(&node, *daemon),
         view(node, daemon->config().render, &daemon->shared()),
@@ -99,10 +103,8 @@ struct RosBridge::Impl {
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
     if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
-      diagnostic_msgs::DiagnosticArray array =
-          diagnostics(simulator.counts(), robot, net::monotonicNow(), simulator.shared().robot_version_refused.load(),
-                      simulator.shared().plan_refused.load() != 0, simulator.shared().recorder.load(),
-                      simulator.realtimeStatus(), stamp);
+      diagnostic_msgs::DiagnosticArray array = diagnostics(simulator.counts(), simulator.shared(), robot,
+                                                           net::monotonicNow(), simulator.realtimeStatus(), stamp);
       array.status.push_back(linkStatus("pedals to daemon", simulator.shared().pedal_link.load()));
       diagnostic_arrays.publish(array);
     }
@@ -158,6 +160,7 @@ struct RosBridge::Impl {
   PlanningClient client;
   Services services;
   PlanningServices planning_services;
+  ReplayTask replay;
   TrainingServices training_services;
   PlanningTopics planning_topics;
   TrainingTopics training_topics;

@@ -67,6 +67,7 @@ struct ExerciseJudge::Impl {
   void watchHolds() noexcept;
   void takeHold(std::size_t object, std::size_t arm, bool held) noexcept;
   void watchBreaking(BrokenOff broken) noexcept;
+  void markBroken(BrokenOff broken) noexcept;
   bool hasBegun(const ModelState& model) const noexcept;
   void countTime() noexcept;
   void watchTouches(const ContactList& contacts) noexcept;
@@ -109,7 +110,7 @@ struct ExerciseJudge::Impl {
   std::int64_t time_limit;  ///< [ticks]
   std::size_t searched{0};  ///< object that `reach` is busy with
   std::uint16_t broken_seen{0};
-  bool start_wanted{false}, give_up_wanted{false}, is_suspended{false};
+  bool start_wanted{false}, give_up_wanted{false}, is_suspended{false}, is_rehearsal{false};
 };
 
 ExerciseJudge::Impl::Impl(const Exercise& e,
@@ -212,14 +213,15 @@ void ExerciseJudge::Impl::tick(const ModelState& model, const ContactList& conta
   if (give_up_wanted) end(ExerciseStatus::kFailed, ExerciseFailure::kGivenUp);
   start_wanted = give_up_wanted = false;
   if (isOpen()) {
-    if (model.mode != Mode::kReplaying) watchBreaking(broken);
-    if (isJudged(model.mode)) {
+    if (model.mode != Mode::kReplaying && !is_rehearsal) watchBreaking(broken);
+    if (isJudged(model.mode) && !is_rehearsal) {
       judge(model, contacts);
     } else {
       suspend();
     }
     if (isTimed(model.mode)) countTime();
   }
+  if (state.status != ExerciseStatus::kNone) markBroken(broken);
   measure(model);
 }
 
@@ -290,13 +292,20 @@ void ExerciseJudge::Impl::watchBreaking(BrokenOff broken) noexcept {
     const auto bit = static_cast<std::uint16_t>(1U << i);
     if ((broken.mask & ~broken_seen & bit) == 0) continue;
     broken_seen = static_cast<std::uint16_t>(broken_seen | bit);
-    const std::size_t slot = scene.first_breakable + i;
-    if (slot < state.bodies.size()) state.bodies[slot] |= kBodyBrokenOff;
     ExerciseEvent event;
     event.kind = ExerciseEventKind::kBrokeOff;
     event.a = scene.breakables[i];
     push(event);
     count(ruleOf(Mistake::kBreakOff), event.a, kNoBody, Hand::kAny);
+  }
+}
+
+/** What is shown of them, whether it is judged or not, and after the attempt. */
+void ExerciseJudge::Impl::markBroken(BrokenOff broken) noexcept {
+  for (std::size_t i = 0; i < scene.breakables.size() && scene.first_breakable + i < state.bodies.size(); ++i) {
+    std::uint8_t& flags = state.bodies[scene.first_breakable + i];
+    const bool is_broken = (broken.mask >> i & 1U) != 0;
+    flags = static_cast<std::uint8_t>(is_broken ? flags | kBodyBrokenOff : flags & ~kBodyBrokenOff);
   }
 }
 
@@ -467,6 +476,10 @@ void ExerciseJudge::start() noexcept {
 
 void ExerciseJudge::giveUp() noexcept {
   impl_->give_up_wanted = true;
+}
+
+void ExerciseJudge::setRehearsal(bool is_rehearsal) noexcept {
+  impl_->is_rehearsal = is_rehearsal;
 }
 
 void ExerciseJudge::tick(const ModelState& state, const ContactList& contacts, BrokenOff broken) noexcept {

@@ -327,6 +327,12 @@ TEST(JudgeBreak, FailsTheAttemptWhereTheRuleSaysSo) {
   EXPECT_EQ(bench.last(E::kBrokeOff)->a, kTowerB);
   EXPECT_EQ(bench.state().bodies[kTowerBSlot], kBodyBrokenOff);
   EXPECT_EQ(bench.state().bodies[kTowerASlot], 0);
+  // WHEN the other one breaks off after the attempt
+  bench.broken.mask = 3;
+  bench.run(1);
+  EXPECT_EQ(bench.state().bodies[kTowerASlot], kBodyBrokenOff) << "it lies there all the same";
+  EXPECT_EQ(bench.mistakes(Mistake::kBreakOff), 1U);
+  EXPECT_EQ(bench.count(E::kBrokeOff), 1);
 }
 
 TEST(JudgeBreak, CountsOnceForEachPartAndOnlyWhereLookedFor) {
