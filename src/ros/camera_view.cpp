@@ -34,7 +34,7 @@ void CameraView::stop() {
   spinner_.stop();
 }
 
-/** Told first, so that no virtual picture comes behind the first real one. */
+/** Told first, so that of the virtual pictures at most the one that is being drawn comes behind the first real one. */
 void CameraView::hear(const sensor_msgs::ImageConstPtr& picture) {
   if (!isWhole(*picture)) return;
   shared_.real_picture_ns.store(net::monotonicNow());
