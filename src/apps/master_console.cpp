@@ -59,7 +59,7 @@ int run(const Options& options) {
   const TrainerConfig config = load(options);
   apps::TruthFile truth(options.motion.truth);
   runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
-  console.start();
+  console.start(!runtime::doesExercise(options.motion.motion));
   watch(options, console);
   console.stop();
   truth.write();
