@@ -49,7 +49,7 @@ void watch(const Options& options, const runtime::ConsoleRunner& console) {
     if (console.signing() && !told_signing) std::fprintf(stderr, "the daemon has answered: packets are signed\n");
     told_signing = console.signing();
     if (console.pedalsRefused() && !told_pedals)
-      std::fprintf(stderr, "warning: these hands use pedals beside ITP, which the daemon refuses where ITP is signed\n");
+      std::fprintf(stderr, "warning: these hands use pedals beside ITP, refused where ITP is signed\n");
     told_pedals = console.pedalsRefused();
     if (told && (rest -= kPoll) < 0.0) break;
   }
@@ -59,7 +59,7 @@ int run(const Options& options) {
   const TrainerConfig config = load(options);
   apps::TruthFile truth(options.motion.truth);
   runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
-  console.start();
+  console.start(!runtime::doesExercise(options.motion.motion));
   watch(options, console);
   console.stop();
   truth.write();

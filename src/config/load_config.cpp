@@ -310,6 +310,8 @@ void readRender(Section& root, RenderConfig* c) {
   live.finish();
   Section real = root.section("real_camera");
   c->real_camera_topic = real.text("topic");
+  if (c->real_camera_topic == "view/image_raw" || c->real_camera_topic == "/view/image_raw")
+    throw ConfigException(real.where("topic") + " is " + c->real_camera_topic + ", where the view itself is shown");
   c->real_stale_after = real.number("stale_after", 0.05, 10);
   real.finish();
 }

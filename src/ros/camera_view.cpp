@@ -1,5 +1,7 @@
 #include "ros/camera_view.h"
 
+#include <cstdio>
+
 #include "raven2_trainer/net/clock.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -19,6 +21,10 @@ CameraView::CameraView(const ros::NodeHandle& node, const RenderConfig& config, 
   node_.setCallbackQueue(&queue_);
   pictures_ = node_.advertise<sensor_msgs::Image>("view/image_raw", kQueue);
   if (config.real_camera_topic.empty()) return;
+  if (node_.resolveName(config.real_camera_topic) == pictures_.getTopic()) {  // by a remapping
+    std::fprintf(stderr, "real camera: %s is the view itself; not listened to\n", pictures_.getTopic().c_str());
+    return;
+  }
   real_ = node_.subscribe(config.real_camera_topic, 1, &CameraView::hear, this);
   spinner_.start();
 }
@@ -28,7 +34,7 @@ void CameraView::stop() {
   spinner_.stop();
 }
 
-/** Told first, so that no virtual picture comes behind the first real one. */
+/** Told first, so that of the virtual pictures at most the one that is being drawn comes behind the first real one. */
 void CameraView::hear(const sensor_msgs::ImageConstPtr& picture) {
   if (!isWhole(*picture)) return;
   shared_.real_picture_ns.store(net::monotonicNow());

@@ -24,10 +24,10 @@ ConsoleRunner::ConsoleRunner(const TrainerConfig& config, std::unique_ptr<consol
   if (config.network.sight) pictures_.emplace(config.network.bind_address, config.network.sight_port);
 }
 
-void ConsoleRunner::start() {
+void ConsoleRunner::start(bool realtime) {
   CyclicThread::Hooks hooks;
   hooks.tick = [this](std::int64_t now_ns) { tick(now_ns); };
-  thread_.start({"console", ThreadConfig{70, -1}}, CyclicPolicy{}, std::move(hooks), &timing_);
+  thread_.start({"console", ThreadConfig{realtime ? 70 : 0, -1}}, CyclicPolicy{}, std::move(hooks), &timing_);
 }
 
 void ConsoleRunner::stop() {

@@ -97,8 +97,8 @@ struct Request {
   std::uint8_t on_robot{};  ///< kExecutePlan: 1 the robot moves too
   Vec3 goal_W{};            ///< [m] [@frame W] kTip
   JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
-  std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id; 0: no
-                            ///< answer is wanted, and a plan gets one of kOwnRequestIds
+  std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id; 0:
+                            ///< no answer is wanted, and a plan gets one of kOwnRequestIds
   std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there. kBeginReplay: what
                             ///< runtime::SessionPlayer::open() gave
 };

@@ -18,7 +18,8 @@ class ConsoleRunner {
  public:
   /** @throw NetworkException, ConfigException (the key). */
   ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source);
-  void start();
+  /** @param[in] realtime with FIFO priority; not for hands that take memory while they move (expert, clumsy). */
+  void start(bool realtime = true);
   void stop();
   /** What the thread does every millisecond. */
   void tick(std::int64_t now_ns) noexcept;

@@ -35,7 +35,7 @@ class PedalGate {
   /** Whether a packet with this number is to be taken: kNone, or why it came too late. */
   Reject check(std::uint32_t sequence, std::int64_t now_ns) const noexcept;
 
-  /** A packet of the master's; one that check() refuses changes nothing. @param[in] mode, view as the model's newest state has them. */
+  /** A packet of the master's; one that check() refuses changes nothing. @param[in] mode, view of the newest state. */
   PedalRequests take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
 
   /** At least every 100 ms: silence lets go of the camera. */

@@ -328,6 +328,9 @@ TEST_F(LoadConfig, ARealCameraHasATopicAndATimeToBeStale) {
   EXPECT_DOUBLE_EQ(packaged.render.real_stale_after, 0.5);
   replace("render.yaml", "stale_after: 0.5", "stale_after: 0.01");
   EXPECT_NE(message().find("stale_after"), std::string::npos) << message();
+  replace("render.yaml", "stale_after: 0.01", "stale_after: 0.5");
+  replace("render.yaml", "topic: real_camera/image_raw", "topic: /view/image_raw");
+  EXPECT_NE(message().find("the view itself"), std::string::npos) << "it would show itself, for ever: " << message();
 }
 
 }  // namespace
