@@ -111,6 +111,7 @@ void PhysicsLoop::raise(Event event) noexcept {
   settlePlanning(next, event);
   enter(next);
   if (next == Mode::kPedalUp && mustReturn()) raise(Event::kReturnWanted);
+  endRehearsal();
 }
 
 /** @return whether the event changed anything. */
@@ -355,7 +356,6 @@ void PhysicsLoop::superviseReturn() noexcept {
   if (isRobotThere()) is_apart_ = false;      // else whoever comes is gone to
   for (const Arm arm : kArms)
     at(mappers_, arm).setOpening(kinematics::jawOpening(at(return_.goal(), arm)));
-  putSceneBack();
   if (trial_.isUnderWay()) return armRepeat();
   raise(Event::kReturned);
 }

@@ -37,19 +37,20 @@ PlanningAnswer PhysicsLoop::beginTrial() noexcept {
   if (!isRobotThere()) takeOpenings();  // it was away before, and what its jaws hold now they shall hold again
   trial_.open(isRobotThere() ? robotJoints() : standing());
   world_.saveScene(&trial_scene_);
+  rehearses_ = true;
   return answer;
 }
 
 PlanningAnswer PhysicsLoop::discardTrial() noexcept {
-  const PlanningAnswer answer = isPedalUp() ? ask(Event::kTrialDiscarded) : PlanningAnswer::kNotNow;
-  scene_waits_ = scene_waits_ || answer == PlanningAnswer::kAccepted;
-  return answer;
+  return isPedalUp() ? ask(Event::kTrialDiscarded) : PlanningAnswer::kNotNow;
 }
 
-/** Once the arms are out of its way: a trial leaves nothing behind, and its repetition finds what it found. */
-void PhysicsLoop::putSceneBack() noexcept {
-  if (scene_waits_) world_.restoreScene(trial_scene_);
-  scene_waits_ = false;
+/** A trial leaves nothing behind, however it ended; the scene waits until the arms are out of its way. */
+void PhysicsLoop::endRehearsal() noexcept {
+  const bool waits = keepsTrial(state_.mode) || state_.mode == Mode::kStopped || state_.mode == Mode::kPaused;
+  if (!rehearses_ || waits) return;
+  world_.restoreScene(trial_scene_);
+  rehearses_ = false;
 }
 
 PlanningAnswer PhysicsLoop::repeatTrial(const Request& request) noexcept {
@@ -57,7 +58,6 @@ PlanningAnswer PhysicsLoop::repeatTrial(const Request& request) noexcept {
   if (answer != PlanningAnswer::kAccepted) return answer;
   raise(Event::kRepeatWanted);
   trial_.arm(request);
-  scene_waits_ = true;
   return answer;
 }
 
@@ -73,11 +73,15 @@ void PhysicsLoop::superviseTrial() noexcept {
   if (state_.mode == Mode::kTrial && trial_.isFull()) raise(Event::kTrialDone);
 }
 
-/** The model is back where the trial began. */
+/** The model is back where the trial began, and what is repeated finds what it found. On the robot it is for good. */
 void PhysicsLoop::armRepeat() noexcept {
   const bool lacks_robot = trial_.onRobot() && !robotJoins();
   const bool has_moved = isRobotThere() && trial_.hasMoved(robotJoints());
-  if (!lacks_robot && !has_moved) return raise(Event::kRepeatArmed);
+  if (!lacks_robot && !has_moved) {
+    world_.restoreScene(trial_scene_);
+    rehearses_ = !trial_.onRobot();
+    return raise(Event::kRepeatArmed);
+  }
   trial_.end(lacks_robot ? ExecutionEnd::kRobotLost : ExecutionEnd::kMoved, thisTick());
   raise(Event::kReturned);
 }
@@ -103,9 +107,7 @@ void PhysicsLoop::repeat() noexcept {
 /** What a change of mode means for a trial. */
 void PhysicsLoop::settleTrial(Mode next, Event event) noexcept {
   if (!keepsRepeat(next)) trial_.end(endBy(event), thisTick());
-  if (keepsTrial(next)) return;
-  trial_.close();
-  scene_waits_ = false;
+  if (!keepsTrial(next)) trial_.close();
 }
 
 }  // namespace raven2_trainer::runtime

@@ -145,7 +145,7 @@ class PhysicsLoop {
   // virtual trials: physics_trial.cpp
   PlanningAnswer beginTrial() noexcept;
   PlanningAnswer discardTrial() noexcept;
-  void putSceneBack() noexcept;
+  void endRehearsal() noexcept;
   PlanningAnswer repeatTrial(const Request& request) noexcept;
   PlanningAnswer checkRepeat(const Request& request) const noexcept;
   void superviseTrial() noexcept;
@@ -226,7 +226,7 @@ class PhysicsLoop {
   Mode camera_from_{Mode::kPedalUp};  ///< kCameraMoving: what it was before
   std::uint32_t tool_changes_{0};
   physics::SceneSnapshot trial_scene_{};       ///< when the trial began
-  bool scene_waits_{false};                    ///< kReturning: to be put back to that
+  bool rehearses_{false};                      ///< what happens now will be put back to that
   std::uint32_t replay_{0};                    ///< Request::plan of the newest replay
   ReplayFrame shown_{};                        ///< kReplaying
   PerArm<JointArray> stood_q_{}, stood_dq_{};  ///< before it

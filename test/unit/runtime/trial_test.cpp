@@ -214,6 +214,30 @@ TEST_F(Trial, DiscardedItLeavesNothingBehind) {
   EXPECT_LT(moved(), 1e-5);
 }
 
+TEST_F(Trial, NorDoesOneThatAStopEnded) {
+  const auto before = d->rig.model().bodies;
+  const auto moved = [&] { return apart(d->rig.model().bodies[0].p, before[0].p); };
+  for (const bool discarded : {true, false}) {
+    ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
+    for (int i = 0; i < 6000 && moved() < 2e-3; ++i)
+      d->tick(towards(before[0].p));
+    ASSERT_GT(moved(), 2e-3) << "or nothing was touched";
+    d->rest(false, 50);
+    if (discarded) {
+      ASSERT_EQ(d->ask(RequestKind::kDiscardTrial), PlanningAnswer::kAccepted);
+      d->rest(false, 20);
+      ASSERT_EQ(d->mode(), Mode::kReturning);
+    }
+    d->ask(RequestKind::kEmergencyStop);
+    d->rest(false, 50);
+    ASSERT_EQ(d->mode(), Mode::kStopped);
+    EXPECT_GT(moved(), 1e-4) << "the arms are in its way";
+    ASSERT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kAccepted);
+    ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
+    EXPECT_LT(moved(), 1e-5) << discarded;
+  }
+}
+
 TEST_F(Trial, ItsRepetitionIsRefusedWhereItCannotBe) {
   EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow) << "there is none";
   d->ask(RequestKind::kBeginTrial);
