@@ -21,8 +21,9 @@ void ExerciseDesk::restart() noexcept {
   judge_->start();
 }
 
-void ExerciseDesk::tick(ModelState* state, const ContactList& contacts) noexcept {
+void ExerciseDesk::tick(ModelState* state, const ContactList& contacts, bool is_rehearsal) noexcept {
   if (judge_ == nullptr) return;
+  judge_->setRehearsal(is_rehearsal);
   judge_->tick(*state, contacts, world_.brokenOff());
   state->exercise = judge_->state();
   const std::uint16_t parked = world_.parked();

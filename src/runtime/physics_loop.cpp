@@ -422,7 +422,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   world_.bodyPoses(&state_.bodies);
   if (state_.mode == Mode::kReplaying) state_.bodies = shown_.bodies_W;
   listContacts();
-  exercise_.tick(&state_, contacts_);
+  exercise_.tick(&state_, contacts_, rehearses_);
   shared_.model.store(state_);
   publishContacts();
   shared_.tick_records.tryPush({state_, robot_, static_cast<std::uint8_t>(slipped_ ? 1 : 0)});

@@ -110,7 +110,7 @@ struct ExerciseJudge::Impl {
   std::int64_t time_limit;  ///< [ticks]
   std::size_t searched{0};  ///< object that `reach` is busy with
   std::uint16_t broken_seen{0};
-  bool start_wanted{false}, give_up_wanted{false}, is_suspended{false};
+  bool start_wanted{false}, give_up_wanted{false}, is_suspended{false}, is_rehearsal{false};
 };
 
 ExerciseJudge::Impl::Impl(const Exercise& e,
@@ -213,8 +213,8 @@ void ExerciseJudge::Impl::tick(const ModelState& model, const ContactList& conta
   if (give_up_wanted) end(ExerciseStatus::kFailed, ExerciseFailure::kGivenUp);
   start_wanted = give_up_wanted = false;
   if (isOpen()) {
-    if (model.mode != Mode::kReplaying) watchBreaking(broken);
-    if (isJudged(model.mode)) {
+    if (model.mode != Mode::kReplaying && !is_rehearsal) watchBreaking(broken);
+    if (isJudged(model.mode) && !is_rehearsal) {
       judge(model, contacts);
     } else {
       suspend();
@@ -476,6 +476,10 @@ void ExerciseJudge::start() noexcept {
 
 void ExerciseJudge::giveUp() noexcept {
   impl_->give_up_wanted = true;
+}
+
+void ExerciseJudge::setRehearsal(bool is_rehearsal) noexcept {
+  impl_->is_rehearsal = is_rehearsal;
 }
 
 void ExerciseJudge::tick(const ModelState& state, const ContactList& contacts, BrokenOff broken) noexcept {

@@ -29,8 +29,9 @@ class ExerciseDesk {
   bool hasExercise() const noexcept { return judge_ != nullptr; }
   /** Objects back to where they were, and a new attempt. */
   void restart() noexcept;
-  /** Judges what the tick did: fills in `state->exercise`. @param[in] contacts of the same tick. */
-  void tick(ModelState* state, const ContactList& contacts) noexcept;
+  /** Judges what the tick did: fills in `state->exercise`. @param[in] contacts of the same tick. @param[in]
+   * is_rehearsal what happens in it will be undone (ExerciseJudge::setRehearsal). */
+  void tick(ModelState* state, const ContactList& contacts, bool is_rehearsal) noexcept;
   /** For the triggers of the next tick. */
   FaultSignals signals() const noexcept { return judge_ != nullptr ? judge_->signals() : FaultSignals{}; }
 

@@ -27,9 +27,9 @@ namespace raven2_trainer::training {
  *   around a target nor where the step it was let go for wants it.
  * - An object is lost if it rests untouched where neither arm reaches it in any of 720 attitudes. They are tried
  *   one a tick.
- * - Where the model does not move by its own physics (choosing a goal, following a plan, returning, replay) and while
- *   time is lost nothing is judged: what was held counts as released, and touches end. Time goes on but in waiting,
- *   paused and replaying.
+ * - Where the model does not move by its own physics (choosing a goal, following a plan, returning, replay), in
+ * rehearsals and while time is lost nothing is judged: what was held counts as released, and touches end. Time goes on
+ * but in waiting, paused and replaying.
  *
  * The constructor is set-up; everything else is real-time safe. One thread owns a judge.
  */
@@ -58,6 +58,13 @@ class ExerciseJudge {
 
   /** The attempt, if there is one, fails with the next tick. */
   void giveUp() noexcept;
+
+  /**
+   * Whether what the next ticks do will be undone, as a virtual trial is. Then nothing is judged, breaking off
+   * included, and time goes on: what is recorded of an attempt is never taken back, and what remains, the trial's
+   * repetition on the robot, is judged as any motion.
+   */
+  void setRehearsal(bool is_rehearsal) noexcept;
 
   /** @param[in] state, contacts of the same tick. ModelState::exercise is not looked at. */
   void tick(const ModelState& state, const ContactList& contacts, BrokenOff broken) noexcept;

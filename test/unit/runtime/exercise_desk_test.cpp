@@ -88,6 +88,26 @@ TEST(ExerciseDesk, DoesNotBeginAnewWhileTheHandMoves) {
   EXPECT_EQ(rig.model().exercise.attempt, 1);
 }
 
+TEST(ExerciseDesk, AVirtualTrialIsNoPartOfTheAttempt) {
+  Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
+  ASSERT_TRUE(rig.home());
+  for (int i = 0; i < 200; ++i)
+    rig.tick(false);
+  ASSERT_EQ(ask(&rig, RequestKind::kBeginTrial, 7), PlanningAnswer::kAccepted);
+  for (int i = 0; i < 20; ++i)
+    rig.tick(true);
+  ASSERT_EQ(rig.model().mode, Mode::kTrial);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
+  for (int i = 0; i < 20; ++i)
+    rig.tick(false);
+  ASSERT_EQ(ask(&rig, RequestKind::kDiscardTrial, 8), PlanningAnswer::kAccepted);
+  for (int i = 0; i < 6000 && rig.model().mode != Mode::kPedalUp; ++i)
+    rig.tick(false);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
+  rig.tick(true);
+  EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kRunning);
+}
+
 TEST(ExerciseDesk, WithoutAnExerciseThereIsNothingToBegin) {
   Rig rig(configWith("none"));
   EXPECT_EQ(ask(&rig, RequestKind::kStartExercise, 9), PlanningAnswer::kNotNow);

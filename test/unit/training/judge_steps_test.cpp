@@ -601,6 +601,42 @@ TEST(JudgeModes, ItIsJudgedWhereverTheModelIsItself) {
   }
 }
 
+TEST(JudgeModes, ARehearsalTakesTime) {
+  Exercise exercise = Bench::with({track({step({around(kPegA)})})});
+  exercise.time_limit = 0.050;
+  Bench bench(exercise);
+  bench.run(5);
+  bench.judge->setRehearsal(true);
+  bench.run(40);
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning);
+  bench.run(10);
+  EXPECT_EQ(bench.state().failure, ExerciseFailure::kTimeLimit);
+}
+
+TEST(JudgeModes, ARehearsalIsNoPartOfTheAttempt) {
+  Bench bench(Bench::with({track({step({around(kPegA)})})}, {rule(Mistake::kBreakOff, 0, true)}));
+  bench.run(5);
+  bench.judge->setRehearsal(true);
+  bench.put(kRingSlot, {0.03, 0.0, 0.002});
+  bench.broken.mask = 1;
+  bench.run(100);
+  EXPECT_EQ(bench.done(), 0);
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning);
+  EXPECT_EQ(bench.mistakes(Mistake::kBreakOff), 0U);
+  EXPECT_EQ(bench.state().bodies[kTowerASlot], kBodyBrokenOff) << "it is seen";
+  // WHEN it is undone
+  bench.put(kRingSlot, {0.0, 0.0, 0.1});
+  bench.broken.mask = 0;
+  bench.judge->setRehearsal(false);
+  bench.run(10);
+  EXPECT_EQ(bench.done(), 0);
+  EXPECT_EQ(bench.mistakes(Mistake::kBreakOff), 0U);
+  EXPECT_EQ(bench.state().bodies[kTowerASlot], 0);
+  // and done again for good
+  bench.put(kRingSlot, {0.03, 0.0, 0.002});
+  EXPECT_TRUE(isDone(&bench));
+}
+
 // ---- what triggers look at
 
 TEST(JudgeSignals, StepAndTissue) {
