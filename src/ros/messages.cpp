@@ -97,13 +97,14 @@ DiagnosticStatus robotStatus(const RobotState& robot,
 }
 
 /** Queues between the threads; whatever one dropped is lost. */
-DiagnosticStatus queueStatus(const SessionCounts& counts) {
+DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& shared) {
   std::uint64_t dropped = counts.contacts_dropped;
   for (const RingCounts& ring : counts.rings)
     dropped += ring.dropped;
   DiagnosticStatus s = status("queues", true, std::to_string(dropped) + " dropped");
   if (dropped > 0) s.level = DiagnosticStatus::WARN;
-  s.values = {value("relay_failed", counts.relay_failed), value("force_failed", counts.force_failed),
+  s.values = {value("relay_failed", counts.relay_failed),         value("force_failed", counts.force_failed),
+              value("sight_sent", shared.sight_sent.value()),     value("sight_failed", shared.sight_failed.value()),
               value("contacts_dropped", counts.contacts_dropped)};
   for (std::size_t i = 0; i < kRingCount; ++i) {
     if (counts.rings[i].dropped > 0)
@@ -188,11 +189,9 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time&
 }
 
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
+                                             const SharedState& shared,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
-                                             std::uint16_t refused_version,
-                                             bool plan_refused,
-                                             const RecorderStatus& recorder,
                                              const std::string& realtime,
                                              const ros::Time& stamp) {
   diagnostic_msgs::DiagnosticArray array;
@@ -202,12 +201,13 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   array.status.push_back(linkStatus("master to daemon", counts.master));
   array.status.push_back(linkStatus("daemon to robot", counts.relay));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
-  array.status.push_back(robotStatus(robot, now_ns, refused_version, plan_refused));
+  array.status.push_back(
+      robotStatus(robot, now_ns, shared.robot_version_refused.load(), shared.plan_refused.load() != 0));
   array.status.push_back(status("real time", true, realtime));
   if (realtime.rfind("DEGRADED_RT", 0) == 0)
     array.status.back().level = DiagnosticStatus::WARN;  // degraded, not broken
-  array.status.push_back(recorderStatus(recorder, counts.records_dropped));
-  array.status.push_back(queueStatus(counts));
+  array.status.push_back(recorderStatus(shared.recorder.load(), counts.records_dropped));
+  array.status.push_back(queueStatus(counts, shared));
   return array;
 }
 

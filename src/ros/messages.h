@@ -12,6 +12,7 @@
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/runtime/render_loop.h"
@@ -32,15 +33,12 @@ geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& f
 sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp);
 sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time& stamp);
 
-/** `now_ns`: monotonic, for the age of the robot's state. `refused_version`: SharedState::robot_version_refused;
- * `plan_refused`: SharedState::plan_refused. One
- * status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */
+/** `shared`: for what `counts`, which travel in the log, do not hold. `now_ns`: monotonic, for the age of the robot's
+ * state. One status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
+                                             const SharedState& shared,
                                              const RobotState& robot,
                                              std::int64_t now_ns,
-                                             std::uint16_t refused_version,
-                                             bool plan_refused,
-                                             const RecorderStatus& recorder,
                                              const std::string& realtime,
                                              const ros::Time& stamp);
 

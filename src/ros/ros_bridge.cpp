@@ -99,10 +99,8 @@ struct RosBridge::Impl {
     const double period = simulator.config().runtime.ros_period;
     if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
     if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
-      diagnostic_arrays.publish(diagnostics(simulator.counts(), robot, net::monotonicNow(),
-                                            simulator.shared().robot_version_refused.load(),
-                                            simulator.shared().plan_refused.load() != 0,
-                                            simulator.shared().recorder.load(), simulator.realtimeStatus(), stamp));
+      diagnostic_arrays.publish(diagnostics(simulator.counts(), simulator.shared(), robot, net::monotonicNow(),
+                                            simulator.realtimeStatus(), stamp));
     }
     ++cycle;
   }
