@@ -107,11 +107,15 @@ std::optional<ExecutionReport> PlanningClient::execution(std::uint32_t id) const
 }
 
 bool PlanningClient::awaitMode(Mode mode) {
-  return await(kAnswerTime, [&] { return shared_.model.load().mode == mode; });
+  return await(kAnswerTime, [&] { return this->mode() == mode; });
 }
 
 PlanningState PlanningClient::state() const {
   return shared_.model.load().planning;
+}
+
+Mode PlanningClient::mode() const {
+  return shared_.model.load().mode;
 }
 
 /** By the number of pauses, and by the clock where pauses are longer than they should be. */

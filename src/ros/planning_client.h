@@ -61,6 +61,7 @@ class PlanningClient {
   bool awaitMode(Mode mode);
 
   PlanningState state() const;
+  Mode mode() const;
 
   /** Makes whoever waits return without an answer, now and from now on. */
   void stop() noexcept { stopped_.store(true); }

@@ -43,7 +43,11 @@ struct RosBridge::Impl {
         client(&daemon->shared()),
         services(&node, daemon, &client, may_command),
         planning_services(node, daemon->config(), &client, may_command),
-        training_services(&node, &client, may_command),
+        replay(
+            &client,
+            [daemon](const std::string& path) { return daemon->openReplay(path); },
+            daemon->paths().directory),
+        training_services(&node, &client, isLoopbackOnly() ? &replay : nullptr, may_command),
         planning_topics(&node, *daemon),
         training_topics(&node, *daemon),
         view(node, daemon->config().render, &daemon->shared()),
@@ -154,6 +158,7 @@ struct RosBridge::Impl {
   PlanningClient client;
   Services services;
   PlanningServices planning_services;
+  ReplayTask replay;
   TrainingServices training_services;
   PlanningTopics planning_topics;
   TrainingTopics training_topics;

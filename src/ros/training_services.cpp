@@ -23,20 +23,22 @@ bool tellPlainly(PlanningAnswer answer, Response* response) {
 
 }  // namespace
 
-TrainingServices::TrainingServices(ros::NodeHandle* node, PlanningClient* client, bool may_command)
-    : client_(*client), node_(*node), spinner_(1, &queue_) {
+TrainingServices::TrainingServices(ros::NodeHandle* node, PlanningClient* client, ReplayTask* replay, bool may_command)
+    : client_(*client), replay_(replay), node_(*node), spinner_(1, &queue_) {
   servers_.push_back(node->advertiseService("emergency_stop", &TrainingServices::emergencyStop, this));
   if (!may_command) return;
   node_.setCallbackQueue(&queue_);
   for (const RequestKind kind :
        {RequestKind::kBeginSimulation, RequestKind::kEndSimulation, RequestKind::kBeginTrial, RequestKind::kEndTrial,
-        RequestKind::kDiscardTrial, RequestKind::kClearStop, RequestKind::kStartExercise})
+        RequestKind::kDiscardTrial, RequestKind::kClearStop, RequestKind::kStartExercise, RequestKind::kEndReplay})
     offer(kRequestKindNames[static_cast<std::size_t>(kind)], requestOf(kind));
   for (const Arm arm : kArms)
     offer(std::string(name(arm)) + "/tool_change", requestOf(RequestKind::kToolChange, arm));
   for (const RequestKind kind : {RequestKind::kSetView, RequestKind::kSetCameraPedal})
     offerSwitch(kRequestKindNames[static_cast<std::size_t>(kind)], kind);
   servers_.push_back(node_.advertiseService("repeat_trial", &TrainingServices::repeatTrial, this));
+  if (replay_ != nullptr)
+    servers_.push_back(node_.advertiseService("begin_replay", &TrainingServices::beginReplay, this));
   spinner_.start();
 }
 
@@ -63,6 +65,13 @@ void TrainingServices::offerSwitch(const std::string& service, RequestKind kind)
     return tellPlainly(client_.ask(request).answer, &response);
   };
   servers_.push_back(node_.advertiseService(service, callback));
+}
+
+/** Reads the first ticks of the session before it answers. */
+bool TrainingServices::beginReplay(BeginReplay::Request& message, BeginReplay::Response& response) {
+  const ReplayTask::Outcome outcome = replay_->begin(message.session);
+  tell(outcome.code, outcome.status, &response);
+  return true;
 }
 
 bool TrainingServices::repeatTrial(RepeatTrial::Request& message, RepeatTrial::Response& response) {

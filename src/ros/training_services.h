@@ -9,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/BeginReplay.h"
 #include "raven2_trainer/RepeatTrial.h"
 #include "ros/planning_client.h"
+#include "ros/replay_task.h"
 
 namespace raven2_trainer::ros_bridge {
 
@@ -23,8 +25,10 @@ class TrainingServices {
   /**
    * @param[in] client must outlive this.
    * @param[in] may_command without it only what makes things safer is offered: emergency_stop.
+   * @param[in] replay must outlive this. Who calls it has the daemon read what the caller names: nullptr, and not
+   * offered, where others than this computer can call.
    */
-  TrainingServices(ros::NodeHandle* node, PlanningClient* client, bool may_command);
+  TrainingServices(ros::NodeHandle* node, PlanningClient* client, ReplayTask* replay, bool may_command);
   ~TrainingServices() { stop(); }
   TrainingServices(const TrainingServices&) = delete;
   TrainingServices& operator=(const TrainingServices&) = delete;
@@ -38,10 +42,12 @@ class TrainingServices {
  private:
   void offer(const std::string& service, const Request& request);
   void offerSwitch(const std::string& service, RequestKind kind);
+  bool beginReplay(BeginReplay::Request& message, BeginReplay::Response& response);
   bool repeatTrial(RepeatTrial::Request& message, RepeatTrial::Response& response);
   bool emergencyStop(std_srvs::Trigger::Request& message, std_srvs::Trigger::Response& response);
 
   PlanningClient& client_;
+  ReplayTask* const replay_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   ros::AsyncSpinner spinner_;

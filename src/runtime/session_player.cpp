@@ -132,6 +132,8 @@ std::uint32_t SessionPlayer::open(const std::string& path) {
   s.first.reset();
   if (++s.replay == 0) s.replay = 1;
   try {
+    if (std::filesystem::exists(log) && !std::filesystem::is_regular_file(log))
+      throw SessionException(log + ": is no file");  // a pipe lets whoever opens it wait
     s.reader.emplace(log);
     s.check(s.reader->header(), log);
     s.size = std::filesystem::file_size(log);

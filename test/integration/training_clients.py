@@ -2,11 +2,11 @@
 import rospy
 from planning_clients import Newest, until
 from raven2_trainer.msg import ExerciseEventStamped, ExerciseProgress, TrainerMode
-from raven2_trainer.srv import RepeatTrial
+from raven2_trainer.srv import BeginReplay, RepeatTrial
 from std_srvs.srv import SetBool, Trigger
 
 TRIGGERS = ("begin_simulation", "end_simulation", "begin_trial", "end_trial", "discard_trial", "emergency_stop", "clear_stop",
-            "start_exercise", "gold/tool_change", "green/tool_change", "engage", "disengage")
+            "start_exercise", "gold/tool_change", "green/tool_change", "engage", "disengage", "end_replay")
 SWITCHES = ("set_view", "set_camera_pedal")
 
 
@@ -19,6 +19,7 @@ class Trainer:
         self.events = Newest("exercise/events", ExerciseEventStamped)
         rospy.wait_for_service("repeat_trial", 30)
         self.repeat_trial = rospy.ServiceProxy("repeat_trial", RepeatTrial)
+        self.begin_replay = rospy.ServiceProxy("begin_replay", BeginReplay)
         self._calls = {name: rospy.ServiceProxy(name, Trigger) for name in TRIGGERS}
         self._calls.update({name: rospy.ServiceProxy(name, SetBool) for name in SWITCHES})
 

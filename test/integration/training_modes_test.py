@@ -227,7 +227,23 @@ class TrainingModes(unittest.TestCase):
         self.assertAlmostEqual(times[-1] - times[0], 0.1 * (len(told) - 1), delta=0.3)
         self.assertEqual(self.trainer.call("start_exercise"), "not_now", "while the hand moves")
 
-    def test_7_what_is_told_can_be_recorded_and_is_what_the_session_holds(self):
+    def test_7_a_recorded_session_is_shown(self):
+        """The one that runs, as far as it is written."""
+        running = newest_session("training_modes")
+        refused = self.trainer.begin_replay("/dev")
+        self.assertEqual((refused.success, refused.error_code), (False, 99999))
+        self.assertIn("/dev/session.rlog", refused.status)
+        self.assertEqual(self.trainer.call("end_replay"), "not_now")
+        answer = self.trainer.begin_replay(os.path.basename(running))
+        self.assertEqual((answer.success, answer.status, answer.error_code), (True, "accepted", 1))
+        self.trainer.await_mode("replaying")
+        self.assertEqual(self.trainer.begin_replay(running).status, "not_now")
+        time.sleep(0.5)
+        self.assertEqual(self.trainer.mode, "replaying", "and the other call did not end it")
+        self.assertEqual(self.trainer.call("end_replay"), "accepted")
+        self.trainer.await_mode("pedal_up")
+
+    def test_8_what_is_told_can_be_recorded_and_is_what_the_session_holds(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "training.bag")
             recorder = subprocess.Popen(["rosbag", "record", "-O", path, "mode", "exercise/state", "exercise/events"])

@@ -12,7 +12,8 @@ LOOPBACK = "127.0.0.1"
 NODES = {"simulator": "/raven2_simulator", "virtual_raven": "/virtual_raven", "raven_state_bridge": "/raven_state_bridge"}
 SAFER = {"/stop_hazard", "/disengage", "/cancel_plan", "/emergency_stop"}
 TRAINING = {"/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial", "/discard_trial", "/repeat_trial",
-            "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change"}
+            "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
+            "/end_replay"}  # not begin_replay, which reads what the caller names
 
 
 @pytest.fixture(name="master")

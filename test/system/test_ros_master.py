@@ -19,9 +19,9 @@ DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/for
 DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"}
 DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
                    "/cancel_plan", "/emergency_stop", "/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial",
-                   "/discard_trial", "/repeat_trial", "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise",
-                   "/gold/tool_change", "/green/tool_change", "/gold/set_collisions", "/green/set_collisions",
-                   "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
+                   "/discard_trial", "/repeat_trial", "/begin_replay", "/end_replay", "/clear_stop", "/set_view",
+                   "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
+                   "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
 
 
 class Session:

@@ -1,4 +1,6 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -255,6 +257,18 @@ TEST_F(SessionReplay, WhatCannotBeShownIsRefusedWithTheReason) {
     model.session_tick = -1;
   EXPECT_NE(refusal(written("waiting.rlog", waiting)).find("no pedal went down"), std::string::npos);
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
+}
+
+TEST_F(SessionReplay, APipeInTheLogsPlaceIsNotOpened) {
+  const fs::path session = folder / "pipe";
+  fs::create_directory(session);
+  const std::string pipe = (session / "session.rlog").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int fd = open(pipe.c_str(), O_RDWR);  // so that a reader is refused for what it reads, and waits for nobody
+  ASSERT_GE(fd, 0);
+  ASSERT_EQ(write(fd, std::string(4096, 'x').data(), 4096), 4096);
+  EXPECT_NE(refusal(session.string()).find("is no file"), std::string::npos);
+  close(fd);
 }
 
 TEST_F(SessionReplay, ALogOfANewerVersionIsRefused) {
