@@ -16,10 +16,15 @@ bool mayShow(Mode mode) noexcept {
   return mode == Mode::kWaiting || mode == Mode::kPedalUp;
 }
 
+/** "DIR" and "DIR/" alike. */
+std::string folderOf(const std::string& session) {
+  return (fs::absolute(session) / "").lexically_normal().parent_path().parent_path();
+}
+
 }  // namespace
 
 ReplayTask::ReplayTask(PlanningClient* client, Open open, const std::string& beside)
-    : client_(*client), open_(std::move(open)), sessions_(fs::absolute(beside).lexically_normal().parent_path()) {}
+    : client_(*client), open_(std::move(open)), sessions_(folderOf(beside)) {}
 
 ReplayTask::Outcome ReplayTask::begin(const std::string& session) {
   const std::string directory = fs::path(sessions_) / session;  // an absolute one is itself

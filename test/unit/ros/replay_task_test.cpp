@@ -48,7 +48,10 @@ TEST_F(ReplayTaskTest, LooksForARelativeDirectoryBesideTheRunningSession) {
   answerAll(PlanningAnswer::kAccepted);
   loop.tell();
   EXPECT_EQ(task.begin(".").code, ErrorCode::kSuccess);
-  EXPECT_EQ(opened, std::vector<std::string>{folder + "."});
+  ReplayTask same(
+      &client, [this](const std::string& path) { return open(path); }, folder + "running/");
+  EXPECT_EQ(same.begin(".").code, ErrorCode::kSuccess);
+  EXPECT_EQ(opened, (std::vector<std::string>{folder + ".", folder + "."}));
 }
 
 TEST_F(ReplayTaskTest, WhatIsNoDirectoryIsNotOpened) {

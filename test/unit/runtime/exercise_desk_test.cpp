@@ -91,6 +91,8 @@ TEST(ExerciseDesk, DoesNotBeginAnewWhileTheHandMoves) {
 TEST(ExerciseDesk, AVirtualTrialIsNoPartOfTheAttempt) {
   Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
   ASSERT_TRUE(rig.home());
+  for (int i = 0; i < 200; ++i)
+    rig.tick(false);
   ASSERT_EQ(ask(&rig, RequestKind::kBeginTrial, 7), PlanningAnswer::kAccepted);
   for (int i = 0; i < 20; ++i)
     rig.tick(true);
