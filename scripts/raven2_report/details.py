@@ -70,7 +70,8 @@ class Details:
              f"outside faults {number(haptic.get('max_force_outside_faults_N'), 2, 'N')}"
              + (f"<br>{esc(max(delays))} ms at most from error to force" if delays else "")),
             ("Plan", esc(words(plan.get("status", "–"))),
-             f"cost {number(plan['cost'])}, {number(plan['waypoints'])} waypoints" if plan.get("success") else "path planner"),
+             f"cost {number(plan['cost'])}, {number(plan['waypoints'])} waypoints" if plan.get("success")
+             else "path planner"),
         ]
         return '<div class="cards">' + "".join(
             f'<div class="card"><span>{title}</span><b>{value}</b><small>{note}</small></div>'
