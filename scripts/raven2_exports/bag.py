@@ -31,7 +31,7 @@ def joint_state(message, q, dq, tau, d4):
 
 
 class Writer:
-    """Messages in order of their time; `counts` by topic."""
+    """Messages kind by kind, each with its own time, by which readers of a bag sort them; `counts` by topic."""
 
     def __init__(self, bag):
         import rospy

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from raven2_report.text import esc, number, percent, table, words
+from raven2_report.text import esc, is_number, number, percent, table, words
 
 PAPER_ERROR = "2.43 ± 1.72 mm"  # Li et al. 2017, Figure 4: the real robot in a run without faults
 
@@ -15,7 +15,7 @@ def arm_contacts(header):
     arms = header["arm_contacts"]
     if isinstance(arms, bool):
         return "on" if arms else "off"
-    return ", ".join(f"{arm} {'on' if on else 'off'}" for arm, on in zip(header["arm_names"], arms))
+    return esc(", ".join(f"{arm} {'on' if on else 'off'}" for arm, on in zip(header["arm_names"], arms)))
 
 
 class Details:
@@ -54,7 +54,7 @@ class Details:
         haptic = self.metrics.get("haptic", {})
         plan = self.metrics.get("plan", {})
         lockstep = self.metrics.get("lockstep")
-        delays = [f["error_to_force_ms"] for f in self.faults if f.get("error_to_force_ms") is not None]
+        delays = [f["error_to_force_ms"] for f in self.faults if is_number(f.get("error_to_force_ms"))]
         spread = f"{number(error.get('mean'))} ± {number(error.get('std'))} mm" if error else "–"
         entries = [
             ("Duration", number(float(self.duration), 1, "s"), "from the first pedal down"),
@@ -68,9 +68,10 @@ class Details:
             ("Largest distance", number(error.get("max"), 2, "mm"), "outside faults"),
             ("Strongest cue", number(haptic.get("max_force_N"), 2, "N"),
              f"outside faults {number(haptic.get('max_force_outside_faults_N'), 2, 'N')}"
-             + (f"<br>{max(delays)} ms at most from error to force" if delays else "")),
+             + (f"<br>{esc(max(delays))} ms at most from error to force" if delays else "")),
             ("Plan", esc(words(plan.get("status", "–"))),
-             f"cost {plan['cost']:.2f}, {plan['waypoints']} waypoints" if plan.get("success") else "path planner"),
+             f"cost {number(plan['cost'])}, {number(plan['waypoints'])} waypoints" if plan.get("success")
+             else "path planner"),
         ]
         return '<div class="cards">' + "".join(
             f'<div class="card"><span>{title}</span><b>{value}</b><small>{note}</small></div>'
@@ -86,7 +87,7 @@ class Details:
                          f"{f['last_tick'] - f['first_tick'] + 1:,} ms",
                          f"{f['first_cycle']:,} – {f['last_cycle']:,}" if "first_cycle" in f else "–",
                          number(f.get("max_error_mm"), 2, "mm"), number(f.get("max_force_N"), 2, "N"),
-                         "–" if delay is None else f"{delay} ms"])
+                         number(delay, 0, "ms")])
         return table(["", "Scenario", "Start", "Length", "Robot cycles", "Largest tip distance", "Strongest cue",
                       "Error to force"], rows, {0, 2, 3, 4, 5, 6, 7})
 

@@ -25,7 +25,9 @@ def _attempt_line(facts):
     if facts.attempt is None:
         return ""
     first, last = facts.attempt_span()
-    parts = [f"Attempt {facts.attempt.get('number', 1)} of {len(facts.attempts)}", f"{clock(last - first)} long"]
+    began = facts.attempt.get("status") != "failed" or is_number(facts.attempt.get("first_tick"))
+    parts = [f"Attempt {facts.attempt.get('number', 1)} of {len(facts.attempts)}",
+             f"{clock(last - first)} long" if began else "over before its time began"]
     if is_number(facts.attempt.get("composite")):
         parts.append(f"{100 * facts.attempt['composite']:.0f} % of the judged metrics passed (decides nothing: each "
                      "has to)")
@@ -68,7 +70,8 @@ def _bands(facts):
     parts.append(f'<div class="columns">{"".join(columns)}</div>')
     missing = [metric_words.words_of(name).title for name in facts.attempt.get("not_judged", [])]
     if missing:
-        parts.append(f'<p class="sub">Not measured in this attempt, so not judged: {esc(", ".join(missing))}.</p>')
+        parts.append(f'<p class="sub">Not judged: {esc(", ".join(missing))} (not measured in this attempt, or '
+                     'not in the band).</p>')
     return f'<section><h2>Score by metric</h2>{"".join(parts)}</section>'
 
 

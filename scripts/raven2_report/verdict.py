@@ -18,7 +18,7 @@ def failed_metrics(facts):
 
 
 def badly_answered(facts):
-    """The attempt's hazards that were not answered rightly and in time; in a drill also those that nobody could answer."""
+    """The attempt's hazards that were not answered rightly and in time; in a drill also what nobody could answer."""
     hazards = [h for h in (facts.attempt or {}).get("hazards", []) if isinstance(h, dict)]
     bad = [h for h in hazards if h.get("verdict") not in ("right", "coincidence")]
     wanted = facts.training["drill"] != "none" and not _any_right(hazards)

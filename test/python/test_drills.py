@@ -1,4 +1,5 @@
-"""Two trainees in the same drill, by the programs alone: one lets go of the pedal 400 ms after the force, one goes on."""
+"""Two trainees in the same drill, by the programs alone: one lets go of the pedal 400 ms after the force, the other
+goes on."""
 import csv
 import json
 import os

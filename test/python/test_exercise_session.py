@@ -37,7 +37,8 @@ tracks:
 watch: []
 targets: []
 metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}
-drill: {scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], wrong: [push_on, slow], within: 1.25}
+drill: {scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], wrong: [push_on, slow],
+  within: 1.25}
 """
 RULE = {"right": ["stop"], "wrong": ["push_on", "slow"], "within_s": 1.25}
 CURRICULUM = """
@@ -146,7 +147,8 @@ def test_the_curve_and_the_stage_are_printed(school, course):
     done = run("score_session", school.folder / "sessions/4")
     assert done.returncode == 0, done.stderr
     assert "ann so far:" in done.stdout
-    rows = [line for line in done.stdout.splitlines() if line.split()[:1] and line.split()[0] in "1234" and "done" in line]
+    rows = [line for line in done.stdout.splitlines()
+            if line.split()[:1] and line.split()[0] in "1234" and "done" in line]
     assert [row.split()[0] for row in rows] == ["1", "2", "3", "4"]
     assert [row.endswith("not passed") for row in rows] == [False, True, False, False]
     assert "  stay: 2 of 2 in a row" in done.stdout and "> camera_clutch: 0 of 2 in a row" in done.stdout
@@ -227,7 +229,8 @@ def test_recover_session_scores_what_was_not(school, course):
 
 def test_a_metric_that_is_not_there_is_refused_with_its_line(school):
     school.write("exercises/wrong", EXERCISE.replace("name: stay", "name: wrong").replace("tremor:", "tremors:"))
-    line = 1 + EXERCISE.splitlines().index("metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}")
+    line = 1 + EXERCISE.splitlines().index(
+        "metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}")
     done = run("simulate", "--config", school.config, "--exercise", "wrong", "--output", school.folder / "never")
     assert done.returncode == 1
     assert f"wrong.yaml:{line}: metrics/tremors is no metric, expected one of: time, path" in done.stderr
@@ -235,7 +238,8 @@ def test_a_metric_that_is_not_there_is_refused_with_its_line(school):
 
 def test_the_expert_climbs_by_bands_that_were_made_of_it(school):
     """From the packaged exercise to its band, and with that through the first stage of the packaged curriculum."""
-    made = subprocess.run([sys.executable, ROOT / "scripts/make_bands", "camera_clutch", "--seeds", "1001-1002", "--output",
+    made = subprocess.run([sys.executable, ROOT / "scripts/make_bands", "camera_clutch", "--seeds", "1001-1002",
+                           "--output",
                            school.folder / "config/bands"], capture_output=True, text=True, check=False)
     assert made.returncode == 0, made.stdout + made.stderr
     told = []

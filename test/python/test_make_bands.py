@@ -1,6 +1,7 @@
 """scripts/make_bands with a program in simulate's place that writes what the real one would."""
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -51,6 +52,21 @@ def test_a_band_of_what_was_done(build, tmp_path):
     assert band["metrics"]["time"]["mean"] == 42.0
     assert "10/10" in done.stderr and "peg_transfer 8: failed (mistakes) in 48.0 s" in done.stderr
     assert "no pedal-down" in done.stderr
+
+
+def test_an_installed_one_finds_programs_and_exercises_where_they_are_installed(tmp_path):
+    programs, share = tmp_path / "lib/raven2_trainer", tmp_path / "share/raven2_trainer"
+    programs.mkdir(parents=True)
+    (share / "config/exercises").mkdir(parents=True)
+    (share / "config/exercises/only_one.yaml").write_text("number: 1\n")
+    for name in ("make_bands", "make_expert_band"):
+        shutil.copy(SCRIPT.parent / name, programs)
+    (programs / "simulate").write_text(STUB)
+    (programs / "simulate").chmod(0o755)
+    done = subprocess.run([sys.executable, str(programs / "make_bands"), "--seeds", "1-2"], capture_output=True,
+                          text=True, check=False, env={**os.environ, "RAVEN2_TRAINER_BUILD": str(tmp_path / "none")})
+    assert done.returncode == 0, done.stderr
+    assert (share / "config/bands/only_one.yaml").exists()
 
 
 def test_without_two_that_were_done_there_is_no_band(build, tmp_path):

@@ -53,6 +53,15 @@ def test_means_and_sample_deviations_of_the_attempts_that_were_done(tmp_path):
     assert band["metrics"]["clutches"]["least"] == 1
 
 
+def test_a_band_that_cannot_be_written_leaves_the_old_one(tmp_path):
+    folders, bands = three(tmp_path), tmp_path / "bands"
+    bands.mkdir()
+    (bands / "peg_transfer.yaml").write_text("the old one")
+    (bands / "peg_transfer.yaml.part").mkdir()  # in the way of the new one
+    assert run(*folders, "--output", str(bands)).returncode != 0
+    assert (bands / "peg_transfer.yaml").read_text() == "the old one"
+
+
 def test_a_logarithm_is_granted_a_factor_of_two(tmp_path):
     folders = [session(tmp_path, str(i), ("done", {"ldlj": {**metric(value, "-", "higher"), "scored": True}}))
                for i, value in enumerate([-24.0, -24.2])]
@@ -71,6 +80,7 @@ def test_a_chosen_list_and_a_folder(tmp_path):
     assert done.returncode == 0, done.stderr
     band = yaml.safe_load((tmp_path / "peg_transfer.yaml").read_text())
     assert list(band["metrics"]) == ["time"]
+    assert not list(tmp_path.glob("*.part"))
     assert band["least_spread"] == 0.1
 
 

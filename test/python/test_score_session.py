@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 sys.path.insert(0, str(ROOT / "test" / "python"))
 import raven2_session  # noqa: E402
-from test_smoothness_references import dimensionless_jerk, spectral_arc_length  # noqa: E402
+from smoothness_oracle import dimensionless_jerk, spectral_arc_length  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 

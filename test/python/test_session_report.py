@@ -356,6 +356,34 @@ def test_hostile_names_are_shown_and_do_nothing(tmp_path):
     assert record["session"]["trainee"] == HOSTILE, "JSON says it as it is"
 
 
+def test_hostile_figures_of_the_engineering_part_do_nothing(tmp_path):
+    folder = made.make(tmp_path / "s", made.score(), arm_names=[HOSTILE, "green"], arm_contacts=[True, False])
+    fault = {"name": "sudden_jump", "first_tick": 1000, "last_tick": 1300, "error_to_force_ms": HOSTILE}
+    plan = {"success": True, "status": "found", "cost": HOSTILE, "waypoints": HOSTILE}
+    (folder / "metrics.json").write_text(json.dumps({"faults": [fault], "plan": plan}))
+    page, _, _ = report(folder)
+    assert "<img src=x" not in page and page.count("<script") == 2
+    assert "alert(1)&gt;&quot;" in page, "the arm's name"
+
+
+def test_an_attempt_that_failed_before_its_timer_started_has_no_length(tmp_path):
+    scored = made.score(status="failed", failure="broke_off", improve=[])
+    scored["attempts"][0].update(first_tick=None, last_tick=None, composite=None, metrics={}, not_judged=["time"])
+    page, _, _ = report(made.make(tmp_path / "s", scored))
+    assert "Not passed: something broke off" in page and "Attempt 1 of 1, over before its time began" in page
+
+
+def test_a_hazard_that_found_the_hands_let_go_is_no_failure(tmp_path):
+    scored = made.score(True, improve=["path"], hazards=[made.hazard("coincidence", None)])
+    page, _, _ = report(made.make(tmp_path / "a", scored, drill="none"))
+    assert "answered rightly" not in headline(page) and headline(page).startswith("Passed")
+    assert "had let go before anybody could react" in page
+    scored = made.score(improve=["hazard_response"], values={"time": made.metric(1.8, 2.0, 0.1, 2.5)},
+                        hazards=[made.hazard("coincidence", None)])
+    page, record, _ = report(made.make(tmp_path / "b", scored))
+    assert "let go" in headline(page) and "let go" in record["improve"][0]["what"]
+
+
 def test_copies_outside_the_session_are_not_read(tmp_path):
     secret = tmp_path / "config" / "exercises" / "pick_hand_over_place.yaml"
     secret.parent.mkdir(parents=True)

@@ -55,7 +55,7 @@ struct HandSample {
   PerArm<Vec3> model_B{}, robot_B{};  ///< [m] tips
 };
 
-/** Samples without a gap: kLead before the injection or more, until recovery and kWatch behind the injection. */
+/** Samples without a gap: kLead before the injection or more, until recovery and watchOf() behind the injection. */
 struct HazardWindow {
   std::vector<HandSample> samples;
   std::size_t injection{};   ///< index of the first sample that the fault acts in
