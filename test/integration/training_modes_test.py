@@ -200,6 +200,7 @@ class TrainingModes(unittest.TestCase):
         # WHEN it is back
         self.camera.on = True
         self.view.await_size(REAL)
+        time.sleep(0.2)  # the one that was being drawn
         self.assertEqual(self.view.sizes_within(0.5), {REAL})
         self.assertEqual(self.trainer.call("set_view", False), "accepted")
         self.view.await_size(VIRTUAL)
