@@ -244,6 +244,7 @@ class TrainingModes(unittest.TestCase):
             time.sleep(0.5)
             recorder.send_signal(signal.SIGINT)
             self.assertEqual(recorder.wait(20), 0)
+            until(lambda: os.path.exists(path), 20, "the bag is whole")  # its writer ends after the script that began it
             with rosbag.Bag(path) as bag:
                 told = [(m.topic, m.message) for m in bag.read_messages()]
         heard = self.trainer.events.messages[begun:]
