@@ -81,7 +81,7 @@ TEST(NominalSession, EveryLinksCountersAddUp) {
     ++links;
     EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK) << status.name << ": " << status.message;
   }
-  EXPECT_EQ(links, 3);
+  EXPECT_EQ(links, 4) << "master, robot, relay and pedals";
 }
 
 }  // namespace
