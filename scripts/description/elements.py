@@ -138,7 +138,7 @@ def strand(scene, part, path, looks_like):
 
 def wire(scene, part):
     strand(scene, part, s.wire_path(part.take('start'), part.take('end'), part.take('amplitude'),
-                                    part.sizes['height'], 400), None)
+                                    part.sizes['height'], 400), part.take('mesh', ''))
 
 
 def rail(scene, part):

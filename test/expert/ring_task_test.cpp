@@ -63,7 +63,7 @@ TEST_P(RingExercise, ClumsyHandsDoWorseAsExpected) {
 
 INSTANTIATE_TEST_SUITE_P(Expert,
                          RingExercise,
-                         ::testing::Values("pick_hand_over_place", "peg_transfer"),
+                         ::testing::Values("pick_hand_over_place", "peg_transfer", "ring_tower_transfer"),
                          [](const auto& one) { return std::string(one.param); });
 
 }  // namespace
