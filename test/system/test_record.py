@@ -120,9 +120,7 @@ def test_a_killed_daemon_loses_no_committed_record_and_the_next_start_recovers_i
         stack.output = os.path.join(stack.folder, "sessions", "last")
         start_ticking(stack, forces)
         folders = [os.path.join(stack.folder, "sessions", str(n)) for n in range(figures["kills"])]
-        # The recovery has only what the machine leaves over, so each session has its own time.
-        for folder in folders:
-            wait_until(lambda: os.path.exists(os.path.join(folder, "recovered.json")), 60, f"recovered: {folder}")
+        wait_until(lambda: all(os.path.exists(os.path.join(f, "recovered.json")) for f in folders), 120, "recovered")
         assert stack.stop("simulator")[0] == 0, stack.log_text("simulator")
         for folder in folders:
             log, _ = arrays(folder)
