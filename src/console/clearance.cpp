@@ -15,6 +15,9 @@ constexpr double kOffFloor = 0.0004;    ///< [m] of the jaws' tips
 constexpr double kStepLength = 0.004;   ///< [m] between the poses of a way that are looked at
 constexpr double kStepAngle = 0.1;      ///< [rad]
 
+// A jaw is a box (raven2.urdf) with its inner face in the plane of the hinge; about as much is in three round rods.
+constexpr double kJawThickness = 0.0015, kJawWidth = 0.0036;  ///< [m]
+
 // A bar between open jaws is where they are 8.5 mm from the hinge, and has so much room on either side: aims err by
 // half a millimetre, and tools stand within 0.3 mm of where they should.
 constexpr double kUsualReach = 0.0085, kRoomBesideBar = 0.0013;  ///< [m]
@@ -49,6 +52,27 @@ double lowestTip(const Pose& X_WT, double opening) noexcept {
         std::min(lowest, X_WT.p.z() + kJawLength * (std::cos(angle) * X_WT.R(2, 0) + std::sin(angle) * X_WT.R(2, 1)));
   }
   return lowest;
+}
+
+/** In the tool's frame, turned by `angle` about the hinge, from the inner face towards `side`. */
+Vector3 inJaw(double angle, const Vector3& p) noexcept {
+  return Eigen::AngleAxisd(angle, Vector3::UnitZ()) * p;
+}
+
+double roomOfJaw(const Pose& X_WT, double side, double opening, const Surroundings& around) noexcept {
+  constexpr double kRod = 0.5 * kJawThickness, kHalf = 0.5 * kJawWidth;
+  const double angle = 0.5 * side * opening;
+  double room = 1.0;
+  for (const double z : {-kHalf, kHalf}) {
+    for (const double y : {0.0, side * kJawThickness})
+      room = std::min(room, (X_WT * inJaw(angle, {kJawLength, y, z})).z() - around.floor);
+  }
+  for (const double z : {kRod - kHalf, 0.0, kHalf - kRod}) {
+    const Vector3 hinge = inJaw(angle, {kRod, side * kRod, z}), tip = inJaw(angle, {kJawLength - kRod, side * kRod, z});
+    for (const Capsule& solid : around.solids)
+      room = std::min(room, gapBetween({X_WT * hinge, X_WT * tip, kRod}, solid));
+  }
+  return room;
 }
 
 }  // namespace
@@ -108,6 +132,15 @@ bool isClear(const ArmsConfig& arms, Arm arm, const Pose& X_WT, const Surroundin
     }
   }
   return true;
+}
+
+double roomOfJaws(const Pose& X_WT, const Surroundings& around) noexcept {
+  double room = 1.0;
+  for (const double share : {1.0, 0.5, 0.0}) {
+    for (const double side : {-1.0, 1.0})
+      room = std::min(room, roomOfJaw(X_WT, side, share * around.opening, around));
+  }
+  return room;
 }
 
 int blockedBetween(const ArmsConfig& arms,

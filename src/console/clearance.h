@@ -49,6 +49,9 @@ struct Surroundings {
 /** Whether a tool may stand there. Real-time safe. */
 bool isClear(const ArmsConfig& arms, Arm arm, const Pose& X_WT, const Surroundings& around) noexcept;
 
+/** [m] Room of the jaws alone, as they truly are, while they close on a bar: to the solids and the floor. */
+double roomOfJaws(const Pose& X_WT, const Surroundings& around) noexcept;
+
 /** On the straight way from one pose to another, 4 mm or 0.1 rad apart: number of places where it may not stand. */
 int blockedBetween(const ArmsConfig& arms,
                    Arm arm,

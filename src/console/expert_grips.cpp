@@ -4,6 +4,9 @@ namespace raven2_trainer::console {
 namespace {
 
 constexpr int kThinking = 3;                           ///< [-] grips judged in a millisecond
+constexpr int kAims = 40;                              ///< [-] at most, each with more care
+constexpr double kMoreCare = 0.9;                      ///< [-] of the error before
+constexpr double kSteady = 0.0004;                     ///< [m] tremor, and a tool that is not quite where it should be
 constexpr double kLift = 0.010;                        ///< [m] off what it lies on
 constexpr double kAbovePeg = 0.019;                    ///< [m] of a ring's middle over the peg's top
 constexpr double kHalfDown = 0.5, kAboveFoot = 0.001;  ///< [-, m] of the peg's height: there a ring is let go
@@ -21,8 +24,11 @@ void Expert::grip(const Verb& verb) {
     first(passing(verb.arm, plan_.via));
     return Tick{0};
   });
-  const Pose miss = aim();
-  const auto wanted = [this, verb, miss] { return ring(verb.object) * toolInRing(plan_.grip, shape(verb)) * miss; };
+  then([this, verb] {
+    miss_ = aimBeside(verb);
+    return Tick{0};
+  });
+  const auto wanted = [this, verb] { return ring(verb.object) * toolInRing(plan_.grip, shape(verb)) * miss_; };
   then(travel(
       verb.arm, [wanted] { return drawnBack(wanted(), kStandOff); }, speed()));
   then(settle(verb.arm, kLooks));
@@ -124,12 +130,28 @@ Vector3 Expert::onPeg(const Verb& verb) const {
   return toEigen(peg.base_W) + Vector3(0, 0, kHalfDown * peg.height + kAboveFoot);
 }
 
-Pose Expert::aim() {
+Pose Expert::aimBeside(const Verb& verb) {
+  Surroundings fixed;
+  fixed.solids = standingIn(roles_);
+  fixed.floor = floorOf(roles_);
+  fixed.opening = openFor(shape(verb).bar_radius);
+  const Pose X_WT = ring(verb.object) * toolInRing(plan_.grip, shape(verb));
+  double care = 1.0;
+  Pose miss = aim(care);
+  for (int i = 0; i < kAims && roomOfJaws(X_WT * miss, fixed) < kSteady; ++i) {
+    care *= kMoreCare;
+    miss = aim(care);
+  }
+  return miss;
+}
+
+Pose Expert::aim(double care) {
   Pose X;
+  const double error = care * skill_.aim_error, angle = care * skill_.aim_angle;
   for (int i = 0; i < 3; ++i)
-    X.p(i) = random_.uniform(-skill_.aim_error, skill_.aim_error);
+    X.p(i) = random_.uniform(-error, error);
   const Vector3 axis = Vector3(random_.normal(), random_.normal(), random_.normal()).normalized();
-  X.R = Eigen::AngleAxisd(random_.uniform(-skill_.aim_angle, skill_.aim_angle), axis).toRotationMatrix();
+  X.R = Eigen::AngleAxisd(random_.uniform(-angle, angle), axis).toRotationMatrix();
   return X;
 }
 

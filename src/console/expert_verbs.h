@@ -65,7 +65,11 @@ class Expert : public Surgeon {
   Vector3 lifted(std::uint8_t object) const;
   Vector3 abovePeg(const Verb& verb) const;
   Vector3 onPeg(const Verb& verb) const;
-  Pose aim();
+  /** How the tool will err from the planned grip: never so that its jaws would touch a peg or the floor, which an
+   * expert sees and corrects. */
+  Pose aimBeside(const Verb& verb);
+  /** @param care [-] share of the skill's errors. */
+  Pose aim(double care);
   const SceneObject& shape(const Verb& verb) const { return roles_.objects[verb.object]; }
 
   // expert_carries.cpp: what is done with it
@@ -103,6 +107,7 @@ class Expert : public Surgeon {
   Task task_{};
   std::optional<GripSearch> search_;
   GripPlan plan_;
+  Pose miss_;                 ///< [@frame tool] of the grip at hand
   double heading_{};          ///< [rad] of the ring when it was made
   std::size_t wire_left_{0};  ///< [mm] of the way along the wire at the last look
 };
