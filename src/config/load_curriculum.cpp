@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "named_files.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
@@ -48,24 +49,11 @@ Curriculum loadCurriculum(const std::string& path) {
 }
 
 std::vector<std::string> curriculumNames(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+  return namesIn(folder);
 }
 
 Curriculum findCurriculum(const std::string& folder, const std::string& name) {
-  const std::vector<std::string> names = curriculumNames(folder);
-  if (std::find(names.begin(), names.end(), name) != names.end()) {
-    return loadCurriculum((fs::path(folder) / (name + ".yaml")).string());
-  }
-  std::string known;
-  for (const std::string& each : names)
-    known += (known.empty() ? "" : ", ") + each;
-  throw ConfigException("curriculum \"" + name + "\" is not known; there are: " + (known.empty() ? "none" : known));
+  return loadCurriculum(namedFile(folder, name, "curriculum", {}));
 }
 
 }  // namespace raven2_trainer::config

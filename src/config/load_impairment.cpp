@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "named_files.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
@@ -137,26 +138,13 @@ Impairment loadImpairment(const std::string& path) {
 }
 
 std::vector<std::string> impairmentNames(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+  return namesIn(folder);
 }
 
 Impairment findImpairment(const std::string& folder, const std::string& name) {
   if (name == "none") return {};
   if (fs::path(name).extension() == ".yaml") return loadImpairment(name);
-  const std::vector<std::string> names = impairmentNames(folder);
-  if (std::find(names.begin(), names.end(), name) != names.end()) {
-    return loadImpairment((fs::path(folder) / (name + ".yaml")).string());
-  }
-  std::string known = "none";
-  for (const std::string& each : names)
-    known += ", " + each;
-  throw ConfigException("impairment \"" + name + "\" is not known; there are: " + known + ", or FILE.yaml");
+  return loadImpairment(namedFile(folder, name, "impairment", {"none", "FILE.yaml"}));
 }
 
 }  // namespace raven2_trainer::config

@@ -1,9 +1,9 @@
 #include "raven2_trainer/config/load_problem.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <sstream>
 
+#include "named_files.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
@@ -53,25 +53,12 @@ PlanProblem loadProblem(const std::string& path, const ArmGeometry& geometry) {
 }
 
 std::vector<std::string> problemNames(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+  return namesIn(folder);
 }
 
 PlanProblem findProblem(const std::string& folder, const std::string& name, const ArmGeometry& geometry) {
   if (fs::path(name).extension() == ".yaml") return loadProblem(name, geometry);
-  const std::vector<std::string> names = problemNames(folder);
-  if (std::find(names.begin(), names.end(), name) != names.end()) {
-    return loadProblem((fs::path(folder) / (name + ".yaml")).string(), geometry);
-  }
-  std::string known;
-  for (const std::string& each : names)
-    known += each + ", ";
-  throw ConfigException("problem \"" + name + "\" is not known; there are: " + known + "or FILE.yaml");
+  return loadProblem(namedFile(folder, name, "problem", {"FILE.yaml"}), geometry);
 }
 
 }  // namespace raven2_trainer::config

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "named_files.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_exercise.h"
 #include "raven2_trainer/config/load_scene.h"
@@ -21,26 +22,6 @@ constexpr std::size_t kLongestTrainee = 32;   // a name in lists and reports, no
 constexpr const char* kOwnDrill = "own";      // the one that the exercise names
 constexpr std::uint64_t kDrillStream = 0xD1;  // of the seed: a number for each attempt, in order
 
-std::vector<std::string> namesIn(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-/** The file of that name; a name is one of the folder's, so none leads out of it. */
-std::string fileOf(const std::string& folder, const std::string& name, const char* what) {
-  const std::vector<std::string> names = namesIn(folder);
-  if (std::find(names.begin(), names.end(), name) != names.end()) return (fs::path(folder) / (name + ".yaml")).string();
-  std::string known = "none";
-  for (const std::string& each : names)
-    known += ", " + each;
-  throw ConfigException(std::string("no ") + what + " is called \"" + name + "\"; known: " + known);
-}
-
 void checkTrainee(const std::string& id) {
   const bool is_good = std::all_of(id.begin(), id.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -52,8 +33,8 @@ void checkTrainee(const std::string& id) {
 
 /** Scene first: the exercise speaks of its parts by name. */
 void readExercise(TrainerConfig* c) {
-  const std::string file = fileOf(c->exercises, c->exercise_name, "exercise");
-  const std::string scene = fileOf(c->scenes, Section::fromFile(file).text("scene"), "scene");
+  const std::string file = namedFile(c->exercises, c->exercise_name, "exercise", {"none"});
+  const std::string scene = namedFile(c->scenes, Section::fromFile(file).text("scene"), "scene", {});
   c->files.insert(c->files.end(), {file, scene});
   c->roles = loadScene(scene);
   c->exercise = loadExercise(file, c->roles);
@@ -93,7 +74,7 @@ void loadTraining(const TrainingNames& names, TrainerConfig* config) {
   config->curriculum = names.curriculum;
   checkTrainee(config->trainee);
   if (config->curriculum != "none") {
-    config->files.push_back(fileOf(config->curricula, config->curriculum, "curriculum"));
+    config->files.push_back(namedFile(config->curricula, config->curriculum, "curriculum", {"none"}));
   }
   if (config->exercise_name == "none") {
     if (config->drill == "none") return;

@@ -1,18 +1,20 @@
 #include "raven2_trainer/config/load_band.h"
 
-#include <unistd.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
-#include "gtest/gtest.h"
 #include "raven2_trainer/config/load_curriculum.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "support/yaml_file.h"
 
 namespace raven2_trainer::config {
 namespace {
 
+using raven2_trainer::testing::expectRefused;
+using raven2_trainer::testing::replaced;
+using raven2_trainer::testing::TemporaryFile;
 namespace fs = std::filesystem;
 
 constexpr const char* kBand = R"(origin: scripted expert, not surgeons
@@ -30,46 +32,12 @@ stages:
   - {exercise: ring_tower_transfer, drill: sudden_jump, passes: 1, extra: 0}
 )";
 
-/** A file that is there for the time of a test. */
-class TemporaryFile {
- public:
-  TemporaryFile(const std::string& name, const std::string& text)
-      : folder_(fs::temp_directory_path() / ("load_band_test_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-    path_ = (folder_ / name).string();
-    std::ofstream(path_) << text;
-  }
-  ~TemporaryFile() { fs::remove_all(folder_); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
-  std::string folder() const { return folder_.string(); }
-
- private:
-  fs::path folder_;
-  std::string path_;
-};
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 Band bandOf(const std::string& text) {
   return loadBand(TemporaryFile("peg_transfer.yaml", text).path());
 }
 
 Curriculum curriculumOf(const std::string& text) {
   return loadCurriculum(TemporaryFile("basics.yaml", text).path());
-}
-
-template <typename Load>
-void expectRefused(Load load, const std::string& text, const std::string& from, const std::string& to, int line) {
-  try {
-    load(replaced(text, from, to));
-    ADD_FAILURE() << to << " was taken";
-  } catch (const ConfigException& e) {
-    EXPECT_NE(std::string(e.what()).find(".yaml:" + std::to_string(line) + ":"), std::string::npos) << e.what();
-  }
 }
 
 TEST(LoadBand, ReadsEveryMetricInOrder) {
@@ -88,17 +56,17 @@ TEST(LoadBand, ReadsEveryMetricInOrder) {
 }
 
 TEST(LoadBand, RefusesWhatIsWrongWithItsLine) {
-  expectRefused(bandOf, kBand, "sessions: 20", "sessions: 1", 2);
-  expectRefused(bandOf, kBand, "least_spread: 0.25", "least_spread: -0.1", 3);
-  expectRefused(bandOf, kBand, "deviation: 2.0", "deviation: -2.0", 5);
-  expectRefused(bandOf, kBand, "better: higher", "better: more", 6);
-  expectRefused(bandOf, kBand, ", least: 0.0", "", 5);
-  expectRefused(bandOf, kBand, "least: 0.1", "least: 0.1, most: 3", 6);
-  expectRefused(bandOf, kBand, "mean: 61.5", "mean: .nan", 5);
-  expectRefused(bandOf, kBand, "origin:", "orgin:", 1);
-  expectRefused(bandOf, kBand, "  time:", "  tiem:", 5);
-  expectRefused(bandOf, kBand, "better: lower", "better: higher", 5);
-  expectRefused(bandOf, kBand, "better: higher", "better: lower", 6);
+  expectRefused(bandOf, replaced(kBand, "sessions: 20", "sessions: 1"), 2);
+  expectRefused(bandOf, replaced(kBand, "least_spread: 0.25", "least_spread: -0.1"), 3);
+  expectRefused(bandOf, replaced(kBand, "deviation: 2.0", "deviation: -2.0"), 5);
+  expectRefused(bandOf, replaced(kBand, "better: higher", "better: more"), 6);
+  expectRefused(bandOf, replaced(kBand, ", least: 0.0", ""), 5);
+  expectRefused(bandOf, replaced(kBand, "least: 0.1", "least: 0.1, most: 3"), 6);
+  expectRefused(bandOf, replaced(kBand, "mean: 61.5", "mean: .nan"), 5);
+  expectRefused(bandOf, replaced(kBand, "origin:", "orgin:"), 1);
+  expectRefused(bandOf, replaced(kBand, "  time:", "  tiem:"), 5);
+  expectRefused(bandOf, replaced(kBand, "better: lower", "better: higher"), 5);
+  expectRefused(bandOf, replaced(kBand, "better: higher", "better: lower"), 6);
 }
 
 TEST(LoadBand, ABandWithoutMetricsIsNone) {
@@ -125,13 +93,13 @@ TEST(LoadCurriculum, ReadsItsStages) {
 }
 
 TEST(LoadCurriculum, RefusesWhatIsWrongWithItsLine) {
-  expectRefused(curriculumOf, kCurriculum, "deviations: 1.5", "deviations: 0", 2);
-  expectRefused(curriculumOf, kCurriculum, "passes: 2", "passes: 0", 4);
-  expectRefused(curriculumOf, kCurriculum, "exercise: peg_transfer", "exercise: ../peg_transfer", 4);
-  expectRefused(curriculumOf, kCurriculum, "drill: sudden_jump", "drill: \"\"", 5);
-  expectRefused(curriculumOf, kCurriculum, "extra: 10", "extra: ten", 4);
-  expectRefused(curriculumOf, kCurriculum, ", extra: 0", "", 5);
-  expectRefused(curriculumOf, kCurriculum, "title:", "titel:", 1);
+  expectRefused(curriculumOf, replaced(kCurriculum, "deviations: 1.5", "deviations: 0"), 2);
+  expectRefused(curriculumOf, replaced(kCurriculum, "passes: 2", "passes: 0"), 4);
+  expectRefused(curriculumOf, replaced(kCurriculum, "exercise: peg_transfer", "exercise: ../peg_transfer"), 4);
+  expectRefused(curriculumOf, replaced(kCurriculum, "drill: sudden_jump", "drill: \"\""), 5);
+  expectRefused(curriculumOf, replaced(kCurriculum, "extra: 10", "extra: ten"), 4);
+  expectRefused(curriculumOf, replaced(kCurriculum, ", extra: 0", ""), 5);
+  expectRefused(curriculumOf, replaced(kCurriculum, "title:", "titel:"), 1);
 }
 
 TEST(LoadCurriculum, ACurriculumWithoutStagesIsNone) {

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "support/yaml_file.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -50,21 +51,11 @@ class LoadScene : public ::testing::Test {
 
   /** The good file with one piece of its text replaced. */
   static std::string with(const std::string& what, const std::string& instead) {
-    std::string text = kGood;
-    const std::size_t place = text.find(what);
-    EXPECT_NE(place, std::string::npos) << what;
-    return text.replace(place, what.size(), instead);
+    return raven2_trainer::testing::replaced(kGood, what, instead);
   }
 
   void expectRefused(const std::string& content, int line, const std::string& says) const {
-    try {
-      load(content);
-      ADD_FAILURE() << "taken, but should say: " << says;
-    } catch (const ConfigException& e) {
-      const std::string said = e.what(), place = "probe.yaml:" + std::to_string(line) + ":";
-      EXPECT_NE(said.find(place), std::string::npos) << said << " | " << place;
-      EXPECT_NE(said.find(says), std::string::npos) << said << " | " << says;
-    }
+    raven2_trainer::testing::expectRefused([this](const std::string& text) { return load(text); }, content, line, says);
   }
 
   fs::path folder_;

@@ -1,0 +1,36 @@
+#include "named_files.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::config {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> namesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string namedFile(const std::string& folder,
+                      const std::string& name,
+                      const char* what,
+                      const std::vector<std::string>& besides) {
+  std::vector<std::string> names = namesIn(folder);
+  if (std::find(names.begin(), names.end(), name) != names.end()) return (fs::path(folder) / (name + ".yaml")).string();
+  names.insert(names.begin(), besides.begin(), besides.end());
+  std::string known;
+  for (const std::string& each : names)
+    known += (known.empty() ? "" : ", ") + each;
+  throw ConfigException(std::string("no ") + what + " is called \"" + name +
+                        "\"; known: " + (known.empty() ? "none at all" : known));
+}
+
+}  // namespace raven2_trainer::config

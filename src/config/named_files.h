@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+// Folders of configuration: what is in them is known by the name of its file.
+
+namespace raven2_trainer::config {
+
+/** Of the .yaml files in a folder, without the ending, sorted; empty if there is no such folder. */
+std::vector<std::string> namesIn(const std::string& folder);
+
+/**
+ * The file of that name. Only names of the folder's files are looked for, so none leads out of it.
+ * @param[in] what For the message: "exercise".
+ * @param[in] besides What the caller takes instead of a name, for the message.
+ * @throw ConfigException naming all that are known.
+ */
+std::string namedFile(const std::string& folder,
+                      const std::string& name,
+                      const char* what,
+                      const std::vector<std::string>& besides);
+
+}  // namespace raven2_trainer::config

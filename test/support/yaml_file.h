@@ -1,0 +1,59 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "raven2_trainer/core/exceptions.h"
+
+// Files of configuration that a test makes, and what is said about bad ones.
+
+namespace raven2_trainer::testing {
+
+/** A file in a folder of its own that is there for the time of a test. */
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& text)
+      : folder_(std::filesystem::temp_directory_path() / ("raven2_yaml_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+    path_ = (folder_ / name).string();
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { std::filesystem::remove_all(folder_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+  std::string folder() const { return folder_.string(); }
+
+ private:
+  std::filesystem::path folder_;
+  std::string path_;
+};
+
+/** A text with the first place of one piece replaced. */
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t place = text.find(from);
+  if (place == std::string::npos) {
+    ADD_FAILURE() << from << " is nowhere";
+    return text;
+  }
+  return text.replace(place, from.size(), to);
+}
+
+/** `load` throws, naming that line of the file and, if asked for, more. */
+template <typename Load>
+void expectRefused(Load load, const std::string& text, int line, const std::string& says = "") {
+  try {
+    load(text);
+    ADD_FAILURE() << "taken, but should say: line " << line << ", " << says;
+  } catch (const ConfigException& e) {
+    const std::string said = e.what(), place = ".yaml:" + std::to_string(line) + ":";
+    EXPECT_NE(said.find(place), std::string::npos) << said << " | " << place;
+    EXPECT_NE(said.find(says), std::string::npos) << said << " | " << says;
+  }
+}
+
+}  // namespace raven2_trainer::testing
