@@ -31,6 +31,9 @@ void ExerciseDesk::tick(ModelState* state, const ContactList& contacts, bool is_
     if ((parked >> i & 1U) != 0) state->exercise.bodies[i] |= kBodyParked;
   }
   if (judge_->eventCount() > 0) tell(state->tick);
+  const std::uint64_t lost = judge_->lostEvents();
+  if (lost != lost_) shared_.exercise_records.drop(lost - lost_);
+  lost_ = lost;
 }
 
 void ExerciseDesk::tell(Tick tick) noexcept {

@@ -66,6 +66,9 @@ class RecordRing {
     return true;
   }
 
+  /** Producer: elements that found no room even before this ring count as dropped here. */
+  void drop(std::uint64_t count) noexcept { dropped_.fetch_add(count, std::memory_order_relaxed); }
+
   /** Consumer: takes the oldest. @return false if empty; `*element` is unchanged then. */
   bool tryPop(T* element) noexcept {
     const std::uint64_t index = head();
@@ -89,7 +92,7 @@ class RecordRing {
   /** Consumer: gives back the room of all elements below `index`. */
   void release(std::uint64_t index) noexcept { head_.store(index, std::memory_order_release); }
 
-  /** Elements dropped because the ring was full, since the start. Any thread. */
+  /** Elements dropped because the ring was full, or by drop(), since the start. Any thread. */
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
   /** What went through since the start. Any thread; `taken` is read first, so that it is never above `pushed`. */

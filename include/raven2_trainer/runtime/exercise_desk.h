@@ -13,8 +13,8 @@ namespace raven2_trainer::runtime {
 
 /**
  * The exercise of a session within the physics loop: its judge, how the scene was at first, and the way of its events
- * to the recorder and to whoever looks. Without an exercise it does nothing. The constructor is set-up; the rest is
- * real-time safe; one thread.
+ * to the recorder and to whoever looks; those that got lost count among the ring's dropped ones. Without an exercise it
+ * does nothing. The constructor is set-up; the rest is real-time safe; one thread.
  */
 class ExerciseDesk {
  public:
@@ -43,6 +43,7 @@ class ExerciseDesk {
   std::unique_ptr<training::ExerciseJudge> judge_;
   physics::SceneSnapshot at_first_;
   ExerciseNews news_;
+  std::uint64_t lost_{};  ///< events that the judge had no room for, as told to the ring
 };
 
 }  // namespace raven2_trainer::runtime

@@ -108,6 +108,42 @@ TEST(ExerciseDesk, AVirtualTrialIsNoPartOfTheAttempt) {
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kRunning);
 }
 
+TEST(ExerciseDesk, CountsEventsThatTheJudgeHadNoRoomFor) {
+  TrainerConfig config = configWith("camera_clutch");
+  const model::RavenModel raven = model::loadRavenModel(config);
+  const model::SceneModel scene = model::loadSceneModel(config);
+  physics::RavenWorld world(raven, scene, config.model);
+  const std::vector<std::string>& names = world.bodyNames();
+  ASSERT_GE(names.size(), 6U);
+  WatchRule rule;
+  rule.mistake = Mistake::kCollision;
+  rule.names_a = {names[0], names[1], names[2], names[3]};
+  rule.names_b = {names[4], names[5]};
+  config.exercise.rules.assign(kMaxWatchRules, rule);  // all of them see a touch
+  ContactList contacts;
+  for (std::uint16_t a = 0; a < 4; ++a) {
+    for (const std::uint16_t b : {4, 5}) {
+      Contact& touch = contacts.contacts[contacts.count++];
+      touch.a = a;
+      touch.b = b;
+      touch.n_W = touch.f_W = {0.0, 0.0, 1.0};
+    }
+  }
+  const auto shared = std::make_unique<SharedState>();
+  ExerciseDesk desk(config, scene, config.render.cameras.front(), &world, shared.get());
+  ModelState state;
+  state.mode = Mode::kTeleoperating;
+  state.pedal = 1;
+  for (state.tick = 1; state.tick <= 3; ++state.tick)
+    desk.tick(&state, contacts, false);
+  const RingCounts counts = shared->exercise_records.counts();
+  EXPECT_GT(counts.dropped, 0U);
+  // started, began, and touch and mistake of each that the judge's table of touches held
+  const std::size_t seen = state.exercise.mistakes[static_cast<std::size_t>(Mistake::kCollision)];
+  EXPECT_GE(seen, kMaxWatchRules);
+  EXPECT_EQ(counts.pushed + counts.dropped, 2U + 2U * seen);
+}
+
 TEST(ExerciseDesk, WithoutAnExerciseThereIsNothingToBegin) {
   Rig rig(configWith("none"));
   EXPECT_EQ(ask(&rig, RequestKind::kStartExercise, 9), PlanningAnswer::kNotNow);
