@@ -72,7 +72,7 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     if (std::getenv("RAVEN2_TRAINER_TELL") != nullptr || (clumsy.empty() && !isDone(*attempt))) tellAll(*attempt);
     EXPECT_EQ(isDone(*attempt), is_done_by_poses && attempt->isAllPlaced()) << who << ": judge and poses";
     const std::vector<ScriptedStep> steps = stepsInARow(config_.exercise, attempt->verbs());
-    expectSeen(*attempt, steps, who);
+    expectStepsAsDone(*attempt, steps, who);
     return attempt;
   }
 
@@ -164,18 +164,6 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
               return *next == line.size();
             },
             0.0};
-  }
-
-  static void expectSeen(const Attempt& attempt, const std::vector<ScriptedStep>& steps, const std::string& who) {
-    const std::vector<ExerciseRecord> seen = eventsOf(attempt, ExerciseEventKind::kStepDone);
-    ASSERT_LE(seen.size(), steps.size()) << who;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      EXPECT_EQ(static_cast<int>(seen[i].event.track), static_cast<int>(steps[i].track)) << who << ", step " << i;
-      EXPECT_EQ(static_cast<int>(seen[i].event.step), static_cast<int>(steps[i].step)) << who << ", step " << i;
-      const Span window = windowOf(attempt, steps[i]);
-      EXPECT_GE(seen[i].tick, window.first) << who << ", step " << i << " of verb " << steps[i].verb;
-      EXPECT_LE(seen[i].tick, window.last) << who << ", step " << i << " of verb " << steps[i].verb;
-    }
   }
 
   TrainerConfig config_;

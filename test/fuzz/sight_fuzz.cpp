@@ -1,20 +1,11 @@
-#include <zlib.h>
-
 #include <cmath>
 
-#include "fuzz/fuzz_target.h"
+#include "fuzz/mended_crc.h"
 #include "raven2_trainer/wire/sight.h"
 
 // A scripted hand's reader of what it sees. First byte odd: the CRC is put right first, so that values get past it.
 
 namespace {
-
-void mendCrc(raven2_trainer::fuzz::Bytes* bytes) {
-  constexpr std::size_t kCrc = raven2_trainer::wire::kSightSize - sizeof(std::uint32_t);
-  if (bytes->size() != raven2_trainer::wire::kSightSize) return;
-  const auto crc = static_cast<std::uint32_t>(crc32(0, bytes->data(), kCrc));
-  std::memcpy(bytes->data() + kCrc, &crc, sizeof(crc));
-}
 
 void requireSane(const raven2_trainer::RigidPose& pose) {
   using raven2_trainer::fuzz::require;
@@ -30,10 +21,7 @@ void requireSane(const raven2_trainer::RigidPose& pose) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace raven2_trainer;
-  fuzz::Input input(data, size);
-  const bool mend = (input.byte() & 1U) != 0;
-  fuzz::Bytes bytes = input.take(size);
-  if (mend) mendCrc(&bytes);
+  const fuzz::Bytes bytes = fuzz::packetOf(data, size, wire::kSightSize);
   Sight sight;
   if (wire::decodeSight(bytes.data(), bytes.size(), &sight) != Reject::kNone) return 0;
   fuzz::require(static_cast<std::size_t>(sight.mode) < kModeCount, "a mode is one of its names");

@@ -11,36 +11,20 @@ import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "test/python")]
 import raven2_lockstep  # noqa: E402
 import raven2_session  # noqa: E402
+from own_exercise import exercise  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 
 pytestmark = pytest.mark.skipif(not (PROGRAMS / "simulate").exists(), reason="simulate is not built")
 
-# Strokes in a box do it; the second step ends after the drill, so that the drill comes within the attempt.
-EXERCISE = """
-name: stroke
-title: Both hands about the middle
-number: 99
-source: this test
-skills: []
-scene: frs_trainer
-time_limit: 60.0
-begin: {pedal: down}
-sets: {}
-tracks:
-  - name: both
-    steps:
-      - {name: come, until: [{tip_near: middle, arm: gold, within: 0.3}], dwell: 0.5}
-      - {name: stay, until: [{tip_near: middle, arm: green, within: 0.3}], dwell: 6.0}
-watch: []
-targets: []
-metrics: {time: {}}
-drill: {scenario: sudden_jump, at: {step: 2, delay: 0.3, jitter: 0.5}, right: [pedal_up], wrong: [push_on], within: 2.0}
-"""
-BARE = EXERCISE.replace("name: stroke", "name: bare").split("drill:")[0]
+# The second step ends after the drill, so that the drill comes within the attempt.
+STEPS = [("come", "gold", 0.5), ("stay", "green", 6.0)]
+EXERCISE = exercise("stroke", STEPS, "{time: {}}", "{scenario: sudden_jump, at: {step: 2, delay: 0.3, jitter: 0.5}, "
+                    "right: [pedal_up], wrong: [push_on], within: 2.0}")
+BARE = exercise("bare", STEPS, "{time: {}}")
 AGREEMENT = 5  # [ms] of a measured time with the truth
 # (exercise, motion, [s] until the drill was answered, or was not)
 CASES = [("stroke", "scripted", 6.5), ("pick_hand_over_place", "expert", 14.0)]

@@ -9,8 +9,9 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "test/python")]
 import raven2_lockstep  # noqa: E402
+from own_exercise import exercise  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 NEEDED = ["score_session", "simulate", "recover_session"]
@@ -18,28 +19,11 @@ NEEDED = ["score_session", "simulate", "recover_session"]
 pytestmark = pytest.mark.skipif(not all((PROGRAMS / name).exists() for name in NEEDED),
                                 reason=f"not all of {', '.join(NEEDED)} are built")
 
-# What scripted strokes about the middle do anyhow; of the metrics two are scored.
-EXERCISE = """
-name: stay
-title: Both tips about the middle for three seconds
-number: 99
-source: this test
-skills: []
-scene: frs_trainer
-time_limit: 60.0
-begin: {pedal: down}
-sets: {}
-tracks:
-  - name: both
-    steps:
-      - {name: gold, until: [{tip_near: middle, arm: gold, within: 0.3}], dwell: 1.0}
-      - {name: green, until: [{tip_near: middle, arm: green, within: 0.3}], dwell: 2.0}
-watch: []
-targets: []
-metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}
-drill: {scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], wrong: [push_on, slow],
-  within: 1.25}
-"""
+# Of the metrics two are scored.
+EXERCISE = exercise("stay", [("gold", "gold", 1.0), ("green", "green", 2.0)],
+                    "{time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}",
+                    "{scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], "
+                    "wrong: [push_on, slow], within: 1.25}")
 RULE = {"right": ["stop"], "wrong": ["push_on", "slow"], "within_s": 1.25}
 CURRICULUM = """
 title: Two stages
