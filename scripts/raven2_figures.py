@@ -6,6 +6,7 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend has to be chosen first)
 import numpy as np  # noqa: E402
+import raven2_kinematics  # noqa: E402
 
 MAX_POINTS = 3000  # of a drawn line
 ARMS = ("gold", "green")
@@ -69,6 +70,8 @@ class Series:
         self.t = model["session_tick"] / 1000.0
         seen = robot["frame"] > 0
         self.q_model = model["arms"]["q"]
+        has_asked = "q_d" in model["arms"].dtype.names
+        self.q_asked = model["arms"]["q_d"] if has_asked else np.full_like(self.q_model, np.nan)
         self.q_robot = np.where(seen[:, None, None], robot["arms"]["q"], np.nan)
         self.p_model = model["arms"]["p_BT"]
         self.p_robot = np.where(seen[:, None, None], robot["arms"]["p_BT"], np.nan)
@@ -89,6 +92,46 @@ class Series:
         self.error_mm = np.where(comparable[:, None], distance, np.nan)
         self.tolerance_mm = self.header["tolerance"] * 1000.0
         self._forces(log, model)
+
+    def longest_tracking(self):
+        """Tip [m] in the base frame of the arm that the longest tracked plan moved: `user`, `plan`, `track`; with the
+        plan's `id` and `arm`. None if no plan was tracked."""
+        spans = runs(self.tracking)
+        if not spans or "planning" not in self.ticks["model"].dtype.names:
+            return None
+        first, last = max(spans, key=lambda span: span[1] - span[0])
+        plans = {int(p["result"]["id"]): p["result"] for p in self.log.plans if p["result"]["waypoint_count"] > 0}
+        plan = plans.get(int(self.ticks["model"]["planning"]["plan"][first]))
+        if plan is None:
+            return None
+        arm = int(plan["arm"])
+        choosing = [span for span in runs(self.choosing) if span[1] < first]
+        begun, ended = choosing[-1] if choosing else self._hand_before(first)
+        user = self.p_model[begun:ended + 1:PATH_STEP, arm]
+        return {"id": int(plan["id"]), "arm": ARMS[arm], "user": user, "plan": self._planned(plan),
+                "track": self.p_model[first:last + 1:PATH_STEP, arm]}
+
+    def _hand_before(self, first):
+        """The last stretch of teleoperation before, at most USER_BEFORE; empty if there was none."""
+        spans = [span for span in runs(self.teleoperating) if span[1] < first]
+        if not spans:
+            return 0, -1
+        return max(spans[-1][0], spans[-1][1] - int(1000 * USER_BEFORE)), spans[-1][1]
+
+    def _planned(self, plan):
+        """Straight in joints from one waypoint to the next."""
+        count = int(plan["waypoint_count"])
+        waypoints, arrival = plan["waypoints"][:count], plan["arrival"][:count]
+        t = np.append(np.arange(arrival[0], arrival[-1], PATH_STEP / 1000.0), arrival[-1])
+        joints = np.stack([np.interp(t, arrival, waypoints[:, j]) for j in range(7)], axis=1)
+        arm = int(plan["arm"])
+        return raven2_kinematics.forward(arm, joints, self.header["d4"], self._wrist_to_tool(arm))[:, :3, 3]
+
+    def _wrist_to_tool(self, arm):
+        """[m] The header has d4 alone; this is what leads from the first tick's joints to its pose."""
+        q = self.q_model[:1, arm]
+        without, unit = (raven2_kinematics.forward(arm, q, self.header["d4"], lw)[0, :3, 3] for lw in (0.0, 1.0))
+        return float((self.p_model[0, arm] - without) @ (unit - without))
 
     @staticmethod
     def _in_modes(model, modes, *names):
@@ -215,10 +258,70 @@ def timing_figure(series):
     return figure
 
 
+JOINTS = (("shoulder", "deg"), ("elbow", "deg"), ("insertion", "mm"), ("tool rotation", "deg"), ("wrist", "deg"))
+
+
+def joints_figure(series):
+    """The first five joints of both arms: asked for, model and robot (Figure 4 of Li et al. 2017)."""
+    figure, grid = plt.subplots(len(JOINTS), 2, figsize=(9.6, 9.0), sharex=True, constrained_layout=True)
+    for i, arm in enumerate(ARMS):
+        for axes, (joint, (name, unit)) in zip(grid[:, i], enumerate(JOINTS)):
+            scale = 1000.0 if unit == "mm" else np.degrees(1.0)
+            for values, style in ((series.q_asked, {"color": "black", "linewidth": 0.8, "label": "operator"}),
+                                  (series.q_model, {"color": MODEL, "linewidth": 2.2, "alpha": 0.6, "label": "model"}),
+                                  (series.q_robot, {"color": ROBOT, "linewidth": 1.0, "label": "robot"})):
+                axes.plot(*thinned(series.t, scale * values[:, i, joint]), **style)
+            axes.set_ylabel(f"{name} [{unit}]")
+        error = series.error_mm[:, i]
+        told = f", tips {np.nanmean(error):.2f} ± {np.nanstd(error):.2f} mm apart" if not np.all(np.isnan(error)) else ""
+        grid[0, i].set_title(f"{arm} arm{told}", loc="left", fontsize=10, color=ARM_COLOURS[arm], fontweight="bold")
+        grid[-1, i].set_xlabel("time since first pedal down [s]")
+    if len(series.t) > 1:
+        grid[0, 0].set_xlim(series.t[0], series.t[-1])
+    figure.suptitle(" ", fontsize=11)  # room for the legend
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="upper right", ncol=3)
+    return figure
+
+
+PATH_STEP = 40  # [ms] between the marks of a path: the denser, the slower
+USER_BEFORE = 10.0  # [s] of the surgeon's own motion before a plan was asked for
+USER, PLANNED, TRACKED = "#c8323c", "#2f9e44", "#2457c5"  # as in Figures 7 and 8 of Li et al. 2017
+
+
+def plan_figure(series):
+    """Tip of the arm that a plan moved: the user's motion before, the plan, and how it was tracked, each with a mark
+    every 40 ms (Figures 7 and 8 of Li et al. 2017); None without such a plan."""
+    motion = series.longest_tracking()
+    if motion is None:
+        return None
+    figure = plt.figure(figsize=(9.6, 4.4), constrained_layout=True)
+    space = figure.add_subplot(1, 3, (1, 2), projection="3d")
+    flat = [figure.add_subplot(2, 3, 3), figure.add_subplot(2, 3, 6)]
+    for label, colour, points in (("user", USER, motion["user"]), ("plan", PLANNED, motion["plan"]),
+                                  ("track", TRACKED, motion["track"])):
+        line = 1000.0 * points
+        if len(line) == 0:
+            continue
+        style = {"color": colour, "marker": "o", "markersize": 2.2, "linewidth": 0.6, "label": label}
+        space.plot(*line.T, **style)
+        for axes, (a, b) in zip(flat, ((0, 1), (0, 2))):
+            axes.plot(line[:, a], line[:, b], **style)
+    for axes, (a, b) in zip(flat, ((0, 1), (0, 2))):
+        axes.set_xlabel(f"{'xyz'[a]} [mm]")
+        axes.set_ylabel(f"{'xyz'[b]} [mm]")
+        axes.set_aspect("equal", adjustable="datalim")
+    space.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
+    space.set_title(f"plan {motion['id']}, {motion['arm']} arm, in its base frame", loc="left", fontsize=10)
+    space.legend(loc="upper right")
+    return figure
+
+
 FIGURES = {
+    "joints": joints_figure,
     "joint_1": joint_figure,
     "haptic_force": force_figure,
     "tip_error": error_figure,
     "tip_paths": path_figure,
+    "plan_paths": plan_figure,
     "timing": timing_figure,
 }

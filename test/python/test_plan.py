@@ -77,7 +77,7 @@ def test_a_folder_is_used_once(tmp_path):
 
 
 @pytest.mark.parametrize("arguments,says", [
-    (["nowhere"], "there are: impossible, into_dome, paper"),
+    (["nowhere"], "known: FILE.yaml, impossible, into_dome, paper"),
     (["missing.yaml"], "missing.yaml:1: cannot be opened"),
     (["paper", "--planner", "FMTstar,Dijkstra"], "--planner"),
     (["paper", "--planner", "BITstar", "--threads", "2"], "--threads is 2, expected 1"),

@@ -314,7 +314,7 @@ class ProgramsTest(LogCase):
         target = os.path.join(self.folder.name, "pictures")
         done = self.run_script("plot_session", self.folder.name, "--output", target)
         self.assertEqual(done.returncode, 0, done.stderr)
-        for name in ("joint_1", "haptic_force", "tip_error", "tip_paths"):
+        for name in ("joints", "joint_1", "haptic_force", "tip_error", "tip_paths"):
             for kind, start in (("png", b"\x89PNG"), ("svg", b"<?xml")):
                 with open(os.path.join(target, f"{name}.{kind}"), "rb") as file:
                     self.assertTrue(file.read().startswith(start))

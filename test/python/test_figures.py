@@ -1,0 +1,58 @@
+"""Figures of a session that simulate made, with a planned motion in it."""
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import raven2_figures  # noqa: E402
+import raven2_kinematics  # noqa: E402
+import raven2_session  # noqa: E402
+
+SIMULATE = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer/simulate"
+
+pytestmark = pytest.mark.skipif(not SIMULATE.exists(), reason="simulate is not built")
+
+
+@pytest.fixture(scope="module", name="directory")
+def make_session(tmp_path_factory):
+    output = tmp_path_factory.mktemp("figures") / "session"
+    done = subprocess.run([SIMULATE, "--seconds", "30", "--hazard", "none", "--homing", "quick", "--seed", "3", "--output",
+                           output], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return output
+
+
+@pytest.fixture(scope="module", name="series")
+def read_series(directory):
+    return raven2_figures.Series(raven2_session.Session(directory))
+
+
+def test_forward_kinematics_is_that_of_the_log(series):
+    for arm in (0, 1):
+        pose = raven2_kinematics.forward(arm, series.q_model[::1000, arm], series.header["d4"], 0.013)
+        assert np.allclose(pose[:, :3, 3], series.p_model[::1000, arm], atol=1e-12)
+
+
+def test_the_planned_motion_begins_and_ends_where_its_track_does(series):
+    motion = series.longest_tracking()
+    assert motion["arm"] == "gold"
+    for end in (0, -1):
+        assert np.linalg.norm(motion["plan"][end] - motion["track"][end]) < 1e-3
+    # Each mark of the track is near the planned line, and the user's own motion ends where the plan begins.
+    apart = np.linalg.norm(motion["track"][:, None] - motion["plan"][None], axis=2).min(axis=1)
+    assert apart.max() < 3e-3
+    assert np.linalg.norm(motion["user"][-1] - motion["plan"][0]) < 3e-3
+    assert np.linalg.norm(motion["plan"][0] - motion["plan"][-1]) > 1e-2, "or this could not tell"
+
+
+def test_a_session_with_a_plan_has_its_figure(directory, tmp_path):
+    done = subprocess.run([sys.executable, ROOT / "scripts/plot_session", directory, "--output", tmp_path],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.glob("*.png")} == {f"{name}.png" for name in raven2_figures.FIGURES
+                                                              if name != "timing"}
