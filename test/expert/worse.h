@@ -60,7 +60,8 @@ inline bool isWorse(const Attempt& clumsy, const Attempt& expert, const std::pai
     std::printf("  tremor %.1f um, of the expert %.1f um\n", 1e6 * clumsy.tremor(), 1e6 * expert.tremor());
     return clumsy.tremor() > 1.5 * expert.tremor();
   }
-  if (which == "wire_touches") return clumsy.mistakes(Mistake::kWireTouch) > expert.mistakes(Mistake::kWireTouch);
+  if (which == "wire_touches" || which == "wire_time")
+    return clumsy.mistakes(Mistake::kWireTouch) > expert.mistakes(Mistake::kWireTouch);
   return false;
 }
 
