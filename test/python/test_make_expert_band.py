@@ -65,7 +65,7 @@ def test_a_band_that_cannot_be_written_leaves_the_old_one(tmp_path):
 def test_a_logarithm_is_granted_a_factor_of_two(tmp_path):
     folders = [session(tmp_path, str(i), ("done", {"ldlj": {**metric(value, "-", "higher"), "scored": True}}))
                for i, value in enumerate([-24.0, -24.2])]
-    assert yaml.safe_load(run(*folders).stdout)["metrics"]["ldlj"]["least"] == pytest.approx(math.log(2.0), rel=1e-5)
+    assert yaml.safe_load(run(*folders).stdout)["metrics"]["ldlj"]["least"] == pytest.approx(math.log(4.0), rel=1e-5)
 
 
 def test_a_metric_that_is_not_in_every_attempt_is_left_out_and_named(tmp_path):
