@@ -31,7 +31,7 @@ WORDS = {
                           "Let each movement be one stroke.", 2),
     "ldlj": Words("Smoothness (LDLJ)", "logarithm of jerk made free of units; greater is smoother",
                   "Begin and end movements gently.", 2),
-    "tremor": Words("Tremor", "of the tips between 6 and 14 Hz, root mean square",
+    "tremor": Words("Tremor", "of the tips between 6 and 14 Hz, root mean square of a second, the median of all",
                     "Rest the forearms; loosen the grip.", 0),
     "collisions": Words("Collisions", "touches of tools with towers, dome or each other that the exercise counts",
                         "Keep the shafts in view; give towers and dome a wider berth.", 0, "tools collided {times}"),

@@ -257,14 +257,14 @@ void MotionAccumulator::describeMaster(Arm arm, HandMotion* hand) const {
 }
 
 void MotionAccumulator::describeTremor(Arm arm, HandMotion* hand) const {
-  double power = 0.0, weight = 0.0;
+  std::vector<double> powers;
   for (const std::vector<Vec3>& piece : pieces(&Sample::tip_W, arm, true)) {
-    const std::optional<double> own = tremorPower(piece, kSampleRate);
-    if (!own) continue;
-    power += *own * static_cast<double>(piece.size());
-    weight += static_cast<double>(piece.size());
+    const std::vector<double> own = tremorPowers(piece, kSampleRate);
+    powers.insert(powers.end(), own.begin(), own.end());
   }
-  if (weight > 0.0) hand->tremor = std::sqrt(power / weight);
+  if (powers.empty()) return;
+  std::nth_element(powers.begin(), powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2), powers.end());
+  hand->tremor = std::sqrt(powers[powers.size() / 2]);
 }
 
 HandMotion MotionAccumulator::handMotion(Arm arm) const {

@@ -48,6 +48,16 @@ double bandPower(std::vector<double> x, double rate) {
 
 }  // namespace
 
+std::vector<double> tremorPowers(const std::vector<Vec3>& places, double rate) {
+  const auto second = static_cast<std::ptrdiff_t>(rate);
+  std::vector<double> powers;
+  for (std::ptrdiff_t first = 0; first + second <= static_cast<std::ptrdiff_t>(places.size()); first += second / 2) {
+    const auto begin = places.begin() + first;
+    if (const std::optional<double> power = tremorPower({begin, begin + second}, rate)) powers.push_back(*power);
+  }
+  return powers;
+}
+
 std::optional<double> tremorPower(const std::vector<Vec3>& places, double rate) {
   if (places.size() < 4 || static_cast<double>(places.size()) < rate) return std::nullopt;
   double power = 0.0;

@@ -42,7 +42,7 @@ struct HandMotion {
   std::optional<double> sparc, dlj, ldlj;  ///< [-] of the whole attempt
   std::optional<double> stroke_sparc;      ///< [-] median over strokes
   std::uint64_t strokes{};                 ///< runs faster than kStrokeSpeed
-  std::optional<double> tremor;            ///< [m] RMS of the tip in 6 to 14 Hz, over engagements of a second or more
+  std::optional<double> tremor;  ///< [m] RMS of the tip in 6 to 14 Hz in a second: the median of all in engagements
   std::optional<double> master_radius;     ///< [m] smallest sphere of the hand, largest engagement
   std::optional<double> master_deviation;  ///< [m] RMS distance of the hand from its mean place in an engagement
   std::optional<double> out_of_view;       ///< [s] the tip outside the picture

@@ -17,4 +17,8 @@ constexpr double kTremorHigh = 14.0;  ///< [Hz]
  */
 std::optional<double> tremorPower(const std::vector<Vec3>& places, double rate);
 
+/** The same of each second, by half of which they overlap: tremor is in all of them, what a quick stroke has at these
+ *  frequencies in few. */
+std::vector<double> tremorPowers(const std::vector<Vec3>& places, double rate);
+
 }  // namespace raven2_trainer::training

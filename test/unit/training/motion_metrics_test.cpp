@@ -187,6 +187,22 @@ TEST(MotionMetrics, MeasureTremorUpToTheBoxOfTenTicks) {
   EXPECT_FALSE(gold(measure(990, shaky)).tremor);  // less than a second
 }
 
+TEST(TremorPowers, AQuickStrokeNowAndThenIsNoTremor) {
+  constexpr double kTremor = 10e-6, kRate = 100.0;
+  std::vector<Vec3> places;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = k / kRate, s = std::clamp(std::fmod(t, 5.0) / 0.4, 0.0, 1.0);  // 30 mm in 0.4 s, every 5 s
+    const double stroke = 0.030 * s * s * s * (10.0 + s * (-15.0 + 6.0 * s)), sign = t >= 5.0 && t < 10.0 ? -1.0 : 1.0;
+    places.push_back({sign * stroke, kTremor * std::sin(2.0 * kPi * 10.0 * t), 0.0});
+  }
+  std::vector<double> powers = tremorPowers(places, kRate);
+  ASSERT_EQ(powers.size(), 39U);
+  std::sort(powers.begin(), powers.end());
+  EXPECT_NEAR(std::sqrt(powers[19]), kTremor / std::sqrt(2.0), 0.02 * kTremor);
+  EXPECT_GT(std::sqrt(powers.back()), 5.0 * kTremor) << "or strokes could not be told";
+  EXPECT_TRUE(tremorPowers({places.begin(), places.begin() + 99}, kRate).empty());
+}
+
 TEST(TremorPower, OfOtherFrequenciesIsNothing) {
   for (const double frequency : {1.0, 4.0, 17.0, 30.0}) {
     std::vector<Vec3> places;
