@@ -17,7 +17,10 @@ bool isWhole(const sensor_msgs::Image& picture) noexcept {
 }
 
 CameraView::CameraView(const ros::NodeHandle& node, const RenderConfig& config, SharedState* shared)
-    : shared_(*shared), node_(node), spinner_(1, &queue_) {
+    : shared_(*shared),
+      stale_ns_(static_cast<std::int64_t>(config.real_stale_after * 1e9)),
+      node_(node),
+      spinner_(1, &queue_) {
   node_.setCallbackQueue(&queue_);
   pictures_ = node_.advertise<sensor_msgs::Image>("view/image_raw", kQueue);
   if (config.real_camera_topic.empty()) return;
@@ -34,7 +37,13 @@ void CameraView::stop() {
   spinner_.stop();
 }
 
-/** Told first, so that of the virtual pictures at most the one that is being drawn comes behind the first real one. */
+void CameraView::show(const sensor_msgs::Image& picture) const {
+  const bool is_fresh = net::monotonicNow() - shared_.real_picture_ns.load() <= stale_ns_;
+  if (shared_.model.load().view != 0 && is_fresh) return;
+  pictures_.publish(picture);
+}
+
+/** Told first: no virtual picture is sent from then on. */
 void CameraView::hear(const sensor_msgs::ImageConstPtr& picture) {
   if (!isWhole(*picture)) return;
   shared_.real_picture_ns.store(net::monotonicNow());

@@ -6,6 +6,8 @@
 #include <ros/spinner.h>
 #include <sensor_msgs/Image.h>
 
+#include <cstdint>
+
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
 
@@ -29,8 +31,9 @@ class CameraView {
 
   /** Whether anybody looks. */
   bool isWatched() const { return pictures_.getNumSubscribers() > 0; }
-  /** A virtual picture that is the view (LiveImage::is_view). Any thread. */
-  void show(const sensor_msgs::Image& picture) const { pictures_.publish(picture); }
+  /** A virtual picture that was to be the view when its drawing began (LiveImage::is_view). Not sent if the view is the
+   *  real camera's by now. Any thread. */
+  void show(const sensor_msgs::Image& picture) const;
 
   /** Ends its thread. */
   void stop();
@@ -39,6 +42,7 @@ class CameraView {
   void hear(const sensor_msgs::ImageConstPtr& picture);
 
   SharedState& shared_;
+  std::int64_t stale_ns_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   ros::AsyncSpinner spinner_;

@@ -187,7 +187,6 @@ class TrainingModes(unittest.TestCase):
         self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
         self.assertEqual(self.trainer.call("set_view", True), "accepted")
         self.view.await_size(REAL)
-        time.sleep(0.2)
         self.assertEqual(self.view.sizes_within(1.0), {REAL})
         # WHEN the camera is silent
         self.camera.on = False
@@ -200,11 +199,9 @@ class TrainingModes(unittest.TestCase):
         # WHEN it is back
         self.camera.on = True
         self.view.await_size(REAL)
-        time.sleep(0.2)  # the one that was being drawn
         self.assertEqual(self.view.sizes_within(0.5), {REAL})
         self.assertEqual(self.trainer.call("set_view", False), "accepted")
         self.view.await_size(VIRTUAL)
-        time.sleep(0.2)
         self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
 
     def test_6_the_exercise_is_told_and_begins_anew(self):
