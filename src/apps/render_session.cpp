@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
@@ -18,6 +19,7 @@ constexpr double kEstimateAfter = 2.0;  // [s] the first frames compile shaders 
 
 struct Options {
   std::string directory, config, size;
+  std::vector<std::string> overlays;
   int fps{0};
   raven2_trainer::render::SessionRenderOptions render;
 };
@@ -27,6 +29,12 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
       ->capture_default_str();
+  app->add_option(
+         "--overlay", o->overlays,
+         "What is drawn over the scene, A,B,...: ghost, force_arrows, force_bars, hazard, plan, trails, workspace, "
+         "timer, status, latency; or all, or none (default: config/render.yaml). Without hazard the video shows "
+         "what the trainee saw while the picture was black, frozen or late")
+      ->delimiter(',');
   app->add_option("--size", o->size, "Size of the picture, even numbers (default: config/render.yaml)")
       ->check(CLI::Validator(
           [](std::string& text) {
@@ -62,6 +70,8 @@ raven2_trainer::TrainerConfig load(const Options& o) {
 
 int renderSession(const Options& o) {
   using Clock = std::chrono::steady_clock;
+  raven2_trainer::render::SessionRenderOptions options = o.render;
+  if (!o.overlays.empty()) options.overlays = raven2_trainer::config::overlaysOf(o.overlays);
   raven2_trainer::render::SessionRenderer renderer(load(o), o.directory);
   raven2_trainer::apps::ProgressBar bar("render");
   const Clock::time_point start = Clock::now();
@@ -71,7 +81,7 @@ int renderSession(const Options& o) {
     bar.update(static_cast<double>(done) / static_cast<double>(all),
                spent > kEstimateAfter ? std::to_string(static_cast<int>(left)) + " s left" : "");
   };
-  const std::uint64_t frames = renderer.run(o.render, progress);
+  const std::uint64_t frames = renderer.run(options, progress);
   bar.done(std::to_string(frames) + " frames in " +
            (o.render.output.empty() ? o.directory + "/video.mp4" : o.render.output));
   for (const std::string& warning : renderer.warnings())

@@ -283,8 +283,35 @@ CameraConfig readCamera(Section& camera) {
   c.target_W = camera.vec3("target_W", -10, 10);
   c.up_W = camera.vec3("up_W", -1, 1);
   c.vertical_fov = camera.number("vertical_fov", 0.1, 2);
+  c.moves = static_cast<CameraMoves>(camera.choice("moves", kCameraMovesNames));
   camera.finish();
   return c;
+}
+
+/** Puts both cameras of the pair behind those of the file. */
+void readStereo(Section stereo, std::vector<std::string>* names, RenderConfig* c) {
+  c->stereo.camera = stereo.text("camera", *names);
+  c->stereo.baseline = stereo.number("baseline", 0.0005, 0.2);
+  stereo.finish();
+  const auto middle =
+      static_cast<std::size_t>(std::find(names->begin(), names->end(), c->stereo.camera) - names->begin());
+  for (const double side : {-0.5, 0.5}) {
+    CameraConfig eye = c->cameras[middle];
+    eye.name += side < 0.0 ? "_left" : "_right";
+    if (std::find(names->begin(), names->end(), eye.name) != names->end())
+      throw ConfigException(stereo.where("camera") + ": there is another camera called " + eye.name);
+    eye.aside = side * c->stereo.baseline;
+    names->push_back(eye.name);
+    c->cameras.push_back(std::move(eye));
+  }
+}
+
+OverlaySet readOverlays(Section* overlays, const std::string& key) {
+  try {
+    return overlaysOf(overlays->texts(key));
+  } catch (const ConfigException& e) {
+    throw ConfigException(overlays->where(key) + ": " + e.what());
+  }
 }
 
 void readRender(Section& root, RenderConfig* c) {
@@ -294,6 +321,15 @@ void readRender(Section& root, RenderConfig* c) {
     names.push_back(c->cameras.back().name);
   }
   if (names.empty()) throw ConfigException(root.where("cameras") + " is empty");
+  readStereo(root.section("stereo"), &names, c);
+  Section overlays = root.section("overlays");
+  c->video_overlays = readOverlays(&overlays, "video");
+  c->live_overlays = readOverlays(&overlays, "live");
+  overlays.finish();
+  Section trails = root.section("trails");
+  c->trails.duration = trails.number("duration", 0.1, 60);
+  c->trails.step = trails.number("step", c->trails.duration / 400.0, 10);
+  trails.finish();
   Section video = root.section("video");
   c->video_camera = video.text("camera", names);
   c->video_width = static_cast<int>(video.integer("width", 64, 4096)) & ~1;
@@ -573,6 +609,23 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   checkHazard(c);
   loadTraining(names, &c);
   return c;
+}
+
+OverlaySet overlaysOf(const std::vector<std::string>& names) {
+  OverlaySet set;
+  if (names.size() == 1 && names[0] == "all") return OverlaySet::all();
+  if (names.size() == 1 && names[0] == "none") return set;
+  for (const std::string& name : names) {
+    const auto found = std::find(kOverlayNames.begin(), kOverlayNames.end(), name);
+    if (found == kOverlayNames.end()) {
+      std::string known;
+      for (const char* each : kOverlayNames)
+        known += std::string(" ") + each;
+      throw ConfigException("no overlay is called \"" + name + "\"; known:" + known);
+    }
+    set.add(static_cast<OverlayKind>(found - kOverlayNames.begin()));
+  }
+  return set;
 }
 
 ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name) {

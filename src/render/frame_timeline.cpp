@@ -76,6 +76,15 @@ void FrameTimeline::add(const ExecutionRecord& record) {
   news_.push_back({record.tick, nullptr, std::make_shared<const ExecutionReport>(record.report)});
 }
 
+void FrameTimeline::add(const ContactRecord& record, const ToolContacts& tools) {
+  if (last_ < 0) return;
+  Slot* slot = slotOf(record.tick - origin_);
+  if (slot == nullptr || record.tick < slot->contact_tick) return;
+  if (record.tick > slot->contact_tick) slot->contact_W = {};
+  slot->contact_tick = record.tick;
+  tools.add(record.a, record.b, record.f_W, &slot->contact_W);
+}
+
 /** Those of one tick in the order in which they came. */
 std::vector<FrameTimeline::News> FrameTimeline::sortedNews() const {
   std::vector<News> news = news_;
@@ -99,6 +108,7 @@ std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scen
       if (slot.has_tick) {
         newest.model = slot.tick.model;
         newest.robot = slot.tick.robot;
+        newest.contact_W = slot.contact_tick == newest.model.tick ? slot.contact_W : PerArm<Vec3>{};
         const std::uint32_t in_robot = newest.robot.active_fault;
         newest.fault = faultName(scenarios, in_robot != 0 ? in_robot : newest.model.faults.active);
       }

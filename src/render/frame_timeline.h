@@ -7,6 +7,7 @@
 
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/render/scene.h"
+#include "raven2_trainer/render/tool_contacts.h"
 
 namespace raven2_trainer::render {
 
@@ -28,6 +29,8 @@ class FrameTimeline {
   void add(const HapticRecord& record);
   void add(const PlanRecord& record);
   void add(const ExecutionRecord& record);
+  /** @param[in] tools whose contacts they are. */
+  void add(const ContactRecord& record, const ToolContacts& tools);
 
   /** Frames of the span, in order. `scenarios` names the faults: Fault::id is the position + 1. */
   std::vector<Snapshot> frames(const std::vector<std::string>& scenarios) const;
@@ -42,6 +45,8 @@ class FrameTimeline {
     TickRecord tick;
     HapticState haptic;
     bool has_tick{false};
+    Tick contact_tick{-1};  // of the newest contacts
+    PerArm<Vec3> contact_W{};
   };
   /** News of plans, and the model tick from which they are known. */
   struct News {

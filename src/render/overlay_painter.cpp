@@ -39,10 +39,21 @@ Region common(const Region& a, const Region& b) noexcept {
   return {left, top, std::max(left, std::min(a.right, b.right)), std::max(top, std::min(a.bottom, b.bottom))};
 }
 
+/** Lines and warnings, as many as there is room for. */
+std::size_t textRows(const Overlay& overlay) {
+  return std::min(overlay.lines.size() + overlay.warnings.size(), kMaxLines);
+}
+
+bool hasPanel(const Overlay& overlay) {
+  return textRows(overlay) > 0 || overlay.has_bars;
+}
+
 int textColumns(const Overlay& overlay) {
-  std::size_t columns = barText(overlay, 0).size() + 1;
-  for (const std::string& line : overlay.lines)
-    columns = std::max(columns, line.size());
+  std::size_t columns = overlay.has_bars ? barText(overlay, 0).size() + 1 : 0;
+  for (const auto* lines : {&overlay.lines, &overlay.warnings}) {
+    for (const std::string& line : *lines)
+      columns = std::max(columns, line.size());
+  }
   return static_cast<int>(std::min<std::size_t>(columns, 200));
 }
 
@@ -65,9 +76,9 @@ Region OverlayPainter::clip(Region r) const noexcept {
 }
 
 Region OverlayPainter::panelRegion(const Overlay& overlay) const noexcept {
-  if (overlay.lines.empty()) return {};
-  const int rows = static_cast<int>(std::min(overlay.lines.size(), kMaxLines) + kArmCount);
-  const int bar = small_.width(barText(overlay, 0) + " ") + static_cast<int>(kBarWidth * unit_);
+  if (!hasPanel(overlay)) return {};
+  const int rows = static_cast<int>(textRows(overlay) + (overlay.has_bars ? kArmCount : 0));
+  const int bar = overlay.has_bars ? small_.width(barText(overlay, 0) + " ") + static_cast<int>(kBarWidth * unit_) : 0;
   const int width = std::max(textColumns(overlay) * small_.cellWidth(), bar) + 2 * margin_;
   return clip({margin_, margin_, margin_ + width, 3 * margin_ + rows * small_.cellHeight()});
 }
@@ -125,7 +136,7 @@ void OverlayPainter::drawBars(const Overlay& overlay, const Region& panel, std::
   const int full = static_cast<int>(kBarWidth * unit_);
   const int inset = static_cast<int>(std::lround(1.5 * unit_));
   const int x = panel.left + margin_ + small_.width(barText(overlay, 0) + " ");
-  int y = panel.top + margin_ + static_cast<int>(std::min(overlay.lines.size(), kMaxLines)) * small_.cellHeight();
+  int y = panel.top + margin_ + static_cast<int>(textRows(overlay)) * small_.cellHeight();
   for (std::size_t arm = 0; arm < kArmCount; ++arm, y += small_.cellHeight()) {
     drawText(small_, panel, barText(overlay, arm), panel.left + margin_, y, kArmColours[arm], rgb);
     const int filled = static_cast<int>(std::lround(full * barFill(overlay, arm)));
@@ -135,15 +146,22 @@ void OverlayPainter::drawBars(const Overlay& overlay, const Region& panel, std::
   }
 }
 
+void OverlayPainter::drawLines(const Overlay& overlay, const Region& panel, std::uint8_t* rgb) const {
+  static constexpr Colour kText{240, 243, 246}, kWarning{255, 176, 46};
+  const std::size_t plain = overlay.lines.size();
+  int y = panel.top + margin_;
+  for (std::size_t i = 0; i < textRows(overlay); ++i, y += small_.cellHeight()) {
+    const std::string& line = i < plain ? overlay.lines[i] : overlay.warnings[i - plain];
+    drawText(small_, panel, line, panel.left + margin_, y, i < plain ? kText : kWarning, rgb);
+  }
+}
+
 void OverlayPainter::paint(const Overlay& overlay, std::vector<std::uint8_t>* rgb) const {
-  if (!overlay.lines.empty()) {
+  if (hasPanel(overlay)) {
     const Region panel = panelRegion(overlay);
     blend(panel, {16, 20, 26}, kPanelOpacity, rgb->data());
-    int y = panel.top + margin_;
-    for (std::size_t i = 0; i < std::min(overlay.lines.size(), kMaxLines); ++i, y += small_.cellHeight()) {
-      drawText(small_, panel, overlay.lines[i], panel.left + margin_, y, {240, 243, 246}, rgb->data());
-    }
-    drawBars(overlay, panel, rgb->data());
+    drawLines(overlay, panel, rgb->data());
+    if (overlay.has_bars) drawBars(overlay, panel, rgb->data());
   }
   if (!overlay.banner.empty()) {
     const Region banner = bannerRegion(overlay);

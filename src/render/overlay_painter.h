@@ -22,7 +22,7 @@ class OverlayPainter {
   /** @param[in,out] rgb width x height x 3 bytes, top row first. Nothing outside the two regions changes. */
   void paint(const Overlay& overlay, std::vector<std::uint8_t>* rgb) const;
 
-  /** Of the panel; empty if there are no lines. Never reaches outside the picture. */
+  /** Of the panel; empty if there are no lines, no warnings and no bars. Never reaches outside the picture. */
   Region panelRegion(const Overlay& overlay) const noexcept;
 
   /** Of the banner; empty if there is none. Never reaches outside the picture. */
@@ -42,6 +42,7 @@ class OverlayPainter {
                 int y,
                 Colour colour,
                 std::uint8_t* rgb) const;
+  void drawLines(const Overlay& overlay, const Region& panel, std::uint8_t* rgb) const;
   void drawBars(const Overlay& overlay, const Region& panel, std::uint8_t* rgb) const;
   Region clip(Region region) const noexcept;
 

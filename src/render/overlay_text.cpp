@@ -1,5 +1,7 @@
 #include "render/overlay_text.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -47,6 +49,94 @@ double norm(const Vec3& v) noexcept {
   return toEigen(v).norm();
 }
 
+void addStatus(const Snapshot& snapshot, std::vector<std::string>* lines) {
+  lines->push_back(timeLine(snapshot.model));
+  lines->push_back(format("mode      %s", modeName(snapshot.model.mode)));
+  lines->push_back(robotLine(snapshot));
+  lines->push_back(format("pedal     %s%s", snapshot.model.pedal != 0 ? "down" : "up",
+                          snapshot.model.engaged != 0 ? "" : ", disengaged"));
+  for (const Arm arm : kArms)
+    lines->push_back(errorLine(snapshot, arm));
+}
+
+/** Age of what is shown of the robot, its delay on the way above the quickest included. */
+std::string latencyLine(const Snapshot& snapshot, double stale_after) {
+  if (snapshot.robot.frame == 0) return "latency   -";
+  const double age =
+      (static_cast<double>(snapshot.model.time_ns) - static_cast<double>(snapshot.robot.received_ns)) * 1e-9;
+  return format("latency   %.1f ms%s", std::clamp(age, 0.0, 99.999) * 1e3, age > stale_after ? " STALE" : "");
+}
+
+std::string words(const char* name) {
+  std::string text = name;
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+std::string mistakesText(const ExerciseState& exercise) {
+  std::uint64_t sum = 0;
+  for (const std::uint32_t count : exercise.mistakes)
+    sum += count;
+  return format("%llu mistake%s", static_cast<unsigned long long>(sum), sum == 1 ? "" : "s");
+}
+
+/** [s] of the attempt, up to its end. */
+double timeOf(const ModelState& model) {
+  const ExerciseState& exercise = model.exercise;
+  if (exercise.began < 0) return 0.0;
+  const Tick now = exercise.ended >= exercise.began ? exercise.ended : model.tick;
+  return std::clamp(static_cast<double>(now) - static_cast<double>(exercise.began), 0.0, 1e9) * kTickSeconds;
+}
+
+std::string attemptText(const ExerciseState& exercise, std::uint32_t steps) {
+  const auto failure = static_cast<std::size_t>(exercise.failure);
+  switch (exercise.status) {
+    case ExerciseStatus::kWaiting:
+      return "waiting";
+    case ExerciseStatus::kRunning:
+      return steps > 0 ? format("step %u of %u", std::min(exercise.step, steps), steps)
+                       : format("step %u", exercise.step);
+    case ExerciseStatus::kDone:
+      return "done";
+    case ExerciseStatus::kFailed:
+      return "failed: " + (failure < kExerciseFailureCount ? words(kExerciseFailureNames[failure]) : "?");
+    default:
+      return "?";
+  }
+}
+
+/** Of an attempt that is over. */
+std::string verdictText(const Snapshot& snapshot) {
+  const ExerciseStatus status = snapshot.model.exercise.status;
+  if (status != ExerciseStatus::kDone && status != ExerciseStatus::kFailed) return "";
+  const training::AttemptVerdict& verdict = snapshot.verdict;
+  std::string text;
+  if (verdict.passed) text = *verdict.passed ? ", passed" : ", not passed";
+  if (verdict.composite && std::isfinite(*verdict.composite))
+    text += format(", score %.0f %%", 100.0 * std::clamp(*verdict.composite, 0.0, 1.0));
+  return text;
+}
+
+void addExercise(const Snapshot& snapshot, std::uint32_t steps, std::vector<std::string>* lines) {
+  const ModelState& model = snapshot.model;
+  if (model.exercise.status == ExerciseStatus::kNone) return;
+  lines->push_back("exercise  " + attemptText(model.exercise, steps) + verdictText(snapshot));
+  lines->push_back(format("          %.1f s, ", timeOf(model)) + mistakesText(model.exercise));
+}
+
+/** What a fault of the video leaves of the trainee's picture. */
+std::string pictureText(const DaemonFaults& faults) {
+  static constexpr std::array<const char*, 4> kPictures{"", "picture black", "picture frozen", "eyes changed over"};
+  if (faults.picture > 0 && faults.picture < kPictures.size()) return kPictures[faults.picture];
+  return faults.picture_delay_ms > 0 ? format("picture %u ms late", faults.picture_delay_ms) : "";
+}
+
+std::string bannerText(const Snapshot& snapshot) {
+  if (snapshot.fault.empty()) return "";
+  const std::string picture = pictureText(snapshot.model.faults);
+  return "FAULT: " + snapshot.fault + (picture.empty() ? "" : ", " + picture);
+}
+
 }  // namespace
 
 double tipError(const Snapshot& snapshot, Arm arm) noexcept {
@@ -54,20 +144,18 @@ double tipError(const Snapshot& snapshot, Arm arm) noexcept {
   return (toEigen(at(snapshot.model.arms, arm).p_BT) - toEigen(at(snapshot.robot.arms, arm).p_BT)).norm();
 }
 
-Overlay describe(const Snapshot& snapshot, const HapticGains& haptics) {
+Overlay describe(const Snapshot& snapshot, const SceneOptions& options) {
   Overlay overlay;
-  overlay.lines.push_back(timeLine(snapshot.model));
-  overlay.lines.push_back(format("mode      %s", modeName(snapshot.model.mode)));
-  overlay.lines.push_back(robotLine(snapshot));
-  overlay.lines.push_back(format("pedal     %s%s", snapshot.model.pedal != 0 ? "down" : "up",
-                                 snapshot.model.engaged != 0 ? "" : ", disengaged"));
-  for (const Arm arm : kArms) {
-    overlay.lines.push_back(errorLine(snapshot, arm));
-    at(overlay.force, arm) = norm(at(snapshot.haptic.force_B, arm));
-  }
+  const OverlaySet shown = options.overlays;
+  if (shown.has(OverlayKind::kStatus)) addStatus(snapshot, &overlay.lines);
   if (snapshot.stands_in) overlay.lines.emplace_back("camera    STALE, virtual scene");
-  overlay.max_force = haptics.max_force;
-  if (!snapshot.fault.empty()) overlay.banner = "FAULT: " + snapshot.fault;
+  if (shown.has(OverlayKind::kLatency)) overlay.lines.push_back(latencyLine(snapshot, options.stale_after));
+  if (shown.has(OverlayKind::kTimer)) addExercise(snapshot, options.exercise_steps, &overlay.lines);
+  overlay.has_bars = shown.has(OverlayKind::kForceBars);
+  for (const Arm arm : kArms)
+    at(overlay.force, arm) = norm(at(snapshot.haptic.force_B, arm));
+  overlay.max_force = options.haptics.max_force;
+  if (shown.has(OverlayKind::kHazard)) overlay.banner = bannerText(snapshot);
   return overlay;
 }
 

@@ -108,6 +108,36 @@ model::Mesh makeSphere(float radius, int segments) {
   return revolve(outline, segments);
 }
 
+model::Mesh makeDisc(int segments) {
+  // Two sides, each from the rim to the middle or back: a line without thickness turned about z.
+  model::Mesh mesh = revolve({{0.0F, 0.0F, 0.0F, -1.0F}, {1.0F, 0.0F, 0.0F, -1.0F}}, segments);
+  const model::Mesh top = revolve({{1.0F, 0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, 0.0F, 1.0F}}, segments);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), top.vertices.begin(), top.vertices.end());
+  mesh.normals.insert(mesh.normals.end(), top.normals.begin(), top.normals.end());
+  for (const auto& t : top.triangles)
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  return mesh;
+}
+
+model::Mesh makeMarks(const std::vector<Vector3>& points, float radius) {
+  static const std::array<Vector3, 6> kCorners{Vector3::UnitX(),  Vector3::UnitY(),  Vector3::UnitZ(),
+                                               -Vector3::UnitX(), -Vector3::UnitY(), -Vector3::UnitZ()};
+  static constexpr std::array<std::array<std::uint32_t, 3>, 8> kFaces{
+      {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2}, {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}}};
+  model::Mesh mesh;
+  for (const Vector3& point : points) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Vector3& corner : kCorners) {
+      mesh.vertices.push_back(toFloat(point + static_cast<double>(radius) * corner));
+      mesh.normals.push_back(toFloat(corner));
+    }
+    for (const auto& face : kFaces)
+      mesh.triangles.push_back({first + face[0], first + face[1], first + face[2]});
+  }
+  return mesh;
+}
+
 model::Mesh makeArrow(int segments) {
   constexpr float kShaft = 0.055F, kHead = 0.13F, kNeck = 0.66F;  // [m] of an arrow of 1 m
   const float slope = std::hypot(1.0F - kNeck, kHead);

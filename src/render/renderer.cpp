@@ -133,6 +133,10 @@ const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
                                                 const model::Camera& camera,
                                                 const model::Camera* inset) {
   Impl& impl = *impl_;
+  if (scene.is_black) {
+    std::fill(impl.rgb.begin(), impl.rgb.end(), std::uint8_t{0});
+    return impl.rgb;
+  }
   impl.context.makeCurrent();
   const bool usable = isUsable(camera);
   impl.sortItems(scene, usable ? camera.X_WC.p : Vector3(0, 0, 0));

@@ -1,10 +1,13 @@
+#include <algorithm>
 #include <cmath>
 
 #include "raven2_trainer/render/renderer.h"
+#include "render/near_limits.h"
 #include "render/overlay_text.h"
 #include "render/plan_text.h"
 #include "render/planned_path.h"
 #include "render/primitives.h"
+#include "render/tip_trails.h"
 
 namespace raven2_trainer::render {
 
@@ -17,11 +20,20 @@ constexpr std::array<float, 4> kGhostColour{0.90F, 0.10F, 0.10F, 0.45F};
 constexpr std::array<float, 4> kPathColour{0.90F, 0.12F, 0.86F, 1.0F};
 constexpr std::array<float, 4> kTravelledColour{0.50F, 0.30F, 0.50F, 1.0F};
 constexpr std::array<float, 4> kGoalColour{0.05F, 0.75F, 0.85F, 0.45F};
-constexpr float kStopRadius = 0.0024F;  // [m] twice as thick as the path
-constexpr std::array<float, 4> kForceColour{0.10F, 0.35F, 0.95F, 1.0F};
+constexpr float kStopRadius = 0.0024F;                                     // [m] twice as thick as the path
+constexpr std::array<float, 4> kForceColour{0.10F, 0.35F, 0.95F, 1.0F};    // what the hand feels
+constexpr std::array<float, 4> kContactColour{0.98F, 0.50F, 0.05F, 1.0F};  // what presses on the tool
 constexpr double kArrowBase = 0.010;       // [m] length of the arrow of a force that is just felt
 constexpr double kArrowPerNewton = 0.012;  // [m/N] 3.3 N: 50 mm
+constexpr double kLongestArrow = 0.12;     // [m] 9 N: a hard hit of a tool shall not fill the picture
 constexpr double kLeastForce = 1e-3;       // [N]
+// By Trail: red, green and blue of the paper's Figures 7 and 8.
+constexpr std::array<std::array<float, 4>, kTrailCount> kTrailColours{
+    {{0.86F, 0.08F, 0.08F, 1.0F}, {0.05F, 0.62F, 0.12F, 1.0F}, {0.14F, 0.22F, 0.92F, 1.0F}}};
+constexpr float kMarkRadius = 0.0008F;                            // [m] thinner than the path, to tell marks apart
+constexpr std::array<float, 3> kWallColour{1.00F, 0.69F, 0.18F};  // amber, as the warning
+constexpr double kWallRadius = 0.018;                             // [m] wider than the tool, which it is in front of
+constexpr double kFaintWall = 0.20, kPlainWall = 0.65;            // opacity where it is first shown, and at the limit
 
 /** What never changes of one visual: its mesh handle, its pose in the link, its colour. */
 struct Visual {
@@ -61,9 +73,10 @@ Pose arrowPose(const Vector3& from, const Vector3& direction, double length) {
 struct SceneBuilder::Impl {
   Impl(const model::RavenModel& raven_model,
        const model::SceneModel& scene_model,
-       const HapticGains& gains,
+       const SceneOptions& wanted,
        Renderer* renderer);
 
+  bool shows(OverlayKind kind) const noexcept { return options.overlays.has(kind); }
   void addFixedScene(const Snapshot& snapshot);
   void addArms(const Snapshot& snapshot);
   void addGhost(const PerArm<JointArray>& q, Arm arm, const std::array<float, 4>& colour);
@@ -71,17 +84,22 @@ struct SceneBuilder::Impl {
   void addPath(double place);
   void addPlan(const Snapshot& snapshot);
   void addOverlay(const Snapshot& snapshot);
-  void addForce(const Snapshot& snapshot, Arm arm);
+  void addArrow(const Snapshot& snapshot, Arm arm, const Vector3& force_W, const std::array<float, 4>& colour);
+  void addForces(const Snapshot& snapshot, Arm arm);
+  void addLimits(const Snapshot& snapshot);
+  void addTrails();
   bool isGhostShown(const Snapshot& snapshot, Arm arm) const;
 
   Renderer& pictures;
   model::RavenModel raven;
   model::SceneModel surroundings;
-  HapticGains haptics;
+  SceneOptions options;
   std::vector<Visual> raven_visuals, scene_visuals;
   std::vector<int> body_of_link;  // index in ModelState::bodies of the body that carries a scene link, or -1
   std::vector<Pose> X_BodyLink;   // pose of a scene link on that body
-  int sphere, arrow, stop, tube;
+  int sphere, arrow, disc, stop, tube;
+  std::array<int, kTrailCount> trail_meshes{};
+  TipTrails trails;
   std::shared_ptr<const PlanResult> plan;  // that the tube is made from
   PlannedPath path;                        // the same
   std::vector<double> positions;
@@ -91,22 +109,26 @@ struct SceneBuilder::Impl {
 
 SceneBuilder::Impl::Impl(const model::RavenModel& raven_model,
                          const model::SceneModel& scene_model,
-                         const HapticGains& gains,
+                         const SceneOptions& wanted,
                          Renderer* renderer)
     : pictures(*renderer),
       raven(raven_model),
       surroundings(scene_model),
-      haptics(gains),
+      options(wanted),
       raven_visuals(upload(raven_model.description, renderer)),
       scene_visuals(upload(scene_model.description, renderer)),
       body_of_link(scene_model.description.links.size(), -1),
       X_BodyLink(scene_model.description.links.size()),
       sphere(renderer->addMesh(makeSphere(kRcmRadius, 24))),
       arrow(renderer->addMesh(makeArrow(16))),
+      disc(renderer->addMesh(makeDisc(24))),
       stop(renderer->addMesh(makeSphere(kStopRadius, 10))),
       tube(renderer->addMesh(model::Mesh{})),
+      trails(raven_model.arms.geometry, raven_model.X_WB, wanted.trails),
       positions(raven_model.description.links.size(), 0.0),
       X_WL(raven_model.description.links.size()) {
+  for (int& mesh : trail_meshes)
+    mesh = renderer->addMesh(model::Mesh{});
   const std::vector<int> moving = surroundings.movingBodies();
   for (std::size_t body = 0; body < moving.size() && body < kMaxSceneBodies; ++body) {
     const int root = moving[body];
@@ -138,7 +160,7 @@ void SceneBuilder::Impl::addArms(const Snapshot& snapshot) {
 }
 
 bool SceneBuilder::Impl::isGhostShown(const Snapshot& snapshot, Arm arm) const {
-  return tipError(snapshot, arm) > haptics.tolerance;  // false for NaN
+  return tipError(snapshot, arm) > options.haptics.tolerance;  // false for NaN
 }
 
 /** An arm, translucent, with both at q. */
@@ -188,40 +210,83 @@ void SceneBuilder::Impl::addPlan(const Snapshot& snapshot) {
 }
 
 void SceneBuilder::Impl::addOverlay(const Snapshot& snapshot) {
-  scene.overlay = describe(snapshot, haptics);
+  scene.overlay = describe(snapshot, options);
+  if (!shows(OverlayKind::kPlan)) return;
   const std::string line = planLine(snapshot, pathError(raven.arms.geometry, snapshot));
   if (!line.empty()) scene.overlay.lines.push_back(line);
 }
 
-void SceneBuilder::Impl::addForce(const Snapshot& snapshot, Arm arm) {
-  const Pose& X_WB = at(raven.X_WB, arm);
-  const Vector3 force_W = X_WB.R * toEigen(at(snapshot.haptic.force_B, arm));
+void SceneBuilder::Impl::addArrow(const Snapshot& snapshot,
+                                  Arm arm,
+                                  const Vector3& force_W,
+                                  const std::array<float, 4>& colour) {
   const double force = force_W.norm();
-  if (!(force > kLeastForce)) return;
-  const Vector3 tip_W = X_WB * toEigen(at(snapshot.model.arms, arm).p_BT);
-  scene.drawables.push_back({arrow, arrowPose(tip_W, force_W, kArrowBase + kArrowPerNewton * force), kForceColour});
+  if (!(force > kLeastForce) || !std::isfinite(force)) return;
+  const Vector3 tip_W = at(raven.X_WB, arm) * toEigen(at(snapshot.model.arms, arm).p_BT);
+  const double length = std::min(kArrowBase + kArrowPerNewton * force, kLongestArrow);
+  scene.drawables.push_back({arrow, arrowPose(tip_W, force_W, length), colour});
+}
+
+void SceneBuilder::Impl::addForces(const Snapshot& snapshot, Arm arm) {
+  addArrow(snapshot, arm, toEigen(at(snapshot.contact_W, arm)), kContactColour);
+  addArrow(snapshot, arm, at(raven.X_WB, arm).R * toEigen(at(snapshot.haptic.force_B, arm)), kForceColour);
+}
+
+/** A wall where the tool will be stopped, the plainer the nearer it is, and in words. */
+void SceneBuilder::Impl::addLimits(const Snapshot& snapshot) {
+  for (const NearLimit& limit : nearLimits(raven.arms.geometry, raven.X_WB, options.haptics.edge, snapshot)) {
+    scene.overlay.warnings.push_back(limit.text);
+    if (!limit.is_wall) continue;
+    const double opacity = kFaintWall + limit.nearness * (kPlainWall - kFaintWall);
+    const auto& c = kWallColour;
+    scene.drawables.push_back(
+        {disc, arrowPose(limit.p_W, limit.along_W, kWallRadius), {c[0], c[1], c[2], static_cast<float>(opacity)}});
+  }
+}
+
+void SceneBuilder::Impl::addTrails() {
+  for (std::size_t i = 0; i < kTrailCount; ++i) {
+    const std::vector<Vector3> marks = trails.marks(static_cast<Trail>(i));
+    if (marks.empty()) continue;
+    pictures.replaceMesh(trail_meshes[i], makeMarks(marks, kMarkRadius));
+    scene.drawables.push_back({trail_meshes[i], Pose{}, kTrailColours[i], /*is_mark=*/true});
+  }
+}
+
+SceneOptions::SceneOptions(const TrainerConfig& config, OverlaySet wanted)
+    : haptics(config.haptics), overlays(wanted), trails(config.render.trails), stale_after(config.network.stale_after) {
+  for (const ExerciseTrack& track : config.exercise.tracks)
+    exercise_steps += static_cast<std::uint32_t>(track.steps.size());
 }
 
 SceneBuilder::SceneBuilder(const model::RavenModel& raven,
                            const model::SceneModel& scene,
-                           const HapticGains& haptics,
+                           const SceneOptions& options,
                            Renderer* renderer)
-    : impl_(std::make_unique<Impl>(raven, scene, haptics, renderer)) {}
+    : impl_(std::make_unique<Impl>(raven, scene, options, renderer)) {}
 
 SceneBuilder::~SceneBuilder() = default;
 
+void SceneBuilder::follow(const Snapshot& snapshot) {
+  if (impl_->shows(OverlayKind::kTrails)) impl_->trails.follow(snapshot);
+}
+
 const Scene& SceneBuilder::build(const Snapshot& snapshot) {
   Impl& impl = *impl_;
+  follow(snapshot);
   impl.scene.drawables.clear();
+  impl.scene.is_black = snapshot.is_black;
   impl.addFixedScene(snapshot);
   impl.addArms(snapshot);
   for (const Arm arm : kArms) {
-    if (impl.isGhostShown(snapshot, arm))
+    if (impl.shows(OverlayKind::kGhost) && impl.isGhostShown(snapshot, arm))
       impl.addGhost({snapshot.robot.arms[0].q, snapshot.robot.arms[1].q}, arm, kGhostColour);
-    impl.addForce(snapshot, arm);
+    if (impl.shows(OverlayKind::kForceArrows)) impl.addForces(snapshot, arm);
   }
-  impl.addPlan(snapshot);
+  if (impl.shows(OverlayKind::kTrails)) impl.addTrails();
+  if (impl.shows(OverlayKind::kPlan)) impl.addPlan(snapshot);
   impl.addOverlay(snapshot);
+  if (impl.shows(OverlayKind::kWorkspace)) impl.addLimits(snapshot);
   return impl.scene;
 }
 

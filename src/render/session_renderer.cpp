@@ -7,6 +7,7 @@
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
 #include "raven2_trainer/render/video_writer.h"
 #include "raven2_trainer/training/session_metrics.h"
@@ -54,36 +55,61 @@ int processCount(int asked) {
   return asked > 0 ? asked : std::clamp(static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)), 1, 8);
 }
 
+/** The frames as the trainee saw them. */
+void passThroughFaults(std::vector<Snapshot>* frames) {
+  PictureLine line;
+  for (Snapshot& frame : *frames)
+    frame = line.pass(frame);
+}
+
+/** What the attempts came to, if the session was scored. */
+void addVerdicts(const std::string& score, std::vector<Snapshot>* frames) {
+  if (!std::filesystem::exists(score)) return;
+  const auto verdicts = training::readVerdicts(score);
+  for (Snapshot& frame : *frames) {
+    const auto found = verdicts.find(frame.model.exercise.attempt);
+    if (found != verdicts.end()) frame.verdict = found->second;
+  }
+}
+
 /** Everything that draws one frame after the other; made once in each process. */
 class FrameDrawer {
  public:
   FrameDrawer(const TrainerConfig& config,
-              const HapticGains& haptics,
+              const SceneOptions& options,
               const std::string& camera,
               const std::string& inset,
               const std::vector<Snapshot>& frames)
       : frames_(frames),
+        raven_(model::loadRavenModel(config)),
         renderer_(config.render.video_width, config.render.video_height),
-        builder_(model::loadRavenModel(config), model::loadSceneModel(config), haptics, &renderer_),
-        camera_(model::makeCamera(requireCamera(config.render, camera), renderer_.width(), renderer_.height())),
-        has_inset_(inset != camera && findCamera(config.render, inset) != nullptr) {
-    if (!has_inset_) return;
-    const auto w = static_cast<int>(renderer_.width() * kInsetShare),
-               h = static_cast<int>(renderer_.height() * kInsetShare);
-    inset_ = model::makeCamera(*findCamera(config.render, inset), w, h);
-  }
+        builder_(raven_, model::loadSceneModel(config), options, &renderer_),
+        camera_(requireCamera(config.render, camera)),
+        inset_(inset != camera ? findCamera(config.render, inset) : nullptr) {}
 
   const Pixels& draw(std::size_t k) {
-    return renderer_.draw(builder_.build(frames_[k]), camera_, has_inset_ ? &inset_ : nullptr);
+    for (; followed_ < k; ++followed_)
+      builder_.follow(frames_[followed_]);
+    const int w = renderer_.width(), h = renderer_.height();
+    const model::Camera camera = cameraOf(camera_, k, w, h);
+    if (inset_ == nullptr) return renderer_.draw(builder_.build(frames_[k]), camera);
+    const model::Camera inset =
+        cameraOf(*inset_, k, static_cast<int>(w * kInsetShare), static_cast<int>(h * kInsetShare));
+    return renderer_.draw(builder_.build(frames_[k]), camera, &inset);
   }
 
  private:
+  model::Camera cameraOf(const CameraConfig& camera, std::size_t k, int width, int height) const {
+    return cameraSeeing(frames_[k], camera, raven_.X_WB, width, height);
+  }
+
   const std::vector<Snapshot>& frames_;
+  model::RavenModel raven_;
   Renderer renderer_;
   SceneBuilder builder_;
-  model::Camera camera_;
-  bool has_inset_;
-  model::Camera inset_;
+  const CameraConfig camera_;
+  const CameraConfig* inset_;  // null: none
+  std::size_t followed_{0};    // frames that the builder knows
 };
 
 }  // namespace
@@ -103,6 +129,10 @@ void SessionRenderer::checkFiles(const session::LogSummary& summary) {
     warnings_.push_back(paths_.log() + ": unreadable bytes: " + std::to_string(summary.bad_bytes));
 }
 
+OverlaySet SessionRenderer::overlaysOf(const SessionRenderOptions& options) const {
+  return options.overlays.value_or(config_.render.video_overlays);
+}
+
 std::vector<Snapshot> SessionRenderer::readFrames(const SessionRenderOptions& options) {
   FrameTimeline timeline(config_.render.video_fps, options.from, options.to);
   session::LogVisitor visitor;
@@ -110,25 +140,33 @@ std::vector<Snapshot> SessionRenderer::readFrames(const SessionRenderOptions& op
   visitor.haptic = [&timeline](const HapticRecord& record) { timeline.add(record); };
   visitor.plan = [&timeline](const PlanRecord& record) { timeline.add(record); };
   visitor.execution = [&timeline](const ExecutionRecord& record) { timeline.add(record); };
+  const ToolContacts tools(session::readLogHeader(paths_.log()).body_names);
+  visitor.contact = [&](const ContactRecord& record) { timeline.add(record, tools); };
   const session::LogSummary summary = session::readLog(paths_.log(), visitor);
   checkFiles(summary);
   tolerance_ = summary.header.tolerance;
   std::vector<Snapshot> frames = timeline.frames(summary.header.scenarios);
   if (timeline.sessionFrames() == 0) throw SessionException(paths_.log() + ": the pedal was never down");
   if (frames.empty()) throw SessionException(paths_.log() + ": no frame between --from and --to");
+  try {
+    addVerdicts(paths_.score(), &frames);
+  } catch (const SessionException& e) {
+    warnings_.emplace_back(e.what());
+  }
+  if (!overlaysOf(options).has(OverlayKind::kHazard)) passThroughFaults(&frames);
   return frames;
 }
 
 std::uint64_t SessionRenderer::write(const std::vector<Snapshot>& frames,
                                      const SessionRenderOptions& options,
                                      const Progress& progress) const {
-  HapticGains haptics = config_.haptics;
-  haptics.tolerance = tolerance_;
+  SceneOptions scene(config_, overlaysOf(options));
+  scene.haptics.tolerance = tolerance_;
   const RenderConfig& render = config_.render;
   const std::string camera = options.camera.empty() ? render.video_camera : options.camera;
   requireCamera(render, camera);
   const MakeDrawFrame make = [&]() -> DrawFrame {
-    const auto drawer = std::make_shared<FrameDrawer>(config_, haptics, camera, options.inset, frames);
+    const auto drawer = std::make_shared<FrameDrawer>(config_, scene, camera, options.inset, frames);
     return [drawer](std::size_t k) -> const Pixels& { return drawer->draw(k); };
   };
   const std::size_t frame_bytes =

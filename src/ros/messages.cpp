@@ -93,8 +93,8 @@ DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& sha
     dropped += ring.dropped;
   DiagnosticStatus s = status("queues", true, std::to_string(dropped) + " dropped");
   if (dropped > 0) s.level = DiagnosticStatus::WARN;
-  s.values = {value("relay_failed", counts.relay_failed),         value("force_failed", counts.force_failed),
-              value("sight_sent", shared.sight_sent.value()),     value("sight_failed", shared.sight_failed.value()),
+  s.values = {value("relay_failed", counts.relay_failed), value("force_failed", counts.force_failed),
+              value("sight_sent", shared.sight_sent.value()), value("sight_failed", shared.sight_failed.value()),
               value("contacts_dropped", counts.contacts_dropped)};
   for (std::size_t i = 0; i < kRingCount; ++i) {
     if (counts.rings[i].dropped > 0)
@@ -162,10 +162,23 @@ geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& f
   return message;
 }
 
-sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp) {
+std::string opticalFrame(const std::string& camera) {
+  return camera + "_optical_frame";
+}
+
+ros::Time stampOf(std::int64_t then_ns, std::int64_t now_ns, const ros::Time& now) {
+  const std::int64_t age = std::max<std::int64_t>(0, now_ns - then_ns);
+  const auto at = static_cast<std::int64_t>(now.toNSec()) - age;
+  if (then_ns <= 0 || at <= 0) return now;
+  ros::Time stamp;
+  stamp.fromNSec(static_cast<std::uint64_t>(at));
+  return stamp;
+}
+
+sensor_msgs::Image image(const runtime::LiveImage& picture, const std::string& frame, const ros::Time& stamp) {
   sensor_msgs::Image message;
   message.header.stamp = stamp;
-  message.header.frame_id = "camera_optical";
+  message.header.frame_id = frame;
   message.width = static_cast<std::uint32_t>(picture.camera.width);
   message.height = static_cast<std::uint32_t>(picture.camera.height);
   message.encoding = sensor_msgs::image_encodings::RGB8;
@@ -174,17 +187,20 @@ sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& sta
   return message;
 }
 
-sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time& stamp) {
+sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera,
+                                   const std::string& frame,
+                                   const ros::Time& stamp,
+                                   double aside) {
   sensor_msgs::CameraInfo info;
   info.header.stamp = stamp;
-  info.header.frame_id = "camera_optical";
+  info.header.frame_id = frame;
   info.width = static_cast<std::uint32_t>(camera.width);
   info.height = static_cast<std::uint32_t>(camera.height);
   info.distortion_model = "plumb_bob";
   info.D.assign(5, 0.0);
   info.K = {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
   info.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-  info.P = {camera.fx, 0.0, camera.cx, 0.0, 0.0, camera.fy, camera.cy, 0.0, 0.0, 0.0, 1.0, 0.0};
+  info.P = {camera.fx, 0.0, camera.cx, -camera.fx * aside, 0.0, camera.fy, camera.cy, 0.0, 0.0, 0.0, 1.0, 0.0};
   return info;
 }
 

@@ -30,8 +30,21 @@ geometry_msgs::WrenchStamped wrench(const HapticState& haptic, Arm arm, const ro
 
 geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& frame, const ros::Time& stamp);
 
-sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp);
-sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera, const ros::Time& stamp);
+/** Optical frame of a camera by its name: x right, y down, z forward (REP 103). */
+std::string opticalFrame(const std::string& camera);
+
+/** When something was, by the clock of ROS. @param[in] then_ns,now_ns [ns] monotonic clock; `then` 0: not known, now.
+ */
+ros::Time stampOf(std::int64_t then_ns, std::int64_t now_ns, const ros::Time& now);
+
+sensor_msgs::Image image(const runtime::LiveImage& picture, const std::string& frame, const ros::Time& stamp);
+
+/** @param[in] aside [m] from the origin of `frame` to the camera's right: of the right one of a pair the baseline, as
+ * stereo packages expect both in the left one's frame (REP 104, sensor_msgs/CameraInfo: P[3] = -fx aside). */
+sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera,
+                                   const std::string& frame,
+                                   const ros::Time& stamp,
+                                   double aside = 0.0);
 
 /** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. */
 diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts);

@@ -6,6 +6,8 @@
 
 #include <array>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
@@ -19,6 +21,7 @@
 #include "ros/planning_services.h"
 #include "ros/planning_topics.h"
 #include "ros/services.h"
+#include "ros/stereo_view.h"
 #include "ros/training_services.h"
 #include "ros/training_topics.h"
 
@@ -51,6 +54,7 @@ struct RosBridge::Impl {
         planning_topics(&node, *daemon),
         training_topics(&node, *daemon),
         view(node, daemon->config().render, &daemon->shared()),
+        stereo(node, daemon->config().render.stereo),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
         model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
         robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
@@ -72,6 +76,7 @@ struct RosBridge::Impl {
 
   ~Impl() {
     simulator.setImageSink({});
+    simulator.shared().stereo_watched.store(0);
     planning_services.stop();
     training_services.stop();
     if (move_arm) move_arm->stop();
@@ -125,10 +130,19 @@ struct RosBridge::Impl {
     tf2_msgs::TFMessage message;
     addArms("model/", {model.arms[0].q, model.arms[1].q}, stamp, &message);
     if (robot.frame > 0 && robot.connected != 0) addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message);
-    const RenderConfig& render = simulator.config().render;
-    const model::Camera camera = model::makeCamera(runtime::findCamera(render, render.live_camera), 2, 2);
-    message.transforms.push_back(transform(camera.X_WC, "camera_optical", stamp));
+    addCameras(model, stamp, &message);
     transforms.publish(message);
+  }
+
+  /** Those of the live pictures, where they stand now. */
+  void addCameras(const ModelState& model, const ros::Time& stamp, tf2_msgs::TFMessage* message) {
+    const RenderConfig& render = simulator.config().render;
+    std::set<std::string> names{render.live_camera, render.stereo.camera + "_left", render.stereo.camera + "_right"};
+    for (const std::string& name : names) {
+      const CameraConfig& config = runtime::findCamera(render, name);
+      const model::Camera camera = model::cameraAt(config, model, simulator.raven().X_WB, 2, 2);
+      message->transforms.push_back(transform(camera.X_WC, opticalFrame(name), stamp));
+    }
   }
 
   void addArms(const std::string& prefix,
@@ -144,14 +158,17 @@ struct RosBridge::Impl {
 
   /** On the render thread; roscpp's publish is thread-safe. */
   void publishImage(const runtime::LiveImage& picture) {
-    const ros::Time stamp = ros::Time::now();
+    const ros::Time stamp = stampOf(picture.time_ns, net::monotonicNow(), ros::Time::now());
+    if (picture.eye != runtime::Eye::kMiddle) return stereo.show(picture, stamp);
+    simulator.shared().stereo_watched.store(stereo.isWatched() ? 1 : 0);
+    const std::string frame = opticalFrame(simulator.config().render.live_camera);
     const bool is_view = picture.is_view && view.isWatched();
     if (is_view || images.getNumSubscribers() > 0) {
-      const sensor_msgs::Image message = image(picture, stamp);
+      const sensor_msgs::Image message = image(picture, frame, stamp);
       images.publish(message);
       if (is_view) view.show(message);
     }
-    camera_infos.publish(cameraInfo(picture.camera, stamp));
+    camera_infos.publish(cameraInfo(picture.camera, frame, stamp));
   }
 
   runtime::Simulator& simulator;
@@ -165,6 +182,7 @@ struct RosBridge::Impl {
   PlanningTopics planning_topics;
   TrainingTopics training_topics;
   CameraView view;
+  StereoView stereo;
   JoyPedals pedals;
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
   ros::Publisher model_joints, robot_joints;

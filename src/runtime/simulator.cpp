@@ -367,7 +367,8 @@ struct Simulator::Impl {
 
   void renderLoop() {
     try {
-      RenderLoop loop(config, raven, scene, shared.get(), [this](const LiveImage& picture) { show(picture); });
+      RenderLoop loop(config, raven, scene, physics.bodyNames(), shared.get(),
+                      [this](const LiveImage& picture) { show(picture); });
       const std::int64_t period = 1'000'000'000 / config.render.live_fps;
       std::int64_t due = net::monotonicNow();
       while (!stopping()) {

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
+constexpr std::uintmax_t kMostBytes = 64U << 20U;
 constexpr double kMillimetres = 1e3;  // in a metre
 constexpr double kMicrometres = 1e6;
 
@@ -205,6 +207,26 @@ void writeScore(const std::string& path, const SessionScore& score, const ScoreS
   file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   file.close();
   if (!file || std::rename(draft.c_str(), path.c_str()) != 0) throw SessionException(path + ": cannot be written");
+}
+
+std::map<std::int64_t, AttemptVerdict> readVerdicts(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size > kMostBytes) throw SessionException(path + ": not a score.json of at most 64 MiB");
+  std::ifstream file(path);
+  std::map<std::int64_t, AttemptVerdict> verdicts;
+  try {
+    const Json json = Json::parse(file);
+    for (const Json& attempt : json.at("attempts")) {
+      AttemptVerdict verdict;
+      if (!attempt.at("passed").is_null()) verdict.passed = attempt.at("passed").get<bool>();
+      if (!attempt.at("composite").is_null()) verdict.composite = attempt.at("composite").get<double>();
+      verdicts[attempt.at("number").get<std::int64_t>()] = verdict;
+    }
+  } catch (const Json::exception& e) {
+    throw SessionException(path + ": " + e.what());
+  }
+  return verdicts;
 }
 
 }  // namespace raven2_trainer::training

@@ -69,7 +69,7 @@ TEST(NominalSession, FramesOfModelAndRobotHaveTheirOwnPrefix) {
   for (const auto& transform : tf.get().transforms)
     frames.insert(transform.child_frame_id);
   EXPECT_TRUE(frames.count("model/grasper1_L") == 1 && frames.count("robot/grasper1_L") == 1);
-  EXPECT_EQ(frames.count("camera_optical"), 1U);
+  EXPECT_EQ(frames.count("endoscope_optical_frame"), 1U);
 }
 
 TEST(NominalSession, EveryLinksCountersAddUp) {

@@ -16,6 +16,9 @@ namespace raven2_trainer::config {
  */
 TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead = {});
 
+/** The overlays of these names, or {"all"} of them, or {"none"}. @throw ConfigException listing the known names. */
+OverlaySet overlaysOf(const std::vector<std::string>& names);
+
 /** The arms' geometry with another tool. @throw ConfigException listing the known names. */
 ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::model {
@@ -16,6 +17,19 @@ struct Camera {
   bool project(const Vector3& p_W, double* u, double* v) const noexcept;
 };
 
+/** Where the configuration puts it. */
 Camera makeCamera(const CameraConfig& config, int width, int height) noexcept;
+
+/**
+ * Where a camera stands in a tick (CameraConfig::moves): a function of that tick's state alone, not smoothed over time,
+ * so that a frame looks the same whichever frames were drawn before it. Where the state does not tell (older logs), or
+ * what it tells is not finite, that is where the configuration puts it.
+ * @param[in] X_WB arm bases (RavenModel::X_WB).
+ */
+Camera cameraAt(const CameraConfig& config,
+                const ModelState& state,
+                const PerArm<Pose>& X_WB,
+                int width,
+                int height) noexcept;
 
 }  // namespace raven2_trainer::model

@@ -45,16 +45,37 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-/** Builds the Scene of a Snapshot: both arms, the FRS scene, the RCM spheres, a ghost of the robot where it parts
- *  from the model, the path of the plan at hand and a ghost of its arm at the goal, the overlay. Uploads its meshes to
- *  the renderer, which must outlive it: once, and that of a path whenever there is a new one. */
+/** What SceneBuilder draws over the scene. */
+struct SceneOptions {
+  SceneOptions(const HapticGains& haptic_gains, OverlaySet wanted = OverlaySet::all())
+      : haptics(haptic_gains), overlays(wanted) {}
+  SceneOptions(const TrainerConfig& config, OverlaySet wanted);
+
+  HapticGains haptics;
+  OverlaySet overlays;
+  TrailConfig trails{4.0, 0.05};
+  double stale_after{0.020};        ///< [s] age from which the robot's state is marked
+  std::uint32_t exercise_steps{0};  ///< of all tracks together; 0: not known
+};
+
+/** Builds the Scene of a Snapshot: both arms, the FRS scene, the RCM spheres, and what SceneOptions::overlays asks for
+ *  (doc/pictures.md); what is not finite is left out. Uploads its meshes to the renderer, which must outlive it: once,
+ *  and those of paths and trails whenever they change. */
 class SceneBuilder {
  public:
   SceneBuilder(const model::RavenModel& raven,
                const model::SceneModel& scene,
-               const HapticGains& haptics,
+               const SceneOptions& options,
                Renderer* renderer);
   ~SceneBuilder();
+
+  /**
+   * Takes note of a state without drawing it. Trails are all that a picture shows of states before its own: who draws
+   * frame k alone and has told of the frames of TrailConfig::duration before it gets the same pixels as who draws all.
+   */
+  void follow(const Snapshot& snapshot);
+
+  /** follow(), and the scene, valid until the next call. */
   const Scene& build(const Snapshot& snapshot);
 
  private:

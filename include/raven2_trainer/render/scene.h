@@ -11,6 +11,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/training/session_score.h"
 
 namespace raven2_trainer::render {
 
@@ -28,7 +29,9 @@ struct Drawable {
 /** A line of text or a bar drawn over the picture. */
 struct Overlay {
   std::vector<std::string> lines;         ///< top left
-  std::array<double, kArmCount> force{};  ///< [N] bars
+  std::vector<std::string> warnings;      ///< below them, in amber
+  bool has_bars{false};                   ///< below both
+  std::array<double, kArmCount> force{};  ///< [N] of the bars
   double max_force{1.0};                  ///< [N] full bar
   std::string banner;                     ///< hazard; empty = none
 };
@@ -37,6 +40,7 @@ struct Overlay {
 struct Scene {
   std::vector<Drawable> drawables;
   Overlay overlay;
+  bool is_black{false};  ///< nothing of it is seen, the overlay neither
 };
 
 /** What became of plans so far. Cheap to copy: the same answers and reports stand in many frames. */
@@ -59,7 +63,12 @@ struct Snapshot {
   HapticState haptic{};
   std::string fault;  ///< name, or empty
   PlanNews plans;
-  bool stands_in{false};  ///< the real camera's picture was asked for, and there is none
+  PerArm<Vec3> contact_W{};      ///< [N] what touches each arm presses it with, all contacts of the tick together
+  bool stands_in{false};         ///< the real camera's picture was asked for, and there is none
+  bool is_black{false};          ///< a fault of the video leaves nothing to be seen
+  bool are_eyes_swapped{false};  ///< and another shows each eye of a pair what the other should see
+  /** Of the attempt, where it was scored before the picture was drawn; shown once it is over. */
+  training::AttemptVerdict verdict{};
 };
 
 }  // namespace raven2_trainer::render

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,18 +15,20 @@ namespace raven2_trainer::render {
 
 /** What to make of a recorded session. */
 struct SessionRenderOptions {
-  std::string camera;              ///< of render.yaml; empty: the video camera
-  std::string inset{"endoscope"};  ///< camera of the small picture in the corner; "none" or unknown: left out
-  double from{0.0};                ///< [s] session time of the first frame
-  double to{-1.0};                 ///< [s] end; negative: the session's
-  std::string output;              ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session
-  int processes{0};                ///< that draw side by side; 0: one a core. 1: this one
+  std::string camera;                  ///< of render.yaml; empty: the video camera
+  std::string inset{"endoscope"};      ///< camera of the small picture in the corner; "none" or unknown: left out
+  double from{0.0};                    ///< [s] session time of the first frame
+  double to{-1.0};                     ///< [s] end; negative: the session's
+  std::string output;                  ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session
+  std::optional<OverlaySet> overlays;  ///< nothing: those of the video in render.yaml
+  int processes{0};                    ///< that draw side by side; 0: one a core. 1: this one
 };
 
 /**
  * Renders a session directory into a video. Frame k shows the newest record at session time k / fps, session time 0
  * being the first pedal down; a whole session gives round(duration x fps) frames. The frames do not depend on the
- * number of processes.
+ * number of processes. With the overlay kHazard they show what was there, and a banner says what a fault of the video
+ * did to the trainee's picture; without it they show what the trainee saw: black, frozen or late.
  */
 class SessionRenderer {
  public:
@@ -49,6 +52,7 @@ class SessionRenderer {
   const std::vector<std::string>& warnings() const noexcept { return warnings_; }
 
  private:
+  OverlaySet overlaysOf(const SessionRenderOptions& options) const;
   std::vector<Snapshot> readFrames(const SessionRenderOptions& options);
   void checkFiles(const session::LogSummary& summary);
   std::uint64_t write(const std::vector<Snapshot>& frames,

@@ -1,47 +1,65 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/model/camera.h"
+#include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
+#include "raven2_trainer/render/tool_contacts.h"
 
 namespace raven2_trainer::runtime {
+
+/** Which of a state's pictures. */
+enum class Eye : std::uint8_t { kMiddle, kLeft, kRight };
+constexpr std::size_t kEyeCount = 3;
 
 /** A live picture, valid during the call that hands it out. */
 struct LiveImage {
   const std::vector<std::uint8_t>& rgb;  ///< top row first
   const model::Camera& camera;
-  Tick tick;     ///< of the model state drawn
-  bool is_view;  ///< what was asked for (ModelState::view), or stands in for the real camera, which is silent
+  Tick tick;             ///< of the model state drawn
+  bool is_view;          ///< what was asked for (ModelState::view), or stands in for the real camera, which is silent
+  Eye eye;               ///< kMiddle: the live camera; else one of the stereo pair
+  std::int64_t time_ns;  ///< ModelState::time_ns of what is shown: of a frozen picture the old one
 };
 using ImageSink = std::function<void(const LiveImage&)>;
 
 /** Body of the render thread. Its OpenGL context lives and dies on that thread: construct it there. */
 class RenderLoop {
  public:
-  /** @throw RenderException. */
+  /** @param[in] body_names by the numbers of contacts. @throw RenderException. */
   RenderLoop(const TrainerConfig& config,
              const model::RavenModel& raven,
              const model::SceneModel& scene,
+             const std::vector<std::string>& body_names,
              SharedState* shared,
              ImageSink sink);
-  /** Draws the newest states and hands the picture out. */
+  /** Draws the newest states, as far as faults of the video let them be seen, and hands the picture out; with those of
+   *  both eyes, while SharedState::stereo_watched. */
   void frame();
 
  private:
   void hearOfPlans();
   bool isCameraSilent() const;
+  render::Snapshot newest();
+  void takeModel(render::Snapshot* snapshot) const;
+  void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye);
 
   const TrainerConfig& config_;
+  const PerArm<Pose> X_WB_;
   SharedState& shared_;
   ImageSink sink_;
   render::Renderer renderer_;
   render::SceneBuilder builder_;
-  model::Camera camera_;
+  render::ToolContacts contacts_;
+  render::PictureLine line_;
+  std::array<CameraConfig, kEyeCount> cameras_;  // by Eye
   render::PlanNews plans_;
   std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells
 };

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,5 +56,14 @@ SessionScore scoreSession(const std::string& log_path, const ScoreSettings& sett
 
 /** score.json: the same bytes for the same log and settings. Format: doc/scores.md. @throw SessionException. */
 void writeScore(const std::string& path, const SessionScore& score, const ScoreSettings& settings);
+
+/** What score.json says of an attempt in a word. */
+struct AttemptVerdict {
+  std::optional<bool> passed;       ///< nothing without a band
+  std::optional<double> composite;  ///< [-] AttemptScore::composite
+};
+
+/** Of each attempt in a score.json, by its number. @throw SessionException for a file that cannot be read as one. */
+std::map<std::int64_t, AttemptVerdict> readVerdicts(const std::string& path);
 
 }  // namespace raven2_trainer::training

@@ -333,5 +333,54 @@ TEST_F(LoadConfig, ARealCameraHasATopicAndATimeToBeStale) {
   EXPECT_NE(message().find("the view itself"), std::string::npos) << "it would show itself, for ever: " << message();
 }
 
+TEST_F(LoadConfig, ACameraSaysWhatMovesIt) {
+  const RenderConfig render = loadTrainerConfig(root()).render;
+  EXPECT_EQ(render.cameras[0].moves, CameraMoves::kNever);
+  EXPECT_EQ(render.cameras[1].moves, CameraMoves::kClutch);
+  replace("render.yaml", "moves: gold_tool", "moves: silver_tool");
+  EXPECT_NE(message().find("moves"), std::string::npos) << message();
+  replace("render.yaml", ", moves: silver_tool", "");
+  EXPECT_NE(message().find("moves"), std::string::npos) << "a required key: " << message();
+}
+
+TEST_F(LoadConfig, BothEyesAreCamerasBesideTheOneInTheirMiddle) {
+  const RenderConfig render = loadTrainerConfig(root()).render;
+  ASSERT_EQ(render.cameras.size(), 7U);
+  const CameraConfig &middle = render.cameras[1], &left = render.cameras[5], &right = render.cameras[6];
+  EXPECT_EQ(left.name, "endoscope_left");
+  EXPECT_EQ(right.name, "endoscope_right");
+  EXPECT_EQ(left.eye_W, middle.eye_W);
+  EXPECT_EQ(right.moves, middle.moves);
+  EXPECT_DOUBLE_EQ(left.aside, -0.0025);
+  EXPECT_DOUBLE_EQ(right.aside, 0.0025);
+  replace("render.yaml", "camera: endoscope\n  baseline", "camera: cellar\n  baseline");
+  EXPECT_NE(message().find("cellar"), std::string::npos) << message();
+  replace("render.yaml", "camera: cellar", "camera: endoscope");
+  replace("render.yaml", "name: top,", "name: endoscope_left,");
+  EXPECT_NE(message().find("endoscope_left"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, OverlaysAreKnownByName) {
+  const RenderConfig render = loadTrainerConfig(root()).render;
+  EXPECT_TRUE(render.video_overlays.has(OverlayKind::kHazard));
+  EXPECT_FALSE(render.live_overlays.has(OverlayKind::kHazard)) << "the trainee shall not read it";
+  EXPECT_TRUE(render.live_overlays.has(OverlayKind::kStatus));
+  replace("render.yaml", "live: [ghost,", "live: [ghots,");
+  EXPECT_NE(message().find("ghots"), std::string::npos) << message();
+  EXPECT_NE(message().find("force_arrows"), std::string::npos) << "it says what there is: " << message();
+}
+
+TEST(Overlays, AreAllOrNoneOrThoseThatAreNamed) {
+  EXPECT_EQ(overlaysOf({"all"}), OverlaySet::all());
+  EXPECT_EQ(overlaysOf({"none"}), OverlaySet());
+  OverlaySet two;
+  two.add(OverlayKind::kPlan);
+  two.add(OverlayKind::kLatency);
+  EXPECT_EQ(overlaysOf({"latency", "plan"}), two);
+  EXPECT_EQ(overlaysOf({kOverlayNames.begin(), kOverlayNames.end()}), OverlaySet::all());
+  EXPECT_THROW(overlaysOf({"all", "plan"}), ConfigException);
+  EXPECT_THROW(overlaysOf({""}), ConfigException);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::config

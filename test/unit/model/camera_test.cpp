@@ -72,5 +72,99 @@ TEST(Camera, UpAlongTheViewStillGivesARotation) {
   EXPECT_NEAR(camera.X_WC.R.determinant(), 1.0, 1e-12);
 }
 
+class MovingCamera : public ::testing::Test {
+ protected:
+  MovingCamera() {
+    config_.eye_W = {-0.2, 0.1, 0.3};
+    config_.target_W = {0.0, 0.0, 0.1};
+    config_.up_W = {0, 0, 1};
+    config_.vertical_fov = 0.8;
+    // Bases that are neither at the origin nor along the axes of W.
+    X_WB_[0].p = {-0.03, 0.06, 0.14};
+    X_WB_[0].R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+    X_WB_[1].p = {0.05, -0.06, 0.12};
+    X_WB_[1].R << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+    state_.arms[0].p_BT = {-0.08, 0.01, 0.02};
+    state_.arms[1].p_BT = {-0.07, -0.02, 0.01};
+  }
+
+  Camera camera(CameraMoves moves) {
+    config_.moves = moves;
+    return cameraAt(config_, state_, X_WB_, 640, 360);
+  }
+
+  static void expectSame(const Camera& a, const Camera& b) {
+    EXPECT_EQ((a.X_WC.p - b.X_WC.p).norm(), 0.0);
+    EXPECT_EQ((a.X_WC.R - b.X_WC.R).norm(), 0.0);
+    EXPECT_EQ(a.fx, b.fx);
+  }
+
+  static void expectInTheMiddle(const Camera& camera, const Vector3& p_W) {
+    double u = 0, v = 0;
+    ASSERT_TRUE(camera.project(p_W, &u, &v));
+    EXPECT_NEAR(u, 319.5, 1e-9);
+    EXPECT_NEAR(v, 179.5, 1e-9);
+  }
+
+  CameraConfig config_;
+  PerArm<Pose> X_WB_{};
+  ModelState state_;
+};
+
+TEST_F(MovingCamera, TheClutchsPoseIsTakenWithTheLensOfTheConfiguration) {
+  state_.camera = {{0.1, -0.3, 0.4}, {0.02, 0.01, 0.0}, {0.0, 0.0, 1.0}};
+  const Camera moved = camera(CameraMoves::kClutch);
+  EXPECT_LT((moved.X_WC.p - Vector3(0.1, -0.3, 0.4)).norm(), 1e-12);
+  expectInTheMiddle(moved, {0.02, 0.01, 0.0});
+  EXPECT_EQ(moved.fx, makeCamera(config_, 640, 360).fx);
+  expectSame(camera(CameraMoves::kNever), makeCamera(config_, 640, 360));
+}
+
+TEST_F(MovingCamera, ARecordThatTellsNoCameraLeavesItWhereTheConfigurationPutsIt) {
+  ASSERT_EQ(state_.camera.eye_W, state_.camera.target_W);
+  expectSame(camera(CameraMoves::kClutch), makeCamera(config_, 640, 360));
+}
+
+TEST_F(MovingCamera, ItLooksAtTheToolFromTheSideThatTheConfigurationGives) {
+  // By hand: the gold base takes x, y, z of B to z, -x, -y of W.
+  const Vector3 gold_W(-0.03 - 0.01, 0.06 - 0.02, 0.14 - 0.08), green_W(0.05 - 0.02, -0.06 + 0.01, 0.12 - 0.07);
+  const Vector3 offset(-0.2, 0.1, 0.2);
+  for (const auto& [moves, tip_W] : {std::pair(CameraMoves::kGoldTool, gold_W), {CameraMoves::kGreenTool, green_W}}) {
+    const Camera moved = camera(moves);
+    expectInTheMiddle(moved, tip_W);
+    EXPECT_LT((moved.X_WC.p - tip_W - offset).norm(), 1e-12);
+  }
+}
+
+TEST_F(MovingCamera, WhatIsNotFiniteDoesNotMoveIt) {
+  const double nan = std::nan(""), inf = HUGE_VAL;
+  const Camera fixed = makeCamera(config_, 640, 360);
+  state_.arms[0].p_BT[1] = nan;
+  expectSame(camera(CameraMoves::kGoldTool), fixed);
+  for (const double bad : {nan, inf}) {
+    state_.camera = {{bad, 0, 1}, {0, 0, 0}, {0, 0, 1}};
+    expectSame(camera(CameraMoves::kClutch), fixed);
+    state_.camera = {{1, 0, 1}, {0, 0, 0}, {0, bad, 1}};
+    expectSame(camera(CameraMoves::kClutch), fixed);
+  }
+}
+
+TEST_F(MovingCamera, TwoEyesSeeAPointApartByFocalLengthTimesBaselineOverDepth) {
+  state_.camera = {{-0.2, 0.05, 0.2}, {0.0, 0.0, 0.03}, {0.0, 0.0, 1.0}};
+  const double baseline = 0.005;
+  config_.aside = -0.5 * baseline;
+  const Camera left = camera(CameraMoves::kClutch);
+  config_.aside = 0.5 * baseline;
+  const Camera right = camera(CameraMoves::kClutch);
+  EXPECT_NEAR((right.X_WC.p - left.X_WC.p).norm(), baseline, 1e-12);
+  for (const double depth : {0.05, 0.2, 0.6}) {
+    const Vector3 p_W = left.X_WC * Vector3(0.01, -0.02, depth);
+    double ul = 0, vl = 0, ur = 0, vr = 0;
+    ASSERT_TRUE(left.project(p_W, &ul, &vl) && right.project(p_W, &ur, &vr));
+    EXPECT_NEAR(ul - ur, left.fx * baseline / depth, 1e-9) << "the left eye sees it farther right";
+    EXPECT_NEAR(vl, vr, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::model

@@ -162,6 +162,34 @@ TEST(FrameTimeline, NewsOfPlansMayComeInAnyOrder) {
     EXPECT_EQ(frames[k].plans.path->id, 10 * k);
 }
 
+TEST(FrameTimeline, ContactsAreThoseOfTheTickThatIsShown) {
+  const ToolContacts tools({"dome", "grasper1_L", "grasper1_R"});
+  FrameTimeline timeline(100, 0.0, -1.0);
+  const auto touch = [&](Tick session_tick, std::uint16_t arm, double newton) {
+    ContactRecord record;
+    record.tick = kOrigin + session_tick;
+    record.a = 0;
+    record.b = arm;
+    record.f_W = {-newton, 0.0, 0.0};
+    timeline.add(record, tools);
+  };
+  touch(0, 1, 9.0);  // before any tick is known
+  for (Tick t = 0; t < 40; ++t) {
+    timeline.add(tickAt(t));
+    if (t < 20) touch(t, 1, 1.0 + static_cast<double>(t));
+    if (t == 10) touch(t, 1, 0.5);
+    if (t == 10) touch(t, 2, 2.0);
+    if (t == 29) touch(t, 2, 3.0);
+  }
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[0].contact_W[0][0], 1.0);
+  EXPECT_EQ(frames[1].contact_W[0][0], 11.5) << "all of the tick, none of those before";
+  EXPECT_EQ(frames[1].contact_W[1][0], 2.0);
+  EXPECT_EQ(frames[2].contact_W[0][0], 0.0) << "the touch ended at tick 19";
+  EXPECT_EQ(frames[3].contact_W[1][0], 0.0) << "over, too";
+}
+
 TEST(FrameTimeline, AHostileTickCannotTakeTheMemory) {
   FrameTimeline timeline(30, 0.0, -1.0);
   EXPECT_THROW(timeline.add(tickAt(Tick{1} << 39)), SessionException);

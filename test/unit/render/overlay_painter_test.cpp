@@ -37,6 +37,7 @@ TEST(OverlayPainter, ChangesPixelsInItsRegionsOnly) {
   const OverlayPainter painter(kWidth, kHeight);
   Overlay overlay;
   overlay.lines = {"time 1.000 s", "a longer line of text, with descenders: jgpqy"};
+  overlay.has_bars = true;
   overlay.force = {1.0, 9.0};
   overlay.max_force = 3.3;
   overlay.banner = "FAULT: sudden_jump";
@@ -68,6 +69,7 @@ TEST(OverlayPainter, BarsGrowWithTheForceUpToTheirEnd) {
   const auto goldPixels = [&painter](double force) {
     Overlay overlay;
     overlay.lines = {"x"};
+    overlay.has_bars = true;
     overlay.force = {force, 0.0};
     overlay.max_force = 2.0;
     auto rgb = grey();
@@ -82,10 +84,32 @@ TEST(OverlayPainter, BarsGrowWithTheForceUpToTheirEnd) {
   EXPECT_LT(goldPixels(5.0), goldPixels(2.0) + goldPixels(1.0)) << "a bar ends at max_force";
 }
 
+TEST(OverlayPainter, WarningsStandBelowTheLinesInAmber) {
+  const OverlayPainter painter(kWidth, kHeight);
+  const auto is_amber = [](const std::uint8_t* p) { return p[0] > 200 && p[1] > 130 && p[1] < 200 && p[2] < 90; };
+  Overlay overlay;
+  overlay.lines = {"plain"};
+  const Region plain = painter.panelRegion(overlay);
+  overlay.warnings = {"gold limit"};
+  auto rgb = grey();
+  painter.paint(overlay, &rgb);
+  EXPECT_GT(painter.panelRegion(overlay).bottom, plain.bottom);
+  int amber = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (!is_amber(&rgb[3 * static_cast<std::size_t>(y * kWidth + x)])) continue;
+      ++amber;
+      EXPECT_GT(2 * y, plain.bottom) << "below the line";
+    }
+  }
+  EXPECT_GT(amber, 20);
+}
+
 TEST(OverlayPainter, NotFiniteForcesAndEndlessTextStayInThePicture) {
   const OverlayPainter painter(kWidth, kHeight);
   Overlay overlay;
   overlay.lines.assign(500, std::string(1000, 'W'));
+  overlay.has_bars = true;
   overlay.force = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
   overlay.max_force = 0.0;
   overlay.banner = std::string(1000, 'M');

@@ -80,6 +80,83 @@ TEST(OverlayText, WithoutARobotThereIsNoError) {
   EXPECT_FALSE(hasLine(overlay, "gold", "mm"));
 }
 
+TEST(OverlayText, TheAgeOfTheRobotsStateIsToldAndStaleBeyondItsLimit) {
+  Snapshot s = teleoperating();
+  s.model.time_ns = 2'000'000'000;
+  s.robot.received_ns = s.model.time_ns - 3'400'000;
+  EXPECT_TRUE(hasLine(describe(s, gains()), "latency", " 3.4 ms"));
+  EXPECT_FALSE(hasLine(describe(s, gains()), "latency", "STALE"));
+  s.robot.received_ns = s.model.time_ns - 20'100'000;
+  EXPECT_TRUE(hasLine(describe(s, gains()), "latency", " 20.1 ms STALE"));
+  s.robot.frame = 0;
+  EXPECT_FALSE(hasLine(describe(s, gains()), "latency", "ms")) << "there is none";
+}
+
+TEST(OverlayText, TheTimerTellsStepTimeMistakesAndHowItEnded) {
+  SceneOptions options(gains());
+  options.exercise_steps = 12;
+  Snapshot s = teleoperating();
+  EXPECT_FALSE(hasLine(describe(s, options), "exercise", "")) << "there is none";
+  s.model.tick = 20'000;
+  s.model.exercise.status = ExerciseStatus::kRunning;
+  s.model.exercise.step = 3;
+  s.model.exercise.began = 7'500;
+  s.model.exercise.mistakes = {1, 0, 2, 0, 0, 0};
+  EXPECT_TRUE(hasLine(describe(s, options), "exercise", "step 3 of 12"));
+  EXPECT_TRUE(hasLine(describe(s, options), "  ", "12.5 s, 3 mistakes"));
+  s.model.exercise.status = ExerciseStatus::kDone;
+  s.model.exercise.step = 13;
+  s.model.exercise.ended = 17'500;
+  s.model.exercise.mistakes = {1, 0, 0, 0, 0, 0};
+  EXPECT_TRUE(hasLine(describe(s, options), "exercise", "done"));
+  EXPECT_TRUE(hasLine(describe(s, options), "  ", "10.0 s, 1 mistake")) << "it stands";
+  s.verdict.passed = false;
+  s.verdict.composite = 0.857;
+  EXPECT_TRUE(hasLine(describe(s, options), "exercise", "done, not passed, score 86 %"));
+  s.model.exercise.status = ExerciseStatus::kRunning;
+  EXPECT_FALSE(hasLine(describe(s, options), "exercise", "score")) << "not before the end";
+  s.verdict = {};
+  s.model.exercise.status = ExerciseStatus::kFailed;
+  s.model.exercise.failure = ExerciseFailure::kTimeLimit;
+  EXPECT_TRUE(hasLine(describe(s, options), "exercise", "failed: time limit"));
+  s.model.exercise.status = static_cast<ExerciseStatus>(99);
+  s.model.exercise.began = -(std::int64_t{1} << 62);
+  EXPECT_TRUE(hasLine(describe(s, options), "exercise", "?"));
+}
+
+TEST(OverlayText, EachPartStandsUnderItsName) {
+  Snapshot s = teleoperating();
+  s.fault = "sudden_jump";
+  s.model.exercise.status = ExerciseStatus::kWaiting;
+  const auto only = [&](OverlayKind kind) {
+    OverlaySet set;
+    set.add(kind);
+    return describe(s, SceneOptions(gains(), set));
+  };
+  const Overlay none = describe(s, SceneOptions(gains(), OverlaySet()));
+  EXPECT_TRUE(none.lines.empty() && none.banner.empty() && !none.has_bars);
+  EXPECT_EQ(only(OverlayKind::kStatus).lines.size(), 6U);
+  EXPECT_EQ(only(OverlayKind::kLatency).lines.size(), 1U);
+  EXPECT_EQ(only(OverlayKind::kTimer).lines.size(), 2U);
+  EXPECT_TRUE(only(OverlayKind::kForceBars).has_bars);
+  EXPECT_EQ(only(OverlayKind::kHazard).banner, "FAULT: sudden_jump");
+  EXPECT_TRUE(only(OverlayKind::kStatus).banner.empty()) << "the trainee shall not read it";
+  s.stands_in = true;
+  EXPECT_TRUE(hasLine(describe(s, SceneOptions(gains(), OverlaySet())), "camera", "STALE")) << "whatever is asked for";
+}
+
+TEST(OverlayText, TheBannerSaysWhatAFaultDoesToTheTraineesPicture) {
+  Snapshot s = teleoperating();
+  s.fault = "video_freeze";
+  s.model.faults.picture = 2;
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture frozen");
+  s.model.faults.picture = 1;
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture black");
+  s.model.faults.picture = 0;
+  s.model.faults.picture_delay_ms = 500;
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture 500 ms late");
+}
+
 TEST(OverlayText, ValuesThatNoLogShouldHoldDoNoHarm) {
   Snapshot s = teleoperating();
   s.model.mode = static_cast<Mode>(200);

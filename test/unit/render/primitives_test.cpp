@@ -86,5 +86,32 @@ TEST(Primitives, ALineThatTurnsBackOrStandsStillStaysFinite) {
   EXPECT_TRUE(makeTube({a}, kRadius, kSides).vertices.empty());
 }
 
+TEST(Primitives, MarksAreOctahedraAboutTheirPointsWithTheirFacesOutward) {
+  EXPECT_TRUE(makeMarks({}, kRadius).triangles.empty());
+  const std::vector<Vector3> points{{0.1, 0.2, 0.3}, {-0.4, 0.0, 0.1}};
+  const model::Mesh marks = makeMarks(points, kRadius);
+  EXPECT_EQ(marks.triangles.size(), 16U);
+  EXPECT_NEAR(volume(marks), 2.0 * 4.0 / 3.0 * std::pow(double{kRadius}, 3), 1e-9);
+  for (std::size_t i = 0; i < marks.vertices.size(); ++i)
+    EXPECT_NEAR((toVector(marks.vertices[i]) - points[i / 6]).norm(), kRadius, 1e-6);
+}
+
+TEST(Primitives, ADiscIsSeenFromBothSides) {
+  const int segments = 24;
+  const model::Mesh disc = makeDisc(segments);
+  PerArm<double> area{};  // of the faces that look down and up
+  for (const auto& t : disc.triangles) {
+    const Vector3 a = toVector(disc.vertices[t[0]]), b = toVector(disc.vertices[t[1]]),
+                  c = toVector(disc.vertices[t[2]]);
+    const Vector3 twice = (b - a).cross(c - a);
+    EXPECT_NEAR(std::hypot(twice.x(), twice.y()), 0.0, 1e-6) << "flat";
+    EXPECT_GE(twice.z() * disc.normals[t[0]][2], -1e-6F) << "lit on the side that is seen";
+    area[twice.z() > 0.0 ? 1 : 0] += 0.5 * std::abs(twice.z());
+  }
+  const double polygon = 0.5 * segments * std::sin(2.0 * kPi / segments);
+  EXPECT_NEAR(area[0], polygon, 1e-5);
+  EXPECT_NEAR(area[1], polygon, 1e-5);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::render

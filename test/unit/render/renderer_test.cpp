@@ -48,6 +48,37 @@ TEST_F(RendererTest, ASphereAppearsAtThePixelThatTheCameraProjectsAndNowhereElse
   }
 }
 
+TEST_F(RendererTest, ACameraThatWasMovedAndBothItsEyesSeeThingsWhereTheirMatricesPutThem) {
+  CameraConfig config;
+  config.vertical_fov = 0.8;
+  config.moves = CameraMoves::kClutch;
+  ModelState state;
+  state.camera = {{-0.35, 0.45, 0.5}, {0.05, 0.02, 0.03}, {0.0, 0.0, 1.0}};
+  for (const double aside : {0.0, -0.03, 0.03}) {
+    config.aside = aside;
+    camera_ = model::cameraAt(config, state, {}, kWidth, kHeight);
+    empty_ = renderer_.draw(Scene{}, camera_);
+    for (const Vector3& p_W : {Vector3(0.05, 0.02, 0.03), Vector3(0.1, 0.1, 0.1), Vector3(-0.05, -0.1, 0.0)}) {
+      const Difference seen = difference(draw({drawable(sphere_, p_W)}), empty_, kWidth);
+      const Vector3 p_C = camera_.X_WC.inverse() * p_W;
+      EXPECT_NEAR(seen.u, camera_.fx * p_C.x() / p_C.z() + camera_.cx, 1.0) << aside;
+      EXPECT_NEAR(seen.v, camera_.fy * p_C.y() / p_C.z() + camera_.cy, 1.0) << aside;
+    }
+  }
+}
+
+TEST_F(RendererTest, ABlackSceneIsBlackAllOverAndTheNextOneIsSeenAgain) {
+  Scene scene;
+  scene.drawables = {drawable(sphere_, {0.0, 0.0, 0.05})};
+  scene.overlay.lines = {"mode teleoperating"};
+  const std::vector<std::uint8_t> seen = renderer_.draw(scene, camera_);
+  scene.is_black = true;
+  const std::vector<std::uint8_t> black = renderer_.draw(scene, camera_);
+  EXPECT_EQ(black, std::vector<std::uint8_t>(seen.size(), 0));
+  scene.is_black = false;
+  EXPECT_EQ(renderer_.draw(scene, camera_), seen);
+}
+
 TEST_F(RendererTest, TheLitSideIsBrightAndTheFarSideDarker) {
   const auto picture = draw({drawable(sphere_, {0.0, 0.0, 0.05})});
   double u = 0.0, v = 0.0;

@@ -302,7 +302,9 @@ TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmedWhileItIsFollowed) {
 
 TEST_F(SceneBuilderTest, ThePictureShowsThePathDimming) {
   Renderer renderer(640, 360);
-  SceneBuilder builder(*raven_, *scene_, config_->haptics, &renderer);
+  OverlaySet plan_alone;  // the panel would cover much of the path
+  plan_alone.add(OverlayKind::kPlan);
+  SceneBuilder builder(*raven_, *scene_, SceneOptions(config_->haptics, plan_alone), &renderer);
   const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
   const auto is_bright = [](const std::uint8_t* p) { return p[0] > p[1] + 80 && p[2] > p[1] + 80; };
   const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
@@ -317,9 +319,153 @@ TEST_F(SceneBuilderTest, ThePictureShowsThePathDimming) {
 }
 
 TEST_F(SceneBuilderTest, TheOverlayTellsOfThePlan) {
-  EXPECT_NE(builder_.build(snapshot_).overlay.lines.back().find("green error"), std::string::npos);
+  EXPECT_EQ(builder_.build(snapshot_).overlay.lines.back().find("plan"), std::string::npos);
   setPlan(makePlan(config_->arms.geometry, Arm::kGold), PlanningStatus::kArmed, &snapshot_);
   EXPECT_EQ(builder_.build(snapshot_).overlay.lines.back(), "plan      ready: hold the pedal, model alone");
+}
+
+TEST_F(SceneBuilderTest, WhatTouchesAToolIsAnotherArrowThanWhatTheHandFeels) {
+  snapshot_.haptic.force_B[0] = {0.0, 0.0, 1.0};
+  snapshot_.contact_W[0] = {0.0, 0.0, 2.0};
+  snapshot_.contact_W[1] = {500.0, 0.0, 0.0};
+  std::vector<Drawable> arrows;
+  for (const Drawable& d : builder_.build(snapshot_).drawables) {
+    const double length = d.X_WM.R.col(2).norm();
+    if (length < 0.9) arrows.push_back(d);  // all else is not scaled
+  }
+  ASSERT_EQ(arrows.size(), 3U);
+  const Vector3 tip_W = at(raven_->X_WB, Arm::kGold) * toEigen(snapshot_.model.arms[0].p_BT);
+  const Drawable &contact = arrows[0], &felt = arrows[1], &hit = arrows[2];
+  EXPECT_LT((contact.X_WM.p - tip_W).norm() + (felt.X_WM.p - tip_W).norm(), 1e-12);
+  EXPECT_LT((contact.X_WM.R.col(2).normalized() - Vector3::UnitZ()).norm(), 1e-9) << "in W, as it is";
+  EXPECT_NEAR(contact.X_WM.R.col(2).norm() - felt.X_WM.R.col(2).norm(), 0.012, 1e-9) << "one newton more";
+  EXPECT_GT(contact.colour[0], contact.colour[2] + 0.5F) << "orange";
+  EXPECT_GT(felt.colour[2], felt.colour[0] + 0.5F) << "blue";
+  EXPECT_LT(hit.X_WM.R.col(2).norm(), 0.15) << "a hard hit does not fill the picture";
+}
+
+TEST_F(SceneBuilderTest, EachOverlayIsDrawnAloneAndNoneLeavesTheBareScene) {
+  displaceRobot(Arm::kGold, 0.2);
+  snapshot_.haptic.force_B[0] = {0.0, 0.0, 1.0};
+  snapshot_.model.arms[1].q[kInsertion] = config_->arms.geometry.q_max[kInsertion];
+  setPlan(makePlan(config_->arms.geometry, Arm::kGreen), PlanningStatus::kReady, &snapshot_);
+  const auto count = [&](OverlaySet set) {
+    SceneBuilder builder(*raven_, *scene_, SceneOptions(config_->haptics, set), &renderer_);
+    for (int i = 0; i < 10; ++i, snapshot_.model.tick += 50)
+      builder.follow(snapshot_);
+    return builder.build(snapshot_).drawables.size();
+  };
+  const std::size_t bare = count(OverlaySet()), all = count(OverlaySet::all());
+  std::size_t sum = bare;
+  for (const OverlayKind kind : {OverlayKind::kGhost, OverlayKind::kForceArrows, OverlayKind::kPlan,
+                                 OverlayKind::kTrails, OverlayKind::kWorkspace}) {
+    OverlaySet set;
+    set.add(kind);
+    const std::size_t with = count(set);
+    EXPECT_GT(with, bare) << kOverlayNames[static_cast<std::size_t>(kind)];
+    sum += with - bare;
+    OverlaySet rest = OverlaySet::all();
+    rest.remove(kind);
+    EXPECT_EQ(count(rest) + with - bare, all) << kOverlayNames[static_cast<std::size_t>(kind)];
+  }
+  EXPECT_EQ(sum, all);
+}
+
+TEST_F(SceneBuilderTest, AToolAtItsLimitSeesAnAmberWallAndIsTold) {
+  place(config_->arms.geometry.home, Arm::kGreen);
+  EXPECT_TRUE(builder_.build(snapshot_).overlay.warnings.empty());
+  JointArray q = config_->arms.geometry.home;
+  q[kElbow] = config_->arms.geometry.q_max[kElbow] - 0.01;
+  place(q, Arm::kGreen);
+  const Scene& scene = builder_.build(snapshot_);
+  ASSERT_EQ(scene.overlay.warnings.size(), 1U);
+  EXPECT_EQ(scene.overlay.warnings[0], "green limit     elbow 1 deg");
+  const Drawable& wall = scene.drawables.back();
+  EXPECT_GT(wall.colour[0], wall.colour[2] + 0.5F);
+  EXPECT_LT(wall.colour[3], 1.0F);
+}
+
+TEST_F(SceneBuilderTest, TheTrailIsSeenWhereTheTipWas) {
+  Renderer renderer(640, 360);
+  OverlaySet trails;
+  trails.add(OverlayKind::kTrails);
+  SceneBuilder builder(*raven_, *scene_, SceneOptions(config_->haptics, trails), &renderer);
+  const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
+  const auto is_blue = [](const std::uint8_t* p) { return p[2] > p[0] + 60 && p[2] > p[1] + 60; };
+  const auto is_red = [](const std::uint8_t* p) { return p[0] > p[1] + 90 && p[0] > p[2] + 90; };
+  const std::vector<std::uint8_t> without = renderer.draw(builder.build(snapshot_), camera);
+  const int blue_before = countPixels(without, is_blue), red_before = countPixels(without, is_red);  // pegs, a ring
+  snapshot_.model.mode = Mode::kTeleoperating;
+  snapshot_.model.arms[0].q_d = snapshot_.model.arms[1].q_d = config_->arms.geometry.home;
+  JointArray q = config_->arms.geometry.home;
+  std::vector<Vector3> ways;
+  for (int i = 1; i <= 20; ++i) {
+    q[kShoulder] += 0.02;
+    place(q, Arm::kGreen);
+    snapshot_.model.arms[1].q_d = q;
+    snapshot_.model.arms[1].q_d[kElbow] += 0.05;  // the hand is ahead
+    snapshot_.model.tick += 50;
+    builder.follow(snapshot_);
+    ways.push_back(at(raven_->X_WB, Arm::kGreen) * toEigen(snapshot_.model.arms[1].p_BT));
+  }
+  const std::vector<std::uint8_t> with = renderer.draw(builder.build(snapshot_), camera);
+  EXPECT_GT(countPixels(with, is_blue), blue_before + 40);
+  EXPECT_GT(countPixels(with, is_red), red_before + 40);
+  int looked_at = 0, seen = 0;
+  for (const Vector3& p_W : ways) {
+    double u = 0.0, v = 0.0;
+    if (!camera.project(p_W, &u, &v) || u < 1 || u >= 638 || v < 1 || v >= 358) continue;
+    const std::size_t i =
+        3 * (static_cast<std::size_t>(std::lround(v)) * 640 + static_cast<std::size_t>(std::lround(u)));
+    ++looked_at;
+    seen += with[i + 2] > without[i + 2] + 10 || is_blue(&with[i]) || with[i] + 20 < without[i];
+  }
+  EXPECT_GT(looked_at, 10);
+  EXPECT_GE(seen, looked_at - 4) << "of " << looked_at << "; the first is before a second frame";
+}
+
+TEST_F(SceneBuilderTest, AFrameHasTheSamePixelsWhoeverDrewThoseBefore) {
+  std::vector<Snapshot> frames;
+  JointArray q = config_->arms.geometry.home;
+  snapshot_.model.mode = Mode::kTeleoperating;
+  for (int k = 0; k < 12; ++k, snapshot_.model.tick += 33) {
+    q[kShoulder] += 0.02;
+    place(q, Arm::kGold);
+    snapshot_.model.arms[0].q_d = snapshot_.model.arms[1].q_d = q;
+    frames.push_back(snapshot_);
+  }
+  const model::Camera camera = model::makeCamera(config_->render.cameras[1], 320, 180);
+  SceneBuilder all(*raven_, *scene_, config_->haptics, &renderer_),
+      some(*raven_, *scene_, config_->haptics, &renderer_), none(*raven_, *scene_, config_->haptics, &renderer_);
+  std::vector<std::uint8_t> last;
+  for (const Snapshot& frame : frames)
+    last = renderer_.draw(all.build(frame), camera);
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k)
+    k % 3 == 0 ? (void)some.build(frames[k]) : some.follow(frames[k]);
+  EXPECT_EQ(renderer_.draw(some.build(frames.back()), camera), last);
+  EXPECT_NE(renderer_.draw(none.build(frames.back()), camera), last) << "the trail is what is missing";
+}
+
+TEST_F(SceneBuilderTest, NothingThatIsNotFiniteIsDrawn) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < 5; ++i, snapshot_.model.tick += 50) {
+    for (const Arm arm : kArms) {
+      at(snapshot_.model.arms, arm).p_BT.fill(nan);
+      at(snapshot_.model.arms, arm).q.fill(nan);
+      at(snapshot_.model.arms, arm).q_d.fill(nan);
+      at(snapshot_.haptic.force_B, arm).fill(nan);
+      at(snapshot_.contact_W, arm).fill(nan);
+    }
+    snapshot_.model.mode = Mode::kTeleoperating;
+    const Scene& scene = builder_.build(snapshot_);
+    EXPECT_TRUE(scene.overlay.warnings.empty());
+    for (const Drawable& d : scene.drawables)
+      EXPECT_FALSE(d.is_mark);
+    for (const std::string& line : scene.overlay.lines)
+      EXPECT_EQ(line.find("nan"), std::string::npos) << line;
+  }
+  const model::Camera camera = model::makeCamera(config_->render.cameras.front(), 320, 180);
+  EXPECT_EQ(renderer_.draw(builder_.build(snapshot_), camera).size(), 320U * 180U * 3U);
 }
 
 TEST_F(SceneBuilderTest, EveryConfiguredCameraSeesTheDomeAndTheSceneFitsTheBudget) {

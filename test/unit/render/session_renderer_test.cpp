@@ -31,7 +31,8 @@ class SessionRendererTest : public ::testing::Test {
   }
   ~SessionRendererTest() override { std::filesystem::remove_all(folder_); }
 
-  void record(bool with_pedal, bool with_plan = false) {
+  /** A log in which the arms move all the time. @param[in] picture of the ticks 100 to 300 of the session. */
+  void record(bool with_pedal, bool with_plan = false, std::uint8_t picture = 0) {
     session::LogHeader header;
     header.robot_urdf_hash = session::fileHash(config_.robot_urdf);
     header.scene_urdf_hash = session::fileHash(config_.scene_urdf);
@@ -46,6 +47,7 @@ class SessionRendererTest : public ::testing::Test {
         arm.q = config_.arms.geometry.home;
         arm.q[kElbow] += 1e-3 * static_cast<double>(t);
       }
+      if (t >= kBefore + 100 && t < kBefore + 300) tick.model.faults.picture = picture;
       if (with_plan && t == kBefore + 50) writer.write(PlanRecord{t, makePlan(config_.arms.geometry, Arm::kGold), 0});
       if (t >= kBefore + 50) tick.model.guide_plan = kPlan;
       writer.write(tick);
@@ -129,6 +131,36 @@ TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
   EXPECT_EQ(hash("with/frame_000000.png"), hash("without/frame_000000.png"));
   EXPECT_EQ(hash("with/frame_000001.png"), hash("without/frame_000001.png"));
   EXPECT_NE(hash("with/frame_000002.png"), hash("without/frame_000002.png"));
+}
+
+TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
+  constexpr std::uint8_t kBlack = 1, kFrozen = 2;
+  SessionRenderOptions options;
+  options.inset = "none";
+  options.overlays = OverlaySet();
+  const auto pictures = [&](std::uint8_t picture, const std::string& folder) {
+    record(true, false, picture);
+    options.output = path(folder);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 12U);
+    std::vector<std::string> hashes;
+    for (int k = 0; k < 12; ++k) {
+      std::array<char, 32> name{};
+      std::snprintf(name.data(), name.size(), "/frame_%06d.png", k);
+      hashes.push_back(session::fileHash(path(folder) + name.data()));
+    }
+    return hashes;
+  };
+  const auto plain = pictures(0, "plain"), frozen = pictures(kFrozen, "frozen"), black = pictures(kBlack, "black");
+  for (std::size_t k = 0; k < 12; ++k) {
+    const bool acts = k >= 3 && k < 9;  // frames at 100 ms up to 300 ms
+    EXPECT_EQ(frozen[k], plain[acts ? 2 : k]) << k;
+    EXPECT_EQ(black[k] == plain[k], !acts) << k;
+    if (acts) {
+      EXPECT_EQ(black[k], black[3]) << k;
+    }
+  }
+  options.overlays->add(OverlayKind::kHazard);  // the log names no fault: no banner
+  EXPECT_EQ(pictures(kFrozen, "told"), plain) << "what was there";
 }
 
 TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {

@@ -24,9 +24,13 @@ class RenderLoopTest : public ::testing::Test {
         raven_(model::loadRavenModel(config_)),
         scene_(model::loadSceneModel(config_)),
         shared_(std::make_unique<SharedState>()),
-        loop_(config_, raven_, scene_, shared_.get(), [this](const LiveImage& image) {
+        loop_(config_, raven_, scene_, {}, shared_.get(), [this](const LiveImage& image) {
+          if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
           picture_ = image.rgb;
           is_view_ = image.is_view;
+          camera_ = image.camera;
+          tick_ = image.tick;
+          time_ns_ = image.time_ns;
         }) {
     state_.tick = kTick;
     state_.session_tick = 0;
@@ -36,7 +40,14 @@ class RenderLoopTest : public ::testing::Test {
       state_.bodies[i] = toArray(scene_.X_WL[static_cast<std::size_t>(scene_.free_bodies[i])]);
   }
 
+  struct EyePicture {
+    Eye eye;
+    Picture rgb;
+    model::Camera camera;
+  };
+
   Picture frame() {
+    eyes_.clear();
     shared_->model.store(state_);
     loop_.frame();
     return picture_;
@@ -56,6 +67,10 @@ class RenderLoopTest : public ::testing::Test {
   std::unique_ptr<SharedState> shared_;
   Picture picture_;
   bool is_view_{false};
+  model::Camera camera_;
+  Tick tick_{-1};
+  std::int64_t time_ns_{-1};
+  std::vector<EyePicture> eyes_;
   RenderLoop loop_;
   ModelState state_;
 };
@@ -99,6 +114,83 @@ TEST_F(RenderLoopTest, TheVirtualPictureStandsInForTheCamerasWhileThatIsSilentAn
   EXPECT_TRUE(is_view_);
 }
 
+TEST_F(RenderLoopTest, ThePictureAndItsCameraGoWithTheClutch) {
+  ASSERT_EQ(config_.render.live_camera, "endoscope");
+  const Picture before = frame();
+  const Vector3 configured = camera_.X_WC.p;
+  state_.camera = {{-0.1, -0.15, 0.2}, {0.0, 0.0, 0.035}, {0.0, 0.0, 1.0}};
+  EXPECT_NE(frame(), before);
+  EXPECT_LT((camera_.X_WC.p - Vector3(-0.1, -0.15, 0.2)).norm(), 1e-12);
+  state_.camera = {};
+  EXPECT_EQ(frame(), before);
+  EXPECT_EQ((camera_.X_WC.p - configured).norm(), 0.0);
+}
+
+TEST_F(RenderLoopTest, BothEyesAreDrawnWhileSomebodyLooks) {
+  frame();
+  EXPECT_TRUE(eyes_.empty());
+  shared_->stereo_watched.store(1);
+  const Picture middle = frame();
+  ASSERT_EQ(eyes_.size(), 2U);
+  EXPECT_EQ(eyes_[0].eye, Eye::kLeft);
+  EXPECT_EQ(eyes_[1].eye, Eye::kRight);
+  const Vector3 apart_C = camera_.X_WC.R.transpose() * (eyes_[1].camera.X_WC.p - eyes_[0].camera.X_WC.p);
+  EXPECT_LT((apart_C - Vector3(config_.render.stereo.baseline, 0.0, 0.0)).norm(), 1e-12);
+  EXPECT_NE(eyes_[0].rgb, eyes_[1].rgb);
+  EXPECT_NE(eyes_[0].rgb, middle);
+  shared_->stereo_watched.store(0);
+  frame();
+  EXPECT_TRUE(eyes_.empty());
+}
+
+TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
+  state_.time_ns = 5'000'000'000;
+  const Picture last = frame();
+  state_.tick += 33;
+  state_.time_ns += 33'000'000;
+  state_.arms[0].q[kElbow] += 0.2;
+  state_.faults.picture = 2;
+  EXPECT_EQ(frame(), last);
+  EXPECT_EQ(tick_, kTick);
+  EXPECT_EQ(time_ns_, 5'000'000'000);
+  state_.faults.picture = 0;
+  EXPECT_NE(frame(), last);
+  EXPECT_EQ(tick_, kTick + 33);
+  EXPECT_EQ(time_ns_, 5'033'000'000);
+}
+
+TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
+  const Picture seen = frame();
+  state_.faults.picture = 1;
+  shared_->stereo_watched.store(1);
+  const Picture black = frame();
+  EXPECT_EQ(black, Picture(seen.size(), 0));
+  EXPECT_TRUE(is_view_);
+  ASSERT_EQ(eyes_.size(), 2U);
+  EXPECT_EQ(eyes_[0].rgb, black);
+  state_.faults.picture = 0;
+  EXPECT_EQ(frame(), seen);
+}
+
+TEST_F(RenderLoopTest, EyesThatAreChangedOverKeepTheirNamesAndCameras) {
+  shared_->stereo_watched.store(1);
+  const Picture middle = frame();
+  const std::vector<EyePicture> right_way = eyes_;
+  state_.faults.picture = 3;
+  EXPECT_EQ(frame(), middle);
+  ASSERT_EQ(eyes_.size(), 2U);
+  EXPECT_EQ(eyes_[0].rgb, right_way[1].rgb);
+  EXPECT_EQ(eyes_[1].rgb, right_way[0].rgb);
+  EXPECT_EQ((eyes_[0].camera.X_WC.p - right_way[0].camera.X_WC.p).norm(), 0.0);
+}
+
+TEST_F(RenderLoopTest, TheNameOfAFaultIsNotInTheTraineesPicture) {
+  const Picture quiet = frame();
+  state_.faults.active = 1;
+  ASSERT_FALSE(config_.scenarios.empty());
+  EXPECT_EQ(frame(), quiet);
+}
+
 TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
   const PlanResult plan = render::makePlan(config_.arms.geometry, Arm::kGold);
   const ExecutionReport report = render::makeReport(ExecutionEnd::kReleased, 0.4);
@@ -116,7 +208,7 @@ TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
   const std::vector<render::Snapshot> frames = timeline.frames({});
   ASSERT_EQ(frames.size(), 1U);
   render::Renderer renderer(config_.render.live_width, config_.render.live_height);
-  render::SceneBuilder builder(raven_, scene_, config_.haptics, &renderer);
+  render::SceneBuilder builder(raven_, scene_, render::SceneOptions(config_, config_.render.live_overlays), &renderer);
   const model::Camera camera = model::makeCamera(findCamera(config_.render, config_.render.live_camera),
                                                  config_.render.live_width, config_.render.live_height);
   EXPECT_EQ(renderer.draw(builder.build(frames[0]), camera), live);

@@ -10,6 +10,7 @@
 
 #include "gtest/gtest.h"
 #include "motion_support.h"
+#include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::training {
 namespace {
@@ -83,6 +84,29 @@ TEST_F(SessionScoreTest, WithoutAnExerciseTheWholeSessionIsOneAttemptWithoutAVer
   EXPECT_FALSE(score.attempts[0].passed);
   EXPECT_NEAR(at(score.attempts[0].motion.hands, Arm::kGold).path, 0.01 + 0.015, 3e-4);
   EXPECT_TRUE(score.hazards.empty());
+}
+
+TEST_F(SessionScoreTest, VerdictsAreReadAsTheyWereWritten) {
+  SessionScore score;
+  score.attempts.resize(3);
+  score.histories.resize(3);
+  for (std::size_t i = 0; i < 3; ++i)
+    score.attempts[i].outcome.number = static_cast<std::int64_t>(i) + 1;
+  score.attempts[0].passed = false;
+  score.attempts[0].composite = 0.25;
+  score.attempts[2].passed = true;
+  score.attempts[2].composite = 1.0;
+  write(score, makeSettings());
+  const std::string path = (folder_ / "score.json").string();
+  const auto verdicts = readVerdicts(path);
+  ASSERT_EQ(verdicts.size(), 3u);
+  EXPECT_EQ(verdicts.at(1).passed, std::optional<bool>(false));
+  EXPECT_EQ(verdicts.at(1).composite, std::optional<double>(0.25));
+  EXPECT_FALSE(verdicts.at(2).passed || verdicts.at(2).composite) << "without a band";
+  EXPECT_EQ(verdicts.at(3).passed, std::optional<bool>(true));
+  std::ofstream(path) << R"({"attempts": [{"number": "one"}]})";
+  EXPECT_THROW(readVerdicts(path), SessionException);
+  EXPECT_THROW(readVerdicts(path + ".none"), SessionException);
 }
 
 TickRecord makeExerciseTick(Tick k, std::uint8_t attempt, ExerciseStatus status) {

@@ -1,0 +1,106 @@
+#include "render/near_limits.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::render {
+namespace {
+
+class NearLimits : public ::testing::Test {
+ protected:
+  NearLimits() {
+    geometry_.d4 = -0.47;
+    geometry_.lw = 0.013;
+    geometry_.q_min = {0.0, 0.79, 0.23, -3.1, -1.2, -1.8, -1.8};
+    geometry_.q_max = {1.57, 2.35, 0.56, 3.1, 1.2, 1.8, 1.8};
+    edge_.size_I = {0.07, 0.16, 0.12};
+    edge_.margin = 0.01;
+    X_WB_[1].p = {0.1, 0.2, 0.3};
+    for (ArmState& arm : snapshot_.model.arms)
+      arm.q = {0.5, 1.6, 0.40, 0.0, 0.0, 0.8, 0.8};
+    snapshot_.model.pedal = 1;
+  }
+
+  std::vector<NearLimit> limits() const { return nearLimits(geometry_, X_WB_, edge_, snapshot_); }
+  JointArray& green() { return snapshot_.model.arms[1].q; }
+
+  ArmGeometry geometry_;
+  PerArm<Pose> X_WB_{};
+  EdgeConfig edge_;
+  Snapshot snapshot_;
+};
+
+TEST_F(NearLimits, InTheMiddleThereAreNoneAndClosedJawsAreNoLimit) {
+  EXPECT_TRUE(limits().empty());
+  green()[kGrasp1] = 1.8;
+  EXPECT_TRUE(limits().empty());
+}
+
+TEST_F(NearLimits, TheWallStandsWhereTheInsertionEnds) {
+  green()[kInsertion] = 0.555;  // 5 mm, half of the margin
+  ASSERT_EQ(limits().size(), 1U);
+  const NearLimit limit = limits()[0];
+  EXPECT_EQ(limit.arm, Arm::kGreen);
+  EXPECT_EQ(limit.text, "green limit     insertion 5 mm");
+  EXPECT_NEAR(limit.nearness, 0.5, 1e-9);
+  JointArray there = green();
+  there[kInsertion] = 0.56;
+  const Vector3 stopped_W = X_WB_[1] * kinematics::forward(geometry_, Arm::kGreen, there).p;
+  ASSERT_TRUE(limit.is_wall);
+  EXPECT_LT((limit.p_W - stopped_W).norm(), 1e-9) << "a straight way";
+  const Vector3 tip_W = X_WB_[1] * kinematics::forward(geometry_, Arm::kGreen, green()).p;
+  EXPECT_LT((limit.along_W - (stopped_W - tip_W).normalized()).norm(), 1e-6);
+}
+
+TEST_F(NearLimits, AtALowerLimitTheWallIsOnTheOtherSide) {
+  green()[kElbow] = 0.79 + 0.02;
+  ASSERT_EQ(limits().size(), 1U);
+  JointArray there = green();
+  there[kElbow] = 0.79;
+  const Vector3 stopped_W = X_WB_[1] * kinematics::forward(geometry_, Arm::kGreen, there).p;
+  EXPECT_LT((limits()[0].p_W - stopped_W).norm(), 5e-5) << "the arc of 0.02 rad is nearly straight";
+  EXPECT_EQ(limits()[0].text, "green limit     elbow 1 deg");
+}
+
+TEST_F(NearLimits, AJointThatOnlyTurnsTheToolIsToldWithoutAWall) {
+  green()[kToolRotation] = 3.09;
+  ASSERT_EQ(limits().size(), 1U);
+  EXPECT_EQ(limits()[0].text, "green limit     tool rotation 1 deg");
+  EXPECT_FALSE(limits()[0].is_wall);
+}
+
+TEST_F(NearLimits, BeyondALimitNothingGrowsFurther) {
+  green()[kShoulder] = -0.3;
+  ASSERT_EQ(limits().size(), 1U);
+  EXPECT_EQ(limits()[0].nearness, 1.0);
+  EXPECT_EQ(limits()[0].text, "green limit     shoulder 0 deg");
+}
+
+TEST_F(NearLimits, TheEdgeOfTheMastersWorkspaceIsToldWhileItActs) {
+  snapshot_.haptic.hand_I[0] = {0.0, -0.075, 0.0};  // 5 mm before the left face
+  EXPECT_TRUE(limits().empty()) << "it is off";
+  edge_.enabled = true;
+  ASSERT_EQ(limits().size(), 1U);
+  EXPECT_EQ(limits()[0].text, "gold  hand      at the edge, left");
+  EXPECT_NEAR(limits()[0].nearness, 0.5, 1e-9);
+  snapshot_.model.pedal = 0;
+  EXPECT_TRUE(limits().empty()) << "the hand moves nothing";
+}
+
+TEST_F(NearLimits, WhatIsNotFiniteHasNoLimit) {
+  edge_.enabled = true;
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    green().fill(bad);
+    snapshot_.haptic.hand_I[0] = {bad, bad, bad};
+    EXPECT_TRUE(limits().empty());
+  }
+  green() = {-0.3, 1.6, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0, 0.8, 0.8};
+  ASSERT_EQ(limits().size(), 1U);
+  EXPECT_FALSE(limits()[0].is_wall) << "nobody knows where the tip is";
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render
