@@ -12,6 +12,7 @@
 #include "apps/common/resimulate_session.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/render/session_renderer.h"
+#include "raven2_trainer/runtime/build_identity.h"
 #include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/lockstep.h"
 #include "raven2_trainer/runtime/motion.h"
@@ -35,7 +36,9 @@ struct Options {
 void renderVideo(const TrainerConfig& config, const std::string& directory) {
   apps::ProgressBar bar("video");
   render::SessionRenderer renderer(config, directory);
-  const std::uint64_t frames = renderer.run({}, [&](std::uint64_t done, std::uint64_t all) {
+  render::SessionRenderOptions options;
+  options.build = runtime::pictureIdentity();
+  const std::uint64_t frames = renderer.run(options, [&](std::uint64_t done, std::uint64_t all) {
     bar.update(static_cast<double>(done) / static_cast<double>(all));
   });
   bar.done(std::to_string(frames) + " frames");

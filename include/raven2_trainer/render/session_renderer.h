@@ -20,17 +20,27 @@ struct SessionRenderOptions {
   double to{-1.0};                 ///< [s] end; negative: the session's
   std::string output;              ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session
   int processes{0};                ///< that draw side by side; 0: one a core. 1: this one
+  std::string build;  ///< what else decides over the pixels (runtime::pictureIdentity): parts of another one are
+                      ///< not used
 };
+
+struct VideoContents;
 
 /**
  * Renders a session directory into a video. Frame k shows the newest record at session time k / fps, session time 0
- * being the first pedal down; a whole session gives round(duration x fps) frames. The frames do not depend on the
+ * being the first pedal down; a whole session gives round(duration x fps) frames. The file does not depend on the
  * number of processes.
+ *
+ * A video is drawn in parts of kPartSeconds, which lie in a folder beside it (video.parts beside video.mp4) until it is
+ * whole. A render that was killed goes on with the parts that are there; it gives the same file as one that was not.
+ * The video has chapters, and a tone where a tool is at the edge of its workspace.
  */
 class SessionRenderer {
  public:
   /** Called with frames done and frames to do. */
   using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
+
+  static constexpr int kPartSeconds = 4;  ///< whole seconds: a part's length is exact at every rate
 
   /** Size and rate are those of config.render. @throw SessionException if the directory holds no session. */
   SessionRenderer(const TrainerConfig& config, const std::string& directory);
@@ -38,26 +48,28 @@ class SessionRenderer {
   /**
    * Reads the log and renders. Writing the session's video.mp4 sets `frames` in its metrics.json, where there is
    * one, to the number of frames of that file.
-   * @param[in] progress called after each frame; may be empty.
+   * @param[in] progress called after each frame, and first of all for those of parts that are there; may be empty.
    * @return frames written.
    * @throw ConfigException for an unknown camera; SessionException for a session without a pedal down or an empty
-   * span; ModelException; RenderException.
+   * span; ModelException; RenderException, also if another process is drawing this video.
    */
   std::uint64_t run(const SessionRenderOptions& options, const Progress& progress);
+
+  /** Frames that were there before run(), known from the first call of its progress on. */
+  std::uint64_t reused() const noexcept { return reused_; }
 
   /** Reasons why the pictures may not show what was simulated; known after run(). */
   const std::vector<std::string>& warnings() const noexcept { return warnings_; }
 
  private:
-  std::vector<Snapshot> readFrames(const SessionRenderOptions& options);
+  VideoContents read(const SessionRenderOptions& options);
   void checkFiles(const session::LogSummary& summary);
-  std::uint64_t write(const std::vector<Snapshot>& frames,
-                      const SessionRenderOptions& options,
-                      const Progress& progress) const;
+  void writePictures(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
+  void writeVideo(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
 
   TrainerConfig config_;
   session::SessionPaths paths_;
-  double tolerance_{0.0};  // [m] of the recorded session
+  std::uint64_t reused_{0};
   std::vector<std::string> warnings_;
 };
 
