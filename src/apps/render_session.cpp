@@ -163,6 +163,7 @@ int renderSessions(Options o) {
   const std::vector<std::string> directories = withoutFiles(o.directories);
   if (directories.size() > 1 && !o.render.output.empty())
     throw raven2_trainer::ConfigException("--output: takes one session; several have their video.mp4 each");
+  if (directories.empty()) throw raven2_trainer::SessionException("no session directory among the arguments");
   Progress progress(directories);
   std::vector<std::string> failures;
   for (std::size_t i = 0; i < directories.size(); ++i) {

@@ -217,6 +217,7 @@ def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(
 def test_output_takes_one_session(session):
     assert "--output" in render(session, session, "--output", session / "x.mp4", code=1)
     assert not (session / "x.mp4").exists()
+    assert "no session directory" in render(session / "meta.json", session / "metrics.json", code=1)
 
 
 def test_two_renders_of_one_video_do_not_meet(session):
