@@ -1,31 +1,39 @@
-// render_session DIR: a recorded session as a video.
+// render_session DIR...: recorded sessions as videos.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/render/session_renderer.h"
+#include "raven2_trainer/render/video_file.h"
+#include "raven2_trainer/runtime/build_identity.h"
 #include "raven2_trainer/session/session_directory.h"
 #include "raven2_trainer/session/session_log.h"
 
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kEstimateAfter = 2.0;  // [s] the first frames compile shaders and say nothing of the rest
 
 struct Options {
-  std::string directory, config, size;
-  std::vector<std::string> overlays;
+  std::vector<std::string> directories, overlays;
+  std::string config, size;
   int fps{0};
+  bool again{false};
   raven2_trainer::render::SessionRenderOptions render;
 };
 
 void addOptions(CLI::App* app, Options* o) {
-  app->add_option("DIR", o->directory, "Session directory: the one that holds session.rlog")->required();
+  app->add_option("DIR", o->directories, "Session directories: those that hold a session.rlog")->required();
+  app->add_flag("--again", o->again, "Draw sessions that have their video.mp4 anew");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
       ->capture_default_str();
@@ -48,16 +56,17 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--fps", o->fps, "Frames a second (default: config/render.yaml)")->check(CLI::Range(1, 120));
   app->add_option("--from", o->render.from, "Session time of the first frame [s]")->check(CLI::Range(0.0, 1e6));
   app->add_option("--to", o->render.to, "Session time of the end [s] (default: all)")->check(CLI::Range(0.0, 1e6));
-  app->add_option("--output", o->render.output, "FILE.mp4, or a directory for PNG pictures (default: DIR/video.mp4)");
+  app->add_option("--output", o->render.output,
+                  "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
   app->add_option("--config", o->config, "Root configuration file (default: the packaged config/trainer.yaml)");
   app->add_option("--processes", o->render.processes, "Processes that draw side by side; 0 = one a core")
       ->check(CLI::Range(0, 8))
       ->capture_default_str();
 }
 
-raven2_trainer::TrainerConfig load(const Options& o) {
+raven2_trainer::TrainerConfig load(const Options& o, const std::string& directory) {
   namespace apps = raven2_trainer::apps;
-  const std::string log = raven2_trainer::session::openSessionDirectory(o.directory).log();
+  const std::string log = raven2_trainer::session::openSessionDirectory(directory).log();
   raven2_trainer::config::TrainingNames training;
   training.exercise = raven2_trainer::session::readLogHeader(log).exercise;  // it brings its scene along
   auto config =
@@ -68,36 +77,125 @@ raven2_trainer::TrainerConfig load(const Options& o) {
   return config;
 }
 
-int renderSession(const Options& o) {
+/** Progress over all sessions, by the size of their logs: how long each lasts is known only once it was read. */
+class Progress {
+ public:
+  explicit Progress(const std::vector<std::string>& directories) : bar_("render") {
+    std::error_code error;
+    for (const std::string& directory : directories) {
+      const auto size = fs::file_size(raven2_trainer::session::SessionPaths{directory}.log(), error);
+      sizes_.push_back(error ? 0.0 : static_cast<double>(size));
+      all_ += sizes_.back();
+    }
+  }
+
+  /** Of session `i`: shares done, and done without being drawn. */
+  void update(std::size_t i, double share, double reused) {
+    const double done = before_ + share * sizes_[i], drawn = drawn_ + (share - reused) * sizes_[i];
+    const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
+    bar_.update(done / all_, spent > kEstimateAfter && drawn > 0.0 ? timeLeft(spent * (all_ - done) / drawn) : "");
+  }
+
+  /** Session `i` is over: `drawn`, the share of it that was drawn. */
+  void end(std::size_t i, double drawn, const std::string& what) {
+    before_ += sizes_[i];
+    drawn_ += drawn * sizes_[i];
+    bar_.done(what);
+  }
+
+ private:
   using Clock = std::chrono::steady_clock;
-  raven2_trainer::render::SessionRenderOptions options = o.render;
-  if (!o.overlays.empty()) options.overlays = raven2_trainer::config::overlaysOf(o.overlays);
-  raven2_trainer::render::SessionRenderer renderer(load(o), o.directory);
-  raven2_trainer::apps::ProgressBar bar("render");
-  const Clock::time_point start = Clock::now();
-  const auto progress = [&](std::uint64_t done, std::uint64_t all) {
-    const double spent = std::chrono::duration<double>(Clock::now() - start).count();
-    const double left = spent * static_cast<double>(all - done) / static_cast<double>(done);
-    bar.update(static_cast<double>(done) / static_cast<double>(all),
-               spent > kEstimateAfter ? std::to_string(static_cast<int>(left)) + " s left" : "");
-  };
-  const std::uint64_t frames = renderer.run(options, progress);
-  bar.done(std::to_string(frames) + " frames in " +
-           (o.render.output.empty() ? o.directory + "/video.mp4" : o.render.output));
+  static std::string timeLeft(double seconds) {
+    const int whole = static_cast<int>(seconds);
+    return (whole >= 60 ? std::to_string(whole / 60) + " min " : "") + std::to_string(whole % 60) + " s left";
+  }
+
+  raven2_trainer::apps::ProgressBar bar_;
+  std::vector<double> sizes_;  // [bytes]
+  double all_{0.0}, before_{0.0}, drawn_{0.0};
+  const Clock::time_point start_{Clock::now()};
+};
+
+/** A video that is whole and no part of one: nothing to do. */
+bool isRendered(const Options& o, const std::string& directory) {
+  const raven2_trainer::session::SessionPaths paths{directory};
+  return o.render.output.empty() && !o.again && raven2_trainer::render::isWholeVideo(paths.video()) &&
+         !raven2_trainer::render::isUnfinished(paths.video());
+}
+
+void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
+  raven2_trainer::render::SessionRenderer renderer(load(o, directory), directory);
+  double reused = 0.0;
+  const std::uint64_t frames = renderer.run(o.render, [&](std::uint64_t done, std::uint64_t all) {
+    const auto total = static_cast<double>(all);
+    reused = static_cast<double>(renderer.reused()) / total;
+    progress->update(i, static_cast<double>(done) / total, reused);
+  });
+  progress->end(i, 1.0 - reused,
+                std::to_string(frames) + " frames in " +
+                    (o.render.output.empty() ? directory + "/video.mp4" : o.render.output) +
+                    (renderer.reused() > 0 ? ", " + std::to_string(renderer.reused()) + " of them drawn before" : ""));
   for (const std::string& warning : renderer.warnings())
     std::fprintf(stderr, "render_session: %s\n", warning.c_str());
-  return 0;
+}
+
+/** @return why not; empty if all went well. */
+std::string renderOrReason(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
+  if (isRendered(o, directory)) {
+    progress->end(i, 0.0, directory + "/video.mp4 is there; --again draws it anew");
+    return "";
+  }
+  try {
+    renderOne(o, directory, i, progress);
+    return "";
+  } catch (const std::exception& e) {
+    progress->end(i, 0.0, directory + " failed");
+    return e.what();
+  }
+}
+
+/** What a shell's `sessions/`* names beside sessions: sessions/index.json. */
+std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (const std::string& name : names) {
+    if (names.size() == 1 || !fs::is_regular_file(name, error)) out.push_back(name);
+  }
+  return out;
+}
+
+int renderSessions(Options o) {
+  o.render.build = raven2_trainer::runtime::pictureIdentity();
+  if (!o.overlays.empty()) o.render.overlays = raven2_trainer::config::overlaysOf(o.overlays);
+  const std::vector<std::string> directories = withoutFiles(o.directories);
+  if (directories.size() > 1 && !o.render.output.empty())
+    throw raven2_trainer::ConfigException("--output: takes one session; several have their video.mp4 each");
+  if (directories.empty()) throw raven2_trainer::SessionException("no session directory among the arguments");
+  Progress progress(directories);
+  std::vector<std::string> failures;
+  for (std::size_t i = 0; i < directories.size(); ++i) {
+    const std::string reason = renderOrReason(o, directories[i], i, &progress);
+    if (!reason.empty()) failures.push_back(directories[i] + ": " + reason);
+  }
+  for (const std::string& failure : failures)
+    std::fprintf(stderr, "%s\n", failure.c_str());
+  if (directories.size() > 1 && !failures.empty())
+    std::fprintf(stderr, "render_session: %zu of %zu sessions failed\n", failures.size(), directories.size());
+  return failures.empty() ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Renders a recorded session into a video, from the first pedal down to the end.", "render_session"};
+  CLI::App app{"Renders recorded sessions into videos, from the first pedal down to the end.", "render_session"};
   app.footer(
       "A whole session gives round(duration x fps) frames; frame k shows the newest record at time k / fps.\n"
+      "A session that has its video.mp4 is left alone. A render that was killed goes on where it was when it is "
+      "started\n"
+      "again: until the video is whole, its parts lie in video.parts.\n"
       "Needs no display and no graphics card; needs the program ffmpeg.\n"
-      "Exit status: 0 written, 1 otherwise.");
+      "Exit status: 0 all written, 1 otherwise; a session that fails does not stop the others.");
   Options options;
   addOptions(&app, &options);
-  return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return renderSession(options); });
+  return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return renderSessions(options); });
 }

@@ -9,8 +9,10 @@
 #include "apps/common/impairment_options.h"
 #include "apps/common/motion_options.h"
 #include "apps/common/paths.h"
+#include "apps/common/resimulate_session.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/render/session_renderer.h"
+#include "raven2_trainer/runtime/build_identity.h"
 #include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/lockstep.h"
 #include "raven2_trainer/runtime/motion.h"
@@ -26,14 +28,17 @@ struct Options {
   std::string homing;        ///< the configuration's if empty
   double motion_scale{0.0};  ///< [-] the configuration's if 0
   std::string impairment{"none"};
-  std::string replay;  ///< session that is shown first; empty: none
+  std::string replay;    ///< session that is shown first; empty: none
+  std::string from_log;  ///< session that is simulated again; empty: none
   bool video{false};
 };
 
 void renderVideo(const TrainerConfig& config, const std::string& directory) {
   apps::ProgressBar bar("video");
   render::SessionRenderer renderer(config, directory);
-  const std::uint64_t frames = renderer.run({}, [&](std::uint64_t done, std::uint64_t all) {
+  render::SessionRenderOptions options;
+  options.build = runtime::pictureIdentity();
+  const std::uint64_t frames = renderer.run(options, [&](std::uint64_t done, std::uint64_t all) {
     bar.update(static_cast<double>(done) / static_cast<double>(all));
   });
   bar.done(std::to_string(frames) + " frames");
@@ -96,6 +101,18 @@ int simulate(const Options& options) {
   return scored ? 0 : 1;
 }
 
+/** Everything else than where to write it is in the log: whoever also asks for something else is told so. */
+void addFromLog(CLI::App* app, std::string* directory) {
+  CLI::Option* from_log = app->add_option(
+      "--from-log", *directory,
+      "Simulate this session again from its log and compare every tick, bit for bit, as resimulate does; no session is "
+      "written without --output. Exit code 0: equal, 1: different, or it cannot be simulated again");
+  for (CLI::Option* other : app->get_options()) {
+    const std::string name = other->get_name();
+    if (other != from_log && name != "--output" && name != "--help") from_log->excludes(other);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer
 
@@ -120,5 +137,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--replay", options.replay, "Show this session first: its directory, or its log");
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
-  return apps::runProgram(&app, argc, argv, [&] { return simulate(options); });
+  addFromLog(&app, &options.from_log);
+  return apps::runProgram(&app, argc, argv, [&] {
+    return options.from_log.empty() ? simulate(options) : apps::resimulateSession(options.from_log, options.output);
+  });
 }

@@ -35,6 +35,9 @@ class FrameTimeline {
   /** Frames of the span, in order. `scenarios` names the faults: Fault::id is the position + 1. */
   std::vector<Snapshot> frames(const std::vector<std::string>& scenarios) const;
 
+  /** Number of the first frame of the span, of all that the session has. */
+  std::int64_t firstFrame() const noexcept { return span_.first; }
+
   /** round(duration x fps) of all records, whatever the span. */
   std::int64_t sessionFrames() const noexcept;
 

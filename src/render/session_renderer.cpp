@@ -9,13 +9,39 @@
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
+#include "raven2_trainer/render/video_file.h"
 #include "raven2_trainer/render/video_writer.h"
 #include "raven2_trainer/training/session_metrics.h"
-#include "render/frame_source.h"
+#include "render/chapters.h"
+#include "render/edge_tone.h"
 #include "render/frame_timeline.h"
 #include "render/gl_context.h"
+#include "render/join_video.h"
+#include "render/part_pool.h"
+#include "render/part_store.h"
+#include "render/render_settings.h"
 
 namespace raven2_trainer::render {
+
+/** Frames [first, end) of a part. */
+struct PartSpan {
+  std::size_t first, end;
+};
+
+/** What a log holds for a video. */
+struct VideoContents {
+  std::vector<Snapshot> frames;
+  std::vector<Chapter> chapters;
+  std::vector<std::int64_t> tones;    // [ms]
+  SceneOptions scene{HapticGains{}};  // with the recorded session's tolerance
+  std::string camera;
+  std::size_t part_frames{0};
+
+  std::size_t parts() const { return (frames.size() + part_frames - 1) / part_frames; }
+  PartSpan span(std::size_t part) const {
+    return {part * part_frames, std::min((part + 1) * part_frames, frames.size())};
+  }
+};
 
 namespace {
 
@@ -35,16 +61,22 @@ const CameraConfig& requireCamera(const RenderConfig& config, const std::string&
   throw ConfigException("camera " + name + " is not one of:" + known);
 }
 
-/** File or pattern for VideoWriter; makes the directory of PNG pictures. */
-std::string outputPath(const std::string& output, const session::SessionPaths& paths) {
-  if (output.empty()) return paths.video();
-  const std::filesystem::path path(output);
-  if (path.extension() == ".mp4") return output;
+/** [ms] of so many frames. */
+std::int64_t lengthOf(std::size_t frames, int fps) {
+  return static_cast<std::int64_t>(frames) * 1000 / fps;
+}
+
+bool isVideo(const std::string& output) {
+  return output.empty() || std::filesystem::path(output).extension() == ".mp4";
+}
+
+/** For VideoWriter; makes the directory. */
+std::string picturePattern(const std::string& directory) {
   std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) throw RenderException(output + ": " + error.message());
+  std::filesystem::create_directories(directory, error);
+  if (error) throw RenderException(directory + ": " + error.message());
   std::string pattern;
-  for (const char c : output)
+  for (const char c : directory)
     pattern += c == '%' ? "%%" : std::string(1, c);
   return pattern + "/frame_%06d.png";
 }
@@ -75,17 +107,13 @@ void addVerdicts(const std::string& score, std::vector<Snapshot>* frames) {
 /** Everything that draws one frame after the other; made once in each process. */
 class FrameDrawer {
  public:
-  FrameDrawer(const TrainerConfig& config,
-              const SceneOptions& options,
-              const std::string& camera,
-              const std::string& inset,
-              const std::vector<Snapshot>& frames)
-      : frames_(frames),
+  FrameDrawer(const TrainerConfig& config, const VideoContents& contents, const std::string& inset)
+      : frames_(contents.frames),
         raven_(model::loadRavenModel(config)),
         renderer_(config.render.video_width, config.render.video_height),
-        builder_(raven_, model::loadSceneModel(config), options, &renderer_),
-        camera_(requireCamera(config.render, camera)),
-        inset_(inset != camera ? findCamera(config.render, inset) : nullptr) {}
+        builder_(raven_, model::loadSceneModel(config), contents.scene, &renderer_),
+        camera_(requireCamera(config.render, contents.camera)),
+        inset_(inset != contents.camera ? findCamera(config.render, inset) : nullptr) {}
 
   const Pixels& draw(std::size_t k) {
     for (; followed_ < k; ++followed_)
@@ -112,6 +140,22 @@ class FrameDrawer {
   std::size_t followed_{0};    // frames that the builder knows
 };
 
+/** Draws and codes the frames of a span, one after the other. */
+void writeSpan(FrameDrawer* drawer, const PartSpan& span, VideoWriter* video, const FrameDone& done) {
+  for (std::size_t k = span.first; k < span.end; ++k) {
+    video->write(drawer->draw(k));
+    done();
+  }
+  video->finish();
+}
+
+std::vector<std::size_t> upTo(std::size_t count) {
+  std::vector<std::size_t> out(count);
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] = i;
+  return out;
+}
+
 }  // namespace
 
 SessionRenderer::SessionRenderer(const TrainerConfig& config, const std::string& directory)
@@ -133,62 +177,105 @@ OverlaySet SessionRenderer::overlaysOf(const SessionRenderOptions& options) cons
   return options.overlays.value_or(config_.render.video_overlays);
 }
 
-std::vector<Snapshot> SessionRenderer::readFrames(const SessionRenderOptions& options) {
-  FrameTimeline timeline(config_.render.video_fps, options.from, options.to);
+VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
+  const RenderConfig& render = config_.render;
+  FrameTimeline timeline(render.video_fps, options.from, options.to);
+  ChapterList chapters;
+  EdgeTone tone;
   session::LogVisitor visitor;
-  visitor.tick = [&timeline](const TickRecord& record) { timeline.add(record); };
+  visitor.tick = [&](const TickRecord& record) {
+    timeline.add(record);
+    chapters.add(record);
+    tone.add(record);
+  };
   visitor.haptic = [&timeline](const HapticRecord& record) { timeline.add(record); };
   visitor.plan = [&timeline](const PlanRecord& record) { timeline.add(record); };
   visitor.execution = [&timeline](const ExecutionRecord& record) { timeline.add(record); };
   const ToolContacts tools(session::readLogHeader(paths_.log()).body_names);
   visitor.contact = [&](const ContactRecord& record) { timeline.add(record, tools); };
+  visitor.exercise = [&chapters](const ExerciseRecord& record) { chapters.add(record); };
   const session::LogSummary summary = session::readLog(paths_.log(), visitor);
   checkFiles(summary);
-  tolerance_ = summary.header.tolerance;
-  std::vector<Snapshot> frames = timeline.frames(summary.header.scenarios);
+  VideoContents out;
+  out.frames = timeline.frames(summary.header.scenarios);
   if (timeline.sessionFrames() == 0) throw SessionException(paths_.log() + ": the pedal was never down");
-  if (frames.empty()) throw SessionException(paths_.log() + ": no frame between --from and --to");
+  if (out.frames.empty()) throw SessionException(paths_.log() + ": no frame between --from and --to");
   try {
-    addVerdicts(paths_.score(), &frames);
+    addVerdicts(paths_.score(), &out.frames);
   } catch (const SessionException& e) {
     warnings_.emplace_back(e.what());
   }
-  if (!overlaysOf(options).has(OverlayKind::kHazard)) passThroughFaults(&frames);
-  return frames;
+  if (!overlaysOf(options).has(OverlayKind::kHazard)) passThroughFaults(&out.frames);
+  const std::int64_t from = timeline.firstFrame() * 1000 / render.video_fps;
+  const std::int64_t to = from + lengthOf(out.frames.size(), render.video_fps);
+  out.chapters = chapters.chapters(summary.header, from, to);
+  out.tones = tone.tones(from, to);
+  out.scene = SceneOptions(config_, overlaysOf(options));
+  out.scene.haptics.tolerance = summary.header.tolerance;
+  out.camera = options.camera.empty() ? render.video_camera : options.camera;
+  requireCamera(render, out.camera);
+  out.part_frames = static_cast<std::size_t>(kPartSeconds) * static_cast<std::size_t>(render.video_fps);
+  return out;
 }
 
-std::uint64_t SessionRenderer::write(const std::vector<Snapshot>& frames,
-                                     const SessionRenderOptions& options,
-                                     const Progress& progress) const {
-  SceneOptions scene(config_, overlaysOf(options));
-  scene.haptics.tolerance = tolerance_;
-  const RenderConfig& render = config_.render;
-  const std::string camera = options.camera.empty() ? render.video_camera : options.camera;
-  requireCamera(render, camera);
-  const MakeDrawFrame make = [&]() -> DrawFrame {
-    const auto drawer = std::make_shared<FrameDrawer>(config_, scene, camera, options.inset, frames);
-    return [drawer](std::size_t k) -> const Pixels& { return drawer->draw(k); };
+void SessionRenderer::writePictures(const VideoContents& contents,
+                                    const SessionRenderOptions& options,
+                                    const Progress& progress) {
+  const std::string pattern = picturePattern(options.output);
+  const MakeDrawPart make = [&]() -> DrawPart {
+    const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
+    return [&, drawer](std::size_t part, const FrameDone& done) {
+      const PartSpan span = contents.span(part);
+      VideoWriter pictures(pattern, config_.render, span.first);
+      writeSpan(drawer.get(), span, &pictures, done);
+    };
   };
-  const std::size_t frame_bytes =
-      static_cast<std::size_t>(render.video_width) * static_cast<std::size_t>(render.video_height) * 3;
-  // Forked first, so that the drawing processes do not hold the encoder's input open.
-  const auto source = makeFrameSource(frames.size(), frame_bytes, processCount(options.processes), make);
-  VideoWriter video(outputPath(options.output, paths_), render);
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    video.write(source->next());
-    if (progress) progress(k + 1, frames.size());
-  }
-  video.finish();
-  return video.frames();
+  std::uint64_t drawn = 0;
+  drawParts(upTo(contents.parts()), processCount(options.processes), make, [&] {
+    if (progress) progress(++drawn, contents.frames.size());
+  });
+}
+
+void SessionRenderer::writeVideo(const VideoContents& contents,
+                                 const SessionRenderOptions& options,
+                                 const Progress& progress) {
+  const std::string video = options.output.empty() ? paths_.video() : options.output;
+  PartStore store(partFolder(video), settingsHash(config_, options, contents.camera, paths_, contents.part_frames),
+                  contents.parts());
+  const MakeDrawPart make = [&]() -> DrawPart {
+    const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
+    return [&, drawer](std::size_t part, const FrameDone& done) {
+      VideoWriter draft(store.draft(part), config_.render);
+      writeSpan(drawer.get(), contents.span(part), &draft, done);
+      store.keep(part);
+    };
+  };
+  const std::vector<std::size_t> missing = store.missing();
+  reused_ = contents.frames.size();
+  for (const std::size_t part : missing)
+    reused_ -= contents.span(part).end - contents.span(part).first;
+  if (progress && reused_ > 0) progress(reused_, contents.frames.size());
+  std::uint64_t drawn = reused_;
+  drawParts(missing, processCount(options.processes), make, [&] {
+    if (progress) progress(++drawn, contents.frames.size());
+  });
+  joinVideo({store.folder(), store.names(), contents.chapters, contents.tones,
+             lengthOf(contents.frames.size(), config_.render.video_fps)},
+            video);
+  if (options.output.empty() && std::filesystem::exists(paths_.metrics()))
+    training::setFrames(paths_.metrics(), contents.frames.size());
+  store.remove();  // last: as long as it is there, another run does the rest
 }
 
 std::uint64_t SessionRenderer::run(const SessionRenderOptions& options, const Progress& progress) {
   warnings_.clear();
-  const std::vector<Snapshot> frames = readFrames(options);
-  const std::uint64_t written = write(frames, options, progress);
-  if (options.output.empty() && std::filesystem::exists(paths_.metrics()))
-    training::setFrames(paths_.metrics(), written);
-  return written;
+  reused_ = 0;
+  const VideoContents contents = read(options);
+  if (isVideo(options.output))
+    writeVideo(contents, options, progress);
+  else
+    writePictures(contents, options, progress);
+  return contents.frames.size();
 }
 
 }  // namespace raven2_trainer::render

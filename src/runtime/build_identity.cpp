@@ -18,6 +18,7 @@ namespace {
 using Identity = std::map<std::string, std::string>;
 
 constexpr const char* kLibraries[] = {"libode", "libm", "libc", "libstdc++"};
+constexpr const char* kDrawingLibrary = "libOSMesa";  // decides over pixels, and over no bit of a simulation
 
 std::string hashOrReason(const std::string& path) {
   try {
@@ -27,12 +28,19 @@ std::string hashOrReason(const std::string& path) {
   }
 }
 
+void addIfNamed(const char* library, const std::string& path, Identity* identity) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  if (name.rfind(std::string(library) + ".so", 0) == 0) (*identity)[library] = name + " " + hashOrReason(path);
+}
+
 int addLibrary(dl_phdr_info* info, std::size_t, void* identity) {
-  const std::string name = std::filesystem::path(info->dlpi_name).filename().string();
-  for (const char* library : kLibraries) {
-    if (name.rfind(std::string(library) + ".so", 0) != 0) continue;
-    (*static_cast<Identity*>(identity))[library] = name + " " + hashOrReason(info->dlpi_name);
-  }
+  for (const char* library : kLibraries)
+    addIfNamed(library, info->dlpi_name, static_cast<Identity*>(identity));
+  return 0;
+}
+
+int addDrawingLibrary(dl_phdr_info* info, std::size_t, void* identity) {
+  addIfNamed(kDrawingLibrary, info->dlpi_name, static_cast<Identity*>(identity));
   return 0;
 }
 
@@ -55,6 +63,15 @@ Identity buildIdentity() {
   Identity identity{{"sources", kBuildSources}, {"compiler", kBuildCompiler}, {"processor", processor()}};
   dl_iterate_phdr(&addLibrary, &identity);
   return identity;
+}
+
+std::string pictureIdentity() {
+  Identity identity = buildIdentity();
+  dl_iterate_phdr(&addDrawingLibrary, &identity);
+  std::string text;
+  for (const auto& [name, value] : identity)
+    text += name + " " + value + "\n";
+  return text;
 }
 
 }  // namespace raven2_trainer::runtime

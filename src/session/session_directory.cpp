@@ -49,6 +49,22 @@ Json describeFiles(const TrainerConfig& config) {
   return files;
 }
 
+// FNV-1a, 64 bit (RFC 9923): offset basis and prime.
+constexpr std::uint64_t kHashBasis = 0xcbf29ce484222325ULL;
+constexpr std::uint64_t kHashPrime = 0x100000001b3ULL;
+
+std::uint64_t extended(std::uint64_t hash, const char* bytes, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i)
+    hash = (hash ^ static_cast<unsigned char>(bytes[i])) * kHashPrime;
+  return hash;
+}
+
+std::string hexadecimal(std::uint64_t hash) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return text.data();
+}
+
 }  // namespace
 
 SessionPaths createSessionDirectory(const std::string& output) {
@@ -121,18 +137,17 @@ std::string readStartTime(const SessionPaths& paths) {
 std::string fileHash(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw SessionException(path + ": cannot be read for its hash");
-  // FNV-1a, 64 bit (RFC 9923): offset basis and prime.
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  std::array<unsigned char, 65536> bytes;
+  std::uint64_t hash = kHashBasis;
+  std::array<char, 65536> bytes;
   std::size_t got = 0;
-  while ((got = std::fread(bytes.data(), 1, bytes.size(), file.get())) > 0) {
-    for (std::size_t i = 0; i < got; ++i)
-      hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
-  }
+  while ((got = std::fread(bytes.data(), 1, bytes.size(), file.get())) > 0)
+    hash = extended(hash, bytes.data(), got);
   if (std::ferror(file.get()) != 0) throw SessionException(path + ": cannot be read for its hash");
-  std::array<char, 17> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
-  return text.data();
+  return hexadecimal(hash);
+}
+
+std::string textHash(const std::string& text) {
+  return hexadecimal(extended(kHashBasis, text.data(), text.size()));
 }
 
 }  // namespace raven2_trainer::session

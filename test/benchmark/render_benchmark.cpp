@@ -1,13 +1,26 @@
-// What a plan costs in a live picture: frames with and without it in turn, so that both see the same machine.
+// Without arguments, what a plan costs in a live picture: frames with and without it in turn, so that both see the same
+// machine. With a session's directory, what each stage of its video costs: `render_benchmark DIR [FRAMES]`.
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/render/renderer.h"
+#include "raven2_trainer/render/video_writer.h"
+#include "raven2_trainer/session/session_log.h"
+#include "render/edge_smoother.h"
+#include "render/frame_timeline.h"
+#include "render/overlay_painter.h"
 #include "unit/render/plan_fixture.h"
 
 namespace {
@@ -30,9 +43,126 @@ render::Snapshot atHome(const TrainerConfig& config, const model::SceneModel& sc
   return snapshot;
 }
 
+double seconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double childSeconds() {
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  return static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+}
+
+/** Wall and processor time of one stage, all frames together. The processor's counts the rasteriser's thread, too. */
+struct Stage {
+  const char* name;
+  double wall{0.0}, cpu{0.0};
+
+  void add(const std::function<void()>& work) {
+    const double wall_begin = seconds(CLOCK_MONOTONIC), cpu_begin = seconds(CLOCK_PROCESS_CPUTIME_ID);
+    work();
+    wall += seconds(CLOCK_MONOTONIC) - wall_begin;
+    cpu += seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_begin;
+  }
+  void print(std::size_t frames) const {
+    const double per_frame = 1e3 / static_cast<double>(frames);
+    std::printf("%-28s %8.2f ms wall %8.2f ms of a processor\n", name, wall * per_frame, cpu * per_frame);
+  }
+};
+
+std::vector<render::Snapshot> readFrames(const TrainerConfig& config, const std::string& log) {
+  render::FrameTimeline timeline(config.render.video_fps, 0.0, -1.0);
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& record) { timeline.add(record); };
+  visitor.haptic = [&](const HapticRecord& record) { timeline.add(record); };
+  visitor.plan = [&](const PlanRecord& record) { timeline.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { timeline.add(record); };
+  return timeline.frames(session::readLog(log, visitor).header.scenarios);
+}
+
+/** The picture as the smoother gets it, but for the edges that are soft by now. */
+std::vector<std::uint8_t> withAlpha(const std::vector<std::uint8_t>& rgb) {
+  std::vector<std::uint8_t> rgba(rgb.size() / 3 * 4, 255);
+  for (std::size_t i = 0; i < rgb.size() / 3; ++i)
+    std::copy_n(&rgb[3 * i], 3, &rgba[4 * i]);
+  return rgba;
+}
+
+void benchmarkVideo(const std::string& directory, std::size_t limit) {
+  const std::string log = directory + "/session.rlog";
+  config::TrainingNames training;
+  training.exercise = session::readLogHeader(log).exercise;
+  const TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", training);
+  const RenderConfig& video = config.render;
+  Stage start{"start: models, context"}, state{"state (log to frames)"}, build{"build"};
+  Stage draw{"draw and read back"}, smooth{"  of it, smoothing"}, overlay{"  of it, overlay"},
+      encode{"encode (hand over)"};
+  std::vector<render::Snapshot> frames;
+  state.add([&] { frames = readFrames(config, log); });
+  const std::size_t in_log = frames.size();
+  std::unique_ptr<render::Renderer> renderer;
+  std::unique_ptr<render::SceneBuilder> builder;
+  start.add([&] {
+    renderer = std::make_unique<render::Renderer>(video.video_width, video.video_height);
+    builder = std::make_unique<render::SceneBuilder>(model::loadRavenModel(config), model::loadSceneModel(config),
+                                                     config.haptics, renderer.get());
+    renderer->draw(builder->build(frames.at(0)),
+                   model::makeCamera(video.cameras.at(0), video.video_width, video.video_height));
+  });
+  const auto named = [&](const std::string& name) -> const CameraConfig& {
+    return *std::find_if(video.cameras.begin(), video.cameras.end(), [&](const auto& c) { return c.name == name; });
+  };
+  const model::Camera camera = model::makeCamera(named(video.video_camera), video.video_width, video.video_height);
+  const model::Camera inset =
+      model::makeCamera(named("endoscope"), video.video_width * 3 / 10, video.video_height * 3 / 10);
+  render::EdgeSmoother smoother(video.video_width, video.video_height);
+  const render::OverlayPainter painter(video.video_width, video.video_height);
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("bench_" + std::to_string(getpid()) + ".mp4")).string();
+  const double coding_begin = childSeconds(), begin = seconds(CLOCK_MONOTONIC);
+  frames.resize(std::min(limit, in_log));
+  {
+    render::VideoWriter writer(file, video);
+    for (const render::Snapshot& frame : frames) {
+      const render::Scene* scene = nullptr;
+      const std::vector<std::uint8_t>* rgb = nullptr;
+      build.add([&] { scene = &builder->build(frame); });
+      draw.add([&] { rgb = &renderer->draw(*scene, camera, &inset); });
+      const std::vector<std::uint8_t> rgba = withAlpha(*rgb);
+      std::vector<std::uint8_t> copy = *rgb;
+      smooth.add([&] { smoother.smooth(rgba.data(), copy.data()); });
+      overlay.add([&] { painter.paint(scene->overlay, &copy); });
+      encode.add([&] { writer.write(*rgb); });
+    }
+    encode.add([&] { writer.finish(); });
+  }
+  const double wall = seconds(CLOCK_MONOTONIC) - begin - smooth.wall - overlay.wall;
+  std::filesystem::remove(file);
+  std::printf("%dx%d, %zu of %zu frames\n", video.video_width, video.video_height, frames.size(), in_log);
+  start.print(1);
+  state.print(in_log);
+  for (const Stage* stage : {&build, &draw, &smooth, &overlay, &encode})
+    stage->print(frames.size());
+  const double per_frame = 1e3 / static_cast<double>(frames.size());
+  std::printf("%-28s %8s         %8.2f ms of a processor\n", "encode (ffmpeg's process)", "",
+              (childSeconds() - coding_begin) * per_frame);
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  std::printf("all, one process: %.2f ms a frame, %.2f x real time; at most %.0f MiB\n", wall * per_frame,
+              static_cast<double>(frames.size()) / video.video_fps / wall,
+              static_cast<double>(used.ru_maxrss) / 1024.0);
+}
+
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) {
+    benchmarkVideo(argv[1], argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 300);
+    return 0;
+  }
   const TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
   const model::RavenModel raven = model::loadRavenModel(config);
   const model::SceneModel scene = model::loadSceneModel(config);

@@ -22,18 +22,28 @@ struct SessionRenderOptions {
   std::string output;                  ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session
   std::optional<OverlaySet> overlays;  ///< nothing: those of the video in render.yaml
   int processes{0};                    ///< that draw side by side; 0: one a core. 1: this one
+  std::string build;  ///< what else decides over the pixels (runtime::pictureIdentity): parts of another one are
+                      ///< not used
 };
+
+struct VideoContents;
 
 /**
  * Renders a session directory into a video. Frame k shows the newest record at session time k / fps, session time 0
- * being the first pedal down; a whole session gives round(duration x fps) frames. The frames do not depend on the
- * number of processes. With the overlay kHazard they show what was there, and a banner says what a fault of the video
- * did to the trainee's picture; without it they show what the trainee saw: black, frozen or late.
+ * being the first pedal down; a whole session gives round(duration x fps) frames. The file does not depend on the
+ * number of processes. With the overlay kHazard the frames show what was there, and a banner says what a fault of the
+ * video did to the trainee's picture; without it they show what the trainee saw: black, frozen or late.
+ *
+ * A video is drawn in parts of kPartSeconds, which lie in a folder beside it (video.parts beside video.mp4) until it is
+ * whole. A render that was killed goes on with the parts that are there; it gives the same file as one that was not.
+ * The video has chapters, and a tone where a tool is at the edge of its workspace.
  */
 class SessionRenderer {
  public:
   /** Called with frames done and frames to do. */
   using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
+
+  static constexpr int kPartSeconds = 4;  ///< whole seconds: a part's length is exact at every rate
 
   /** Size and rate are those of config.render. @throw SessionException if the directory holds no session. */
   SessionRenderer(const TrainerConfig& config, const std::string& directory);
@@ -41,27 +51,29 @@ class SessionRenderer {
   /**
    * Reads the log and renders. Writing the session's video.mp4 sets `frames` in its metrics.json, where there is
    * one, to the number of frames of that file.
-   * @param[in] progress called after each frame; may be empty.
+   * @param[in] progress called after each frame, and first of all for those of parts that are there; may be empty.
    * @return frames written.
    * @throw ConfigException for an unknown camera; SessionException for a session without a pedal down or an empty
-   * span; ModelException; RenderException.
+   * span; ModelException; RenderException, also if another process is drawing this video.
    */
   std::uint64_t run(const SessionRenderOptions& options, const Progress& progress);
+
+  /** Frames that were there before run(), known from the first call of its progress on. */
+  std::uint64_t reused() const noexcept { return reused_; }
 
   /** Reasons why the pictures may not show what was simulated; known after run(). */
   const std::vector<std::string>& warnings() const noexcept { return warnings_; }
 
  private:
   OverlaySet overlaysOf(const SessionRenderOptions& options) const;
-  std::vector<Snapshot> readFrames(const SessionRenderOptions& options);
+  VideoContents read(const SessionRenderOptions& options);
   void checkFiles(const session::LogSummary& summary);
-  std::uint64_t write(const std::vector<Snapshot>& frames,
-                      const SessionRenderOptions& options,
-                      const Progress& progress) const;
+  void writePictures(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
+  void writeVideo(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
 
   TrainerConfig config_;
   session::SessionPaths paths_;
-  double tolerance_{0.0};  // [m] of the recorded session
+  std::uint64_t reused_{0};
   std::vector<std::string> warnings_;
 };
 

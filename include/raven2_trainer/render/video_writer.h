@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,16 +9,20 @@
 
 namespace raven2_trainer::render {
 
+class FfmpegProcess;
+
 /**
- * H.264 through a pipe to an `ffmpeg` process (linking x264 would make the binary GPL). One encoder thread.
- * A path that ends in `.png` makes numbered pictures instead and must hold a `%d` pattern for the number, from 0.
- * An ffmpeg that goes away raises no SIGPIPE.
+ * H.264 in an MP4 through a pipe to an `ffmpeg` process (linking x264 would make the binary GPL). One encoder thread:
+ * the same frames give the same bytes. Every file begins with a picture of its own and refers to no other, so that
+ * files of the same settings can be put one behind the other without coding anew. A path that ends in `.png` makes
+ * numbered pictures instead and must hold a `%d` pattern for the number. An ffmpeg that goes away raises no SIGPIPE.
  */
 class VideoWriter {
  public:
   /** Size, rate, quality and preset are those of the video in `config`; width and height must be even.
+   *  @param[in] first number of the first picture, if they are pictures.
    *  @throw RenderException if the size is odd or ffmpeg cannot be started. */
-  VideoWriter(const std::string& path, const RenderConfig& config);
+  VideoWriter(const std::string& path, const RenderConfig& config, std::uint64_t first = 0);
   /** Without finish(): ends ffmpeg, which closes its file with what it got; errors are lost. */
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
@@ -34,16 +37,10 @@ class VideoWriter {
   std::uint64_t frames() const noexcept { return frames_; }
 
  private:
-  void start(std::vector<std::string> arguments);
-  int endProcess() noexcept;
-  std::string lastMessage() const;
-
-  int pipe_{-1};
-  int process_{-1};
   std::size_t frame_size_{0};
   std::uint64_t frames_{0};
   std::string path_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> messages_;  // ffmpeg's stderr
+  std::unique_ptr<FfmpegProcess> ffmpeg_;
 };
 
 }  // namespace raven2_trainer::render

@@ -57,4 +57,7 @@ std::string readStartTime(const SessionPaths& paths);
 /** FNV-1a, 64 bit, of a file, as 16 hex digits. @throw SessionException if it cannot be read. */
 std::string fileHash(const std::string& path);
 
+/** The same of a text. */
+std::string textHash(const std::string& text);
+
 }  // namespace raven2_trainer::session

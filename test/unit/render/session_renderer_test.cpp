@@ -3,21 +3,27 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
 
 #include "plan_fixture.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/training/session_metrics.h"
 
 namespace raven2_trainer::render {
 namespace {
 
-constexpr Tick kBefore = 100;  // ticks before the first pedal down
-constexpr Tick kTicks = 400;   // of the session: 12 frames at 30 Hz
+constexpr Tick kBefore = 100;   // ticks before the first pedal down
+constexpr Tick kTicks = 400;    // of the session: 12 frames at 30 Hz
+constexpr Tick kLong = 10'000;  // of one with parts: 40, 40 and 20 frames at 10 Hz
 
 class SessionRendererTest : public ::testing::Test {
  protected:
@@ -32,20 +38,35 @@ class SessionRendererTest : public ::testing::Test {
   ~SessionRendererTest() override { std::filesystem::remove_all(folder_); }
 
   /** A log in which the arms move all the time. @param[in] picture of the ticks 100 to 300 of the session. */
-  void record(bool with_pedal, bool with_plan = false, std::uint8_t picture = 0) {
+  void record(bool with_pedal, bool with_plan = false, Tick ticks = kTicks, std::uint8_t picture = 0) {
     session::LogHeader header;
+    header.scenarios = {"sudden_jump"};
+    header.step_names = {{"lift", "hand_over"}};
     header.robot_urdf_hash = session::fileHash(config_.robot_urdf);
     header.scene_urdf_hash = session::fileHash(config_.scene_urdf);
     header.d4 = config_.arms.geometry.d4;
     header.tolerance = config_.haptics.tolerance;
     session::LogWriter writer(path("session.rlog"), header);
-    for (Tick t = 0; t < kBefore + kTicks; ++t) {
+    for (Tick t = 0; t < kBefore + ticks; ++t) {
       TickRecord tick;
       tick.model.tick = t;
       tick.model.session_tick = with_pedal && t >= kBefore ? t - kBefore : -1;
       for (ArmState& arm : tick.model.arms) {
         arm.q = config_.arms.geometry.home;
-        arm.q[kElbow] += 1e-3 * static_cast<double>(t);
+        arm.q[kElbow] += 1e-3 * static_cast<double>(t % 500);
+      }
+      tick.model.pedal = tick.model.session_tick >= 0 ? 1 : 0;
+      if (t >= kBefore + 3000 && t < kBefore + 3300) tick.robot.active_fault = 1;
+      if (t >= edge_first_ && t < edge_first_ + 100) {
+        tick.model.mode = Mode::kTeleoperating;
+        tick.model.arms[0].ik_status = static_cast<std::uint32_t>(kinematics::IkStatus::kClamped);
+      }
+      if (t == kBefore + 6000) {
+        ExerciseEvent step;
+        step.kind = ExerciseEventKind::kStepDone;
+        step.track = 0;
+        step.step = 1;
+        writer.write(ExerciseRecord{t, step});
       }
       if (t >= kBefore + 100 && t < kBefore + 300) tick.model.faults.picture = picture;
       if (with_plan && t == kBefore + 50) writer.write(PlanRecord{t, makePlan(config_.arms.geometry, Arm::kGold), 0});
@@ -57,17 +78,72 @@ class SessionRendererTest : public ::testing::Test {
 
   std::string path(const std::string& file) const { return (folder_ / file).string(); }
 
+  /** Ten frames a second, so that a long session is drawn quickly. */
+  void recordLong() {
+    config_.render.video_fps = 10;
+    record(true, false, kLong);
+  }
+
+  /** Draws until so many frames are done and then fails, as a kill would have it. */
+  void drawUpTo(std::uint64_t frames, SessionRenderOptions options = {}) {
+    SessionRenderer renderer(config_, folder_.string());
+    EXPECT_THROW(renderer.run(options,
+                              [&](std::uint64_t done, std::uint64_t) {
+                                if (done >= frames) throw std::runtime_error("killed");
+                              }),
+                 std::runtime_error);
+    EXPECT_FALSE(std::filesystem::exists(path("video.mp4"))) << "not under its name before it is whole";
+  }
+
+  /** Draws all. @return frames that were there before. */
+  std::uint64_t drawRest(const SessionRenderOptions& options = {}) {
+    SessionRenderer renderer(config_, folder_.string());
+    std::uint64_t first = 0;
+    EXPECT_EQ(renderer.run(options,
+                           [&](std::uint64_t done, std::uint64_t all) {
+                             if (first == 0) first = done;
+                             EXPECT_EQ(all, 100U);
+                           }),
+              100U);
+    EXPECT_EQ(first, renderer.reused() > 0 ? renderer.reused() : 1U) << "the progress begins with what is there";
+    EXPECT_FALSE(std::filesystem::exists(path("video.parts")));
+    return renderer.reused();
+  }
+
+  std::string hash() const { return session::fileHash(path("video.mp4")); }
+
+  std::vector<std::filesystem::path> parts() const {
+    std::vector<std::filesystem::path> out;
+    for (const auto& entry : std::filesystem::directory_iterator(path("video.parts"))) {
+      if (entry.path().extension() == ".mp4") out.push_back(entry.path());
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
   TrainerConfig config_;
   std::filesystem::path folder_;
+  Tick edge_first_{-1000};  // of 100 ticks in which a tool is at its edge; none in the session
 };
 
-std::string countFrames(const std::string& video) {
-  const std::string command = "ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 " + video;
+std::string output(const std::string& command) {
   std::FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 64> line{};
-  const bool got = std::fgets(line.data(), line.size(), pipe) != nullptr;
+  std::array<char, 256> line{};
+  std::string text;
+  while (std::fgets(line.data(), line.size(), pipe) != nullptr)
+    text += line.data();
   pclose(pipe);
-  return got ? line.data() : "";
+  return text;
+}
+
+std::string countFrames(const std::string& video) {
+  return output("ffprobe -v error -select_streams v -count_frames -show_entries stream=nb_read_frames -of csv=p=0 " +
+                video);
+}
+
+/** Hashes and times of the decoded frames. */
+std::string frameHashes(const std::string& video) {
+  return output("ffmpeg -v error -i " + video + " -map 0:v -f framemd5 -");
 }
 
 TEST_F(SessionRendererTest, AWholeSessionGivesItsFramesAndSaysSoInTheMetrics) {
@@ -90,6 +166,117 @@ TEST_F(SessionRendererTest, AWholeSessionGivesItsFramesAndSaysSoInTheMetrics) {
   EXPECT_NE(metrics.find("\"frames\": 12"), std::string::npos) << metrics;
 }
 
+TEST_F(SessionRendererTest, ARenderThatWasKilledGivesTheSameFileAndDrawsNothingTwice) {
+  recordLong();
+  EXPECT_EQ(drawRest(), 0U);
+  const std::string whole = hash(), frames = frameHashes(path("video.mp4"));
+  EXPECT_EQ(countFrames(path("video.mp4")), "100\n");
+  struct Case {
+    std::uint64_t killed, reused;
+  };
+  for (const Case& c : {Case{1, 0}, Case{39, 0}, Case{41, 40}, Case{79, 40}, Case{81, 80}, Case{99, 80}}) {
+    std::filesystem::remove(path("video.mp4"));
+    drawUpTo(c.killed);
+    EXPECT_EQ(drawRest(), c.reused) << c.killed;
+    EXPECT_EQ(hash(), whole) << c.killed;
+  }
+  EXPECT_EQ(frameHashes(path("video.mp4")), frames);
+}
+
+TEST_F(SessionRendererTest, ADamagedPartIsDrawnAgain) {
+  recordLong();
+  drawRest();
+  const std::string whole = hash();
+  for (const bool is_cut : {false, true}) {
+    std::filesystem::remove(path("video.mp4"));
+    drawUpTo(95);
+    ASSERT_EQ(parts().size(), 2U);
+    const auto size = std::filesystem::file_size(parts()[0]);
+    if (is_cut) {
+      std::filesystem::resize_file(parts()[0], size / 2);
+    } else {
+      std::fstream file(parts()[0], std::ios::in | std::ios::out | std::ios::binary);
+      file.seekg(static_cast<std::streamoff>(size / 2));
+      const int byte = file.get();
+      file.seekp(static_cast<std::streamoff>(size / 2));
+      file.put(static_cast<char>(byte ^ 0x10));
+    }
+    EXPECT_EQ(drawRest(), 40U);
+    EXPECT_EQ(hash(), whole);
+  }
+}
+
+TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
+  recordLong();
+  const auto change = [&](const std::function<void(SessionRenderOptions*)>& by) {
+    drawUpTo(95);
+    SessionRenderOptions options;
+    by(&options);
+    const std::uint64_t reused = drawRest(options);
+    std::filesystem::remove(path("video.mp4"));
+    return reused;
+  };
+  EXPECT_EQ(change([](SessionRenderOptions*) {}), 80U) << "the same";
+  EXPECT_EQ(change([](SessionRenderOptions* o) { o->camera = "top"; }), 0U);
+  EXPECT_EQ(change([](SessionRenderOptions* o) { o->inset = "none"; }), 0U);
+  EXPECT_EQ(change([](SessionRenderOptions* o) { o->build = "another"; }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.encoder_crf = 30; }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.video_width = 160; }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.cameras[0].eye_W[2] += 1e-9; }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { edge_first_ = 400, recordLong(); }), 0U) << "another log";
+}
+
+TEST_F(SessionRendererTest, PartsOfAnEncoderThatLooksAheadAreJoinedAsWell) {
+  recordLong();
+  config_.render.encoder_preset = "veryfast";  // with pictures that refer to later ones
+  drawRest();
+  EXPECT_EQ(countFrames(path("video.mp4")), "100\n");
+  const std::string times = output("ffprobe -v error -select_streams v -show_entries frame=pts_time -of csv=p=0 " +
+                                   path("video.mp4") + " | tr -d ,");
+  std::istringstream lines(times);
+  double time = 0.0;
+  int k = 0;
+  for (; lines >> time; ++k)
+    EXPECT_NEAR(time, 0.1 * k, 1e-4) << k;
+  EXPECT_EQ(k, 100);
+}
+
+TEST_F(SessionRendererTest, AVideoHasChapters) {
+  recordLong();
+  drawRest();
+  EXPECT_EQ(output("ffprobe -v error -show_chapters -show_entries chapter=start_time,end_time:chapter_tags=title -of "
+                   "csv=p=0 " +
+                   path("video.mp4")),
+            "0.000000,3.000000,\"Beginning, Pedal down\"\n3.000000,3.300000,Hazard: sudden jump\n"
+            "3.300000,6.000000,Hazard ends: sudden jump\n6.000000,10.000000,Step done: hand over\n");
+}
+
+TEST_F(SessionRendererTest, AToneSoundsWhereAToolIsAtItsEdgeAndAVideoWithoutHasNoSound) {
+  const std::string streams = "ffprobe -v error -select_streams a -show_entries stream=codec_name -of csv=p=0 ";
+  recordLong();
+  drawRest();
+  EXPECT_EQ(output(streams + path("video.mp4")), "");
+  edge_first_ = kBefore + 5000;
+  recordLong();
+  drawRest();
+  EXPECT_EQ(output(streams + path("video.mp4")), "aac\n");
+  EXPECT_EQ(countFrames(path("video.mp4")), "100\n");
+  // [dB] loudest sample of half a second around the tone, and of all before it and all behind it
+  const auto loudest = [&](const std::string& span) {
+    const std::string text = output("ffmpeg -nostdin " + span + " -i " + path("video.mp4") +
+                                    " -map 0:a -af volumedetect -f null - 2>&1 | sed -n 's/.*max_volume: //p'");
+    return std::stod(text);
+  };
+  EXPECT_GT(loudest("-ss 4.8 -t 0.5"), -15.0);
+  EXPECT_LT(loudest("-ss 0 -t 4.8"), -50.0);
+  EXPECT_LT(loudest("-ss 5.3 -t 4.5"), -50.0);
+  const std::string first = hash();
+  std::filesystem::remove(path("video.mp4"));
+  drawUpTo(95);
+  drawRest();
+  EXPECT_EQ(hash(), first) << "the sound is the same again, too";
+}
+
 TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
   record(true);
   SessionRenderOptions options;
@@ -103,6 +290,21 @@ TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
   EXPECT_FALSE(std::filesystem::exists(path("pictures/frame_000003.png")));
   EXPECT_NE(session::fileHash(path("pictures/frame_000000.png")), session::fileHash(path("pictures/frame_000002.png")));
   EXPECT_FALSE(std::filesystem::exists(path("video.mp4")));
+  EXPECT_FALSE(std::filesystem::exists(path("video.parts")));
+}
+
+TEST_F(SessionRendererTest, PicturesOfSeveralPartsAreNumberedThrough) {
+  recordLong();
+  SessionRenderOptions options;
+  options.output = path("all");
+  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 100U);
+  options.from = 4.1;
+  options.to = 4.2;
+  options.output = path("one");
+  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 1U);
+  EXPECT_EQ(session::fileHash(path("all/frame_000041.png")), session::fileHash(path("one/frame_000000.png")));
+  EXPECT_TRUE(std::filesystem::exists(path("all/frame_000099.png")));
+  EXPECT_FALSE(std::filesystem::exists(path("all/frame_000100.png")));
 }
 
 TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
@@ -139,7 +341,7 @@ TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
   options.inset = "none";
   options.overlays = OverlaySet();
   const auto pictures = [&](std::uint8_t picture, const std::string& folder) {
-    record(true, false, picture);
+    record(true, false, kTicks, picture);
     options.output = path(folder);
     EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 12U);
     std::vector<std::string> hashes;

@@ -76,6 +76,8 @@ TEST(FileHash, IsFnv1a64) {
   EXPECT_EQ(fileHash(scratchPath("a")), "af63dc4c8601ec8c");
   writeText(scratchPath("foobar"), "foobar");
   EXPECT_EQ(fileHash(scratchPath("foobar")), "85944171f73967e8");
+  EXPECT_EQ(textHash(""), "cbf29ce484222325");
+  EXPECT_EQ(textHash("foobar"), "85944171f73967e8");
   EXPECT_THROW(fileHash(scratchPath("missing_file")), SessionException);
   EXPECT_THROW(fileHash(testing::TempDir()), SessionException);
 }

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::control {
+
+/** Whether a hand moves the model in this mode, so that ArmState::ik_status is of this tick. */
+constexpr bool isMovedByHand(Mode mode) noexcept {
+  return mode == Mode::kTeleoperating || mode == Mode::kChoosing || mode == Mode::kSimulating || mode == Mode::kTrial;
+}
+
+/** Whether an arm of the model is at the edge of its workspace: the hand that moves it asks for a pose beyond the
+ * joints' limits or out of its reach. Real-time safe. */
+constexpr bool isAtEdge(const ModelState& model, Arm arm) noexcept {
+  const auto status = static_cast<kinematics::IkStatus>(model.arms[static_cast<std::size_t>(arm)].ik_status);
+  return isMovedByHand(model.mode) && status != kinematics::IkStatus::kOk &&
+         status != kinematics::IkStatus::kSingularWrist;
+}
+
+}  // namespace raven2_trainer::control

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace raven2_trainer::render {
+
+/** Whether a file is an MP4 that holds an index and ends where its last box says that it does. Reads the boxes' heads
+ * only. */
+bool isWholeVideo(const std::string& path);
+
+/** Folder beside a video in which its parts lie until it is whole. */
+std::string partFolder(const std::string& video);
+
+/** Whether parts of it lie there: a render of it was killed, or is under way. */
+bool isUnfinished(const std::string& video);
+
+}  // namespace raven2_trainer::render

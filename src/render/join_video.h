@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/chapters.h"
+
+namespace raven2_trainer::render {
+
+/** What becomes one video. */
+struct VideoPieces {
+  std::string folder;               ///< of the parts; other files are written into it
+  std::vector<std::string> parts;   ///< names in it, in order
+  std::vector<Chapter> chapters;    ///< the first at 0
+  std::vector<std::int64_t> tones;  ///< [ms] EdgeTone::tones; empty: the video has no sound
+  std::int64_t length_ms{0};        ///< of the video
+};
+
+/** Puts the parts one behind the other, without coding them anew, with chapters and sound. The video takes its name in
+ * one rename once it is whole. @throw RenderException. */
+void joinVideo(const VideoPieces& pieces, const std::string& path);
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,71 @@
+#include "render/render_settings.h"
+
+#include <filesystem>
+#include <sstream>
+
+#include "raven2_trainer/model/mesh_files.h"
+#include "raven2_trainer/session/session_directory.h"
+#include "render/ffmpeg_process.h"
+
+namespace raven2_trainer::render {
+
+namespace {
+
+void addFiles(const TrainerConfig& config, std::ostringstream* out) {
+  std::vector<std::string> files = config.files;
+  for (const std::string& urdf : {config.robot_urdf, config.scene_urdf}) {
+    files.push_back(urdf);
+    for (const std::string& mesh : model::meshFiles(urdf))
+      files.push_back(mesh);
+  }
+  for (const std::string& file : files)
+    *out << file << ' ' << session::fileHash(file) << '\n';
+}
+
+void add(const CameraConfig& camera, std::ostringstream* out) {
+  *out << camera.name << ' ' << camera.vertical_fov << ' ' << static_cast<int>(camera.moves) << ' ' << camera.aside;
+  for (const Vec3* place : {&camera.eye_W, &camera.target_W, &camera.up_W}) {
+    for (const double x : *place)
+      *out << ' ' << x;
+  }
+  *out << '\n';
+}
+
+void add(OverlaySet overlays, std::ostringstream* out) {
+  for (std::size_t kind = 0; kind < kOverlayCount; ++kind)
+    *out << (overlays.has(static_cast<OverlayKind>(kind)) ? '1' : '0');
+  *out << '\n';
+}
+
+/** As it is in memory, where options may have changed it. Taken apart, so that a field that is new has to be added
+ * here: without it the parts of two settings would be taken for those of one. */
+void add(const RenderConfig& config, std::ostringstream* out) {
+  const auto& [cameras, stereo, video_overlays, live_overlays, trails, video_camera, live_camera, width, height, fps,
+               live_width, live_height, live_fps, crf, preset, real_topic, real_stale_after] = config;
+  for (const CameraConfig& camera : cameras)  // the stereo pair among them
+    add(camera, out);
+  add(video_overlays, out);
+  *out << trails.duration << ' ' << trails.step << '\n';
+  *out << width << ' ' << height << ' ' << fps << ' ' << crf << ' ' << preset << '\n';
+}
+
+}  // namespace
+
+std::string settingsHash(const TrainerConfig& config,
+                         const SessionRenderOptions& options,
+                         const std::string& camera,
+                         const session::SessionPaths& paths,
+                         std::size_t part_frames) {
+  std::ostringstream out;
+  out.precision(17);
+  out << session::fileHash(paths.log()) << '\n';
+  if (std::filesystem::exists(paths.score())) out << session::fileHash(paths.score()) << '\n';  // the timer's verdict
+  out << options.build << '\n' << ffmpegVersion() << '\n';
+  out << camera << ' ' << options.inset << ' ' << options.from << ' ' << options.to << ' ' << part_frames << '\n';
+  if (options.overlays) add(*options.overlays, &out);
+  add(config.render, &out);
+  addFiles(config, &out);
+  return session::textHash(out.str());
+}
+
+}  // namespace raven2_trainer::render

@@ -1,0 +1,148 @@
+#include "render/part_store.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::render {
+namespace {
+
+namespace fs = std::filesystem;
+using Numbers = std::vector<std::size_t>;
+
+class PartStoreTest : public ::testing::Test {
+ protected:
+  PartStoreTest() : folder_(fs::temp_directory_path() / ("part_store_test_" + std::to_string(::getpid()))) {}
+  ~PartStoreTest() override { fs::remove_all(folder_); }
+
+  std::string folder() const { return folder_.string(); }
+
+  /** Parts of these numbers, each with a text of its own. */
+  void fill(const std::string& settings, std::size_t count, const Numbers& numbers) {
+    const PartStore store(folder(), settings, count);
+    for (const std::size_t k : numbers)
+      keep(store, k);
+  }
+
+  static void keep(const PartStore& store, std::size_t k) {
+    std::ofstream(store.draft(k)) << "part number " << k;
+    store.keep(k);
+  }
+
+  fs::path partFile(std::size_t k) const {
+    const std::string start = "part_0000" + std::to_string(k);
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+      if (entry.path().filename().string().compare(0, start.size(), start) == 0) return entry.path();
+    }
+    return {};
+  }
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(PartStoreTest, WhatWasKeptIsThereTheNextTime) {
+  fill("a", 5, {1, 4});
+  PartStore store(folder(), "a", 5);
+  EXPECT_EQ(store.missing(), (Numbers{0, 2, 3}));
+  EXPECT_THROW(store.names(), RenderException) << "not all are there";
+  for (const std::size_t k : {0, 2, 3})
+    keep(store, k);
+  const auto names = store.names();
+  ASSERT_EQ(names.size(), 5U);
+  for (std::size_t k = 0; k < 5; ++k)
+    EXPECT_EQ(names[k], partFile(k).filename().string());
+}
+
+TEST_F(PartStoreTest, ADraftThatWasNotKeptIsRemoved) {
+  fill("a", 2, {});
+  std::ofstream(folder() + "/draft_00000_4711") << "half a pa";
+  EXPECT_EQ(PartStore(folder(), "a", 2).missing(), (Numbers{0, 1}));
+  EXPECT_FALSE(fs::exists(folder() + "/draft_00000_4711"));
+}
+
+TEST_F(PartStoreTest, PartsOfOtherSettingsAreNotUsedAndRemoved) {
+  fill("a", 3, {0, 1});
+  EXPECT_EQ(PartStore(folder(), "b", 3).missing(), (Numbers{0, 1, 2}));
+  EXPECT_EQ(PartStore(folder(), "a", 3).missing(), (Numbers{0, 1, 2}));
+}
+
+TEST_F(PartStoreTest, APartWithAFlippedBitIsNotUsed) {
+  fill("a", 3, {0, 1, 2});
+  for (const std::streamoff at : {0, 5, 12}) {
+    std::fstream file(partFile(1), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(at);
+    const int byte = file.get();
+    file.seekp(at);
+    file.put(static_cast<char>(byte ^ 1));
+    file.close();
+    EXPECT_EQ(PartStore(folder(), "a", 3).missing(), Numbers{1}) << at;
+    fill("a", 3, {1});
+    EXPECT_EQ(PartStore(folder(), "a", 3).missing(), Numbers{});
+  }
+}
+
+TEST_F(PartStoreTest, APartOfHalfItsLengthIsNotUsed) {
+  fill("a", 3, {0, 1, 2});
+  fs::resize_file(partFile(2), fs::file_size(partFile(2)) / 2);
+  EXPECT_EQ(PartStore(folder(), "a", 3).missing(), Numbers{2});
+  EXPECT_EQ(partFile(2), fs::path()) << "it is removed";
+}
+
+TEST_F(PartStoreTest, APartBeyondTheLastIsNotUsed) {
+  fill("a", 5, {0, 4});
+  EXPECT_EQ(PartStore(folder(), "a", 2).missing(), Numbers{1});
+  EXPECT_EQ(partFile(4), fs::path());
+}
+
+/** Exit status of a child that opens the store. */
+int openInAnotherProcess(const std::string& folder) {
+  const pid_t id = fork();
+  if (id == 0) {
+    try {
+      const PartStore store(folder, "a", 1);
+      _exit(0);
+    } catch (const RenderException&) {
+      _exit(7);
+    }
+  }
+  int status = 0;
+  waitpid(id, &status, 0);
+  return WEXITSTATUS(status);
+}
+
+TEST_F(PartStoreTest, OneProcessAtATime) {
+  {
+    const PartStore store(folder(), "a", 1);
+    EXPECT_EQ(openInAnotherProcess(folder()), 7);
+  }
+  EXPECT_EQ(openInAnotherProcess(folder()), 0);
+}
+
+TEST_F(PartStoreTest, ManyPartsHaveTheirNumbers) {
+  const std::size_t count = 123'457;  // longer than the number's usual width
+  { keep(PartStore(folder(), "a", count), count - 1); }
+  const auto missing = PartStore(folder(), "a", count).missing();
+  EXPECT_EQ(missing.size(), count - 1);
+  EXPECT_EQ(missing.back(), count - 2);
+}
+
+TEST_F(PartStoreTest, RemovesItsFolder) {
+  PartStore store(folder(), "a", 1);
+  keep(store, 0);
+  store.remove();
+  EXPECT_FALSE(fs::exists(folder()));
+}
+
+TEST_F(PartStoreTest, AFolderThatCannotBeMadeIsAnException) {
+  std::ofstream(folder()) << "a file in its place";
+  EXPECT_THROW(PartStore(folder(), "a", 1), RenderException);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render
