@@ -48,6 +48,11 @@ geometry_msgs::Point point(const Vector3& p_W) {
   return p;
 }
 
+geometry_msgs::Point arrowHead(const Vector3& foot_W, const Vector3& force_W) {
+  const Vector3 arrow = kArrowPerNewton * force_W;
+  return point(foot_W + arrow * (kLongestArrow / std::max(arrow.norm(), kLongestArrow)));
+}
+
 /** RViz complains of a list without points. */
 void deleteIfEmpty(Marker* m) {
   if (m->points.empty()) m->action = Marker::DELETE;
@@ -64,7 +69,7 @@ Marker forceArrow(Arm arm,
   const Vector3 tip_W = X_WB * toEigen(at(model.arms, arm).p_BT);
   const Vector3 force_W = X_WB.R * toEigen(at(haptic.force_B, arm));
   if (tip_W.allFinite() && force_W.allFinite() && force_W.norm() >= kSmallest)
-    arrow.points = {point(tip_W), point(tip_W + kArrowPerNewton * force_W)};
+    arrow.points = {point(tip_W), arrowHead(tip_W, force_W)};
   deleteIfEmpty(&arrow);
   return arrow;
 }
@@ -84,7 +89,7 @@ visualization_msgs::MarkerArray contactMarkers(const ContactList& contacts, cons
     if (!p_W.allFinite() || !f_W.allFinite()) continue;
     places.points.push_back(point(p_W));
     forces.points.push_back(point(p_W));
-    forces.points.push_back(point(p_W + kArrowPerNewton * f_W));
+    forces.points.push_back(arrowHead(p_W, f_W));
   }
   deleteIfEmpty(&places);
   deleteIfEmpty(&forces);

@@ -11,8 +11,10 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** [m/N] An arrow of 1 N is 20 mm long: the largest force on the hand, 3.3 N, spans half the workspace. */
+/** [m/N] An arrow of 1 N is 20 mm long: the largest force on the hand, 3.3 N, is the longest arrow but for cut ones. */
 constexpr double kArrowPerNewton = 0.02;
+/** [m] Longer arrows are cut: a grip presses with 45 N. */
+constexpr double kLongestArrow = 0.07;
 
 /** `contact_points`, a red ball each, and `contact_forces` on the first of the two bodies, a line each. */
 visualization_msgs::MarkerArray contactMarkers(const ContactList& contacts, const ros::Time& stamp);

@@ -116,7 +116,7 @@ class ReplaySession(unittest.TestCase):
             self.assertEqual(np.array(got).tobytes(), urdf_positions(ticks["robot"]["arms"]["q"][i], d4).tobytes())
 
     def check_forces(self, heard, due):
-        haptic = self.log.haptic
+        haptic = self.log.haptic["haptic"]
         forces = heard["haptic/gold/force"]
         self.assertEqual(len(forces), len(due))
         for message, i in zip(forces, due):

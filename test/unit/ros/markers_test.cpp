@@ -52,6 +52,16 @@ TEST(ContactMarkers, ABallAndALineEach) {
   expectPoint(forces.points[3], -0.12, 0.0, 0.0);
 }
 
+TEST(ContactMarkers, ALongLineIsCut) {
+  ContactList list = twoContacts();
+  list.contacts[0].f_W = {0.0, -45.0, 0.0};
+  list.contacts[1].f_W = {0.0, 0.0, 1e308};
+  const Marker forces = contactMarkers(list, kStamp).markers[1];
+  ASSERT_EQ(forces.points.size(), 4U);
+  expectPoint(forces.points[1], 0.1, 0.2 - kLongestArrow, 0.3);
+  EXPECT_LE(forces.points[3].z, kLongestArrow);
+}
+
 TEST(ContactMarkers, WithoutContactsTheOldOnesGo) {
   for (const Marker& m : contactMarkers(ContactList{}, kStamp).markers)
     EXPECT_EQ(m.action, Marker::DELETE);
