@@ -115,7 +115,7 @@ class FrameDrawer {
         camera_(requireCamera(config.render, contents.camera)),
         inset_(inset != contents.camera ? findCamera(config.render, inset) : nullptr) {}
 
-  const Pixels& draw(std::size_t k) {
+  const std::vector<std::uint8_t>& draw(std::size_t k) {
     for (; followed_ < k; ++followed_)
       builder_.follow(frames_[followed_]);
     const int w = renderer_.width(), h = renderer_.height();

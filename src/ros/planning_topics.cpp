@@ -14,8 +14,8 @@ bool isUnderWay(PlanningStatus status) {
 
 }  // namespace
 
-PlanningTopics::PlanningTopics(ros::NodeHandle* node, const runtime::Simulator& simulator)
-    : simulator_(simulator),
+PlanningTopics::PlanningTopics(ros::NodeHandle* node, const TopicSource& source)
+    : source_(source),
       trajectory_(node->advertise<trajectory_msgs::JointTrajectory>("plan/trajectory", kQueue, kLatched)),
       tip_path_(node->advertise<nav_msgs::Path>("plan/tip_path", kQueue, kLatched)),
       progress_(node->advertise<PlanningProgress>("plan/progress", kQueue, kLatched)),
@@ -27,20 +27,25 @@ void PlanningTopics::publish(const ModelState& model, const ros::Time& stamp) {
   publishExecution(stamp);
 }
 
+void PlanningTopics::startOver() {
+  clock_ = {};
+  published_ = -1;
+}
+
 void PlanningTopics::publishPlan(const ros::Time& stamp) {
-  const SharedState& shared = simulator_.shared();
+  const SharedState& shared = source_.shared;
   const std::uint64_t version = shared.last_plan.version();
   if (version == plans_seen_) return;
   plans_seen_ = version;
   const PlanResult plan = shared.last_plan.load();
   if (plan.status != PlanStatus::kSuccess) return;
-  const ArmGeometry& geometry = simulator_.config().arms.geometry;
+  const ArmGeometry& geometry = source_.config.arms.geometry;
   trajectory_.publish(trajectory(plan, geometry.d4));  // stamp 0: to be begun when it arrives
-  tip_path_.publish(tipPath(plan, geometry, at(simulator_.raven().X_WB, plan.arm), stamp));
+  tip_path_.publish(tipPath(plan, geometry, at(source_.raven.X_WB, plan.arm), stamp));
 }
 
 void PlanningTopics::publishExecution(const ros::Time& stamp) {
-  const SharedState& shared = simulator_.shared();
+  const SharedState& shared = source_.shared;
   const std::uint64_t version = shared.last_execution.version();
   if (version == executions_seen_) return;
   executions_seen_ = version;
@@ -52,7 +57,7 @@ void PlanningTopics::publishProgress(const ModelState& model, const ros::Time& s
   const bool is_due = isUnderWay(model.planning.status) && model.tick - published_ >= kProgressPeriod;
   if (!is_new && !is_due) return;
   published_ = model.tick;
-  progress_.publish(planningProgress(model.planning, simulator_.planCounts(), clock_.elapsed(), stamp));
+  progress_.publish(planningProgress(model.planning, source_.plan_counts(), clock_.elapsed(), stamp));
 }
 
 }  // namespace raven2_trainer::ros_bridge

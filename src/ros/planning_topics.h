@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/runtime/simulator.h"
 #include "ros/planning_messages.h"
+#include "ros/topic_source.h"
 
 namespace raven2_trainer::ros_bridge {
 
@@ -16,18 +16,20 @@ namespace raven2_trainer::ros_bridge {
  */
 class PlanningTopics {
  public:
-  /** `simulator` must outlive this. */
-  PlanningTopics(ros::NodeHandle* node, const runtime::Simulator& simulator);
+  PlanningTopics(ros::NodeHandle* node, const TopicSource& source);
 
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
+
+  /** Ticks begin anew. */
+  void startOver();
 
  private:
   void publishPlan(const ros::Time& stamp);
   void publishExecution(const ros::Time& stamp);
   void publishProgress(const ModelState& model, const ros::Time& stamp);
 
-  const runtime::Simulator& simulator_;
+  TopicSource source_;
   ros::Publisher trajectory_, tip_path_, progress_, execution_;
   std::uint64_t plans_seen_{0}, executions_seen_{0};  ///< versions of the cells
   StatusClock clock_;

@@ -96,8 +96,8 @@ struct Definition<raven_2::RavenState> {
   static const char* value() { return raven_2::ravenStateDefinition(); }
   static const char* value(const raven_2::RavenState&) { return value(); }
 };
-// No HasHeader: roscpp numbers a message only if its first field is called "header". This one is "hdr", so that the real
-// robot's numbers stay 0.
+// No HasHeader: roscpp numbers a message only if its first field is called "header". This one is "hdr", so that the
+// real robot's numbers stay 0.
 
 template <>
 struct MD5Sum<raven_2::RavenAutomove> {

@@ -2,7 +2,6 @@
 
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <array>
 #include <memory>
@@ -19,23 +18,17 @@
 #include "ros/periodic_thread.h"
 #include "ros/planning_client.h"
 #include "ros/planning_services.h"
-#include "ros/planning_topics.h"
 #include "ros/services.h"
+#include "ros/state_topics.h"
 #include "ros/stereo_view.h"
 #include "ros/training_services.h"
-#include "ros/training_topics.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_states
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
 constexpr double kNewsPeriod = 0.05;        // [s] what an operator must hear of at once is told no more often than this
 constexpr std::uint32_t kQueue = 10;
-
-int every(double period, double base) {
-  return std::max(1, static_cast<int>(period / base + 0.5));
-}
 
 }  // namespace
 
@@ -51,22 +44,17 @@ struct RosBridge::Impl {
             [daemon](const std::string& path) { return daemon->openReplay(path); },
             daemon->paths().directory),
         training_services(&node, &client, isLoopbackOnly() ? &replay : nullptr, may_command),
-        planning_topics(&node, *daemon),
-        training_topics(&node, *daemon),
+        topics(&node,
+               {daemon->config(), daemon->raven(), daemon->shared(), daemon->bodyNames(),
+                [daemon] { return daemon->planCounts(); }},
+               kQueue),
         view(node, daemon->config().render, &daemon->shared()),
         stereo(node, daemon->config().render.stereo),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
-        model_joints(node.advertise<sensor_msgs::JointState>("model/joint_states", kQueue)),
-        robot_joints(node.advertise<sensor_msgs::JointState>("robot/joint_states", kQueue)),
-        forces{node.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", kQueue),
-               node.advertise<geometry_msgs::WrenchStamped>("haptic/green/force", kQueue)},
         images(node.advertise<sensor_msgs::Image>("camera/image_raw", 2)),
         camera_infos(node.advertise<sensor_msgs::CameraInfo>("camera/camera_info", 2)),
-        transforms(node.advertise<tf2_msgs::TFMessage>("/tf", kQueue)),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
         spinner(1) {
-    positions.resize(simulator.raven().description.links.size());
-    poses.resize(positions.size());
     if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
     listenToPedals(daemon->config().network.joy);
     spinner.start();
@@ -94,23 +82,15 @@ struct RosBridge::Impl {
 
   void publish() {
     const ros::Time stamp = ros::Time::now();
-    const ModelState model = simulator.shared().model.load();
-    const RobotState robot = simulator.shared().robot.load();
-    const HapticState haptic = simulator.shared().haptic.load();
-    const double d4 = simulator.config().arms.geometry.d4;
-    model_joints.publish(jointState(model, d4, stamp));
-    if (robot.frame > 0 && robot.connected != 0) robot_joints.publish(jointState(robot, d4, stamp));
-    for (const Arm arm : kArms)
-      at(forces, arm).publish(wrench(haptic, arm, stamp));
-    planning_topics.publish(model, stamp);
-    training_topics.publish(model, stamp);
+    const SharedState& shared = simulator.shared();
+    const ToldStates states{shared.model.load(), shared.robot.load(), shared.haptic.load()};
+    topics.publish(states, stamp);
     pedals.idle(net::monotonicNow());
     const double period = simulator.config().runtime.ros_period;
-    if (cycle % every(kTransformPeriod, period) == 0) publishTransforms(model, robot, stamp);
-    if (cycle % every(kDiagnosticsPeriod, period) == 0 || (cycle % every(kNewsPeriod, period) == 0 && isNews())) {
-      diagnostic_msgs::DiagnosticArray array = diagnostics(simulator.counts(), simulator.shared(), robot,
-                                                           net::monotonicNow(), simulator.realtimeStatus(), stamp);
-      array.status.push_back(linkStatus("pedals to daemon", simulator.shared().pedal_link.load()));
+    if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
+      diagnostic_msgs::DiagnosticArray array =
+          diagnostics(simulator.counts(), shared, states.robot, net::monotonicNow(), simulator.realtimeStatus(), stamp);
+      array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
       diagnostic_arrays.publish(array);
     }
     ++cycle;
@@ -124,36 +104,6 @@ struct RosBridge::Impl {
                                             shared.recorder.load().failing, shared.physics_timing.load().late_runs,
                                             shared.haptic_timing.load().late_runs};
     return std::exchange(told, news) != news;
-  }
-
-  void publishTransforms(const ModelState& model, const RobotState& robot, const ros::Time& stamp) {
-    tf2_msgs::TFMessage message;
-    addArms("model/", {model.arms[0].q, model.arms[1].q}, stamp, &message);
-    if (robot.frame > 0 && robot.connected != 0) addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message);
-    addCameras(model, stamp, &message);
-    transforms.publish(message);
-  }
-
-  /** Those of the live pictures, where they stand now. */
-  void addCameras(const ModelState& model, const ros::Time& stamp, tf2_msgs::TFMessage* message) {
-    const RenderConfig& render = simulator.config().render;
-    std::set<std::string> names{render.live_camera, render.stereo.camera + "_left", render.stereo.camera + "_right"};
-    for (const std::string& name : names) {
-      const CameraConfig& config = runtime::findCamera(render, name);
-      const model::Camera camera = model::cameraAt(config, model, simulator.raven().X_WB, 2, 2);
-      message->transforms.push_back(transform(camera.X_WC, opticalFrame(name), stamp));
-    }
-  }
-
-  void addArms(const std::string& prefix,
-               const PerArm<JointArray>& q,
-               const ros::Time& stamp,
-               tf2_msgs::TFMessage* message) {
-    simulator.raven().linkPosesInWorld(q, &positions, &poses);
-    const auto& links = simulator.raven().description.links;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      message->transforms.push_back(transform(poses[i], prefix + links[i].name, stamp));
-    }
   }
 
   /** On the render thread; roscpp's publish is thread-safe. */
@@ -179,20 +129,15 @@ struct RosBridge::Impl {
   PlanningServices planning_services;
   ReplayTask replay;
   TrainingServices training_services;
-  PlanningTopics planning_topics;
-  TrainingTopics training_topics;
+  StateTopics topics;
   CameraView view;
   StereoView stereo;
   JoyPedals pedals;
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
-  ros::Publisher model_joints, robot_joints;
-  PerArm<ros::Publisher> forces;
   ros::Subscriber joy_messages;
-  ros::Publisher images, camera_infos, transforms, diagnostic_arrays;
+  ros::Publisher images, camera_infos, diagnostic_arrays;
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
-  std::vector<double> positions;
-  std::vector<Pose> poses;
   int cycle{0};
   std::array<std::uint64_t, 4> told{};
 };

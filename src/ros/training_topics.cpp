@@ -12,8 +12,8 @@ constexpr bool kLatched = true;
 
 }  // namespace
 
-TrainingTopics::TrainingTopics(ros::NodeHandle* node, const runtime::Simulator& simulator)
-    : simulator_(simulator),
+TrainingTopics::TrainingTopics(ros::NodeHandle* node, const TopicSource& source)
+    : source_(source),
       mode_(node->advertise<TrainerMode>("mode", kQueue, kLatched)),
       progress_(node->advertise<ExerciseProgress>("exercise/state", kQueue, kLatched)),
       events_(node->advertise<ExerciseEventStamped>("exercise/events", kEventQueue)) {}
@@ -23,6 +23,11 @@ void TrainingTopics::publish(const ModelState& model, const ros::Time& stamp) {
   publishEvents(stamp);
   publishProgress(model, stamp);
   has_told_ = true;
+}
+
+void TrainingTopics::startOver() {
+  has_told_ = false;
+  events_told_ = source_.shared.exercise_news.load().count;
 }
 
 void TrainingTopics::publishMode(const ModelState& model, const ros::Time& stamp) {
@@ -37,14 +42,14 @@ void TrainingTopics::publishProgress(const ModelState& model, const ros::Time& s
   const bool is_due = is_running && model.tick - told_progress_.tick >= kPeriod;
   if (has_told_ && !is_due && isSameProgress(model.exercise, told_progress_.exercise)) return;
   told_progress_ = model;
-  progress_.publish(exerciseProgress(model, simulator_.config().exercise, stamp));
+  progress_.publish(exerciseProgress(model, source_.config.exercise, stamp));
 }
 
 void TrainingTopics::publishEvents(const ros::Time& stamp) {
-  const ExerciseNews news = simulator_.shared().exercise_news.load();
+  const ExerciseNews news = source_.shared.exercise_news.load();
   for (std::uint64_t n = news.firstAfter(events_told_); n <= news.count; ++n) {
     const ExerciseRecord& record = news.newest[n % ExerciseNews::kKept];
-    events_.publish(exerciseEvent(n, record, simulator_.config().exercise, simulator_.bodyNames(), stamp));
+    events_.publish(exerciseEvent(n, record, source_.config.exercise, source_.body_names, stamp));
   }
   events_told_ = news.count;
 }

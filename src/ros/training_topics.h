@@ -5,25 +5,27 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/runtime/simulator.h"
+#include "ros/topic_source.h"
 
 namespace raven2_trainer::ros_bridge {
 
 /** `mode` and `exercise/state`, latched, and `exercise/events`. */
 class TrainingTopics {
  public:
-  /** `simulator` must outlive this. */
-  TrainingTopics(ros::NodeHandle* node, const runtime::Simulator& simulator);
+  TrainingTopics(ros::NodeHandle* node, const TopicSource& source);
 
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
+
+  /** Ticks begin anew: all is told again, but for the events that there are already. */
+  void startOver();
 
  private:
   void publishMode(const ModelState& model, const ros::Time& stamp);
   void publishProgress(const ModelState& model, const ros::Time& stamp);
   void publishEvents(const ros::Time& stamp);
 
-  const runtime::Simulator& simulator_;
+  TopicSource source_;
   ros::Publisher mode_, progress_, events_;
   ModelState told_mode_, told_progress_;  ///< states of the newest messages
   bool has_told_{false};

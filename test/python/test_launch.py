@@ -44,3 +44,37 @@ def test_an_exercise_runs_into_none_by_itself_and_all_programs_have_it():
 def test_what_is_asked_for_counts():
     for of in options("exercise:=peg_transfer", "drill:=own", "hazard:=joint_drift").values():
         assert chosen(of) == ["peg_transfer", "own", "joint_drift"]
+
+
+RVIZ = os.path.join(os.path.dirname(os.path.dirname(LAUNCH)), "config", "rviz", "raven2_trainer.rviz")
+
+
+def displays():
+    yaml = pytest.importorskip("yaml")
+    with open(RVIZ, encoding="utf-8") as file:
+        return yaml.safe_load(file)["Visualization Manager"]["Displays"]
+
+
+def test_rviz_is_given_the_robot_and_its_configuration():
+    launch = os.path.join(os.path.dirname(LAUNCH), "rviz.launch")
+    loaded = roslaunch_config.load_config_default([(launch, [])], None, verbose=False)
+    assert not loaded.config_errors
+    assert "<robot" in loaded.params["/robot_description"].value
+    (node,) = loaded.nodes
+    assert node.type == "rviz"
+    assert os.path.realpath(node.args.split()[1]) == os.path.realpath(RVIZ)
+
+
+def test_rviz_shows_topics_that_there_are():
+    sources = os.path.join(os.path.dirname(os.path.dirname(LAUNCH)), "src", "ros")
+    text = "".join(open(os.path.join(sources, name), encoding="utf-8").read()
+                   for name in os.listdir(sources) if name.endswith(".cpp"))
+    topics = {shown[key] for shown in displays() for key in shown if key.endswith("Topic")}
+    assert {"/markers", "/plan/tip_path", "/view/image_raw"} <= topics
+    assert [topic for topic in topics if f'"{topic[1:]}"' not in text] == []
+
+
+def test_rviz_shows_model_and_robot_by_the_prefixes_of_their_frames():
+    robots = [shown for shown in displays() if shown["Class"] == "rviz/RobotModel"]
+    assert [shown["TF Prefix"] for shown in robots] == ["model", "robot"]
+    assert robots[1]["Alpha"] < 0.5 < robots[0]["Alpha"]

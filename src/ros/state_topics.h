@@ -1,0 +1,68 @@
+#pragma once
+
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <vector>
+
+#include "ros/planning_topics.h"
+#include "ros/topic_source.h"
+#include "ros/training_topics.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** The states that one message each is made of. */
+struct ToldStates {
+  ModelState model{};
+  RobotState robot{};
+  HapticState haptic{};
+};
+
+/**
+ * All topics that tell what the states are, the same for a running daemon and for a recorded session: joint states,
+ * forces, /tf, contacts, the edge of the workspace, plans, mode and exercise.
+ */
+class StateTopics {
+ public:
+  /** @param[in] queue [messages] of the topics that come in every cycle, for subscribers that are slow. */
+  StateTopics(ros::NodeHandle* node, const TopicSource& source, std::uint32_t queue);
+
+  /** Publishes one cycle of runtime.ros_period; one thread. News (plans, events) are the source's newest. */
+  void publish(const ToldStates& states, const ros::Time& stamp);
+
+  /** Another run of a session begins: what was told before counts no more; of events, those from now on are told. */
+  void startOver();
+
+ private:
+  void publishMarkers(const ToldStates& states, const ros::Time& stamp);
+  void publishEdge(const ToldStates& states);
+  void publishTransforms(const ToldStates& states, const ros::Time& stamp);
+  void addCameras(const ModelState& model,
+                  const ros::Time& stamp,
+                  std::vector<geometry_msgs::TransformStamped>* transforms);
+  void addArms(const std::string& prefix,
+               const PerArm<JointArray>& q,
+               const ros::Time& stamp,
+               std::vector<geometry_msgs::TransformStamped>* transforms);
+
+  TopicSource source_;
+  PlanningTopics planning_;
+  TrainingTopics training_;
+  ros::Publisher model_joints_, robot_joints_;
+  PerArm<ros::Publisher> forces_;
+  ros::Publisher transforms_, markers_, edge_;
+  std::vector<double> positions_;
+  std::vector<Pose> poses_;
+  int cycle_{0};
+  bool has_told_edge_{false}, told_edge_{false};
+};
+
+/** Is a tool held back by the end of its workspace (its joints' limits, its reach) while the surgeon moves it, or does
+ * a hand feel the edge of its master's? */
+bool isAtEdge(const ModelState& model, const HapticState& haptic) noexcept;
+
+/** Cycles of `base` seconds in `period` seconds, at least 1. */
+int cyclesIn(double period, double base) noexcept;
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/plan_counts.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/model/raven_model.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** What the topics of states are made of: those of a running daemon, or those of a recorded session. All of it must
+ *  outlive who publishes. */
+struct TopicSource {
+  const TrainerConfig& config;
+  const model::RavenModel& raven;
+  const SharedState& shared;
+  const std::vector<std::string>& body_names;  ///< by the numbers of contacts and of an exercise's events
+  std::function<PlanCounts()> plan_counts;     ///< of the plan under way, or of the newest
+};
+
+}  // namespace raven2_trainer::ros_bridge

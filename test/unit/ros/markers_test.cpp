@@ -1,0 +1,116 @@
+#include "ros/markers.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "ros/state_topics.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+using visualization_msgs::Marker;
+
+const ros::Time kStamp(20, 7);
+
+ContactList twoContacts() {
+  ContactList list;
+  list.count = 2;
+  list.contacts[0].p_W = {0.1, 0.2, 0.3};
+  list.contacts[0].f_W = {0.0, 0.0, 2.0};
+  list.contacts[1].p_W = {-0.1, 0.0, 0.0};
+  list.contacts[1].f_W = {-1.0, 0.0, 0.0};
+  return list;
+}
+
+void expectPoint(const geometry_msgs::Point& point, double x, double y, double z) {
+  EXPECT_NEAR(point.x, x, 1e-12);
+  EXPECT_NEAR(point.y, y, 1e-12);
+  EXPECT_NEAR(point.z, z, 1e-12);
+}
+
+TEST(ContactMarkers, ABallAndALineEach) {
+  const auto array = contactMarkers(twoContacts(), kStamp);
+  ASSERT_EQ(array.markers.size(), 2U);
+  const Marker &places = array.markers[0], &forces = array.markers[1];
+  EXPECT_EQ(places.type, Marker::SPHERE_LIST);
+  EXPECT_EQ(forces.type, Marker::LINE_LIST);
+  for (const Marker& m : array.markers) {
+    EXPECT_EQ(m.action, Marker::ADD);
+    EXPECT_EQ(m.header.frame_id, "world");
+    EXPECT_EQ(m.header.stamp, kStamp);
+    EXPECT_EQ(m.pose.orientation.w, 1.0) << "RViz refuses a quaternion of zeros";
+    EXPECT_GT(m.color.a, 0.0F);
+    EXPECT_GT(m.scale.x, 0.0);
+  }
+  EXPECT_NE(places.ns, forces.ns) << "a marker takes the place of one with its name and number";
+  ASSERT_EQ(places.points.size(), 2U);
+  expectPoint(places.points[1], -0.1, 0.0, 0.0);
+  ASSERT_EQ(forces.points.size(), 4U);
+  expectPoint(forces.points[0], 0.1, 0.2, 0.3);
+  expectPoint(forces.points[1], 0.1, 0.2, 0.34);  // 2 N at 20 mm/N
+  expectPoint(forces.points[3], -0.12, 0.0, 0.0);
+}
+
+TEST(ContactMarkers, ALongLineIsCut) {
+  ContactList list = twoContacts();
+  list.contacts[0].f_W = {0.0, -45.0, 0.0};
+  list.contacts[1].f_W = {0.0, 0.0, 1e308};
+  const Marker forces = contactMarkers(list, kStamp).markers[1];
+  ASSERT_EQ(forces.points.size(), 4U);
+  expectPoint(forces.points[1], 0.1, 0.2 - kLongestArrow, 0.3);
+  EXPECT_LE(forces.points[3].z, kLongestArrow);
+}
+
+TEST(ContactMarkers, WithoutContactsTheOldOnesGo) {
+  for (const Marker& m : contactMarkers(ContactList{}, kStamp).markers)
+    EXPECT_EQ(m.action, Marker::DELETE);
+}
+
+TEST(ContactMarkers, WhatIsNotFiniteOrOfNoListIsLeftOut) {
+  ContactList list = twoContacts();
+  list.contacts[0].f_W[1] = std::numeric_limits<double>::quiet_NaN();
+  list.contacts[1].p_W[2] = std::numeric_limits<double>::infinity();
+  for (const Marker& m : contactMarkers(list, kStamp).markers)
+    EXPECT_TRUE(m.points.empty());
+  list.count = 1000000;
+  EXPECT_EQ(contactMarkers(list, kStamp).markers[0].points.size(), kMaxContacts - 2);
+}
+
+TEST(ForceMarkers, AnArrowAtTheTipOfEachArm) {
+  ModelState model;
+  model.arms[0].p_BT = {0.0, 0.0, 0.1};
+  HapticState haptic;
+  haptic.force_B[0] = {1.0, 0.0, 0.0};
+  PerArm<Pose> X_WB;
+  X_WB[0].R = Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();  // x of B is y of W
+  X_WB[0].p = Vector3(0.5, 0.0, 0.0);
+  const auto array = forceMarkers(model, haptic, X_WB, kStamp);
+  ASSERT_EQ(array.markers.size(), 2U);
+  ASSERT_EQ(array.markers[0].points.size(), 2U);
+  EXPECT_EQ(array.markers[0].type, Marker::ARROW);
+  expectPoint(array.markers[0].points[0], 0.5, 0.0, 0.1);
+  expectPoint(array.markers[0].points[1], 0.5, kArrowPerNewton, 0.1);
+  EXPECT_EQ(array.markers[1].action, Marker::DELETE) << "no force there";
+  EXPECT_NE(array.markers[0].id, array.markers[1].id);
+  haptic.force_B[0][0] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(forceMarkers(model, haptic, X_WB, kStamp).markers[0].action, Marker::DELETE);
+}
+
+TEST(WorkspaceEdge, AToolThatIsHeldBackOrAHandThatFeelsIt) {
+  ModelState model;
+  HapticState haptic;
+  EXPECT_FALSE(isAtEdge(model, haptic));
+  haptic.edge_B[1] = {0.0, 0.0, -0.1};
+  EXPECT_TRUE(isAtEdge(model, haptic));
+  haptic = {};
+  model.arms[1].ik_status = 1;  // clamped
+  EXPECT_FALSE(isAtEdge(model, haptic)) << "nobody moves it";
+  model.pedal = 1;
+  EXPECT_TRUE(isAtEdge(model, haptic));
+  model.arms[1].ik_status = 5;  // the wrist's singularity is no edge
+  EXPECT_FALSE(isAtEdge(model, haptic));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
