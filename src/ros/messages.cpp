@@ -93,8 +93,8 @@ DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& sha
     dropped += ring.dropped;
   DiagnosticStatus s = status("queues", true, std::to_string(dropped) + " dropped");
   if (dropped > 0) s.level = DiagnosticStatus::WARN;
-  s.values = {value("relay_failed", counts.relay_failed),         value("force_failed", counts.force_failed),
-              value("sight_sent", shared.sight_sent.value()),     value("sight_failed", shared.sight_failed.value()),
+  s.values = {value("relay_failed", counts.relay_failed), value("force_failed", counts.force_failed),
+              value("sight_sent", shared.sight_sent.value()), value("sight_failed", shared.sight_failed.value()),
               value("contacts_dropped", counts.contacts_dropped)};
   for (std::size_t i = 0; i < kRingCount; ++i) {
     if (counts.rings[i].dropped > 0)
@@ -112,6 +112,18 @@ DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
     if (counts.rejected[i] > 0)
       s.values.push_back(value(std::string("rejected_") + kRejectNames[i], counts.rejected[i]));
   }
+  return s;
+}
+
+DiagnosticStatus pictureStatus(const LivePicture& picture) {
+  const std::string size = std::to_string(picture.width) + " x " + std::to_string(picture.height);
+  DiagnosticStatus s = status("live picture", true, std::to_string(picture.fps) + " Hz, " + size);
+  if (picture.fps == 0) s.message = "none";
+  if (picture.level > 0) {
+    s.level = DiagnosticStatus::WARN;
+    s.message += ": less than configured, drawing takes too long";
+  }
+  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted)};
   return s;
 }
 
@@ -162,6 +174,12 @@ geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& f
   return message;
 }
 
+ros::Time timeOf(std::int64_t then_ns, std::int64_t now_ns, const ros::Time& now) {
+  const std::int64_t age = now_ns - then_ns;
+  if (then_ns <= 0 || age <= 0 || static_cast<std::uint64_t>(age) >= now.toNSec()) return now;
+  return now - ros::Duration().fromNSec(age);
+}
+
 sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& stamp) {
   sensor_msgs::Image message;
   message.header.stamp = stamp;
@@ -171,6 +189,14 @@ sensor_msgs::Image image(const runtime::LiveImage& picture, const ros::Time& sta
   message.encoding = sensor_msgs::image_encodings::RGB8;
   message.step = message.width * 3;
   message.data = picture.rgb;
+  return message;
+}
+
+sensor_msgs::CompressedImage compressedImage(const ros::Time& stamp) {
+  sensor_msgs::CompressedImage message;
+  message.header.stamp = stamp;
+  message.header.frame_id = "camera_optical";
+  message.format = "rgb8; jpeg compressed bgr8";
   return message;
 }
 

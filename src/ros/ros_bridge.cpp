@@ -11,6 +11,7 @@
 #include "ros/camera_view.h"
 #include "ros/exposure.h"
 #include "ros/joy_pedals.h"
+#include "ros/live_camera.h"
 #include "ros/messages.h"
 #include "ros/move_arm_action.h"
 #include "ros/periodic_thread.h"
@@ -46,16 +47,15 @@ struct RosBridge::Impl {
                 [daemon] { return daemon->planCounts(); }},
                kQueue),
         view(node, daemon->config().render, &daemon->shared()),
+        camera(&node, daemon->config().render, view),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
-        images(node.advertise<sensor_msgs::Image>("camera/image_raw", 2)),
-        camera_infos(node.advertise<sensor_msgs::CameraInfo>("camera/camera_info", 2)),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
         spinner(1) {
     if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
     listenToPedals(daemon->config().network.joy);
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
-    simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
+    simulator.setImageSink([this](const runtime::LiveImage& picture) { camera.publish(picture); });
   }
 
   ~Impl() {
@@ -85,32 +85,22 @@ struct RosBridge::Impl {
     if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
       diagnostic_msgs::DiagnosticArray array =
           diagnostics(simulator.counts(), shared, states.robot, net::monotonicNow(), simulator.realtimeStatus(), stamp);
+      array.status.push_back(pictureStatus(shared.live_picture.load()));
       array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
       diagnostic_arrays.publish(array);
     }
     ++cycle;
   }
 
-  /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk? */
+  /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk,
+   * another rate or size of the live picture? */
   bool isNews() {
     const SharedState& shared = simulator.shared();
     const LinkCounts master = shared.master_link.load();
-    const std::array<std::uint64_t, 4> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
+    const std::array<std::uint64_t, 5> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
                                             shared.recorder.load().failing, shared.physics_timing.load().late_runs,
-                                            shared.haptic_timing.load().late_runs};
+                                            shared.haptic_timing.load().late_runs, shared.live_picture.load().changes};
     return std::exchange(told, news) != news;
-  }
-
-  /** On the render thread; roscpp's publish is thread-safe. */
-  void publishImage(const runtime::LiveImage& picture) {
-    const ros::Time stamp = ros::Time::now();
-    const bool is_view = picture.is_view && view.isWatched();
-    if (is_view || images.getNumSubscribers() > 0) {
-      const sensor_msgs::Image message = image(picture, stamp);
-      images.publish(message);
-      if (is_view) view.show(message);
-    }
-    camera_infos.publish(cameraInfo(picture.camera, stamp));
   }
 
   runtime::Simulator& simulator;
@@ -123,14 +113,15 @@ struct RosBridge::Impl {
   TrainingServices training_services;
   StateTopics topics;
   CameraView view;
+  LiveCamera camera;
   JoyPedals pedals;
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
   ros::Subscriber joy_messages;
-  ros::Publisher images, camera_infos, diagnostic_arrays;
+  ros::Publisher diagnostic_arrays;
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
   int cycle{0};
-  std::array<std::uint64_t, 4> told{};
+  std::array<std::uint64_t, 5> told{};
 };
 
 RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}

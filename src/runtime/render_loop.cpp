@@ -1,11 +1,26 @@
 #include "raven2_trainer/runtime/render_loop.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
+#include <thread>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/frame_states.h"
 #include "raven2_trainer/net/clock.h"
 
 namespace raven2_trainer::runtime {
+
+namespace {
+
+int scaled(int pixels, double scale) {
+  return std::max(1, static_cast<int>(std::lround(pixels * scale)));
+}
+
+}  // namespace
 
 const CameraConfig& findCamera(const RenderConfig& config, const std::string& name) {
   std::string known;
@@ -16,19 +31,24 @@ const CameraConfig& findCamera(const RenderConfig& config, const std::string& na
   throw ConfigException("no camera is called \"" + name + "\"; known:" + known);
 }
 
+RenderLoop::Stage::Stage(const TrainerConfig& config,
+                         const model::RavenModel& raven,
+                         const model::SceneModel& scene,
+                         double scale)
+    : renderer(scaled(config.render.live_width, scale), scaled(config.render.live_height, scale)),
+      builder(raven, scene, config.haptics, &renderer),
+      camera(model::makeCamera(findCamera(config.render, config.render.live_camera),
+                               renderer.width(),
+                               renderer.height())) {}
+
 RenderLoop::RenderLoop(const TrainerConfig& config,
                        const model::RavenModel& raven,
                        const model::SceneModel& scene,
                        SharedState* shared,
                        ImageSink sink)
-    : config_(config),
-      shared_(*shared),
-      sink_(std::move(sink)),
-      renderer_(config.render.live_width, config.render.live_height),
-      builder_(raven, scene, config.haptics, &renderer_),
-      camera_(model::makeCamera(findCamera(config.render, config.render.live_camera),
-                                config.render.live_width,
-                                config.render.live_height)) {}
+    : config_(config), raven_(raven), scene_(scene), shared_(*shared), sink_(std::move(sink)), pace_(config.render) {
+  stage_.emplace(config_, raven_, scene_, pace_.level().scale);
+}
 
 /** After the model's state, whose tick is then no newer than what is known of its plan. */
 void RenderLoop::hearOfPlans() {
@@ -47,10 +67,20 @@ bool RenderLoop::isCameraSilent() const {
 }
 
 void RenderLoop::frame() {
+  if (!stage_) stage_.emplace(config_, raven_, scene_, pace_.level().scale);
+  const std::int64_t begin = net::monotonicNow();
+  draw();
+  adapt(static_cast<double>(net::monotonicNow() - begin) * 1e-9);
+}
+
+void RenderLoop::draw() {
+  const FrameStates states =
+      loadFrameStates(shared_, [] { std::this_thread::sleep_for(std::chrono::microseconds(100)); });
+  if (std::abs(states.model.tick - states.haptic.tick) > 1) ++told_.parted;
   render::Snapshot snapshot;
-  snapshot.model = shared_.model.load();
-  snapshot.robot = shared_.robot.load();
-  snapshot.haptic = shared_.haptic.load();
+  snapshot.model = states.model;
+  snapshot.robot = states.robot;
+  snapshot.haptic = states.haptic;
   hearOfPlans();
   snapshot.plans = plans_;
   const bool wants_real = snapshot.model.view != 0;
@@ -58,9 +88,29 @@ void RenderLoop::frame() {
   const std::uint32_t in_robot = snapshot.robot.active_fault;
   const std::uint32_t fault = in_robot != 0 ? in_robot : snapshot.model.faults.active;
   if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;
-  const std::vector<std::uint8_t>& rgb = renderer_.draw(builder_.build(snapshot), camera_);
+  const std::vector<std::uint8_t>& rgb = stage_->renderer.draw(stage_->builder.build(snapshot), stage_->camera);
   shared_.frames.add();
-  if (sink_) sink_({rgb, camera_, snapshot.model.tick, !wants_real || snapshot.stands_in});
+  const bool is_view = !wants_real || snapshot.stands_in;
+  if (sink_) sink_({rgb, stage_->camera, snapshot.model.tick, snapshot.model.time_ns, is_view});
+}
+
+void RenderLoop::adapt(double busy) {
+  const double scale = pace_.level().scale;
+  const bool has_changed = pace_.add(busy);
+  told_.fps = pace_.level().fps;
+  told_.width = stage_->camera.width;
+  told_.height = stage_->camera.height;
+  told_.level = pace_.lowered();
+  ++told_.frames;
+  if (has_changed) {
+    ++told_.changes;
+    told_.width = scaled(config_.render.live_width, pace_.level().scale);
+    told_.height = scaled(config_.render.live_height, pace_.level().scale);
+    std::fprintf(stderr, "live picture: %d Hz, %d x %d%s\n", told_.fps, told_.width, told_.height,
+                 told_.level > 0 ? "; it takes longer than configured" : "");
+  }
+  shared_.live_picture.store(told_);
+  if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }
 
 }  // namespace raven2_trainer::runtime
