@@ -41,7 +41,8 @@ void add(OverlaySet overlays, std::ostringstream* out) {
  * here: without it the parts of two settings would be taken for those of one. */
 void add(const RenderConfig& config, std::ostringstream* out) {
   const auto& [cameras, stereo, video_overlays, live_overlays, trails, video_camera, live_camera, width, height, fps,
-               live_width, live_height, live_fps, crf, preset, real_topic, real_stale_after] = config;
+               live_width, live_height, live_fps, live_slowest, live_smallest, live_settle, live_jpeg_quality, crf,
+               preset, real_topic, real_stale_after] = config;
   for (const CameraConfig& camera : cameras)  // the stereo pair among them
     add(camera, out);
   add(video_overlays, out);

@@ -115,6 +115,18 @@ DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
   return s;
 }
 
+DiagnosticStatus pictureStatus(const LivePicture& picture) {
+  const std::string size = std::to_string(picture.width) + " x " + std::to_string(picture.height);
+  DiagnosticStatus s = status("live picture", true, std::to_string(picture.fps) + " Hz, " + size);
+  if (picture.fps == 0) s.message = "none";
+  if (picture.level > 0) {
+    s.level = DiagnosticStatus::WARN;
+    s.message += ": less than configured, drawing takes too long";
+  }
+  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted)};
+  return s;
+}
+
 sensor_msgs::JointState jointState(const ModelState& model, double d4, const ros::Time& stamp) {
   sensor_msgs::JointState message;
   message.header.stamp = stamp;
@@ -184,6 +196,14 @@ sensor_msgs::Image image(const runtime::LiveImage& picture, const std::string& f
   message.encoding = sensor_msgs::image_encodings::RGB8;
   message.step = message.width * 3;
   message.data = picture.rgb;
+  return message;
+}
+
+sensor_msgs::CompressedImage compressedImage(const std::string& frame, const ros::Time& stamp) {
+  sensor_msgs::CompressedImage message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame;
+  message.format = "rgb8; jpeg compressed bgr8";
   return message;
 }
 

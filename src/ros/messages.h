@@ -5,6 +5,7 @@
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/time.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/JointState.h>
 
@@ -33,11 +34,14 @@ geometry_msgs::TransformStamped transform(const Pose& X_WF, const std::string& f
 /** Optical frame of a camera by its name: x right, y down, z forward (REP 103). */
 std::string opticalFrame(const std::string& camera);
 
-/** When something was, by the clock of ROS. @param[in] then_ns,now_ns [ns] monotonic clock; `then` 0: not known, now.
- */
+/** Time of something that was at `then_ns`, both in CLOCK_MONOTONIC; `now` if that was never (0) or is yet to come. */
 ros::Time stampOf(std::int64_t then_ns, std::int64_t now_ns, const ros::Time& now);
 
 sensor_msgs::Image image(const runtime::LiveImage& picture, const std::string& frame, const ros::Time& stamp);
+
+/** Without its data, which is to be JPEG of image(): format as compressed_image_transport writes it for an rgb8
+ * picture, which decoders give as bgr8 and then turn to what it was. */
+sensor_msgs::CompressedImage compressedImage(const std::string& frame, const ros::Time& stamp);
 
 /** @param[in] aside [m] from the origin of `frame` to the camera's right: of the right one of a pair the baseline, as
  * stereo packages expect both in the left one's frame (REP 104, sensor_msgs/CameraInfo: P[3] = -fx aside). */
@@ -48,6 +52,9 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera,
 
 /** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. */
 diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts);
+
+/** How the live picture goes; WARN while its rate or size is lower than the configured. */
+diagnostic_msgs::DiagnosticStatus pictureStatus(const LivePicture& picture);
 
 /** `shared`: for what `counts`, which travel in the log, do not hold. `now_ns`: monotonic, for the age of the robot's
  * state. One status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */

@@ -13,9 +13,11 @@
 #include "ros/camera_view.h"
 #include "ros/exposure.h"
 #include "ros/joy_pedals.h"
+#include "ros/live_camera.h"
 #include "ros/messages.h"
 #include "ros/move_arm_action.h"
 #include "ros/periodic_thread.h"
+#include "ros/picture_stamp.h"
 #include "ros/planning_client.h"
 #include "ros/planning_services.h"
 #include "ros/services.h"
@@ -50,9 +52,8 @@ struct RosBridge::Impl {
                kQueue),
         view(node, daemon->config().render, &daemon->shared()),
         stereo(node, daemon->config().render.stereo),
+        camera(&node, daemon->config().render, view),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
-        images(node.advertise<sensor_msgs::Image>("camera/image_raw", 2)),
-        camera_infos(node.advertise<sensor_msgs::CameraInfo>("camera/camera_info", 2)),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
         spinner(1) {
     if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
@@ -90,35 +91,30 @@ struct RosBridge::Impl {
     if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
       diagnostic_msgs::DiagnosticArray array =
           diagnostics(simulator.counts(), shared, states.robot, net::monotonicNow(), simulator.realtimeStatus(), stamp);
+      array.status.push_back(pictureStatus(shared.live_picture.load()));
       array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
       diagnostic_arrays.publish(array);
     }
     ++cycle;
   }
 
-  /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk? */
+  /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk,
+   * another rate or size of the live picture? */
   bool isNews() {
     const SharedState& shared = simulator.shared();
     const LinkCounts master = shared.master_link.load();
-    const std::array<std::uint64_t, 4> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
+    const std::array<std::uint64_t, 5> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
                                             shared.recorder.load().failing, shared.physics_timing.load().late_runs,
-                                            shared.haptic_timing.load().late_runs};
+                                            shared.haptic_timing.load().late_runs, shared.live_picture.load().changes};
     return std::exchange(told, news) != news;
   }
 
   /** On the render thread; roscpp's publish is thread-safe. */
   void publishImage(const runtime::LiveImage& picture) {
-    const ros::Time stamp = stampOf(picture.time_ns, net::monotonicNow(), ros::Time::now());
+    const ros::Time stamp = picture_stamp.of(picture.time_ns, net::monotonicNow(), ros::Time::now());
     if (picture.eye != runtime::Eye::kMiddle) return stereo.show(picture, stamp);
     simulator.shared().stereo_watched.store(stereo.isWatched() ? 1 : 0);
-    const std::string frame = opticalFrame(simulator.config().render.live_camera);
-    const bool is_view = picture.is_view && view.isWatched();
-    if (is_view || images.getNumSubscribers() > 0) {
-      const sensor_msgs::Image message = image(picture, frame, stamp);
-      images.publish(message);
-      if (is_view) view.show(message);
-    }
-    camera_infos.publish(cameraInfo(picture.camera, frame, stamp));
+    camera.show(picture, stamp);
   }
 
   runtime::Simulator& simulator;
@@ -132,14 +128,16 @@ struct RosBridge::Impl {
   StateTopics topics;
   CameraView view;
   StereoView stereo;
+  LiveCamera camera;
+  PictureStamp picture_stamp;
   JoyPedals pedals;
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
   ros::Subscriber joy_messages;
-  ros::Publisher images, camera_infos, diagnostic_arrays;
+  ros::Publisher diagnostic_arrays;
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
   int cycle{0};
-  std::array<std::uint64_t, 4> told{};
+  std::array<std::uint64_t, 5> told{};
 };
 
 RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}

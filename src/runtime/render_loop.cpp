@@ -1,11 +1,26 @@
 #include "raven2_trainer/runtime/render_loop.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
+#include <thread>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/frame_states.h"
 #include "raven2_trainer/net/clock.h"
 
 namespace raven2_trainer::runtime {
+
+namespace {
+
+int scaled(int pixels, double scale) {
+  return std::max(1, static_cast<int>(std::lround(pixels * scale)));
+}
+
+}  // namespace
 
 const CameraConfig& findCamera(const RenderConfig& config, const std::string& name) {
   std::string known;
@@ -16,6 +31,13 @@ const CameraConfig& findCamera(const RenderConfig& config, const std::string& na
   throw ConfigException("no camera is called \"" + name + "\"; known:" + known);
 }
 
+RenderLoop::Stage::Stage(const TrainerConfig& config,
+                         const model::RavenModel& raven,
+                         const model::SceneModel& scene,
+                         double scale)
+    : renderer(scaled(config.render.live_width, scale), scaled(config.render.live_height, scale)),
+      builder(raven, scene, render::SceneOptions(config, config.render.live_overlays), &renderer) {}
+
 RenderLoop::RenderLoop(const TrainerConfig& config,
                        const model::RavenModel& raven,
                        const model::SceneModel& scene,
@@ -23,15 +45,17 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
                        SharedState* shared,
                        ImageSink sink)
     : config_(config),
-      X_WB_(raven.X_WB),
+      raven_(raven),
+      scene_(scene),
       shared_(*shared),
       sink_(std::move(sink)),
-      renderer_(config.render.live_width, config.render.live_height),
-      builder_(raven, scene, render::SceneOptions(config, config.render.live_overlays), &renderer_),
       contacts_(body_names),
       cameras_{findCamera(config.render, config.render.live_camera),
                findCamera(config.render, config.render.stereo.camera + "_left"),
-               findCamera(config.render, config.render.stereo.camera + "_right")} {}
+               findCamera(config.render, config.render.stereo.camera + "_right")},
+      pace_(config.render) {
+  stage_.emplace(config_, raven_, scene_, pace_.level().scale);
+}
 
 /** After the model's state, whose tick is then no newer than what is known of its plan. */
 void RenderLoop::hearOfPlans() {
@@ -49,23 +73,15 @@ bool RenderLoop::isCameraSilent() const {
   return net::monotonicNow() - shared_.real_picture_ns.load() > limit;
 }
 
-/** Model and contacts of one tick; without contacts if none of theirs can be had. */
-void RenderLoop::takeModel(render::Snapshot* snapshot) const {
-  constexpr int kTries = 4;  // physics stores one right behind the other, every millisecond
-  for (int i = 0; i < kTries; ++i) {
-    snapshot->model = shared_.model.load();
-    const ContactList contacts = shared_.contacts.load();
-    if (contacts.tick != snapshot->model.tick) continue;
-    snapshot->contact_W = contacts_.sum(contacts);
-    return;
-  }
-}
-
 render::Snapshot RenderLoop::newest() {
+  const FrameStates states =
+      loadFrameStates(shared_, [] { std::this_thread::sleep_for(std::chrono::microseconds(100)); });
+  if (std::abs(states.model.tick - states.haptic.tick) > 1) ++told_.parted;
   render::Snapshot snapshot;
-  takeModel(&snapshot);
-  snapshot.robot = shared_.robot.load();
-  snapshot.haptic = shared_.haptic.load();
+  snapshot.model = states.model;
+  snapshot.robot = states.robot;
+  snapshot.haptic = states.haptic;
+  snapshot.contact_W = contacts_.sum(states.contacts);
   hearOfPlans();
   snapshot.plans = plans_;
   snapshot.stands_in = snapshot.model.view != 0 && isCameraSilent();
@@ -78,21 +94,47 @@ render::Snapshot RenderLoop::newest() {
 /** The camera that is told stays the right one if the eyes are changed over: that is the fault. */
 void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye) {
   const CameraConfig& config = cameras_[static_cast<std::size_t>(eye)];
-  const int width = renderer_.width(), height = renderer_.height();
-  const auto& rgb = renderer_.draw(scene, render::cameraSeeing(snapshot, config, X_WB_, width, height));
-  const model::Camera camera = model::cameraAt(config, snapshot.model, X_WB_, width, height);
+  render::Renderer& renderer = stage_->renderer;
+  const int width = renderer.width(), height = renderer.height();
+  const auto& rgb = renderer.draw(scene, render::cameraSeeing(snapshot, config, raven_.X_WB, width, height));
+  const model::Camera camera = model::cameraAt(config, snapshot.model, raven_.X_WB, width, height);
   const bool is_view = snapshot.model.view == 0 || snapshot.stands_in;
   if (sink_) sink_({rgb, camera, snapshot.model.tick, is_view, eye, snapshot.model.time_ns});
 }
 
-void RenderLoop::frame() {
+void RenderLoop::drawAll() {
   const render::Snapshot& snapshot = line_.pass(newest());
-  const render::Scene& scene = builder_.build(snapshot);
+  const render::Scene& scene = stage_->builder.build(snapshot);
   draw(scene, snapshot, Eye::kMiddle);
   shared_.frames.add();
   if (shared_.stereo_watched.load() == 0) return;
   for (const Eye eye : {Eye::kLeft, Eye::kRight})
     draw(scene, snapshot, eye);
+}
+
+/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. */
+void RenderLoop::frame() {
+  if (!stage_) stage_.emplace(config_, raven_, scene_, pace_.level().scale);
+  const std::int64_t begin = net::monotonicNow();
+  drawAll();
+  adapt(static_cast<double>(net::monotonicNow() - begin) * 1e-9);
+}
+
+void RenderLoop::adapt(double busy) {
+  const double scale = pace_.level().scale;
+  const bool has_changed = pace_.add(busy);
+  told_.fps = pace_.level().fps;
+  told_.width = scaled(config_.render.live_width, pace_.level().scale);
+  told_.height = scaled(config_.render.live_height, pace_.level().scale);
+  told_.level = pace_.lowered();
+  ++told_.frames;
+  if (has_changed) {
+    ++told_.changes;
+    std::fprintf(stderr, "live picture: %d Hz, %d x %d%s\n", told_.fps, told_.width, told_.height,
+                 told_.level > 0 ? "; it takes longer than configured" : "");
+  }
+  shared_.live_picture.store(told_);
+  if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }
 
 }  // namespace raven2_trainer::runtime

@@ -369,11 +369,10 @@ struct Simulator::Impl {
     try {
       RenderLoop loop(config, raven, scene, physics.bodyNames(), shared.get(),
                       [this](const LiveImage& picture) { show(picture); });
-      const std::int64_t period = 1'000'000'000 / config.render.live_fps;
       std::int64_t due = net::monotonicNow();
       while (!stopping()) {
         loop.frame();
-        due += period;
+        due += static_cast<std::int64_t>(loop.period() * 1e9);
         const std::int64_t left = due - net::monotonicNow();
         if (left > 0) {
           sleepFor(static_cast<double>(left) * 1e-9);

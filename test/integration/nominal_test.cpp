@@ -1,10 +1,12 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <set>
+#include <vector>
 
 #include "fixture.h"
 
@@ -60,6 +62,39 @@ TEST(NominalSession, PicturesComeWithTheirCamera) {
   // the info that belongs to a picture carries its stamp
   const ros::Time stamp = image.get().header.stamp;
   EXPECT_TRUE(waitFor([&] { return info.get().header.stamp >= stamp; }, 2.0));
+}
+
+TEST(NominalSession, BothEyesHaveOneStampAndOneSize) {
+  Latest<sensor_msgs::Image> left("camera/left/image_raw"), right("camera/right/image_raw");
+  ASSERT_TRUE(waitFor([&] { return left.count() > 5 && right.count() > 5; }, kStartDeadline));
+  // The right one's picture comes behind the left one's, well before the next pair.
+  EXPECT_TRUE(waitFor([&] { return left.get().header.stamp == right.get().header.stamp; }, 5.0));
+  EXPECT_EQ(left.get().header.frame_id, "endoscope_left_optical_frame");
+  EXPECT_EQ(right.get().header.frame_id, left.get().header.frame_id);
+  EXPECT_EQ(left.get().width, right.get().width);
+  EXPECT_NE(left.get().data, right.get().data);
+}
+
+TEST(NominalSession, ACompressedPictureIsAJpegOfTheLiveCamera) {
+  Latest<sensor_msgs::CompressedImage> picture("camera/image_raw/compressed");
+  ASSERT_TRUE(waitFor([&] { return picture.count() > 0; }, kStartDeadline));
+  const std::vector<std::uint8_t>& jpeg = picture.get().data;
+  ASSERT_GT(jpeg.size(), 1000U);
+  EXPECT_TRUE(jpeg[0] == 0xFF && jpeg[1] == 0xD8) << "SOI";
+  EXPECT_TRUE(jpeg[jpeg.size() - 2] == 0xFF && jpeg.back() == 0xD9) << "EOI";
+  EXPECT_EQ(picture.get().header.frame_id, "endoscope_optical_frame");
+  EXPECT_EQ(picture.get().format, "rgb8; jpeg compressed bgr8");
+}
+
+TEST(NominalSession, TheLivePictureIsDiagnosed) {
+  Latest<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  ASSERT_TRUE(waitFor([&] { return diagnostics.count() > 1; }, kStartDeadline));
+  const auto& all = diagnostics.get().status;
+  const auto found = std::find_if(all.begin(), all.end(), [](const diagnostic_msgs::DiagnosticStatus& status) {
+    return status.name == "raven2_trainer: live picture";
+  });
+  ASSERT_NE(found, all.end());
+  EXPECT_NE(found->message.find(" Hz, "), std::string::npos) << found->message;
 }
 
 TEST(NominalSession, FramesOfModelAndRobotHaveTheirOwnPrefix) {

@@ -144,7 +144,7 @@ class ReplaySession(unittest.TestCase):
         self.assertTrue({m.mode for m in heard["mode"]} <= {modes[m] for m in self.log.ticks["model"]["mode"]})
         self.assertIn("teleoperating", {m.mode for m in heard["mode"]})
         frames = {t.child_frame_id for m in heard["/tf"] for t in m.transforms}
-        self.assertTrue({"model/base_link_L", "robot/base_link_R", "camera_optical"} <= frames, frames)
+        self.assertTrue({"model/base_link_L", "robot/base_link_R", "endoscope_optical_frame"} <= frames, frames)
 
     def test_it_takes_as_long_as_its_rate_says(self):
         spent = {}

@@ -271,7 +271,11 @@ struct RenderConfig {
   std::string live_camera;   ///< of camera/image_raw
   int video_width{}, video_height{}, video_fps{};
   int live_width{}, live_height{}, live_fps{};
-  int encoder_crf{};  ///< [-] x264 quality
+  int live_slowest{};       ///< [Hz] the rate is not lowered below it
+  double live_smallest{};   ///< [-] of width and height, not lowered below it
+  double live_settle{};     ///< [s] with room for more before rate or size is raised
+  int live_jpeg_quality{};  ///< [-] of camera/image_raw/compressed
+  int encoder_crf{};        ///< [-] x264 quality
   std::string encoder_preset;
   std::string real_camera_topic;  ///< of the real camera's pictures; empty: none
   double real_stale_after{};      ///< [s] without one of them after which the virtual scene is shown instead

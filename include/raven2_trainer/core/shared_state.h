@@ -11,6 +11,7 @@
 #include "raven2_trainer/core/exercise_news.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/guide_path.h"
+#include "raven2_trainer/core/live_picture.h"
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/record_rings.h"
 #include "raven2_trainer/core/replay_frame.h"
@@ -84,6 +85,8 @@ struct SharedState {
   StateCell<FaultedPackets> relay_faults;
   // written by sender
   StateCell<FaultedPackets> relay_network;
+  // written by render
+  StateCell<LivePicture> live_picture;
   // written by recorder
   StateCell<RecorderStatus> recorder;
 

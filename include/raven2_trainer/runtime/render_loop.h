@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
 #include "raven2_trainer/render/tool_contacts.h"
+#include "raven2_trainer/runtime/live_pace.h"
 
 namespace raven2_trainer::runtime {
 
@@ -33,33 +35,48 @@ using ImageSink = std::function<void(const LiveImage&)>;
 /** Body of the render thread. Its OpenGL context lives and dies on that thread: construct it there. */
 class RenderLoop {
  public:
-  /** @param[in] body_names by the numbers of contacts. @throw RenderException. */
+  /** All but the sink must outlive it. @param[in] body_names by the numbers of contacts. @throw RenderException. */
   RenderLoop(const TrainerConfig& config,
              const model::RavenModel& raven,
              const model::SceneModel& scene,
              const std::vector<std::string>& body_names,
              SharedState* shared,
              ImageSink sink);
-  /** Draws the newest states, as far as faults of the video let them be seen, and hands the picture out; with those of
-   *  both eyes, while SharedState::stereo_watched. */
+  /**
+   * Draws the newest states, as far as faults of the video let them be seen, and hands the picture out; with those of
+   * both eyes, while SharedState::stereo_watched. Where that takes too long, the next ones are fewer or smaller
+   * (LivePace); that is said on stderr, and in SharedState::live_picture.
+   */
   void frame();
+  /** [s] from the beginning of a frame to that of the next. */
+  double period() const noexcept { return pace_.period(); }
 
  private:
+  /** What draws pictures of one size. */
+  struct Stage {
+    Stage(const TrainerConfig& config, const model::RavenModel& raven, const model::SceneModel& scene, double scale);
+    render::Renderer renderer;
+    render::SceneBuilder builder;
+  };
+
   void hearOfPlans();
   bool isCameraSilent() const;
   render::Snapshot newest();
-  void takeModel(render::Snapshot* snapshot) const;
+  void drawAll();
   void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye);
+  void adapt(double busy);
 
   const TrainerConfig& config_;
-  const PerArm<Pose> X_WB_;
+  const model::RavenModel& raven_;
+  const model::SceneModel& scene_;
   SharedState& shared_;
   ImageSink sink_;
-  render::Renderer renderer_;
-  render::SceneBuilder builder_;
-  render::ToolContacts contacts_;
+  const render::ToolContacts contacts_;
+  const std::array<CameraConfig, kEyeCount> cameras_;  // by Eye
   render::PictureLine line_;
-  std::array<CameraConfig, kEyeCount> cameras_;  // by Eye
+  LivePace pace_;
+  std::optional<Stage> stage_;  // for pace_'s level; none: to be made for the next frame
+  LivePicture told_;
   render::PlanNews plans_;
   std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -380,6 +381,23 @@ TEST(Overlays, AreAllOrNoneOrThoseThatAreNamed) {
   EXPECT_EQ(overlaysOf({kOverlayNames.begin(), kOverlayNames.end()}), OverlaySet::all());
   EXPECT_THROW(overlaysOf({"all", "plan"}), ConfigException);
   EXPECT_THROW(overlaysOf({""}), ConfigException);
+}
+
+TEST_F(LoadConfig, TheLivePicturesBoundsAreChecked) {
+  const TrainerConfig packaged = loadTrainerConfig(root());
+  EXPECT_EQ(packaged.render.live_slowest, 10);
+  EXPECT_DOUBLE_EQ(packaged.render.live_smallest, 0.5);
+  EXPECT_DOUBLE_EQ(packaged.render.live_settle, 3.0);
+  EXPECT_EQ(packaged.render.live_jpeg_quality, 80);
+  const std::vector<std::array<std::string, 2>> wrong{{"slowest: 10 ", "slowest: 0 "},
+                                                      {"smallest: 0.5 ", "smallest: 1.5 "},
+                                                      {"settle: 3.0 ", "settle: 0.1 "},
+                                                      {"jpeg_quality: 80 ", "jpeg_quality: 101 "}};
+  for (const auto& [good, bad] : wrong) {
+    replace("render.yaml", good, bad);
+    EXPECT_NE(message().find(bad.substr(0, bad.find(':'))), std::string::npos) << message();
+    replace("render.yaml", bad, good);
+  }
 }
 
 }  // namespace

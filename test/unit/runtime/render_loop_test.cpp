@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <limits>
 #include <memory>
+#include <thread>
+#include <vector>
 
 #include "raven2_trainer/config/load_config.h"
 #include "render/frame_timeline.h"
@@ -189,6 +192,75 @@ TEST_F(RenderLoopTest, TheNameOfAFaultIsNotInTheTraineesPicture) {
   state_.faults.active = 1;
   ASSERT_FALSE(config_.scenarios.empty());
   EXPECT_EQ(frame(), quiet);
+}
+
+TEST_F(RenderLoopTest, APictureHasTheTickAndTheTimeOfTheStateDrawn) {
+  Tick tick = 0;
+  std::int64_t time_ns = 0;
+  RenderLoop loop(config_, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+    tick = image.tick;
+    time_ns = image.time_ns;
+  });
+  state_.time_ns = 123'456'789;
+  shared_->model.store(state_);
+  loop.frame();
+  EXPECT_EQ(tick, kTick);
+  EXPECT_EQ(time_ns, 123'456'789);
+}
+
+TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWithIt) {
+  TrainerConfig config = config_;
+  config.render.live_fps = config.render.live_slowest = 120;
+  std::vector<model::Camera> cameras;
+  std::vector<std::size_t> sizes;
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+    cameras.push_back(image.camera);
+    sizes.push_back(image.rgb.size());
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // longer than the 8 ms that there are
+  });
+  shared_->model.store(state_);
+  while (cameras.size() < 500 && shared_->live_picture.load().level < 2)
+    loop.frame();
+  loop.frame();
+  const LivePicture told = shared_->live_picture.load();
+  EXPECT_EQ(told.level, 2U);
+  EXPECT_EQ(told.changes, 2U);
+  EXPECT_EQ(told.frames, cameras.size());
+  EXPECT_EQ(told.width, config.render.live_width / 2);
+  EXPECT_EQ(told.height, config.render.live_height / 2);
+  EXPECT_DOUBLE_EQ(loop.period(), 1.0 / 120.0);
+  EXPECT_EQ(cameras.front().width, config.render.live_width);
+  EXPECT_EQ(cameras.back().width, told.width);
+  EXPECT_EQ(cameras.back().height, told.height);
+  EXPECT_EQ(sizes.back(), static_cast<std::size_t>(told.width) * static_cast<std::size_t>(told.height) * 3);
+  EXPECT_NEAR(cameras.back().fx, cameras.front().fx / 2, 1e-9) << "the same field of view";
+  EXPECT_DOUBLE_EQ(cameras.back().cx, (told.width - 1) / 2.0);
+}
+
+/** The eyes alone take longer than the period, the live camera's picture by far not. */
+TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
+  TrainerConfig config = config_;
+  config.render.live_fps = config.render.live_slowest = 10;
+  std::vector<model::Camera> cameras;
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+    if (image.eye == Eye::kMiddle) return;
+    cameras.push_back(image.camera);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  });
+  shared_->stereo_watched.store(1);
+  shared_->model.store(state_);
+  while (cameras.size() < 100 && shared_->live_picture.load().level < 1)
+    loop.frame();
+  loop.frame();
+  const LivePicture told = shared_->live_picture.load();
+  EXPECT_EQ(told.level, 1U);
+  EXPECT_EQ(told.frames, cameras.size() / 2) << "a frame is one, with all its eyes";
+  ASSERT_GE(cameras.size(), 4U);
+  for (const model::Camera& camera : {cameras[cameras.size() - 2], cameras.back()}) {
+    EXPECT_EQ(camera.width, told.width);
+    EXPECT_EQ(camera.height, told.height);
+  }
+  EXPECT_LT(told.width, config.render.live_width);
 }
 
 TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {

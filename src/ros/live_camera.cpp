@@ -1,0 +1,37 @@
+#include "ros/live_camera.h"
+
+#include <sensor_msgs/CompressedImage.h>
+
+#include "ros/messages.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr std::uint32_t kQueue = 2;
+
+}  // namespace
+
+LiveCamera::LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const CameraView& view)
+    : frame_(opticalFrame(config.live_camera)),
+      view_(view),
+      encoder_(config.live_jpeg_quality),
+      images_(node->advertise<sensor_msgs::Image>("camera/image_raw", kQueue)),
+      infos_(node->advertise<sensor_msgs::CameraInfo>("camera/camera_info", kQueue)),
+      compressed_(node->advertise<sensor_msgs::CompressedImage>("camera/image_raw/compressed", kQueue)) {}
+
+void LiveCamera::show(const runtime::LiveImage& picture, const ros::Time& stamp) {
+  const bool is_view = picture.is_view && view_.isWatched();
+  if (is_view || images_.getNumSubscribers() > 0) {
+    const sensor_msgs::Image message = image(picture, frame_, stamp);
+    images_.publish(message);
+    if (is_view) view_.show(message);
+  }
+  if (compressed_.getNumSubscribers() > 0) {
+    sensor_msgs::CompressedImage message = compressedImage(frame_, stamp);
+    if (encoder_.encode(picture.rgb, picture.camera.width, picture.camera.height, &message.data))
+      compressed_.publish(message);
+  }
+  infos_.publish(cameraInfo(picture.camera, frame_, stamp));
+}
+
+}  // namespace raven2_trainer::ros_bridge
