@@ -31,10 +31,25 @@ std::vector<std::uint32_t> validIndices(const model::Mesh& mesh) {
   return out;
 }
 
-float farthest(const model::Mesh& mesh) {
-  float squared = 0.0F;
+Vector3 position(const std::array<float, 3>& p) {
+  return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+}
+
+/** Of the box about all vertices. */
+Vector3 middle(const model::Mesh& mesh) {
+  if (mesh.vertices.empty()) return Vector3::Zero();
+  Vector3 low = position(mesh.vertices.front()), high = low;
+  for (const auto& p : mesh.vertices) {
+    low = low.cwiseMin(position(p));
+    high = high.cwiseMax(position(p));
+  }
+  return 0.5 * (low + high);
+}
+
+double farthest(const model::Mesh& mesh, const Vector3& from) {
+  double squared = 0.0;
   for (const auto& p : mesh.vertices)
-    squared = std::max(squared, p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    squared = std::max(squared, (position(p) - from).squaredNorm());
   return std::sqrt(squared);
 }
 
@@ -54,7 +69,7 @@ GLuint upload(GLenum target, const std::vector<T>& data) {
 
 }  // namespace
 
-GpuMesh::GpuMesh(const model::Mesh& mesh) : radius_(farthest(mesh)) {
+GpuMesh::GpuMesh(const model::Mesh& mesh) : centre_M_(middle(mesh)), radius_(farthest(mesh, centre_M_)) {
   const std::vector<std::uint32_t> indices = validIndices(mesh);
   triangle_count_ = static_cast<std::uint32_t>(indices.size() / 3);
   glGenVertexArrays(1, &arrays_);

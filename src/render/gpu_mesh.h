@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/model/mesh.h"
 #include "render/gl.h"
 
@@ -19,13 +20,15 @@ class GpuMesh {
   /** @param[in] first, count triangles, in the mesh's order; as far as they go. */
   void draw(std::uint32_t first, std::uint32_t count) const noexcept;
 
-  /** [m] Distance of the farthest vertex from the mesh's origin. */
-  float radius() const noexcept { return radius_; }
+  /** [m] Of a sphere that holds the mesh: its middle in M, which need not be near the origin, and its radius. */
+  const Vector3& centre_M() const noexcept { return centre_M_; }
+  double radius() const noexcept { return radius_; }
 
  private:
   GLuint arrays_{0}, vertices_{0}, indices_{0};
   std::uint32_t triangle_count_{0};
-  float radius_{0.0F};
+  Vector3 centre_M_{Vector3::Zero()};
+  double radius_{0.0};
 };
 
 }  // namespace raven2_trainer::render

@@ -1,5 +1,8 @@
 #include "render/passes.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "render/projection.h"
 #include "render/shaders.h"
 
@@ -18,23 +21,71 @@ GLuint makeEmptyArrays() {
   return arrays;
 }
 
+bool isSameShape(const DrawItem& a, const DrawItem& b) noexcept {
+  return a.mesh == b.mesh && a.first == b.first && a.count == b.count && a.world_from_mesh == b.world_from_mesh;
+}
+
 }  // namespace
 
 ShadowPass::ShadowPass()
     : program_(kShadowVertex, kShadowFragment), clip_from_mesh_(program_.uniform("clip_from_mesh")) {}
 
-void ShadowPass::draw(const std::vector<DrawItem>& opaque, const Eigen::Matrix4f& shadow_clip_from_world) {
-  target_.bind();
-  glViewport(0, 0, ShadowTarget::kSize, ShadowTarget::kSize);
-  glClear(GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  glPolygonOffset(0.5F, 2.0F);  // against self-shadowing, together with the lift of MeshPass
-  program_.use();
-  for (const DrawItem& item : opaque) {
-    setUniform(clip_from_mesh_, Eigen::Matrix4f(shadow_clip_from_world * item.world_from_mesh));
+void ShadowPass::drawItems(const std::vector<DrawItem>& items, const Filter& isWanted) const {
+  for (const DrawItem& item : items) {
+    if (!isInShadowMap(clip_from_world_, item.centre_W, item.radius) || !isWanted(item)) continue;
+    setUniform(clip_from_mesh_, Eigen::Matrix4f(clip_from_world_ * item.world_from_mesh));
     item.mesh->draw(item.first, item.count);
   }
+}
+
+bool ShadowPass::areKept(const std::vector<DrawItem>& opaque) const {
+  if (!is_kept_) return false;
+  auto kept = kept_.begin();
+  for (const DrawItem& item : opaque) {
+    if (!item.is_fixed) continue;
+    if (kept == kept_.end() || !isSameShape(item, *kept)) return false;
+    ++kept;
+  }
+  return kept == kept_.end();
+}
+
+void ShadowPass::keepFixed(const std::vector<DrawItem>& opaque) {
+  if (areKept(opaque)) return;
+  kept_.clear();
+  std::copy_if(opaque.begin(), opaque.end(), std::back_inserter(kept_), [](const DrawItem& i) { return i.is_fixed; });
+  is_kept_ = true;
+  fixed_.begin();
+  drawItems(kept_, [](const DrawItem&) { return true; });
+}
+
+void ShadowPass::forget(const GpuMesh* mesh) noexcept {
+  const bool has = std::any_of(kept_.begin(), kept_.end(), [&](const DrawItem& item) { return item.mesh == mesh; });
+  if (has) is_kept_ = false;
+}
+
+void ShadowPass::draw(const std::vector<DrawItem>& opaque,
+                      const Eigen::Matrix4f& shadow_clip_from_world,
+                      const std::vector<model::Camera>& cameras) {
+  const auto isSeen = [&](const DrawItem& item) {
+    return std::any_of(cameras.begin(), cameras.end(),
+                       [&](const model::Camera& c) { return isShadowInView(c, item.centre_W, item.radius); });
+  };
+  const bool stands_still = shadow_clip_from_world == clip_from_world_;
+  clip_from_world_ = shadow_clip_from_world;
+  program_.use();
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(0.5F, 2.0F);  // against self-shadowing, together with the lift of MeshPass
+  if (stands_still) {
+    keepFixed(opaque);
+    target_.beginAs(fixed_);
+    drawItems(opaque, [&](const DrawItem& item) { return !item.is_fixed && isSeen(item); });
+  } else {
+    is_kept_ = false;
+    target_.begin();
+    drawItems(opaque, isSeen);
+  }
   glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_SCISSOR_TEST);
 }
 
 MeshPass::MeshPass()

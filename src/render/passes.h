@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "raven2_trainer/model/camera.h"
@@ -13,11 +14,12 @@ namespace raven2_trainer::render {
 struct DrawItem {
   const GpuMesh* mesh;
   Eigen::Matrix4f world_from_mesh;
-  Vector3 centre_W;  ///< [m] origin of the mesh
+  Vector3 centre_W;  ///< [m] of the sphere that holds the mesh
   float scale;       ///< [-] of the mesh in the pose, above zero
-  double radius;     ///< [m] of the sphere about it that holds the mesh
+  double radius;     ///< [m] of that sphere
   Eigen::Vector4f colour;
   std::uint32_t first, count;  ///< triangles of the mesh
+  bool is_fixed;               ///< Drawable::is_fixed
 };
 
 /** What a picture shows, by how it is drawn. */
@@ -25,15 +27,32 @@ struct DrawLists {
   std::vector<DrawItem> opaque, marks, translucent;
 };
 
-/** Depth map from the key light. */
+/** Depth map from the key light. While the light's space stands still, what fixed things leave in it is kept and
+ *  copied; the map is the same as without. */
 class ShadowPass {
  public:
   ShadowPass();
-  void draw(const std::vector<DrawItem>& opaque, const Eigen::Matrix4f& shadow_clip_from_world);
+
+  /** @param[in] cameras nothing is drawn whose shadow none of them can see. */
+  void draw(const std::vector<DrawItem>& opaque,
+            const Eigen::Matrix4f& shadow_clip_from_world,
+            const std::vector<model::Camera>& cameras);
+
+  /** To be called before a mesh goes. */
+  void forget(const GpuMesh* mesh) noexcept;
+
   GLuint texture() const noexcept { return target_.texture(); }
 
  private:
-  ShadowTarget target_;
+  using Filter = std::function<bool(const DrawItem&)>;
+  void drawItems(const std::vector<DrawItem>& items, const Filter& isWanted) const;
+  void keepFixed(const std::vector<DrawItem>& opaque);
+  bool areKept(const std::vector<DrawItem>& opaque) const;
+
+  ShadowTarget target_, fixed_;
+  Eigen::Matrix4f clip_from_world_{Eigen::Matrix4f::Zero()};
+  std::vector<DrawItem> kept_;  // whose depth `fixed_` has
+  bool is_kept_{false};         // so it has
   ShaderProgram program_;
   GLint clip_from_mesh_;
 };

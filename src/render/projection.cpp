@@ -1,6 +1,7 @@
 #include "render/projection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace raven2_trainer::render {
@@ -13,6 +14,7 @@ constexpr double kFloor = 0.02;       // [m] height of what most shadows fall on
 constexpr double kShadowShare = 1.2;  // [-] half width of the shadow map over the distance of what is looked at
 constexpr double kMinShadowReach = 0.15, kMaxShadowReach = 0.65;  // [m]
 constexpr double kShadowDepth = 1.2;     // [m] things up to here above the map's centre cast shadows
+constexpr double kShadowBlur = 0.01;     // [m] more than the lookup is off the lit point, which is up to 3 texels
 constexpr double kMaxDistance = 1000.0;  // [m]
 
 Eigen::Matrix4d homogeneous(const Pose& pose) {
@@ -35,9 +37,22 @@ Eigen::Matrix4d clipFromCamera(const model::Camera& c) {
   return m;
 }
 
-/** One side plane of the pyramid; `slope` is the tangent of its angle to the optical axis. */
-bool isBeyondSide(double across, double z, double slope, double radius) noexcept {
-  return across - slope * z > radius * std::sqrt(1.0 + slope * slope);
+/** The planes through the camera that bound its picture: unit vectors in C, away from it. */
+std::array<Vector3, 4> sidesOf(const model::Camera& c) noexcept {
+  const double right = (c.width - c.cx) / c.fx, left = (c.cx + 1.0) / c.fx;
+  const double bottom = (c.height - c.cy) / c.fy, top = (c.cy + 1.0) / c.fy;
+  return {Vector3(1.0, 0.0, -right).normalized(), Vector3(-1.0, 0.0, -left).normalized(),
+          Vector3(0.0, 1.0, -bottom).normalized(), Vector3(0.0, -1.0, -top).normalized()};
+}
+
+/** False if a sphere, on all of its way from one place to another, lies beyond one and the same side of the view. */
+bool isSweepInView(const model::Camera& camera, const Vector3& from_W, const Vector3& to_W, double radius) noexcept {
+  const Pose X_CW = camera.X_WC.inverse();
+  const Vector3 from = X_CW * from_W, to = X_CW * to_W;
+  if (std::max(from.z(), to.z()) + radius < kNear) return false;
+  const std::array<Vector3, 4> sides = sidesOf(camera);
+  return std::none_of(sides.begin(), sides.end(),
+                      [&](const Vector3& outward) { return std::min(outward.dot(from), outward.dot(to)) > radius; });
 }
 
 /** [m] Where the optical axis meets the floor, within bounds. */
@@ -90,13 +105,20 @@ bool isDrawable(const Pose& pose) noexcept {
          pose.p.cwiseAbs().maxCoeff() < kMaxDistance;
 }
 
-bool isInView(const model::Camera& c, const Vector3& centre_W, double radius) noexcept {
-  const Vector3 p = c.X_WC.inverse() * centre_W;
-  if (p.z() + radius < kNear) return false;
-  return !isBeyondSide(p.x(), p.z(), (c.width - c.cx) / c.fx, radius) &&
-         !isBeyondSide(-p.x(), p.z(), (c.cx + 1.0) / c.fx, radius) &&
-         !isBeyondSide(p.y(), p.z(), (c.height - c.cy) / c.fy, radius) &&
-         !isBeyondSide(-p.y(), p.z(), (c.cy + 1.0) / c.fy, radius);
+bool isInView(const model::Camera& camera, const Vector3& centre_W, double radius) noexcept {
+  return isSweepInView(camera, centre_W, centre_W, radius);
+}
+
+bool isShadowInView(const model::Camera& camera, const Vector3& centre_W, double radius) noexcept {
+  const Vector3 end_W = centre_W - 2.0 * kShadowDepth * keyLight().cast<double>();
+  return isSweepInView(camera, centre_W, end_W, radius + kShadowBlur);
+}
+
+bool isInShadowMap(const Eigen::Matrix4f& shadow_clip_from_world, const Vector3& centre_W, double radius) noexcept {
+  const Eigen::Matrix4d clip = shadow_clip_from_world.cast<double>();
+  const Vector3 p = (clip * centre_W.homogeneous()).head<3>();
+  const Vector3 reach = radius * clip.topLeftCorner<3, 3>().rowwise().norm();
+  return (p.cwiseAbs() - reach).maxCoeff() <= 1.0;
 }
 
 }  // namespace raven2_trainer::render

@@ -31,4 +31,10 @@ bool isDrawable(const Pose& pose) noexcept;
 /** False if a sphere lies wholly outside the camera's pyramid. */
 bool isInView(const model::Camera& camera, const Vector3& centre_W, double radius) noexcept;
 
+/** False if neither a sphere nor anything that it can shade from the key light is in view. */
+bool isShadowInView(const model::Camera& camera, const Vector3& centre_W, double radius) noexcept;
+
+/** False if a sphere lies wholly outside the space that the key light's clip space holds. */
+bool isInShadowMap(const Eigen::Matrix4f& shadow_clip_from_world, const Vector3& centre_W, double radius) noexcept;
+
 }  // namespace raven2_trainer::render

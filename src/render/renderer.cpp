@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "render/edge_smoother.h"
@@ -24,6 +25,7 @@ struct Renderer::Impl {
   void sortItems(const Scene& scene, const Vector3& eye_W);
   void drawView(const model::Camera& camera, int x, int y, int view_width, int view_height);
   void drawInset(const model::Camera& inset);
+  void finishStage(const char* stage) const;
 
   GlContext context;
   ShadowPass shadow;
@@ -34,6 +36,7 @@ struct Renderer::Impl {
   DrawLists lists;
   Eigen::Matrix4f shadow_clip_from_world;
   std::vector<std::uint8_t> rgb;
+  StageDone stage_done;
 };
 
 namespace {
@@ -69,12 +72,13 @@ void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
     auto& items = drawable.is_mark ? lists.marks : c[3] < 1.0F ? lists.translucent : lists.opaque;
     items.push_back({mesh,
                      matrixOf(drawable.X_WM),
-                     drawable.X_WM.p,
+                     drawable.X_WM * mesh->centre_M(),
                      static_cast<float>(scale),
                      scale * mesh->radius(),
                      {c[0], c[1], c[2], c[3]},
                      drawable.first,
-                     drawable.count});
+                     drawable.count,
+                     drawable.is_fixed});
   }
   const auto nearness = [&eye_W](const DrawItem& item) { return (item.centre_W - eye_W).norm() + item.radius; };
   std::stable_sort(lists.opaque.begin(), lists.opaque.end(),
@@ -102,10 +106,23 @@ void Renderer::Impl::drawInset(const model::Camera& inset) {
   drawView(inset, x, y, w, h);
 }
 
+/** Waits by a fence: glFinish would read the picture back, too. */
+void Renderer::Impl::finishStage(const char* stage) const {
+  if (!stage_done) return;
+  const GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, GL_TIMEOUT_IGNORED);
+  glDeleteSync(fence);
+  stage_done(stage);
+}
+
 Renderer::Renderer(int width, int height) : impl_(std::make_unique<Impl>(width, height)) {}
 
 Renderer::~Renderer() {
   impl_->context.makeCurrent();
+}
+
+void Renderer::watchStages(StageDone done) {
+  impl_->stage_done = std::move(done);
 }
 
 int Renderer::width() const noexcept {
@@ -126,6 +143,7 @@ void Renderer::replaceMesh(int handle, const model::Mesh& mesh) {
   if (handle < 0 || static_cast<std::size_t>(handle) >= impl_->gpu_meshes.size())
     throw RenderException("there is no mesh " + std::to_string(handle) + " to replace");
   impl_->context.makeCurrent();
+  impl_->shadow.forget(impl_->gpu_meshes[static_cast<std::size_t>(handle)].get());
   impl_->gpu_meshes[static_cast<std::size_t>(handle)] = std::make_unique<GpuMesh>(mesh);
 }
 
@@ -141,13 +159,20 @@ const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
   const bool usable = isUsable(camera);
   impl.sortItems(scene, usable ? camera.X_WC.p : Vector3(0, 0, 0));
   impl.shadow_clip_from_world = shadowClipFromWorld(usable ? camera : model::Camera{});
-  impl.shadow.draw(impl.lists.opaque, impl.shadow_clip_from_world);
+  std::vector<model::Camera> views{usable ? camera : model::Camera{}};
+  if (inset != nullptr) views.push_back(*inset);
+  impl.shadow.draw(impl.lists.opaque, impl.shadow_clip_from_world, views);
+  impl.finishStage("shadow");
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   impl.drawView(camera, 0, 0, width(), height());
   if (inset != nullptr) impl.drawInset(*inset);
+  impl.finishStage("meshes");
   glFinish();  // OSMesa fills its buffer here
+  impl.finishStage("read back");
   impl.smoother.smooth(impl.context.rgba().data(), impl.rgb.data());
+  impl.finishStage("smoothing");
   impl.overlay.paint(scene.overlay, &impl.rgb);
+  impl.finishStage("overlay");
   return impl.rgb;
 }
 

@@ -41,7 +41,20 @@ struct Visual {
   int mesh;
   Pose X_LM;
   std::array<float, 4> colour;
+  bool is_fixed;  // no joint on the way to the world moves
 };
+
+bool isFixed(const model::Description& description, int link) {
+  while (link >= 0 && description.links[static_cast<std::size_t>(link)].joint == model::JointKind::kFixed)
+    link = description.links[static_cast<std::size_t>(link)].parent;
+  return link < 0;
+}
+
+Drawable drawableOf(const Visual& visual, const Pose& X_WL) {
+  Drawable drawable{visual.mesh, X_WL * visual.X_LM, visual.colour};
+  drawable.is_fixed = visual.is_fixed;
+  return drawable;
+}
 
 std::vector<Visual> upload(const model::Description& description, Renderer* renderer) {
   std::vector<int> handles;
@@ -49,9 +62,10 @@ std::vector<Visual> upload(const model::Description& description, Renderer* rend
     handles.push_back(renderer->addMesh(mesh));
   std::vector<Visual> visuals;
   for (std::size_t link = 0; link < description.links.size(); ++link) {
+    const bool is_fixed = isFixed(description, static_cast<int>(link));
     for (const model::VisualShape& shape : description.links[link].visuals) {
       const int handle = shape.mesh < 0 ? -1 : handles.at(static_cast<std::size_t>(shape.mesh));
-      visuals.push_back({static_cast<int>(link), handle, shape.X_LS, shape.colour});
+      visuals.push_back({static_cast<int>(link), handle, shape.X_LS, shape.colour, is_fixed});
     }
   }
   return visuals;
@@ -146,15 +160,15 @@ void SceneBuilder::Impl::addFixedScene(const Snapshot& snapshot) {
     const int body = body_of_link[link];
     const Pose X_W = body < 0 ? surroundings.X_WL[link]
                               : toEigen(snapshot.model.bodies[static_cast<std::size_t>(body)]) * X_BodyLink[link];
-    scene.drawables.push_back({visual.mesh, X_W * visual.X_LM, visual.colour});
+    scene.drawables.push_back(drawableOf(visual, X_W));
+    scene.drawables.back().is_fixed = body < 0;  // what may break off hangs on a fixed joint, too
   }
 }
 
 void SceneBuilder::Impl::addArms(const Snapshot& snapshot) {
   raven.linkPosesInWorld({snapshot.model.arms[0].q, snapshot.model.arms[1].q}, &positions, &X_WL);
-  for (const Visual& visual : raven_visuals) {
-    scene.drawables.push_back({visual.mesh, X_WL[static_cast<std::size_t>(visual.link)] * visual.X_LM, visual.colour});
-  }
+  for (const Visual& visual : raven_visuals)
+    scene.drawables.push_back(drawableOf(visual, X_WL[static_cast<std::size_t>(visual.link)]));
   for (const Arm arm : kArms)
     scene.drawables.push_back({sphere, at(raven.X_WB, arm), kRcmColour});
 }

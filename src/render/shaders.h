@@ -47,7 +47,7 @@ float power32(float x) {
 void main() {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye_W - p_W);
-  float lit = texture(shadow_map, p_S);
+  float lit = texture(shadow_map, vec3(p_S.xy, min(p_S.z, 1.0)));  // beyond the map's depth all is lit
   float key = max(dot(n, key_W), 0.0) * lit;
   float fill = max(dot(n, fill_W), 0.0);
   float shine = power32(max(dot(n, normalize(key_W + v)), 0.0)) * lit;

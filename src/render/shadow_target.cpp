@@ -13,11 +13,9 @@ void setParameters() {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  // What lies outside the map is lit.
-  const float lit[] = {1.0F, 1.0F, 1.0F, 1.0F};
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-  glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, lit);
+  // Not to a border: llvmpipe would look at all four texels of every lookup for it.
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 }  // namespace
@@ -25,10 +23,11 @@ void setParameters() {
 ShadowTarget::ShadowTarget() {
   glGenTextures(1, &texture_);
   glBindTexture(GL_TEXTURE_2D, texture_);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kSize, kSize, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+  // As floating point: looked up without being converted first.
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, kSize, kSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   setParameters();
   glGenFramebuffers(1, &framebuffer_);
-  bind();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
   glDrawBuffer(GL_NONE);
   glReadBuffer(GL_NONE);
@@ -36,6 +35,25 @@ ShadowTarget::ShadowTarget() {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   if (status == GL_FRAMEBUFFER_COMPLETE) return;
   throw RenderException("glCheckFramebufferStatus of the shadow map: status " + std::to_string(status));
+}
+
+void ShadowTarget::begin() const noexcept {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  glViewport(0, 0, kSize, kSize);
+  glDisable(GL_SCISSOR_TEST);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glScissor(1, 1, kSize - 2, kSize - 2);
+  glEnable(GL_SCISSOR_TEST);
+}
+
+void ShadowTarget::beginAs(const ShadowTarget& other) const noexcept {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, other.framebuffer_);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
+  glViewport(0, 0, kSize, kSize);
+  glDisable(GL_SCISSOR_TEST);
+  glBlitFramebuffer(0, 0, kSize, kSize, 0, 0, kSize, kSize, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glScissor(1, 1, kSize - 2, kSize - 2);
+  glEnable(GL_SCISSOR_TEST);
 }
 
 ShadowTarget::~ShadowTarget() {

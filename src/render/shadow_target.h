@@ -15,7 +15,13 @@ class ShadowTarget {
   ShadowTarget(const ShadowTarget&) = delete;
   ShadowTarget& operator=(const ShadowTarget&) = delete;
 
-  void bind() const noexcept { glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_); }
+  /** Binds it, with nothing in it. Its outermost pixels stay so: what lies outside the map is lit. Leaves the scissor
+   *  test on. */
+  void begin() const noexcept;
+
+  /** Binds it, with what is in another. */
+  void beginAs(const ShadowTarget& other) const noexcept;
+
   GLuint texture() const noexcept { return texture_; }
 
  private:

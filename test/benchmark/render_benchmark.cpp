@@ -18,9 +18,7 @@
 #include "raven2_trainer/render/renderer.h"
 #include "raven2_trainer/render/video_writer.h"
 #include "raven2_trainer/session/session_log.h"
-#include "render/edge_smoother.h"
 #include "render/frame_timeline.h"
-#include "render/overlay_painter.h"
 #include "unit/render/plan_fixture.h"
 
 namespace {
@@ -58,7 +56,7 @@ double childSeconds() {
 
 /** Wall and processor time of one stage, all frames together. The processor's counts the rasteriser's thread, too. */
 struct Stage {
-  const char* name;
+  std::string name;
   double wall{0.0}, cpu{0.0};
 
   void add(const std::function<void()>& work) {
@@ -69,7 +67,7 @@ struct Stage {
   }
   void print(std::size_t frames) const {
     const double per_frame = 1e3 / static_cast<double>(frames);
-    std::printf("%-28s %8.2f ms wall %8.2f ms of a processor\n", name, wall * per_frame, cpu * per_frame);
+    std::printf("%-28s %8.2f ms wall %8.2f ms of a processor\n", name.c_str(), wall * per_frame, cpu * per_frame);
   }
 };
 
@@ -83,12 +81,46 @@ std::vector<render::Snapshot> readFrames(const TrainerConfig& config, const std:
   return timeline.frames(session::readLog(log, visitor).header.scenarios);
 }
 
-/** The picture as the smoother gets it, but for the edges that are soft by now. */
-std::vector<std::uint8_t> withAlpha(const std::vector<std::uint8_t>& rgb) {
-  std::vector<std::uint8_t> rgba(rgb.size() / 3 * 4, 255);
-  for (std::size_t i = 0; i < rgb.size() / 3; ++i)
-    std::copy_n(&rgb[3 * i], 3, &rgba[4 * i]);
-  return rgba;
+/** The stages of Renderer::draw(), in the order in which they end. */
+class DrawSplit {
+ public:
+  void begin() {
+    wall_ = seconds(CLOCK_MONOTONIC);
+    cpu_ = seconds(CLOCK_PROCESS_CPUTIME_ID);
+  }
+  void end(const char* name) {
+    const double wall = seconds(CLOCK_MONOTONIC), cpu = seconds(CLOCK_PROCESS_CPUTIME_ID);
+    auto stage = std::find_if(stages_.begin(), stages_.end(), [&](const Stage& s) { return s.name == name; });
+    if (stage == stages_.end()) stage = stages_.insert(stages_.end(), Stage{name});
+    stage->wall += wall - wall_;
+    stage->cpu += cpu - cpu_;
+    begin();
+  }
+  void print(std::size_t frames) const {
+    for (const Stage& stage : stages_)
+      stage.print(frames);
+  }
+
+ private:
+  std::vector<Stage> stages_;
+  double wall_{0.0}, cpu_{0.0};
+};
+
+/** What each stage of drawing costs, one after the other, of the frames' first. */
+void benchmarkSplit(const std::vector<render::Snapshot>& frames,
+                    const model::Camera& camera,
+                    const model::Camera* inset,
+                    render::SceneBuilder* builder,
+                    render::Renderer* renderer) {
+  DrawSplit split;
+  for (const render::Snapshot& frame : frames) {
+    const render::Scene& scene = builder->build(frame);
+    renderer->watchStages([&](const char* stage) { split.end(stage); });
+    split.begin();
+    renderer->draw(scene, camera, inset);
+  }
+  renderer->watchStages({});
+  split.print(frames.size());
 }
 
 void benchmarkVideo(const std::string& directory, std::size_t limit) {
@@ -98,8 +130,7 @@ void benchmarkVideo(const std::string& directory, std::size_t limit) {
   const TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", training);
   const RenderConfig& video = config.render;
   Stage start{"start: models, context"}, state{"state (log to frames)"}, build{"build"};
-  Stage draw{"draw and read back"}, smooth{"  of it, smoothing"}, overlay{"  of it, overlay"},
-      encode{"encode (hand over)"};
+  Stage draw{"draw, all of it"}, encode{"encode (hand over)"};
   std::vector<render::Snapshot> frames;
   state.add([&] { frames = readFrames(config, log); });
   const std::size_t in_log = frames.size();
@@ -118,8 +149,6 @@ void benchmarkVideo(const std::string& directory, std::size_t limit) {
   const model::Camera camera = model::makeCamera(named(video.video_camera), video.video_width, video.video_height);
   const model::Camera inset =
       model::makeCamera(named("endoscope"), video.video_width * 3 / 10, video.video_height * 3 / 10);
-  render::EdgeSmoother smoother(video.video_width, video.video_height);
-  const render::OverlayPainter painter(video.video_width, video.video_height);
   const std::string file =
       (std::filesystem::temp_directory_path() / ("bench_" + std::to_string(getpid()) + ".mp4")).string();
   const double coding_begin = childSeconds(), begin = seconds(CLOCK_MONOTONIC);
@@ -131,20 +160,16 @@ void benchmarkVideo(const std::string& directory, std::size_t limit) {
       const std::vector<std::uint8_t>* rgb = nullptr;
       build.add([&] { scene = &builder->build(frame); });
       draw.add([&] { rgb = &renderer->draw(*scene, camera, &inset); });
-      const std::vector<std::uint8_t> rgba = withAlpha(*rgb);
-      std::vector<std::uint8_t> copy = *rgb;
-      smooth.add([&] { smoother.smooth(rgba.data(), copy.data()); });
-      overlay.add([&] { painter.paint(scene->overlay, &copy); });
       encode.add([&] { writer.write(*rgb); });
     }
     encode.add([&] { writer.finish(); });
   }
-  const double wall = seconds(CLOCK_MONOTONIC) - begin - smooth.wall - overlay.wall;
+  const double wall = seconds(CLOCK_MONOTONIC) - begin;
   std::filesystem::remove(file);
   std::printf("%dx%d, %zu of %zu frames\n", video.video_width, video.video_height, frames.size(), in_log);
   start.print(1);
   state.print(in_log);
-  for (const Stage* stage : {&build, &draw, &smooth, &overlay, &encode})
+  for (const Stage* stage : {&build, &draw, &encode})
     stage->print(frames.size());
   const double per_frame = 1e3 / static_cast<double>(frames.size());
   std::printf("%-28s %8s         %8.2f ms of a processor\n", "encode (ffmpeg's process)", "",
@@ -154,6 +179,11 @@ void benchmarkVideo(const std::string& directory, std::size_t limit) {
   std::printf("all, one process: %.2f ms a frame, %.2f x real time; at most %.0f MiB\n", wall * per_frame,
               static_cast<double>(frames.size()) / video.video_fps / wall,
               static_cast<double>(used.ru_maxrss) / 1024.0);
+  std::printf("drawing, each stage waited for; video, overview with inset:\n");
+  benchmarkSplit(frames, camera, &inset, builder.get(), renderer.get());
+  std::printf("the same as a live picture, endoscope alone:\n");
+  const model::Camera live = model::makeCamera(named("endoscope"), video.video_width, video.video_height);
+  benchmarkSplit(frames, live, nullptr, builder.get(), renderer.get());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,12 @@ class Renderer {
 
   int width() const noexcept;
   int height() const noexcept;
+
+  /** Called when a stage of draw() is over: "shadow", "meshes", "read back", "smoothing", "overlay". */
+  using StageDone = std::function<void(const char* stage)>;
+
+  /** For measuring: each stage is waited for before the next one begins, which costs time. Empty: no more. */
+  void watchStages(StageDone done);
 
  private:
   struct Impl;

@@ -36,6 +36,34 @@ TEST(Projection, ASphereIsInViewAsLongAsAPartOfItIs) {
   EXPECT_FALSE(isInView(camera, at(-edge - 0.2, 1.0), 0.1));
 }
 
+TEST(Projection, AShadowIsInViewWhereItsRaysCrossTheView) {
+  const model::Camera camera = testCamera();
+  const Vector3 light = keyLight().cast<double>(), seen_W(0.02, 0.01, 0.05);
+  const Vector3 above_W = seen_W + 1.0 * light;
+  ASSERT_FALSE(isInView(camera, above_W, 0.05));
+  EXPECT_TRUE(isShadowInView(camera, above_W, 0.05));
+  EXPECT_TRUE(isShadowInView(camera, seen_W, 0.0));
+  const Vector3 aside_W = above_W + 2.0 * camera.X_WC.R.col(0);
+  EXPECT_FALSE(isShadowInView(camera, aside_W, 0.05));
+  EXPECT_TRUE(isShadowInView(camera, aside_W, 2.0));
+}
+
+TEST(Projection, ASphereIsInTheShadowMapAsLongAsAPartOfItIs) {
+  const Eigen::Matrix4f shadow = shadowClipFromWorld(testCamera());
+  const auto at = [&shadow](const Eigen::Vector3f& clip) {
+    return Vector3((shadow.inverse() * clip.homogeneous()).head<3>().cast<double>());
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float sign : {-1.0F, 1.0F}) {
+      const double reach = 1.0 / shadow.block<1, 3>(axis, 0).norm();  // [m] half the map
+      const Vector3 outside_W = at(1.5F * sign * Eigen::Vector3f::Unit(axis));
+      EXPECT_TRUE(isInShadowMap(shadow, at(0.9F * sign * Eigen::Vector3f::Unit(axis)), 0.0)) << axis;
+      EXPECT_FALSE(isInShadowMap(shadow, outside_W, 0.49 * reach)) << axis;
+      EXPECT_TRUE(isInShadowMap(shadow, outside_W, 0.51 * reach)) << axis;
+    }
+  }
+}
+
 TEST(Projection, TheShadowMapIsCentredOnWhatIsLookedAt) {
   const Eigen::Matrix4f shadow = shadowClipFromWorld(testCamera());
   const Eigen::Vector4f looked_at = shadow * Eigen::Vector4f(0.02F, 0.01F, 0.05F, 1.0F);

@@ -218,6 +218,57 @@ TEST_F(RendererTest, AnObjectThrowsAShadowOnWhatLiesBelow) {
   EXPECT_LT(draw({floor, ball})[place] + 30, draw({floor})[place]);
 }
 
+TEST_F(RendererTest, KeptShadowsOfFixedThingsAreThoseOfThingsThatMove) {
+  Drawable floor = drawable(sphere_, {0.0, 0.0, -10.0}, {0.8F, 0.8F, 0.8F, 1.0F});
+  floor.X_WM.R *= 10.0 / kRadius;  // top at z = 0
+  const int other = renderer_.addMesh(makeSphere(kRadius, 32));
+  const Drawable ball = drawable(sphere_, {0.0, 0.0, 0.1}), hand = drawable(sphere_, {0.02, 0.05, 0.15});
+  Drawable replaced = drawable(other, {-0.1, 0.0, 0.1}), gone = drawable(sphere_, {0.1, 0.1, 0.1});
+  const model::Camera home = camera_;
+  const auto pictures = [&](bool are_fixed) {
+    std::vector<std::vector<std::uint8_t>> all;
+    renderer_.replaceMesh(other, makeSphere(kRadius, 32));
+    Drawable fixed_floor = floor, fixed_ball = ball;
+    for (Drawable* thing : {&fixed_floor, &fixed_ball, &replaced, &gone})
+      thing->is_fixed = are_fixed;
+    const std::vector<Drawable> things{fixed_floor, fixed_ball, replaced, gone, hand};
+    for (int i = 0; i < 3; ++i)
+      all.push_back(draw(things));
+    all.push_back(draw({fixed_floor, fixed_ball, replaced, hand}));
+    renderer_.replaceMesh(other, makeSphere(2.0F * kRadius, 32));
+    all.push_back(draw(things));
+    fixed_ball.X_WM.p.x() += 0.03;
+    all.push_back(draw({fixed_floor, fixed_ball, replaced, gone, hand}));
+    camera_.X_WC.p.y() += 0.05;
+    for (int i = 0; i < 3; ++i)
+      all.push_back(draw(things));
+    camera_ = home;
+    all.push_back(draw({}));
+    all.push_back(draw({floor, hand}));
+    return all;
+  };
+  const auto moving = pictures(false), fixed = pictures(true);
+  ASSERT_EQ(moving.size(), fixed.size());
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    EXPECT_TRUE(moving[i] == fixed[i]) << i;
+  EXPECT_NE(fixed[2], fixed[3]);
+  EXPECT_NE(fixed[2], fixed[4]);
+  EXPECT_NE(fixed[4], fixed[5]);
+}
+
+TEST_F(RendererTest, AShadowOfWhatIsOutOfThePictureIsInIt) {
+  Drawable floor = drawable(sphere_, {0.0, 0.0, -10.0}, {0.8F, 0.8F, 0.8F, 1.0F});
+  floor.X_WM.R *= 10.0 / kRadius;
+  const Vector3 above_W = 0.75 * keyLight().cast<double>();
+  ASSERT_FALSE(isInView(camera_, above_W, kRadius));
+  double u = 0.0, v = 0.0;
+  const Difference shadow = difference(draw({floor, drawable(sphere_, above_W)}), draw({floor}), kWidth);
+  ASSERT_TRUE(camera_.project({0.0, 0.0, 0.0}, &u, &v));
+  EXPECT_GT(shadow.count, 10);
+  EXPECT_NEAR(shadow.u, u, 2.0);
+  EXPECT_NEAR(shadow.v, v, 2.0);
+}
+
 TEST_F(RendererTest, TheSameSceneGivesTheSamePixelsAgainAndInAnotherRenderer) {
   const std::vector<Drawable> drawables{drawable(sphere_, {0.0, 0.0, 0.05}), drawable(sphere_, {0.03, 0.0, 0.08}),
                                         drawable(sphere_, {0.0, 0.02, 0.1}, {0.9F, 0.1F, 0.1F, 0.5F})};

@@ -1,0 +1,137 @@
+#include "render/edge_smoother.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace raven2_trainer::render {
+namespace {
+
+using Rgb = std::array<double, 3>;
+
+/** A picture with alpha, to be smoothed. */
+struct Picture {
+  Picture(int picture_width, int picture_height)
+      : width(picture_width), height(picture_height), rgba(static_cast<std::size_t>(4 * width * height), 255) {}
+
+  std::uint8_t* pixel(int x, int y) { return &rgba[static_cast<std::size_t>(4 * (y * width + x))]; }
+  double brightness(int x, int y) {
+    const std::uint8_t* p = pixel(x, y);
+    return std::floor((77 * p[0] + 150 * p[1] + 29 * p[2]) / 256.0);
+  }
+  std::vector<std::uint8_t> plain() const {
+    std::vector<std::uint8_t> rgb;
+    for (std::size_t i = 0; i < rgba.size(); ++i)
+      if (i % 4 != 3) rgb.push_back(rgba[i]);
+    return rgb;
+  }
+  std::vector<std::uint8_t> smoothed() const {
+    std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3, 7);
+    EdgeSmoother(width, height).smooth(rgba.data(), rgb.data());
+    return rgb;
+  }
+
+  int width, height;
+  std::vector<std::uint8_t> rgba;
+};
+
+/** Two colours, parted by a straight line. */
+Picture edge(int width, int height, double slope, const std::array<int, 3>& above, const std::array<int, 3>& below) {
+  Picture picture(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto& colour = y - height / 2.0 < slope * (x - width / 2.0) ? above : below;
+      std::copy(colour.begin(), colour.end(), picture.pixel(x, y));
+    }
+  }
+  return picture;
+}
+
+Rgb bilinear(Picture* picture, double x, double y) {
+  x = std::clamp(x, 0.0, picture->width - 1.0);
+  y = std::clamp(y, 0.0, picture->height - 1.0);
+  Rgb sum{};
+  for (int v = 0; v < picture->height; ++v) {
+    for (int u = 0; u < picture->width; ++u) {
+      const double weight = std::max(0.0, 1.0 - std::abs(x - u)) * std::max(0.0, 1.0 - std::abs(y - v));
+      for (std::size_t i = 0; i < 3; ++i)
+        sum[i] += weight * picture->pixel(u, v)[i];
+    }
+  }
+  return sum;
+}
+
+/** Mean of taps at so much of the step to either side. */
+Rgb taps(Picture* picture, int x, int y, double dx, double dy) {
+  const Rgb a = bilinear(picture, x - dx, y - dy), b = bilinear(picture, x + dx, y + dy);
+  return {(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0, (a[2] + b[2]) / 2.0};
+}
+
+/** What becomes of a pixel by the published formula (FXAA 1, "console"), in floating point: near taps, or all four. */
+std::array<Rgb, 2> expected(Picture* picture, int x, int y) {
+  const double nw = picture->brightness(x - 1, y - 1), ne = picture->brightness(x + 1, y - 1);
+  const double sw = picture->brightness(x - 1, y + 1), se = picture->brightness(x + 1, y + 1);
+  double dx = sw + se - nw - ne, dy = nw + sw - ne - se;
+  const double least = std::min(std::abs(dx), std::abs(dy)) + std::max((nw + ne + sw + se) / 32.0, 2.0);
+  dx = std::clamp(dx / least, -4.0, 4.0);
+  dy = std::clamp(dy / least, -4.0, 4.0);
+  const Rgb near = taps(picture, x, y, dx / 6.0, dy / 6.0), far = taps(picture, x, y, dx / 2.0, dy / 2.0);
+  return {near, Rgb{(near[0] + far[0]) / 2.0, (near[1] + far[1]) / 2.0, (near[2] + far[2]) / 2.0}};
+}
+
+bool isNear(const Rgb& a, const std::uint8_t* b) {
+  return std::abs(a[0] - b[0]) < 3.0 && std::abs(a[1] - b[1]) < 3.0 && std::abs(a[2] - b[2]) < 3.0;
+}
+
+TEST(EdgeSmoother, APictureWithoutEdgesStaysAsItIs) {
+  std::mt19937 random(1);
+  Picture picture(37, 21);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x)
+      for (int i = 0; i < 3; ++i)
+        picture.pixel(x, y)[i] = static_cast<std::uint8_t>(100 + random() % 10);
+  }
+  EXPECT_EQ(picture.smoothed(), picture.plain());
+}
+
+TEST(EdgeSmoother, PixelsAtEdgesAreThoseOfTheFormulaAndOthersStay) {
+  for (const double slope : {0.2, -0.35, 1.0, 2.5, -8.0}) {
+    Picture picture = edge(43, 30, slope, {230, 60, 40}, {20, 80, 200});
+    const auto plain = picture.plain(), smoothed = picture.smoothed();
+    int changed = 0;
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x) {
+        const auto at = static_cast<std::size_t>(3 * (y * picture.width + x));
+        if (std::equal(&plain[at], &plain[at] + 3, &smoothed[at])) continue;
+        ASSERT_TRUE(x > 0 && y > 0 && x < picture.width - 1 && y < picture.height - 1) << "the border stays";
+        const auto either = expected(&picture, x, y);
+        ASSERT_TRUE(isNear(either[0], &smoothed[at]) || isNear(either[1], &smoothed[at]))
+            << slope << " at " << x << " " << y;
+        ++changed;
+      }
+    }
+    EXPECT_GT(changed, 20) << slope;
+  }
+}
+
+TEST(EdgeSmoother, AStairStepGetsInBetweenColours) {
+  const Picture picture = edge(64, 32, 0.2, {255, 255, 255}, {0, 0, 0});
+  const auto smoothed = picture.smoothed();
+  const auto between = std::count_if(smoothed.begin(), smoothed.end(), [](int c) { return c > 40 && c < 215; });
+  EXPECT_GT(between, 64);
+}
+
+TEST(EdgeSmoother, PicturesOfAnySizeAreSmoothedWithinTheirBounds) {
+  for (const int width : {1, 2, 3, 9, 10, 17}) {
+    for (const int height : {1, 2, 3, 5}) {
+      const Picture picture = edge(width, height, 0.5, {255, 255, 255}, {0, 0, 0});
+      EXPECT_EQ(picture.smoothed().size(), picture.plain().size());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::render
