@@ -34,16 +34,18 @@ std::string faultName(const std::vector<std::string>& scenarios, std::uint32_t i
 
 }  // namespace
 
-FrameTimeline::FrameTimeline(int fps, double from, double to)
-    : fps_(fps), span_{frameAt(from, fps), to < 0.0 ? std::numeric_limits<std::int64_t>::max() : frameAt(to, fps)} {}
+FrameTimeline::FrameTimeline(int fps, double from, double to, double lead)
+    : fps_(fps),
+      span_{frameAt(from, fps), to < 0.0 ? std::numeric_limits<std::int64_t>::max() : frameAt(to, fps)},
+      begin_(std::max<std::int64_t>(0, span_.first - frameAt(lead, fps))) {}
 
-/** The first frame that is not before this tick shows it; null outside the span. */
+/** The first frame that is not before this tick shows it; null outside what is kept. */
 FrameTimeline::Slot* FrameTimeline::slotOf(Tick session_tick) {
   if (session_tick < 0 || session_tick > kMaxTick) return nullptr;
-  // A tick before the span may be the newest one at its first frame.
-  const std::int64_t frame = std::max(ceilDivide(session_tick * fps_, kTicksPerSecond), span_.first);
+  // An earlier tick may be the newest one at the first frame.
+  const std::int64_t frame = std::max(ceilDivide(session_tick * fps_, kTicksPerSecond), begin_);
   if (frame >= span_.end) return nullptr;
-  const std::int64_t index = frame - span_.first;
+  const std::int64_t index = frame - begin_;
   if (index >= kMaxFrames) {
     throw SessionException("more than " + std::to_string(kMaxFrames) + " frames; render a part with --from and --to");
   }
@@ -98,7 +100,7 @@ std::int64_t FrameTimeline::sessionFrames() const noexcept {
 
 std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scenarios) const {
   std::vector<Snapshot> out;
-  const std::int64_t count = std::min(std::min(span_.end, sessionFrames()) - span_.first, kMaxFrames);
+  const std::int64_t count = std::min(std::min(span_.end, sessionFrames()) - begin_, kMaxFrames);
   const std::vector<News> news = sortedNews();
   auto next = news.begin();
   Snapshot newest;

@@ -20,8 +20,11 @@ struct FrameSpan {
 /** Sorts the records of a log into frames. Frame k shows the newest record at or before session time k / fps. */
 class FrameTimeline {
  public:
-  /** @param[in] fps [Hz]. @param[in] from,to [s] session time to keep; `to` negative: to the end. */
-  FrameTimeline(int fps, double from, double to);
+  /**
+   * @param[in] fps [Hz]. @param[in] from,to [s] session time to keep; `to` negative: to the end.
+   * @param[in] lead [s] to keep of what was before, as far as the session goes back.
+   */
+  FrameTimeline(int fps, double from, double to, double lead = 0.0);
 
   /** Records in any order; ticks and forces before the first pedal down and outside the span are ignored.
    *  @throw SessionException if the span needs more than kMaxFrames. */
@@ -32,11 +35,13 @@ class FrameTimeline {
   /** @param[in] tools whose contacts they are. */
   void add(const ContactRecord& record, const ToolContacts& tools);
 
-  /** Frames of the span, in order. `scenarios` names the faults: Fault::id is the position + 1. */
+  /** leadFrames() and then those of the span, in order. `scenarios` names the faults: Fault::id is the position + 1. */
   std::vector<Snapshot> frames(const std::vector<std::string>& scenarios) const;
 
   /** Number of the first frame of the span, of all that the session has. */
   std::int64_t firstFrame() const noexcept { return span_.first; }
+  /** Frames that are kept before it. */
+  std::int64_t leadFrames() const noexcept { return span_.first - begin_; }
 
   /** round(duration x fps) of all records, whatever the span. */
   std::int64_t sessionFrames() const noexcept;
@@ -62,8 +67,9 @@ class FrameTimeline {
 
   std::int64_t fps_;
   FrameSpan span_;
-  Tick origin_{-1};  // model tick of session tick 0
-  Tick last_{-1};    // newest session tick
+  std::int64_t begin_;  // first frame that is kept, of all that the session has
+  Tick origin_{-1};     // model tick of session tick 0
+  Tick last_{-1};       // newest session tick
   std::vector<Slot> slots_;
   std::vector<News> news_;
 };

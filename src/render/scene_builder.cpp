@@ -238,7 +238,8 @@ void SceneBuilder::Impl::addArrow(const Snapshot& snapshot,
   if (!(force > kLeastForce) || !std::isfinite(force)) return;
   const Vector3 tip_W = at(raven.X_WB, arm) * toEigen(at(snapshot.model.arms, arm).p_BT);
   const double length = std::min(kArrowBase + kArrowPerNewton * force, kLongestArrow);
-  scene.drawables.push_back({arrow, arrowPose(tip_W, force_W, length), colour});
+  // A mark: along the shaft, which is where a tool is pulled, the arrow would be inside it.
+  scene.drawables.push_back({arrow, arrowPose(tip_W, force_W, length), colour, /*is_mark=*/true});
 }
 
 void SceneBuilder::Impl::addForces(const Snapshot& snapshot, Arm arm) {

@@ -30,22 +30,24 @@ struct PartSpan {
 
 /** What a log holds for a video. */
 struct VideoContents {
-  std::vector<Snapshot> frames;
+  std::vector<Snapshot> frames;  // `lead` of them before the first that is drawn
+  std::size_t lead{0};
   std::vector<Chapter> chapters;
   std::vector<std::int64_t> tones;    // [ms]
   SceneOptions scene{HapticGains{}};  // with the recorded session's tolerance
   std::string camera;
   std::size_t part_frames{0};
 
-  std::size_t parts() const { return (frames.size() + part_frames - 1) / part_frames; }
-  PartSpan span(std::size_t part) const {
-    return {part * part_frames, std::min((part + 1) * part_frames, frames.size())};
-  }
+  /** Of the video. */
+  std::size_t count() const { return frames.size() - std::min(lead, frames.size()); }
+  std::size_t parts() const { return (count() + part_frames - 1) / part_frames; }
+  PartSpan span(std::size_t part) const { return {part * part_frames, std::min((part + 1) * part_frames, count())}; }
 };
 
 namespace {
 
 constexpr double kInsetShare = 0.3;  // of the picture's width and height
+constexpr double kLead = 600.0;      // [s] known of what was before: the marks of trails, the picture that stands still
 
 const CameraConfig* findCamera(const RenderConfig& config, const std::string& name) {
   const auto found = std::find_if(config.cameras.begin(), config.cameras.end(),
@@ -109,13 +111,16 @@ class FrameDrawer {
  public:
   FrameDrawer(const TrainerConfig& config, const VideoContents& contents, const std::string& inset)
       : frames_(contents.frames),
+        lead_(contents.lead),
         raven_(model::loadRavenModel(config)),
         renderer_(config.render.video_width, config.render.video_height),
         builder_(raven_, model::loadSceneModel(config), contents.scene, &renderer_),
         camera_(requireCamera(config.render, contents.camera)),
         inset_(inset != contents.camera ? findCamera(config.render, inset) : nullptr) {}
 
-  const std::vector<std::uint8_t>& draw(std::size_t k) {
+  /** @param[in] frame of the video. */
+  const std::vector<std::uint8_t>& draw(std::size_t frame) {
+    const std::size_t k = lead_ + frame;
     for (; followed_ < k; ++followed_)
       builder_.follow(frames_[followed_]);
     const int w = renderer_.width(), h = renderer_.height();
@@ -132,6 +137,7 @@ class FrameDrawer {
   }
 
   const std::vector<Snapshot>& frames_;
+  const std::size_t lead_;
   model::RavenModel raven_;
   Renderer renderer_;
   SceneBuilder builder_;
@@ -179,7 +185,7 @@ OverlaySet SessionRenderer::overlaysOf(const SessionRenderOptions& options) cons
 
 VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
   const RenderConfig& render = config_.render;
-  FrameTimeline timeline(render.video_fps, options.from, options.to);
+  FrameTimeline timeline(render.video_fps, options.from, options.to, kLead);
   ChapterList chapters;
   EdgeTone tone;
   session::LogVisitor visitor;
@@ -198,8 +204,9 @@ VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
   checkFiles(summary);
   VideoContents out;
   out.frames = timeline.frames(summary.header.scenarios);
+  out.lead = static_cast<std::size_t>(timeline.leadFrames());
   if (timeline.sessionFrames() == 0) throw SessionException(paths_.log() + ": the pedal was never down");
-  if (out.frames.empty()) throw SessionException(paths_.log() + ": no frame between --from and --to");
+  if (out.count() == 0) throw SessionException(paths_.log() + ": no frame between --from and --to");
   try {
     addVerdicts(paths_.score(), &out.frames);
   } catch (const SessionException& e) {
@@ -207,7 +214,7 @@ VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
   }
   if (!overlaysOf(options).has(OverlayKind::kHazard)) passThroughFaults(&out.frames);
   const std::int64_t from = timeline.firstFrame() * 1000 / render.video_fps;
-  const std::int64_t to = from + lengthOf(out.frames.size(), render.video_fps);
+  const std::int64_t to = from + lengthOf(out.count(), render.video_fps);
   out.chapters = chapters.chapters(summary.header, from, to);
   out.tones = tone.tones(from, to);
   out.scene = SceneOptions(config_, overlaysOf(options));
@@ -232,7 +239,7 @@ void SessionRenderer::writePictures(const VideoContents& contents,
   };
   std::uint64_t drawn = 0;
   drawParts(upTo(contents.parts()), processCount(options.processes), make, [&] {
-    if (progress) progress(++drawn, contents.frames.size());
+    if (progress) progress(++drawn, contents.count());
   });
 }
 
@@ -251,19 +258,19 @@ void SessionRenderer::writeVideo(const VideoContents& contents,
     };
   };
   const std::vector<std::size_t> missing = store.missing();
-  reused_ = contents.frames.size();
+  reused_ = contents.count();
   for (const std::size_t part : missing)
     reused_ -= contents.span(part).end - contents.span(part).first;
-  if (progress && reused_ > 0) progress(reused_, contents.frames.size());
+  if (progress && reused_ > 0) progress(reused_, contents.count());
   std::uint64_t drawn = reused_;
   drawParts(missing, processCount(options.processes), make, [&] {
-    if (progress) progress(++drawn, contents.frames.size());
+    if (progress) progress(++drawn, contents.count());
   });
   joinVideo({store.folder(), store.names(), contents.chapters, contents.tones,
-             lengthOf(contents.frames.size(), config_.render.video_fps)},
+             lengthOf(contents.count(), config_.render.video_fps)},
             video);
   if (options.output.empty() && std::filesystem::exists(paths_.metrics()))
-    training::setFrames(paths_.metrics(), contents.frames.size());
+    training::setFrames(paths_.metrics(), contents.count());
   store.remove();  // last: as long as it is there, another run does the rest
 }
 
@@ -275,7 +282,7 @@ std::uint64_t SessionRenderer::run(const SessionRenderOptions& options, const Pr
     writeVideo(contents, options, progress);
   else
     writePictures(contents, options, progress);
-  return contents.frames.size();
+  return contents.count();
 }
 
 }  // namespace raven2_trainer::render

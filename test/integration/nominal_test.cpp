@@ -5,7 +5,9 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "fixture.h"
@@ -62,6 +64,50 @@ TEST(NominalSession, PicturesComeWithTheirCamera) {
   // the info that belongs to a picture carries its stamp
   const ros::Time stamp = image.get().header.stamp;
   EXPECT_TRUE(waitFor([&] { return info.get().header.stamp >= stamp; }, 2.0));
+}
+
+/** Stamps of all messages, and how old each was when it came. */
+template <typename Message>
+class Stamps {
+ public:
+  explicit Stamps(const std::string& topic)
+      : subscriber_(node_.subscribe<Message>(topic, 500, [this](const typename Message::ConstPtr& message) {
+          stamps_.push_back(message->header.stamp);
+          ages_.push_back((ros::Time::now() - message->header.stamp).toSec());
+        })) {}
+  const std::vector<ros::Time>& all() const { return stamps_; }
+  double rate() const { return static_cast<double>(stamps_.size() - 1) / (stamps_.back() - stamps_.front()).toSec(); }
+  /** [s] that so many of them, a share of all, were at most old. */
+  double age(double share) const {
+    std::vector<double> ages = ages_;
+    std::sort(ages.begin(), ages.end());
+    return ages[static_cast<std::size_t>(share * static_cast<double>(ages.size() - 1))];
+  }
+
+ private:
+  ros::NodeHandle node_;
+  std::vector<ros::Time> stamps_;
+  std::vector<double> ages_;
+  ros::Subscriber subscriber_;
+};
+
+TEST(NominalSession, PicturesComeAtTheirRateAreNewAndHaveTheirCamerasStamps) {
+  Stamps<sensor_msgs::CameraInfo> infos("camera/camera_info");
+  Stamps<sensor_msgs::Image> images("camera/image_raw");
+  ASSERT_TRUE(waitFor([&] { return !images.all().empty() && !infos.all().empty(); }, kStartDeadline));
+  const ros::Time end = images.all().front() + ros::Duration(10.0);
+  ASSERT_TRUE(waitFor([&] { return images.all().back() >= end && infos.all().back() >= images.all().back(); }, 20.0));
+  std::printf("  %.1f Hz, age when it came: median %.0f ms, 95 of 100 at most %.0f ms, all %.0f ms\n", images.rate(),
+              1e3 * images.age(0.5), 1e3 * images.age(0.95), 1e3 * images.age(1.0));
+  EXPECT_GE(images.rate(), 25.0);
+  EXPECT_LE(images.rate(), 31.0);
+  EXPECT_LT(images.age(0.95), 0.040);
+  const std::set<ros::Time> told(infos.all().begin(), infos.all().end());
+  std::set<ros::Time> shown;
+  for (const ros::Time& stamp : images.all()) {
+    EXPECT_EQ(told.count(stamp), stamp >= infos.all().front() ? 1U : 0U) << stamp;
+    EXPECT_TRUE(shown.insert(stamp).second) << "an old picture";
+  }
 }
 
 TEST(NominalSession, BothEyesHaveOneStampAndOneSize) {

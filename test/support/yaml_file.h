@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <string>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -54,6 +55,19 @@ void expectRefused(Load load, const std::string& text, int line, const std::stri
     EXPECT_NE(said.find(place), std::string::npos) << said << " | " << place;
     EXPECT_NE(said.find(says), std::string::npos) << said << " | " << says;
   }
+}
+
+/** A good text with a piece of it made bad, and the line that must be named for it. */
+struct BadPiece {
+  const char* from;
+  const char* to;
+  int line;
+};
+
+template <typename Load>
+void expectEachRefused(Load load, const std::string& good, std::initializer_list<BadPiece> pieces) {
+  for (const BadPiece& piece : pieces)
+    expectRefused(load, replaced(good, piece.from, piece.to), piece.line);
 }
 
 }  // namespace raven2_trainer::testing

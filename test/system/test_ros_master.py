@@ -13,7 +13,9 @@ PEDAL_UP, PEDAL_DOWN = 2, 3
 WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
 DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
-                 "/camera/image_raw", "/camera/camera_info", "/tf", "/diagnostics", "/plan/trajectory",
+                 "/camera/image_raw", "/camera/image_raw/compressed", "/camera/camera_info", "/camera/left/image_raw",
+                 "/camera/left/camera_info", "/camera/right/image_raw", "/camera/right/camera_info", "/markers",
+                 "/workspace_edge", "/tf", "/diagnostics", "/plan/trajectory",
                  "/plan/tip_path", "/plan/progress", "/plan/execution", "/mode", "/exercise/state", "/exercise/events",
                  "/view/image_raw", "/move_arm/status", "/move_arm/feedback", "/move_arm/result"}
 DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"}

@@ -12,8 +12,7 @@
 namespace raven2_trainer::config {
 namespace {
 
-using raven2_trainer::testing::expectRefused;
-using raven2_trainer::testing::replaced;
+using raven2_trainer::testing::expectEachRefused;
 using raven2_trainer::testing::TemporaryFile;
 namespace fs = std::filesystem;
 
@@ -56,17 +55,18 @@ TEST(LoadBand, ReadsEveryMetricInOrder) {
 }
 
 TEST(LoadBand, RefusesWhatIsWrongWithItsLine) {
-  expectRefused(bandOf, replaced(kBand, "sessions: 20", "sessions: 1"), 2);
-  expectRefused(bandOf, replaced(kBand, "least_spread: 0.25", "least_spread: -0.1"), 3);
-  expectRefused(bandOf, replaced(kBand, "deviation: 2.0", "deviation: -2.0"), 5);
-  expectRefused(bandOf, replaced(kBand, "better: higher", "better: more"), 6);
-  expectRefused(bandOf, replaced(kBand, ", least: 0.0", ""), 5);
-  expectRefused(bandOf, replaced(kBand, "least: 0.1", "least: 0.1, most: 3"), 6);
-  expectRefused(bandOf, replaced(kBand, "mean: 61.5", "mean: .nan"), 5);
-  expectRefused(bandOf, replaced(kBand, "origin:", "orgin:"), 1);
-  expectRefused(bandOf, replaced(kBand, "  time:", "  tiem:"), 5);
-  expectRefused(bandOf, replaced(kBand, "better: lower", "better: higher"), 5);
-  expectRefused(bandOf, replaced(kBand, "better: higher", "better: lower"), 6);
+  expectEachRefused(bandOf, kBand,
+                    {{"sessions: 20", "sessions: 1", 2},
+                     {"least_spread: 0.25", "least_spread: -0.1", 3},
+                     {"deviation: 2.0", "deviation: -2.0", 5},
+                     {"better: higher", "better: more", 6},
+                     {", least: 0.0", "", 5},
+                     {"least: 0.1", "least: 0.1, most: 3", 6},
+                     {"mean: 61.5", "mean: .nan", 5},
+                     {"origin:", "orgin:", 1},
+                     {"  time:", "  tiem:", 5},
+                     {"better: lower", "better: higher", 5},
+                     {"better: higher", "better: lower", 6}});
 }
 
 TEST(LoadBand, ABandWithoutMetricsIsNone) {
@@ -93,13 +93,14 @@ TEST(LoadCurriculum, ReadsItsStages) {
 }
 
 TEST(LoadCurriculum, RefusesWhatIsWrongWithItsLine) {
-  expectRefused(curriculumOf, replaced(kCurriculum, "deviations: 1.5", "deviations: 0"), 2);
-  expectRefused(curriculumOf, replaced(kCurriculum, "passes: 2", "passes: 0"), 4);
-  expectRefused(curriculumOf, replaced(kCurriculum, "exercise: peg_transfer", "exercise: ../peg_transfer"), 4);
-  expectRefused(curriculumOf, replaced(kCurriculum, "drill: sudden_jump", "drill: \"\""), 5);
-  expectRefused(curriculumOf, replaced(kCurriculum, "extra: 10", "extra: ten"), 4);
-  expectRefused(curriculumOf, replaced(kCurriculum, ", extra: 0", ""), 5);
-  expectRefused(curriculumOf, replaced(kCurriculum, "title:", "titel:"), 1);
+  expectEachRefused(curriculumOf, kCurriculum,
+                    {{"deviations: 1.5", "deviations: 0", 2},
+                     {"passes: 2", "passes: 0", 4},
+                     {"exercise: peg_transfer", "exercise: ../peg_transfer", 4},
+                     {"drill: sudden_jump", "drill: \"\"", 5},
+                     {"extra: 10", "extra: ten", 4},
+                     {", extra: 0", "", 5},
+                     {"title:", "titel:", 1}});
 }
 
 TEST(LoadCurriculum, ACurriculumWithoutStagesIsNone) {

@@ -190,6 +190,19 @@ TEST(FrameTimeline, ContactsAreThoseOfTheTickThatIsShown) {
   EXPECT_EQ(frames[3].contact_W[1][0], 0.0) << "over, too";
 }
 
+TEST(FrameTimeline, KeepsWhatWasBeforeTheSpanAsFarAsItIsAskedTo) {
+  for (const auto& [lead, kept] : {std::pair{0.1, 3}, {0.0, 0}, {99.0, 15}}) {
+    FrameTimeline timeline(30, 0.5, 0.7, lead);
+    addTicks(1000, &timeline);
+    EXPECT_EQ(timeline.firstFrame(), 15);
+    ASSERT_EQ(timeline.leadFrames(), kept);
+    const auto frames = timeline.frames({});
+    ASSERT_EQ(frames.size(), static_cast<std::size_t>(kept) + 6);
+    EXPECT_EQ(frames[static_cast<std::size_t>(kept)].model.session_tick, 500);
+    EXPECT_EQ(frames[0].model.session_tick, (15 - kept) * 1000 / 30);
+  }
+}
+
 TEST(FrameTimeline, AHostileTickCannotTakeTheMemory) {
   FrameTimeline timeline(30, 0.0, -1.0);
   EXPECT_THROW(timeline.add(tickAt(Tick{1} << 39)), SessionException);

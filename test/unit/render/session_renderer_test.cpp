@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -51,9 +52,11 @@ class SessionRendererTest : public ::testing::Test {
       TickRecord tick;
       tick.model.tick = t;
       tick.model.session_tick = with_pedal && t >= kBefore ? t - kBefore : -1;
-      for (ArmState& arm : tick.model.arms) {
-        arm.q = config_.arms.geometry.home;
-        arm.q[kElbow] += 1e-3 * static_cast<double>(t % 500);
+      for (const Arm arm : kArms) {
+        ArmState& state = at(tick.model.arms, arm);
+        state.q = config_.arms.geometry.home;
+        state.q[kElbow] += 1e-3 * static_cast<double>(t % 500);
+        state.p_BT = toArray(kinematics::forward(config_.arms.geometry, arm, state.q).p);
       }
       tick.model.pedal = tick.model.session_tick >= 0 ? 1 : 0;
       if (t >= kBefore + 3000 && t < kBefore + 3300) tick.robot.active_fault = 1;
@@ -305,6 +308,31 @@ TEST_F(SessionRendererTest, PicturesOfSeveralPartsAreNumberedThrough) {
   EXPECT_EQ(session::fileHash(path("all/frame_000041.png")), session::fileHash(path("one/frame_000000.png")));
   EXPECT_TRUE(std::filesystem::exists(path("all/frame_000099.png")));
   EXPECT_FALSE(std::filesystem::exists(path("all/frame_000100.png")));
+}
+
+TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
+  const std::map<std::string, OverlayKind> cases{{"marks", OverlayKind::kTrails}, {"status", OverlayKind::kStatus}};
+  constexpr std::uint8_t kFrozen = 2;
+  record(true, false, kTicks, kFrozen);  // from frame 3 to 8
+  for (const auto& [name, overlay] : cases) {
+    SessionRenderOptions options;
+    options.inset = "none";
+    options.camera = "gold_close";
+    options.overlays = OverlaySet();
+    options.overlays->add(overlay);
+    options.output = path(name + "_whole");
+    SessionRenderer(config_, folder_.string()).run(options, nullptr);
+    options.from = 0.2;
+    options.output = path(name + "_part");
+    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 6U);
+    for (const auto& [whole, part] : {std::pair{"6", "0"}, {"9", "3"}}) {
+      EXPECT_EQ(session::fileHash(path(name + "_whole/frame_00000" + whole + ".png")),
+                session::fileHash(path(name + "_part/frame_00000" + part + ".png")))
+          << name << " " << whole;
+    }
+  }
+  EXPECT_NE(session::fileHash(path("marks_whole/frame_000009.png")),
+            session::fileHash(path("status_whole/frame_000009.png")));
 }
 
 TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {

@@ -117,6 +117,22 @@ TickRecord makeExerciseTick(Tick k, std::uint8_t attempt, ExerciseStatus status)
   return record;
 }
 
+/** [first, last) of an attempt. */
+void writeTicks(session::LogWriter* writer, Tick first, Tick last, std::uint8_t attempt, ExerciseStatus status) {
+  for (Tick k = first; k < last; ++k)
+    writer->write(makeExerciseTick(k, attempt, status));
+}
+
+/** [first, last) of the first attempt, which broke something off, with one mistake. */
+void writeFailedTicks(session::LogWriter* writer, Tick first, Tick last, Mistake mistake) {
+  for (Tick k = first; k < last; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kFailed);
+    record.model.exercise.failure = ExerciseFailure::kBrokeOff;
+    record.model.exercise.mistakes[static_cast<std::size_t>(mistake)] = 1;
+    writer->write(record);
+  }
+}
+
 ExerciseRecord makeEvent(Tick k, ExerciseEventKind kind) {
   ExerciseRecord record;
   record.tick = kFirstTick + k;
@@ -128,22 +144,15 @@ TEST_F(SessionScoreTest, ScoresEachAttemptAtAnExercise) {
   begin();
   for (Tick k = 0; k < 100; ++k)
     writer_->write(makeRecord(k));  // before there is one
-  for (Tick k = 100; k < 300; ++k)
-    writer_->write(makeExerciseTick(k, 1, ExerciseStatus::kWaiting));
+  writeTicks(writer_.get(), 100, 300, 1, ExerciseStatus::kWaiting);
   for (Tick k = 300; k < 1300; ++k) {
     if (k == 800) writer_->write(makeEvent(k, ExerciseEventKind::kMistake));
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     record.model.exercise.mistakes[static_cast<std::size_t>(Mistake::kWireTouch)] = k >= 800 ? 1 : 0;
     writer_->write(record);
   }
-  for (Tick k = 1300; k < 1400; ++k) {
-    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kFailed);
-    record.model.exercise.failure = ExerciseFailure::kBrokeOff;
-    record.model.exercise.mistakes[static_cast<std::size_t>(Mistake::kWireTouch)] = 1;
-    writer_->write(record);
-  }
-  for (Tick k = 1400; k < 3400; ++k)
-    writer_->write(makeExerciseTick(k, 2, ExerciseStatus::kRunning));
+  writeFailedTicks(writer_.get(), 1300, 1400, Mistake::kWireTouch);
+  writeTicks(writer_.get(), 1400, 3400, 2, ExerciseStatus::kRunning);
   ExerciseRecord step = makeEvent(3400, ExerciseEventKind::kStepDone);
   step.event.track = 0;
   step.event.step = 1;
@@ -174,19 +183,12 @@ TEST_F(SessionScoreTest, ScoresEachAttemptAtAnExercise) {
 
 TEST_F(SessionScoreTest, AnAttemptThatFailsBeforeItsTimerStartsIsOne) {
   begin();
-  for (Tick k = 0; k < 300; ++k)
-    writer_->write(makeExerciseTick(k, 1, ExerciseStatus::kWaiting));
+  writeTicks(writer_.get(), 0, 300, 1, ExerciseStatus::kWaiting);
   ExerciseRecord torn = makeEvent(300, ExerciseEventKind::kMistake);
   torn.event.mistake = Mistake::kBreakOff;
   writer_->write(torn);
-  for (Tick k = 300; k < 400; ++k) {
-    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kFailed);
-    record.model.exercise.failure = ExerciseFailure::kBrokeOff;
-    record.model.exercise.mistakes[static_cast<std::size_t>(Mistake::kBreakOff)] = 1;
-    writer_->write(record);
-  }
-  for (Tick k = 400; k < 1400; ++k)
-    writer_->write(makeExerciseTick(k, 2, ExerciseStatus::kRunning));
+  writeFailedTicks(writer_.get(), 300, 400, Mistake::kBreakOff);
+  writeTicks(writer_.get(), 400, 1400, 2, ExerciseStatus::kRunning);
   ScoreSettings settings = makeSettings();
   Band band;
   band.metrics = {{"time", 45.0, 6.0, Better::kLower, 0.0}};
