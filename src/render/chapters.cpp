@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "raven2_trainer/core/active_fault.h"
+
 namespace raven2_trainer::render {
 
 namespace {
@@ -39,65 +41,95 @@ std::string exerciseTitle(const session::LogHeader& header, const ExerciseEvent&
   }
 }
 
+/** Empty: no chapter. */
+std::string beginningOf(Mode mode) {
+  if (mode == Mode::kStopped) return "Robot stopped";
+  if (mode == Mode::kPaused) return "Time was lost";
+  if (mode == Mode::kExecuting) return "Plan begins";
+  return "";
+}
+
 /** One chapter of those that a viewer would not tell apart. */
-std::vector<Chapter> joined(const std::vector<Chapter>& chapters) {
-  std::vector<Chapter> out;
-  for (const Chapter& chapter : chapters) {
-    if (out.empty() || chapter.start_ms - out.back().start_ms >= ChapterList::kNearest)
-      out.push_back(chapter);
-    else
-      out.back().title += ", " + chapter.title;
-  }
-  return out;
+void join(const Chapter& chapter, std::vector<Chapter>* chapters) {
+  if (chapter.start_ms - chapters->back().start_ms >= ChapterList::kNearest)
+    chapters->push_back(chapter);
+  else
+    chapters->back().title += ", " + chapter.title;
 }
 
 }  // namespace
 
-void ChapterList::add(const TickRecord& record) {
-  const Tick now = record.model.session_tick;
-  if (now < 0) return;
-  origin_ = record.model.tick - now;
-  // The robot's word counts for a fault, as in the picture's banner.
-  const std::uint32_t fault = record.robot.active_fault != 0 ? record.robot.active_fault : record.model.faults.active;
-  if (fault != fault_) {
-    if (fault_ != 0) faults_.push_back({now, fault_, false});
-    if (fault != 0) faults_.push_back({now, fault, true});
-    fault_ = fault;
-  }
+void ChapterList::followFault(const TickRecord& record) {
+  const std::uint32_t fault = activeFault(record.model, record.robot);
+  if (fault == fault_) return;
+  if (fault_ != 0) faults_.push_back({record.model.session_tick, fault_, false});
+  if (fault != 0) faults_.push_back({record.model.session_tick, fault, true});
+  fault_ = fault;
+}
+
+void ChapterList::followMode(const TickRecord& record) {
+  const Mode mode = record.model.mode;
+  if (mode == mode_) return;
+  if (mode_ == Mode::kExecuting) modes_.push_back({record.model.session_tick, Rank::kEnd, "Plan ends"});
+  const std::string title = beginningOf(mode);
+  if (!title.empty()) modes_.push_back({record.model.session_tick, Rank::kTurn, title});
+  mode_ = mode;
+}
+
+void ChapterList::followPedal(const TickRecord& record) {
   const bool pedal = record.model.pedal != 0;
-  if (pedal != pedal_) pedals_.push_back({now, pedal});
+  if (pedal != pedal_) pedals_.push_back({record.model.session_tick, Rank::kPedal, pedal ? "Pedal down" : "Pedal up"});
   pedal_ = pedal;
+}
+
+void ChapterList::add(const TickRecord& record) {
+  if (record.model.session_tick < 0) return;
+  clock_.add(record.model);
+  followFault(record);
+  followMode(record);
+  followPedal(record);
 }
 
 void ChapterList::add(const ExerciseRecord& record) {
   exercise_.push_back(record);
 }
 
-std::vector<Chapter> ChapterList::ofExercise(const session::LogHeader& header) const {
-  std::vector<Chapter> out;
+void ChapterList::addExercise(const session::LogHeader& header, std::vector<Event>* events) const {
   for (const ExerciseRecord& record : exercise_) {
     const std::string title = exerciseTitle(header, record.event);
-    if (!title.empty() && record.tick >= origin_) out.push_back({record.tick - origin_, title});
+    const Rank rank = record.event.kind == ExerciseEventKind::kStepDone ? Rank::kStep : Rank::kTurn;
+    const Tick session_tick = clock_.at(record.tick);
+    if (!title.empty() && session_tick >= 0) events->push_back({session_tick, rank, title});
   }
-  return out;
 }
 
-std::vector<Chapter> ChapterList::chapters(const session::LogHeader& header, std::int64_t from, std::int64_t to) const {
-  std::vector<Chapter> events = ofExercise(header);
-  for (const FaultEdge& edge : faults_)
-    events.push_back({edge.session_tick, (edge.begins ? "Hazard: " : "Hazard ends: ") + faultName(header, edge.id)});
-  if (pedals_.size() <= kMaxPedals) {
-    for (const PedalEdge& edge : pedals_)
-      events.push_back({edge.session_tick, edge.down ? "Pedal down" : "Pedal up"});
+/** In order of time. */
+std::vector<ChapterList::Event> ChapterList::events(const session::LogHeader& header, bool names_hazards) const {
+  std::vector<Event> events;
+  addExercise(header, &events);
+  for (const FaultEdge& edge : faults_) {
+    const std::string title = (edge.begins ? "Hazard: " : "Hazard ends: ") + faultName(header, edge.id);
+    if (names_hazards) events.push_back({edge.session_tick, edge.begins ? Rank::kTurn : Rank::kEnd, title});
   }
+  events.insert(events.end(), modes_.begin(), modes_.end());
+  if (pedals_.size() <= kMaxPedals) events.insert(events.end(), pedals_.begin(), pedals_.end());
   std::stable_sort(events.begin(), events.end(),
-                   [](const Chapter& a, const Chapter& b) { return a.start_ms < b.start_ms; });
-  std::vector<Chapter> inside{{0, "Beginning"}};
-  for (const Chapter& event : events) {
-    if (event.start_ms >= from && event.start_ms < to) inside.push_back({event.start_ms - from, event.title});
+                   [](const Event& a, const Event& b) { return a.session_ms < b.session_ms; });
+  return events;
+}
+
+std::vector<Chapter> ChapterList::chapters(const session::LogHeader& header, const ChapterChoice& choice) const {
+  const std::vector<Event> all = events(header, choice.names_hazards);
+  std::vector<Chapter> out;
+  for (const Rank least : {Rank::kPedal, Rank::kEnd, Rank::kStep, Rank::kTurn}) {
+    out = {{0, "Beginning"}};
+    for (const Event& event : all) {
+      const bool is_inside = event.session_ms >= choice.from && event.session_ms < choice.to;
+      if (is_inside && event.rank <= least) join({event.session_ms - choice.from, event.title}, &out);
+    }
+    if (out.size() <= kMaxChapters) return out;
   }
-  std::vector<Chapter> out = joined(inside);
-  if (out.size() > kMaxChapters) out.resize(kMaxChapters);
+  out.resize(kMaxChapters);
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/session/session_log.h"
+#include "render/session_clock.h"
 
 namespace raven2_trainer::render {
 
@@ -15,40 +16,55 @@ struct Chapter {
   std::string title;
 };
 
-/** What of a log becomes chapters: an exercise's attempts and steps, hazards, and, where they are few, the pedal's. */
+/** Which chapters of a log a video has. */
+struct ChapterChoice {
+  std::int64_t from, to;     ///< [ms] session time of the video's span
+  bool names_hazards{true};  ///< false: nothing tells of hazards but what they do
+};
+
+/**
+ * What of a log becomes chapters: an exercise's attempts and steps, hazards, the robot's stops, lost time, plans that
+ * are executed, and, where they are few, the pedal's.
+ */
 class ChapterList {
  public:
   /** Records in the order of the log. Events before the first pedal down are ignored. */
   void add(const TickRecord& record);
   void add(const ExerciseRecord& record);
 
-  /**
-   * In order of time, the first at 0. What happens within kNearest becomes one chapter.
-   * @param[in] header that names faults and steps. @param[in] from,to [ms] session time of the video's span.
-   */
-  std::vector<Chapter> chapters(const session::LogHeader& header, std::int64_t from, std::int64_t to) const;
+  /** In order of time, the first at 0. What happens within kNearest becomes one chapter. Where there are too many, the
+   *  pedal's go first, then what ends, then steps. @param[in] header that names faults and steps. */
+  std::vector<Chapter> chapters(const session::LogHeader& header, const ChapterChoice& choice) const;
 
   static constexpr std::size_t kMaxPedals = 20;     ///< times up or down; more of them are no chapters
   static constexpr std::size_t kMaxChapters = 250;  ///< of an MP4: 255
   static constexpr std::int64_t kNearest = 100;     ///< [ms] three frames at 30 Hz
 
  private:
+  /** By how much a chapter would be missed, the most first. */
+  enum class Rank : std::uint8_t { kTurn, kStep, kEnd, kPedal };
+  struct Event {
+    std::int64_t session_ms;
+    Rank rank;
+    std::string title;
+  };
   struct FaultEdge {
     Tick session_tick;
     std::uint32_t id;
     bool begins;
   };
-  struct PedalEdge {
-    Tick session_tick;
-    bool down;
-  };
-  std::vector<Chapter> ofExercise(const session::LogHeader& header) const;
+  void followFault(const TickRecord& record);
+  void followMode(const TickRecord& record);
+  void followPedal(const TickRecord& record);
+  void addExercise(const session::LogHeader& header, std::vector<Event>* events) const;
+  std::vector<Event> events(const session::LogHeader& header, bool names_hazards) const;
 
-  Tick origin_{-1};  // model tick of session tick 0
+  SessionClock clock_;
   std::uint32_t fault_{0};
   bool pedal_{false};
+  Mode mode_{Mode::kWaiting};
   std::vector<FaultEdge> faults_;
-  std::vector<PedalEdge> pedals_;
+  std::vector<Event> modes_, pedals_;
   std::vector<ExerciseRecord> exercise_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "raven2_trainer/core/active_fault.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::render {
@@ -57,7 +58,7 @@ void FrameTimeline::add(const TickRecord& record) {
   const Tick session_tick = record.model.session_tick;
   if (session_tick < 0 || session_tick > kMaxTick) return;
   Slot* slot = slotOf(session_tick);
-  origin_ = record.model.tick - session_tick;
+  clock_.add(record.model);
   last_ = std::max(last_, session_tick);
   if (slot == nullptr || (slot->has_tick && slot->tick.model.session_tick > session_tick)) return;
   slot->tick = record;
@@ -65,8 +66,7 @@ void FrameTimeline::add(const TickRecord& record) {
 }
 
 void FrameTimeline::add(const HapticRecord& record) {
-  if (last_ < 0) return;
-  Slot* slot = slotOf(record.haptic.tick - origin_);
+  Slot* slot = slotOf(clock_.at(record.haptic.tick));
   if (slot != nullptr && record.haptic.tick > slot->haptic.tick) slot->haptic = record.haptic;
 }
 
@@ -79,8 +79,7 @@ void FrameTimeline::add(const ExecutionRecord& record) {
 }
 
 void FrameTimeline::add(const ContactRecord& record, const ToolContacts& tools) {
-  if (last_ < 0) return;
-  Slot* slot = slotOf(record.tick - origin_);
+  Slot* slot = slotOf(clock_.at(record.tick));
   if (slot == nullptr || record.tick < slot->contact_tick) return;
   if (record.tick > slot->contact_tick) slot->contact_W = {};
   slot->contact_tick = record.tick;
@@ -111,8 +110,7 @@ std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scen
         newest.model = slot.tick.model;
         newest.robot = slot.tick.robot;
         newest.contact_W = slot.contact_tick == newest.model.tick ? slot.contact_W : PerArm<Vec3>{};
-        const std::uint32_t in_robot = newest.robot.active_fault;
-        newest.fault = faultName(scenarios, in_robot != 0 ? in_robot : newest.model.faults.active);
+        newest.fault = faultName(scenarios, activeFault(newest.model, newest.robot));
       }
       if (slot.haptic.tick >= 0) newest.haptic = slot.haptic;
     }

@@ -8,6 +8,7 @@
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/render/scene.h"
 #include "raven2_trainer/render/tool_contacts.h"
+#include "render/session_clock.h"
 
 namespace raven2_trainer::render {
 
@@ -68,8 +69,8 @@ class FrameTimeline {
   std::int64_t fps_;
   FrameSpan span_;
   std::int64_t begin_;  // first frame that is kept, of all that the session has
-  Tick origin_{-1};     // model tick of session tick 0
-  Tick last_{-1};       // newest session tick
+  SessionClock clock_;
+  Tick last_{-1};  // newest session tick
   std::vector<Slot> slots_;
   std::vector<News> news_;
 };

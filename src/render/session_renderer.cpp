@@ -96,6 +96,29 @@ void passThroughFaults(std::vector<Snapshot>* frames) {
     frame = line.pass(frame);
 }
 
+/** What the records of a log are sorted into. */
+struct SortedRecords {
+  FrameTimeline timeline;
+  ChapterList chapters;
+  EdgeTone tone;
+};
+
+session::LogSummary sortRecords(const std::string& log, SortedRecords* sorted) {
+  const ToolContacts tools(session::readLogHeader(log).body_names);
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& record) {
+    sorted->timeline.add(record);
+    sorted->chapters.add(record);
+    sorted->tone.add(record);
+  };
+  visitor.haptic = [&](const HapticRecord& record) { sorted->timeline.add(record); };
+  visitor.plan = [&](const PlanRecord& record) { sorted->timeline.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { sorted->timeline.add(record); };
+  visitor.contact = [&](const ContactRecord& record) { sorted->timeline.add(record, tools); };
+  visitor.exercise = [&](const ExerciseRecord& record) { sorted->chapters.add(record); };
+  return session::readLog(log, visitor);
+}
+
 /** What the attempts came to, if the session was scored. */
 void addVerdicts(const std::string& score, std::vector<Snapshot>* frames) {
   if (!std::filesystem::exists(score)) return;
@@ -183,40 +206,31 @@ OverlaySet SessionRenderer::overlaysOf(const SessionRenderOptions& options) cons
   return options.overlays.value_or(config_.render.video_overlays);
 }
 
-VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
-  const RenderConfig& render = config_.render;
-  FrameTimeline timeline(render.video_fps, options.from, options.to, kLead);
-  ChapterList chapters;
-  EdgeTone tone;
-  session::LogVisitor visitor;
-  visitor.tick = [&](const TickRecord& record) {
-    timeline.add(record);
-    chapters.add(record);
-    tone.add(record);
-  };
-  visitor.haptic = [&timeline](const HapticRecord& record) { timeline.add(record); };
-  visitor.plan = [&timeline](const PlanRecord& record) { timeline.add(record); };
-  visitor.execution = [&timeline](const ExecutionRecord& record) { timeline.add(record); };
-  const ToolContacts tools(session::readLogHeader(paths_.log()).body_names);
-  visitor.contact = [&](const ContactRecord& record) { timeline.add(record, tools); };
-  visitor.exercise = [&chapters](const ExerciseRecord& record) { chapters.add(record); };
-  const session::LogSummary summary = session::readLog(paths_.log(), visitor);
-  checkFiles(summary);
-  VideoContents out;
-  out.frames = timeline.frames(summary.header.scenarios);
-  out.lead = static_cast<std::size_t>(timeline.leadFrames());
-  if (timeline.sessionFrames() == 0) throw SessionException(paths_.log() + ": the pedal was never down");
-  if (out.count() == 0) throw SessionException(paths_.log() + ": no frame between --from and --to");
+void SessionRenderer::addVerdictsTo(std::vector<Snapshot>* frames) {
   try {
-    addVerdicts(paths_.score(), &out.frames);
+    addVerdicts(paths_.score(), frames);
   } catch (const SessionException& e) {
     warnings_.emplace_back(e.what());
   }
-  if (!overlaysOf(options).has(OverlayKind::kHazard)) passThroughFaults(&out.frames);
-  const std::int64_t from = timeline.firstFrame() * 1000 / render.video_fps;
+}
+
+VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
+  const RenderConfig& render = config_.render;
+  SortedRecords records{FrameTimeline(render.video_fps, options.from, options.to, kLead), {}, {}};
+  const session::LogSummary summary = sortRecords(paths_.log(), &records);
+  checkFiles(summary);
+  VideoContents out;
+  out.frames = records.timeline.frames(summary.header.scenarios);
+  out.lead = static_cast<std::size_t>(records.timeline.leadFrames());
+  if (records.timeline.sessionFrames() == 0) throw SessionException(paths_.log() + ": the pedal was never down");
+  if (out.count() == 0) throw SessionException(paths_.log() + ": no frame between --from and --to");
+  addVerdictsTo(&out.frames);
+  const bool names_hazards = overlaysOf(options).has(OverlayKind::kHazard);
+  if (!names_hazards) passThroughFaults(&out.frames);
+  const std::int64_t from = records.timeline.firstFrame() * 1000 / render.video_fps;
   const std::int64_t to = from + lengthOf(out.count(), render.video_fps);
-  out.chapters = chapters.chapters(summary.header, from, to);
-  out.tones = tone.tones(from, to);
+  out.chapters = records.chapters.chapters(summary.header, {from, to, names_hazards});
+  out.tones = records.tone.tones(from, to);
   out.scene = SceneOptions(config_, overlaysOf(options));
   out.scene.haptics.tolerance = summary.header.tolerance;
   out.camera = options.camera.empty() ? render.video_camera : options.camera;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <thread>
 
+#include "raven2_trainer/core/active_fault.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/frame_states.h"
 #include "raven2_trainer/net/clock.h"
@@ -85,8 +86,7 @@ render::Snapshot RenderLoop::newest() {
   hearOfPlans();
   snapshot.plans = plans_;
   snapshot.stands_in = snapshot.model.view != 0 && isCameraSilent();
-  const std::uint32_t in_robot = snapshot.robot.active_fault;
-  const std::uint32_t fault = in_robot != 0 ? in_robot : snapshot.model.faults.active;
+  const std::uint32_t fault = activeFault(snapshot.model, snapshot.robot);
   if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;
   return snapshot;
 }

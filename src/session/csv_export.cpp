@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/active_fault.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
 
@@ -142,8 +143,7 @@ class TickTable {
     csv_.numbers(state.p_BT);
     has_robot ? csv_.numbers(robot.p_BT) : csv_.blanks(3);
     csv_.numbers(next_force_ > 0 ? at(forces_[next_force_ - 1].force_B, arm) : Vec3{});
-    const std::uint32_t in_robot = has_robot ? record.robot.active_fault : 0;
-    writeFault(in_robot != 0 ? in_robot : record.model.faults.active);
+    writeFault(activeFault(model, record.robot));
     csv_.endRow();
     ++rows_;
   }

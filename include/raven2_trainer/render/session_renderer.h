@@ -68,6 +68,7 @@ class SessionRenderer {
   OverlaySet overlaysOf(const SessionRenderOptions& options) const;
   VideoContents read(const SessionRenderOptions& options);
   void checkFiles(const session::LogSummary& summary);
+  void addVerdictsTo(std::vector<Snapshot>* frames);
   void writePictures(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
   void writeVideo(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
 

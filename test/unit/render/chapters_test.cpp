@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace raven2_trainer::render {
 namespace {
 
 constexpr Tick kOrigin = 2500;  // model tick of the first pedal down
-constexpr std::int64_t kEnd = 60'000;
+constexpr ChapterChoice kAll{0, 60'000};
 
 session::LogHeader header() {
   session::LogHeader out;
@@ -55,7 +57,7 @@ TEST(ChapterList, StepsHazardsAndThePedalAreTold) {
     list.add(record);
   }
   EXPECT_EQ(
-      told(list.chapters(header(), 0, kEnd)),
+      told(list.chapters(header(), kAll)),
       (Told{"0 Beginning, Pedal down", "1500 Exercise begins", "4000 Step done: hand over", "5000 Hazard: sudden jump",
             "5300 Hazard ends: sudden jump", "7000 Pedal up", "8000 Pedal down", "9000 Exercise done"}));
 }
@@ -68,8 +70,8 @@ TEST(ChapterList, AFaultThatOnlyTheDaemonSeesIsOneAndOneFollowsTheOther) {
     if (t >= 2000) record.model.faults.active = 77;
     list.add(record);
   }
-  EXPECT_EQ(told(list.chapters(header(), 0, kEnd)), (Told{"0 Beginning, Pedal down", "1000 Hazard: net delay",
-                                                          "2000 Hazard ends: net delay, Hazard: unknown"}));
+  EXPECT_EQ(told(list.chapters(header(), kAll)), (Told{"0 Beginning, Pedal down", "1000 Hazard: net delay",
+                                                       "2000 Hazard ends: net delay, Hazard: unknown"}));
 }
 
 TEST(ChapterList, APartOfASessionHasItsOwnTimes) {
@@ -79,8 +81,8 @@ TEST(ChapterList, APartOfASessionHasItsOwnTimes) {
     if (t >= 2000 && t < 6000) record.robot.active_fault = 2;
     list.add(record);
   }
-  EXPECT_EQ(told(list.chapters(header(), 2000, 6000)), (Told{"0 Beginning, Hazard: net delay"}));
-  EXPECT_EQ(told(list.chapters(header(), 5000, 8000)), (Told{"0 Beginning", "1000 Hazard ends: net delay"}));
+  EXPECT_EQ(told(list.chapters(header(), {2000, 6000})), (Told{"0 Beginning, Hazard: net delay"}));
+  EXPECT_EQ(told(list.chapters(header(), {5000, 8000})), (Told{"0 Beginning", "1000 Hazard ends: net delay"}));
 }
 
 TEST(ChapterList, APedalThatIsPressedOftenIsNoChapter) {
@@ -88,7 +90,7 @@ TEST(ChapterList, APedalThatIsPressedOftenIsNoChapter) {
     ChapterList list;
     for (Tick t = 0; t < 20 * 1000; ++t)
       list.add(tickAt(t, t / period % 2 == 0));
-    EXPECT_EQ(list.chapters(header(), 0, kEnd).size(), period == 1000 ? 20U : 1U);
+    EXPECT_EQ(list.chapters(header(), kAll).size(), period == 1000 ? 20U : 1U);
   }
 }
 
@@ -100,19 +102,72 @@ TEST(ChapterList, WhatAViewerCannotTellApartIsOneChapter) {
     if (t >= 4000 && t < 4000 + ChapterList::kNearest) record.robot.active_fault = 1;
     list.add(record);
   }
-  EXPECT_EQ(told(list.chapters(header(), 0, kEnd)),
+  EXPECT_EQ(told(list.chapters(header(), kAll)),
             (Told{"0 Beginning, Pedal down", "3000 Hazard: sudden jump, Hazard ends: sudden jump",
                   "4000 Hazard: sudden jump", "4100 Hazard ends: sudden jump"}));
 }
 
-TEST(ChapterList, NoMoreThanAnMp4Holds) {
+TEST(ChapterList, WithoutTheHazardsNamesNothingTellsOfThem) {
   ChapterList list;
-  for (Tick t = 0; t < 200 * 400; ++t) {
+  for (Tick t = 0; t < 3000; ++t) {
+    TickRecord record = tickAt(t);
+    if (t >= 1000 && t < 2000) record.robot.active_fault = 1;
+    if (t >= 1500) record.model.mode = Mode::kStopped;
+    list.add(record);
+  }
+  EXPECT_EQ(told(list.chapters(header(), {0, 3000, /*names_hazards=*/false})),
+            (Told{"0 Beginning, Pedal down", "1500 Robot stopped"}));
+}
+
+TEST(ChapterList, StopsLostTimeAndPlansAreTold) {
+  ChapterList list;
+  for (Tick t = 0; t < 9000; ++t) {
+    TickRecord record = tickAt(t);
+    if (t >= 1000 && t < 3000) record.model.mode = Mode::kExecuting;
+    if (t >= 5000 && t < 5500) record.model.mode = Mode::kStopped;
+    if (t >= 7000) record.model.mode = Mode::kPaused;
+    list.add(record);
+  }
+  EXPECT_EQ(told(list.chapters(header(), kAll)), (Told{"0 Beginning, Pedal down", "1000 Plan begins", "3000 Plan ends",
+                                                       "5000 Robot stopped", "7000 Time was lost"}));
+}
+
+TEST(ChapterList, EventsBeforeAndBehindAPauseAreWhereTheyWereInTheSession) {
+  constexpr Tick kPause = 4000;  // from session tick 2000 on
+  ChapterList list;
+  for (Tick t = 0; t < 9000; ++t) {
+    TickRecord record = tickAt(t < 2000 ? t : std::max<Tick>(1999, t - kPause));
+    record.model.tick = kOrigin + t;
+    list.add(record);
+  }
+  list.add(eventAt(1000, ExerciseEventKind::kBegan));  // on the model's clock; records of events may be late
+  list.add(eventAt(3000 + kPause, ExerciseEventKind::kDone));
+  EXPECT_EQ(told(list.chapters(header(), kAll)),
+            (Told{"0 Beginning, Pedal down", "1000 Exercise begins", "3000 Exercise done"}));
+}
+
+/** A hazard begins or ends every 200 ms. */
+ChapterList manyHazards(Tick edges) {
+  ChapterList list;
+  for (Tick t = 0; t < edges * 200; ++t) {
     TickRecord record = tickAt(t);
     record.robot.active_fault = t / 200 % 2 == 0 ? 0 : 1;
     list.add(record);
   }
-  const auto chapters = list.chapters(header(), 0, 1'000'000);
+  list.add(eventAt(edges * 200 - 1, ExerciseEventKind::kDone));
+  return list;
+}
+
+TEST(ChapterList, WhereThereAreTooManyWhatEndsGoesFirst) {
+  const auto chapters = manyHazards(400).chapters(header(), {0, 1'000'000});
+  EXPECT_EQ(chapters.size(), 1U + 200U + 1U);
+  EXPECT_EQ(chapters[1].title, "Hazard: sudden jump");
+  EXPECT_EQ(chapters[2].title, "Hazard: sudden jump");
+  EXPECT_EQ(chapters.back().title, "Exercise done");
+}
+
+TEST(ChapterList, NoMoreThanAnMp4Holds) {
+  const auto chapters = manyHazards(600).chapters(header(), {0, 1'000'000});
   EXPECT_EQ(chapters.size(), ChapterList::kMaxChapters);
   EXPECT_EQ(chapters[1].start_ms, 200);
 }
@@ -128,12 +183,12 @@ TEST(ChapterList, TracksAndUnknownStepsHaveNames) {
   event.event.step = 9;
   event.tick += 1000;
   list.add(event);
-  EXPECT_EQ(told(list.chapters(two, 0, kEnd)),
+  EXPECT_EQ(told(list.chapters(two, kAll)),
             (Told{"0 Beginning, Pedal down", "1000 Step done: put down (2)", "2000 Step done: unknown"}));
 }
 
 TEST(ChapterList, NothingHasOneChapter) {
-  EXPECT_EQ(told(ChapterList().chapters(header(), 0, kEnd)), Told{"0 Beginning"});
+  EXPECT_EQ(told(ChapterList().chapters(header(), kAll)), Told{"0 Beginning"});
 }
 
 }  // namespace

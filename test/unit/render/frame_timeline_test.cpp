@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::render {
@@ -188,6 +190,21 @@ TEST(FrameTimeline, ContactsAreThoseOfTheTickThatIsShown) {
   EXPECT_EQ(frames[1].contact_W[1][0], 2.0);
   EXPECT_EQ(frames[2].contact_W[0][0], 0.0) << "the touch ended at tick 19";
   EXPECT_EQ(frames[3].contact_W[1][0], 0.0) << "over, too";
+}
+
+TEST(FrameTimeline, ForcesAreWhereTheyWereInTheSessionThoughItWasPaused) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  for (Tick t = 0; t < 60; ++t) {  // paused for 20 ticks from session tick 19 on
+    TickRecord record = tickAt(t < 20 ? t : std::max<Tick>(19, t - 20));
+    record.model.tick = kOrigin + t;
+    timeline.add(record);
+  }
+  for (Tick t = 0; t < 60; ++t)
+    timeline.add(hapticAt(t, static_cast<double>(t)));
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[1].haptic.force_B[0][0], 10.0);
+  EXPECT_EQ(frames[3].haptic.force_B[0][0], 50.0);
 }
 
 TEST(FrameTimeline, KeepsWhatWasBeforeTheSpanAsFarAsItIsAskedTo) {
