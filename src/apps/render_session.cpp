@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "apps/common/command_line.h"
-#include "apps/common/paths.h"
+#include "apps/common/session_config.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/render/session_renderer.h"
 #include "raven2_trainer/render/video_file.h"
 #include "raven2_trainer/runtime/build_identity.h"
 #include "raven2_trainer/session/session_directory.h"
-#include "raven2_trainer/session/session_log.h"
 
 namespace {
 
@@ -58,19 +57,16 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--to", o->render.to, "Session time of the end [s] (default: all)")->check(CLI::Range(0.0, 1e6));
   app->add_option("--output", o->render.output,
                   "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
-  app->add_option("--config", o->config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app->add_option("--config", o->config,
+                  "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
   app->add_option("--processes", o->render.processes, "Processes that draw side by side; 0 = one a core")
       ->check(CLI::Range(0, 8))
       ->capture_default_str();
 }
 
 raven2_trainer::TrainerConfig load(const Options& o, const std::string& directory) {
-  namespace apps = raven2_trainer::apps;
-  const std::string log = raven2_trainer::session::openSessionDirectory(directory).log();
-  raven2_trainer::config::TrainingNames training;
-  training.exercise = raven2_trainer::session::readLogHeader(log).exercise;  // it brings its scene along
-  auto config =
-      raven2_trainer::config::loadTrainerConfig(o.config.empty() ? apps::defaultConfigPath() : o.config, training);
+  const auto paths = raven2_trainer::session::openSessionDirectory(directory);
+  auto config = raven2_trainer::apps::viewingConfig(paths, o.config);
   auto& render = config.render;
   if (!o.size.empty()) std::sscanf(o.size.c_str(), "%dx%d", &render.video_width, &render.video_height);
   if (o.fps > 0) render.video_fps = o.fps;

@@ -5,13 +5,11 @@
 #include <string>
 
 #include "apps/common/command_line.h"
-#include "apps/common/paths.h"
+#include "apps/common/session_config.h"
 #include "apps/common/signals.h"
-#include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/ros/session_replay.h"
 #include "raven2_trainer/ros/supervisor.h"
 #include "raven2_trainer/session/session_directory.h"
-#include "raven2_trainer/session/session_log.h"
 
 namespace raven2_trainer {
 namespace {
@@ -38,13 +36,8 @@ void addOptions(CLI::App* app, Options* o) {
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   app->add_flag("--set-sim-time", o->replay.set_sim_time, "Set the parameter /use_sim_time, if it is not");
-  app->add_option("--config", o->config, "Root configuration file (default: the packaged config/trainer.yaml)");
-}
-
-TrainerConfig load(const Options& o, const session::SessionPaths& paths) {
-  config::TrainingNames training;
-  training.exercise = session::readLogHeader(paths.log()).exercise;  // it brings its scene along
-  return config::loadTrainerConfig(o.config.empty() ? apps::defaultConfigPath() : o.config, training);
+  app->add_option("--config", o->config,
+                  "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
 }
 
 enum class Ready { kYes, kNo, kSignal };
@@ -66,7 +59,7 @@ Ready awaitMaster(const ros_bridge::Supervisor& ros, const ros_bridge::SessionRe
 
 int run(const Options& o, int argc, char** argv) {
   const session::SessionPaths paths = session::openSessionDirectory(o.directory);
-  ros_bridge::SessionReplay replay(load(o, paths), paths, o.replay);
+  ros_bridge::SessionReplay replay(apps::viewingConfig(paths, o.config), paths, o.replay);
   ros_bridge::Supervisor ros(argc, argv, "replay_session", &replay);
   ros.start();
   const Ready ready = awaitMaster(ros, replay);

@@ -47,7 +47,7 @@ class FrameTimeline {
   /** round(duration x fps) of all records, whatever the span. */
   std::int64_t sessionFrames() const noexcept;
 
-  static constexpr std::int64_t kMaxFrames = 500'000;  ///< 4.6 hours at 30 Hz, 1.2 GB
+  static constexpr std::int64_t kMaxFrames = 500'000;  ///< 4.6 hours at 30 Hz, some 3 GB
 
  private:
   struct Slot {

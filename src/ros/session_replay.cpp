@@ -87,7 +87,8 @@ struct SessionReplay::Impl {
         raven(model::loadRavenModel(config)),
         shared(std::make_unique<SharedState>()) {
     if (header.d4 != config.arms.geometry.d4)
-      throw ConfigException(paths.log() + ": was recorded with other arms than the configuration's");
+      throw ConfigException(paths.log() + ": was recorded with tools of d4 = " + std::to_string(header.d4) +
+                            " m, the configuration's is " + std::to_string(config.arms.geometry.d4));
     if (header.robot_urdf_hash != session::fileHash(config.robot_urdf))
       std::fprintf(stderr, "the robot's description has changed since the session: %s\n", config.robot_urdf.c_str());
   }
