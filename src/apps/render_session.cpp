@@ -59,8 +59,11 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--output", o->render.output,
                   "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
   app->add_option("--config", o->config, "Root configuration file (default: the packaged config/trainer.yaml)");
-  app->add_option("--processes", o->render.processes, "Processes that draw side by side; 0 = one a core")
-      ->check(CLI::Range(0, 8))
+  constexpr int kMost = raven2_trainer::render::SessionRenderer::kMaxProcesses;
+  app->add_option("--processes", o->render.processes,
+                  "Processes that draw side by side; 0 = one for each processor that this program may run on, at most " +
+                      std::to_string(kMost))
+      ->check(CLI::Range(0, kMost))
       ->capture_default_str();
 }
 

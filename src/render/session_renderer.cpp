@@ -1,7 +1,5 @@
 #include "raven2_trainer/render/session_renderer.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -86,7 +84,7 @@ std::string picturePattern(const std::string& directory) {
 /** Where OpenGL was used before, nothing may be forked: its threads do not survive that. */
 int processCount(int asked) {
   if (GlContext::isUsed()) return 1;
-  return asked > 0 ? asked : std::clamp(static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)), 1, 8);
+  return asked > 0 ? asked : std::min(processorsAllowed(), SessionRenderer::kMaxProcesses);
 }
 
 /** The frames as the trainee saw them. */

@@ -21,7 +21,8 @@ struct SessionRenderOptions {
   double to{-1.0};                     ///< [s] end; negative: the session's
   std::string output;                  ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session
   std::optional<OverlaySet> overlays;  ///< nothing: those of the video in render.yaml
-  int processes{0};                    ///< that draw side by side; 0: one a core. 1: this one
+  int processes{0};                    ///< that draw side by side; 1: this one; 0: as many as there are processors that
+                                       ///< this one may run on, at most SessionRenderer::kMaxProcesses
   std::string build;  ///< what else decides over the pixels (runtime::pictureIdentity): parts of another one are
                       ///< not used
 };
@@ -43,7 +44,8 @@ class SessionRenderer {
   /** Called with frames done and frames to do. */
   using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
 
-  static constexpr int kPartSeconds = 4;  ///< whole seconds: a part's length is exact at every rate
+  static constexpr int kPartSeconds = 4;    ///< whole seconds: a part's length is exact at every rate
+  static constexpr int kMaxProcesses = 32;  ///< each has a scene, a picture's memory and an ffmpeg of its own
 
   /** Size and rate are those of config.render. @throw SessionException if the directory holds no session. */
   SessionRenderer(const TrainerConfig& config, const std::string& directory);

@@ -26,6 +26,13 @@ constexpr Tick kBefore = 100;   // ticks before the first pedal down
 constexpr Tick kTicks = 400;    // of the session: 12 frames at 30 Hz
 constexpr Tick kLong = 10'000;  // of one with parts: 40, 40 and 20 frames at 10 Hz
 
+/** Drawn by this process, whatever was drawn in it before and however many cores there are. */
+SessionRenderOptions drawnHere() {
+  SessionRenderOptions options;
+  options.processes = 1;
+  return options;
+}
+
 class SessionRendererTest : public ::testing::Test {
  protected:
   SessionRendererTest()
@@ -88,7 +95,7 @@ class SessionRendererTest : public ::testing::Test {
   }
 
   /** Draws until so many frames are done and then fails, as a kill would have it. */
-  void drawUpTo(std::uint64_t frames, SessionRenderOptions options = {}) {
+  void drawUpTo(std::uint64_t frames, SessionRenderOptions options = drawnHere()) {
     SessionRenderer renderer(config_, folder_.string());
     EXPECT_THROW(renderer.run(options,
                               [&](std::uint64_t done, std::uint64_t) {
@@ -99,7 +106,7 @@ class SessionRendererTest : public ::testing::Test {
   }
 
   /** Draws all. @return frames that were there before. */
-  std::uint64_t drawRest(const SessionRenderOptions& options = {}) {
+  std::uint64_t drawRest(const SessionRenderOptions& options = drawnHere()) {
     SessionRenderer renderer(config_, folder_.string());
     std::uint64_t first = 0;
     EXPECT_EQ(renderer.run(options,
@@ -154,7 +161,7 @@ TEST_F(SessionRendererTest, AWholeSessionGivesItsFramesAndSaysSoInTheMetrics) {
   training::writeMetrics(path("metrics.json"), training::computeMetrics(path("session.rlog")));
   SessionRenderer renderer(config_, folder_.string());
   std::uint64_t calls = 0, all = 0;
-  EXPECT_EQ(renderer.run({},
+  EXPECT_EQ(renderer.run(drawnHere(),
                          [&](std::uint64_t done, std::uint64_t total) {
                            EXPECT_EQ(done, ++calls);
                            all = total;
@@ -213,7 +220,7 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
   recordLong();
   const auto change = [&](const std::function<void(SessionRenderOptions*)>& by) {
     drawUpTo(95);
-    SessionRenderOptions options;
+    SessionRenderOptions options = drawnHere();
     by(&options);
     const std::uint64_t reused = drawRest(options);
     std::filesystem::remove(path("video.mp4"));
@@ -282,7 +289,7 @@ TEST_F(SessionRendererTest, AToneSoundsWhereAToolIsAtItsEdgeAndAVideoWithoutHasN
 
 TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.from = 0.1;
   options.to = 0.2;
   options.camera = "top";
@@ -298,7 +305,7 @@ TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
 
 TEST_F(SessionRendererTest, PicturesOfSeveralPartsAreNumberedThrough) {
   recordLong();
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.output = path("all");
   EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 100U);
   options.from = 4.1;
@@ -315,7 +322,7 @@ TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
   constexpr std::uint8_t kFrozen = 2;
   record(true, false, kTicks, kFrozen);  // from frame 3 to 8
   for (const auto& [name, overlay] : cases) {
-    SessionRenderOptions options;
+    SessionRenderOptions options = drawnHere();
     options.inset = "none";
     options.camera = "gold_close";
     options.overlays = OverlaySet();
@@ -337,7 +344,7 @@ TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
 
 TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.to = 0.1;
   for (const char* folder : {"one", "two"}) {
     options.output = path(folder);
@@ -349,7 +356,7 @@ TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
 }
 
 TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.to = 0.1;
   options.camera = "endoscope";
   for (const bool with_plan : {false, true}) {
@@ -365,7 +372,7 @@ TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
 
 TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
   constexpr std::uint8_t kBlack = 1, kFrozen = 2;
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.inset = "none";
   options.overlays = OverlaySet();
   const auto pictures = [&](std::uint8_t picture, const std::string& folder) {
@@ -397,9 +404,9 @@ TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
   EXPECT_THROW(SessionRenderer(config_, path("nowhere")), SessionException);
   record(false);
   SessionRenderer renderer(config_, folder_.string());
-  EXPECT_THROW(renderer.run({}, nullptr), SessionException) << "the pedal was never down";
+  EXPECT_THROW(renderer.run(drawnHere(), nullptr), SessionException) << "the pedal was never down";
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.camera = "cellar";
   EXPECT_THROW(renderer.run(options, nullptr), ConfigException);
   options.camera = "top";
@@ -409,7 +416,7 @@ TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
 
 TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.to = 0.04;
   options.output = path("pictures");
   SessionRenderer(config_, folder_.string()).run(options, nullptr);
