@@ -8,6 +8,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "render/edge_tone.h"
 #include "render/ffmpeg_process.h"
+#include "render/part_store.h"
 
 namespace raven2_trainer::render {
 
@@ -66,9 +67,10 @@ std::vector<std::string> joinArguments(const std::string& parts,
 }  // namespace
 
 void joinVideo(const VideoPieces& pieces, const std::string& path) {
-  const std::string parts = pieces.folder + "/parts.ffconcat", chapters = pieces.folder + "/chapters.ffmeta";
-  const std::string sound = pieces.tones.empty() ? "" : pieces.folder + "/tones.wav";
-  const std::string whole = pieces.folder + "/whole.mp4";
+  const std::string start = pieces.folder + "/";
+  const std::string parts = start + PartFolderFiles::kList, chapters = start + PartFolderFiles::kMetadata;
+  const std::string sound = pieces.tones.empty() ? "" : start + PartFolderFiles::kSound;
+  const std::string whole = start + PartFolderFiles::whole();
   writeFile(parts, partList(pieces));
   writeFile(chapters, chapterList(pieces));
   if (!sound.empty()) writeTones(sound, pieces.tones, pieces.length_ms);

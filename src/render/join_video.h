@@ -9,7 +9,7 @@ namespace raven2_trainer::render {
 
 /** What becomes one video. */
 struct VideoPieces {
-  std::string folder;               ///< of the parts; other files are written into it
+  std::string folder;               ///< of the parts; other files (PartFolderFiles) are written into it
   std::vector<std::string> parts;   ///< names in it, in order
   std::vector<Chapter> chapters;    ///< the first at 0
   std::vector<std::int64_t> tones;  ///< [ms] EdgeTone::tones; empty: the video has no sound

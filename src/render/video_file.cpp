@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "render/part_store.h"
+
 namespace raven2_trainer::render {
 
 namespace {
@@ -47,8 +49,10 @@ std::string partFolder(const std::string& video) {
 }
 
 bool isUnfinished(const std::string& video) {
+  const std::filesystem::path folder = partFolder(video);
   std::error_code error;
-  return std::filesystem::is_directory(partFolder(video), error);
+  if (!std::filesystem::is_directory(folder, error)) return false;
+  return std::filesystem::exists(folder / PartFolderFiles::kLock, error) || std::filesystem::is_empty(folder, error);
 }
 
 }  // namespace raven2_trainer::render

@@ -11,7 +11,8 @@ bool isWholeVideo(const std::string& path);
 /** Folder beside a video in which its parts lie until it is whole. */
 std::string partFolder(const std::string& video);
 
-/** Whether parts of it lie there: a render of it was killed, or is under way. */
+/** Whether that folder is there, locked or empty: a render of it was killed, or is under way. A folder of other files
+ * is somebody's own. */
 bool isUnfinished(const std::string& video);
 
 }  // namespace raven2_trainer::render

@@ -67,6 +67,10 @@ TEST_F(VideoFileTest, AVideoIsUnfinishedWhileItsPartsLieBesideIt) {
   EXPECT_FALSE(isUnfinished(path("video.mp4")));
   fs::create_directories(path("video.parts"));
   EXPECT_TRUE(isUnfinished(path("video.mp4")));
+  std::ofstream(path("video.parts/notes.txt")) << "somebody's own";
+  EXPECT_FALSE(isUnfinished(path("video.mp4")));
+  std::ofstream(path("video.parts/lock")) << "";
+  EXPECT_TRUE(isUnfinished(path("video.mp4")));
 }
 
 }  // namespace
