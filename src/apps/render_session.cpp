@@ -25,7 +25,7 @@ constexpr double kEstimateAfter = 2.0;  // [s] the first frames compile shaders 
 
 struct Options {
   std::vector<std::string> directories, overlays;
-  std::string config, size;
+  std::string config, size, build;
   int fps{0};
   bool again{false};
   raven2_trainer::render::SessionRenderOptions render;
@@ -60,9 +60,10 @@ void addOptions(CLI::App* app, Options* o) {
                   "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
   app->add_option("--config", o->config, "Root configuration file (default: the packaged config/trainer.yaml)");
   constexpr int kMost = raven2_trainer::render::SessionRenderer::kMaxProcesses;
-  app->add_option("--processes", o->render.processes,
-                  "Processes that draw side by side; 0 = one for each processor that this program may run on, at most " +
-                      std::to_string(kMost))
+  app->add_option(
+         "--processes", o->render.processes,
+         "Processes that draw side by side; 0 = one for each processor that this program may run on, at most " +
+             std::to_string(kMost))
       ->check(CLI::Range(0, kMost))
       ->capture_default_str();
 }
@@ -127,7 +128,7 @@ bool isRendered(const Options& o, const std::string& directory) {
 }
 
 void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
-  raven2_trainer::render::SessionRenderer renderer(load(o, directory), directory);
+  raven2_trainer::render::SessionRenderer renderer(load(o, directory), directory, o.build);
   double reused = 0.0;
   const std::uint64_t frames = renderer.run(o.render, [&](std::uint64_t done, std::uint64_t all) {
     const auto total = static_cast<double>(all);
@@ -168,7 +169,7 @@ std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
 }
 
 int renderSessions(Options o) {
-  o.render.build = raven2_trainer::runtime::pictureIdentity();
+  o.build = raven2_trainer::runtime::pictureIdentity();
   if (!o.overlays.empty()) o.render.overlays = raven2_trainer::config::overlaysOf(o.overlays);
   const std::vector<std::string> directories = withoutFiles(o.directories);
   if (directories.size() > 1 && !o.render.output.empty())

@@ -35,10 +35,8 @@ struct Options {
 
 void renderVideo(const TrainerConfig& config, const std::string& directory) {
   apps::ProgressBar bar("video");
-  render::SessionRenderer renderer(config, directory);
-  render::SessionRenderOptions options;
-  options.build = runtime::pictureIdentity();
-  const std::uint64_t frames = renderer.run(options, [&](std::uint64_t done, std::uint64_t all) {
+  render::SessionRenderer renderer(config, directory, runtime::pictureIdentity());
+  const std::uint64_t frames = renderer.run({}, [&](std::uint64_t done, std::uint64_t all) {
     bar.update(static_cast<double>(done) / static_cast<double>(all));
   });
   bar.done(std::to_string(frames) + " frames");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -162,8 +163,8 @@ std::vector<std::size_t> upTo(std::size_t count) {
 
 }  // namespace
 
-SessionRenderer::SessionRenderer(const TrainerConfig& config, const std::string& directory)
-    : config_(config), paths_(session::openSessionDirectory(directory)) {}
+SessionRenderer::SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build)
+    : config_(config), paths_(session::openSessionDirectory(directory)), build_(std::move(build)) {}
 
 void SessionRenderer::checkFiles(const session::LogSummary& summary) {
   if (session::fileHash(config_.robot_urdf) != summary.header.robot_urdf_hash) {
@@ -245,8 +246,7 @@ void SessionRenderer::writeVideo(const VideoContents& contents,
                                  const SessionRenderOptions& options,
                                  const Progress& progress) {
   const std::string video = options.output.empty() ? paths_.video() : options.output;
-  PartStore store(partFolder(video), settingsHash(config_, options, contents.camera, paths_, contents.part_frames),
-                  contents.parts());
+  PartStore store(partFolder(video), settingsHash(config_, options, contents.camera, paths_, build_), contents.parts());
   const MakeDrawPart make = [&]() -> DrawPart {
     const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
     return [&, drawer](std::size_t part, const FrameDone& done) {

@@ -23,8 +23,6 @@ struct SessionRenderOptions {
   std::optional<OverlaySet> overlays;  ///< nothing: those of the video in render.yaml
   int processes{0};                    ///< that draw side by side; 1: this one; 0: as many as there are processors that
                                        ///< this one may run on, at most SessionRenderer::kMaxProcesses
-  std::string build;  ///< what else decides over the pixels (runtime::pictureIdentity): parts of another one are
-                      ///< not used
 };
 
 struct VideoContents;
@@ -47,8 +45,13 @@ class SessionRenderer {
   static constexpr int kPartSeconds = 4;    ///< whole seconds: a part's length is exact at every rate
   static constexpr int kMaxProcesses = 32;  ///< each has a scene, a picture's memory and an ffmpeg of its own
 
-  /** Size and rate are those of config.render. @throw SessionException if the directory holds no session. */
-  SessionRenderer(const TrainerConfig& config, const std::string& directory);
+  /**
+   * Size and rate are those of config.render.
+   * @param[in] build what else decides over the pixels (runtime::pictureIdentity): parts and videos of another one are
+   * drawn again.
+   * @throw SessionException if the directory holds no session.
+   */
+  SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build);
 
   /**
    * Reads the log and renders. Writing the session's video.mp4 sets `frames` in its metrics.json, where there is
@@ -75,6 +78,7 @@ class SessionRenderer {
 
   TrainerConfig config_;
   session::SessionPaths paths_;
+  std::string build_;
   std::uint64_t reused_{0};
   std::vector<std::string> warnings_;
 };

@@ -96,7 +96,7 @@ class SessionRendererTest : public ::testing::Test {
 
   /** Draws until so many frames are done and then fails, as a kill would have it. */
   void drawUpTo(std::uint64_t frames, SessionRenderOptions options = drawnHere()) {
-    SessionRenderer renderer(config_, folder_.string());
+    SessionRenderer renderer(config_, folder_.string(), build_);
     EXPECT_THROW(renderer.run(options,
                               [&](std::uint64_t done, std::uint64_t) {
                                 if (done >= frames) throw std::runtime_error("killed");
@@ -107,7 +107,7 @@ class SessionRendererTest : public ::testing::Test {
 
   /** Draws all. @return frames that were there before. */
   std::uint64_t drawRest(const SessionRenderOptions& options = drawnHere()) {
-    SessionRenderer renderer(config_, folder_.string());
+    SessionRenderer renderer(config_, folder_.string(), build_);
     std::uint64_t first = 0;
     EXPECT_EQ(renderer.run(options,
                            [&](std::uint64_t done, std::uint64_t all) {
@@ -133,6 +133,7 @@ class SessionRendererTest : public ::testing::Test {
 
   TrainerConfig config_;
   std::filesystem::path folder_;
+  std::string build_{"a build"};
   Tick edge_first_{-1000};  // of 100 ticks in which a tool is at its edge; none in the session
 };
 
@@ -159,7 +160,7 @@ std::string frameHashes(const std::string& video) {
 TEST_F(SessionRendererTest, AWholeSessionGivesItsFramesAndSaysSoInTheMetrics) {
   record(true);
   training::writeMetrics(path("metrics.json"), training::computeMetrics(path("session.rlog")));
-  SessionRenderer renderer(config_, folder_.string());
+  SessionRenderer renderer(config_, folder_.string(), build_);
   std::uint64_t calls = 0, all = 0;
   EXPECT_EQ(renderer.run(drawnHere(),
                          [&](std::uint64_t done, std::uint64_t total) {
@@ -229,7 +230,7 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
   EXPECT_EQ(change([](SessionRenderOptions*) {}), 80U) << "the same";
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->camera = "top"; }), 0U);
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->inset = "none"; }), 0U);
-  EXPECT_EQ(change([](SessionRenderOptions* o) { o->build = "another"; }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { build_ = "another"; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.encoder_crf = 30; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.video_width = 160; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.cameras[0].eye_W[2] += 1e-9; }), 0U);
@@ -295,7 +296,7 @@ TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
   options.camera = "top";
   options.inset = "none";
   options.output = path("pictures");
-  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+  EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 3U);
   EXPECT_TRUE(std::filesystem::exists(path("pictures/frame_000002.png")));
   EXPECT_FALSE(std::filesystem::exists(path("pictures/frame_000003.png")));
   EXPECT_NE(session::fileHash(path("pictures/frame_000000.png")), session::fileHash(path("pictures/frame_000002.png")));
@@ -307,11 +308,11 @@ TEST_F(SessionRendererTest, PicturesOfSeveralPartsAreNumberedThrough) {
   recordLong();
   SessionRenderOptions options = drawnHere();
   options.output = path("all");
-  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 100U);
+  EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 100U);
   options.from = 4.1;
   options.to = 4.2;
   options.output = path("one");
-  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 1U);
+  EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 1U);
   EXPECT_EQ(session::fileHash(path("all/frame_000041.png")), session::fileHash(path("one/frame_000000.png")));
   EXPECT_TRUE(std::filesystem::exists(path("all/frame_000099.png")));
   EXPECT_FALSE(std::filesystem::exists(path("all/frame_000100.png")));
@@ -328,10 +329,10 @@ TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
     options.overlays = OverlaySet();
     options.overlays->add(overlay);
     options.output = path(name + "_whole");
-    SessionRenderer(config_, folder_.string()).run(options, nullptr);
+    SessionRenderer(config_, folder_.string(), build_).run(options, nullptr);
     options.from = 0.2;
     options.output = path(name + "_part");
-    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 6U);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 6U);
     for (const auto& [whole, part] : {std::pair{"6", "0"}, {"9", "3"}}) {
       EXPECT_EQ(session::fileHash(path(name + "_whole/frame_00000" + whole + ".png")),
                 session::fileHash(path(name + "_part/frame_00000" + part + ".png")))
@@ -348,7 +349,7 @@ TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
   options.to = 0.1;
   for (const char* folder : {"one", "two"}) {
     options.output = path(folder);
-    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 3U);
   }
   for (const char* file : {"/frame_000000.png", "/frame_000002.png"}) {
     EXPECT_EQ(session::fileHash(path("one") + file), session::fileHash(path("two") + file));
@@ -362,7 +363,7 @@ TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
   for (const bool with_plan : {false, true}) {
     record(true, with_plan);
     options.output = path(with_plan ? "with" : "without");
-    ASSERT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+    ASSERT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 3U);
   }
   const auto hash = [&](const char* picture) { return session::fileHash(path(picture)); };
   EXPECT_EQ(hash("with/frame_000000.png"), hash("without/frame_000000.png"));
@@ -378,7 +379,7 @@ TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
   const auto pictures = [&](std::uint8_t picture, const std::string& folder) {
     record(true, false, kTicks, picture);
     options.output = path(folder);
-    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 12U);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 12U);
     std::vector<std::string> hashes;
     for (int k = 0; k < 12; ++k) {
       std::array<char, 32> name{};
@@ -401,9 +402,9 @@ TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
 }
 
 TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
-  EXPECT_THROW(SessionRenderer(config_, path("nowhere")), SessionException);
+  EXPECT_THROW(SessionRenderer(config_, path("nowhere"), build_), SessionException);
   record(false);
-  SessionRenderer renderer(config_, folder_.string());
+  SessionRenderer renderer(config_, folder_.string(), build_);
   EXPECT_THROW(renderer.run(drawnHere(), nullptr), SessionException) << "the pedal was never down";
   record(true);
   SessionRenderOptions options = drawnHere();
@@ -419,9 +420,9 @@ TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {
   SessionRenderOptions options = drawnHere();
   options.to = 0.04;
   options.output = path("pictures");
-  SessionRenderer(config_, folder_.string()).run(options, nullptr);
+  SessionRenderer(config_, folder_.string(), build_).run(options, nullptr);
   config_.scene_urdf = config_.robot_urdf;
-  SessionRenderer renderer(config_, folder_.string());
+  SessionRenderer renderer(config_, folder_.string(), build_);
   EXPECT_ANY_THROW(renderer.run(options, nullptr));
   ASSERT_EQ(renderer.warnings().size(), 1U);
   EXPECT_NE(renderer.warnings()[0].find("scene"), std::string::npos);
