@@ -33,7 +33,7 @@ struct Options {
 
 void addOptions(CLI::App* app, Options* o) {
   app->add_option("DIR", o->directories, "Session directories: those that hold a session.rlog")->required();
-  app->add_flag("--again", o->again, "Draw sessions that have their video.mp4 anew");
+  app->add_flag("--again", o->again, "Draw videos anew that are there and need not be drawn");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
       ->capture_default_str();
@@ -54,8 +54,10 @@ void addOptions(CLI::App* app, Options* o) {
           },
           "WxH"));
   app->add_option("--fps", o->fps, "Frames a second (default: config/render.yaml)")->check(CLI::Range(1, 120));
-  app->add_option("--from", o->render.from, "Session time of the first frame [s]")->check(CLI::Range(0.0, 1e6));
-  app->add_option("--to", o->render.to, "Session time of the end [s] (default: all)")->check(CLI::Range(0.0, 1e6));
+  app->add_option("--from", o->render.from, "Session time of the first frame [s]; with --output")
+      ->check(CLI::Range(0.0, 1e6));
+  app->add_option("--to", o->render.to, "Session time of the end [s] (default: all); with --output")
+      ->check(CLI::Range(0.0, 1e6));
   app->add_option("--output", o->render.output,
                   "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
   app->add_option("--config", o->config, "Root configuration file (default: the packaged config/trainer.yaml)");
@@ -120,15 +122,18 @@ class Progress {
   const Clock::time_point start_{Clock::now()};
 };
 
-/** A video that is whole and no part of one: nothing to do. */
-bool isRendered(const Options& o, const std::string& directory) {
-  const raven2_trainer::session::SessionPaths paths{directory};
-  return o.render.output.empty() && !o.again && raven2_trainer::render::isWholeVideo(paths.video()) &&
-         !raven2_trainer::render::isUnfinished(paths.video());
+/** Sessions that failed, each with the reason. */
+using Failures = std::vector<std::string>;
+using raven2_trainer::render::SessionRenderer;
+
+std::string thereAlready(const SessionRenderer& renderer, const Options& o) {
+  return renderer.outputOf(o.render) + " is there; --again draws it anew";
 }
 
 void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
-  raven2_trainer::render::SessionRenderer renderer(load(o, directory), directory, o.build);
+  SessionRenderer renderer(load(o, directory), directory, o.build);
+  // Another render may have drawn it since it was looked at.
+  if (!o.again && renderer.hasVideo(o.render)) return progress->end(i, 0.0, thereAlready(renderer, o));
   double reused = 0.0;
   const std::uint64_t frames = renderer.run(o.render, [&](std::uint64_t done, std::uint64_t all) {
     const auto total = static_cast<double>(all);
@@ -136,25 +141,47 @@ void renderOne(const Options& o, const std::string& directory, std::size_t i, Pr
     progress->update(i, static_cast<double>(done) / total, reused);
   });
   progress->end(i, 1.0 - reused,
-                std::to_string(frames) + " frames in " +
-                    (o.render.output.empty() ? directory + "/video.mp4" : o.render.output) +
+                std::to_string(frames) + " frames in " + renderer.outputOf(o.render) +
                     (renderer.reused() > 0 ? ", " + std::to_string(renderer.reused()) + " of them drawn before" : ""));
   for (const std::string& warning : renderer.warnings())
     std::fprintf(stderr, "render_session: %s\n", warning.c_str());
 }
 
-/** @return why not; empty if all went well. */
-std::string renderOrReason(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
-  if (isRendered(o, directory)) {
-    progress->end(i, 0.0, directory + "/video.mp4 is there; --again draws it anew");
-    return "";
+/** Whether there is a video to be drawn of a session. */
+bool isToBeDrawn(const Options& o, const std::string& directory) {
+  const SessionRenderer renderer(load(o, directory), directory, o.build);
+  if (o.again) {
+    raven2_trainer::render::markUnfinished(renderer.outputOf(o.render));  // a run without --again goes on with it
+    return true;
   }
-  try {
-    renderOne(o, directory, i, progress);
-    return "";
-  } catch (const std::exception& e) {
-    progress->end(i, 0.0, directory + " failed");
-    return e.what();
+  if (!renderer.hasVideo(o.render)) return true;
+  std::fprintf(stderr, "render: %s\n", thereAlready(renderer, o).c_str());
+  return false;
+}
+
+/** All are looked at before the first is drawn: so the time left is that of what is to be drawn, and what --again is
+ * about is noted of every session. */
+std::vector<std::string> toBeDrawn(const Options& o, const std::vector<std::string>& directories, Failures* failures) {
+  std::vector<std::string> out;
+  for (const std::string& directory : directories) {
+    try {
+      if (isToBeDrawn(o, directory)) out.push_back(directory);
+    } catch (const std::exception& e) {
+      failures->push_back(directory + ": " + e.what());
+    }
+  }
+  return out;
+}
+
+void drawAll(const Options& o, const std::vector<std::string>& directories, Failures* failures) {
+  Progress progress(directories);
+  for (std::size_t i = 0; i < directories.size(); ++i) {
+    try {
+      renderOne(o, directories[i], i, &progress);
+    } catch (const std::exception& e) {
+      progress.end(i, 0.0, directories[i] + " failed");
+      failures->push_back(directories[i] + ": " + e.what());
+    }
   }
 }
 
@@ -171,16 +198,13 @@ std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
 int renderSessions(Options o) {
   o.build = raven2_trainer::runtime::pictureIdentity();
   if (!o.overlays.empty()) o.render.overlays = raven2_trainer::config::overlaysOf(o.overlays);
+  raven2_trainer::render::checkOptions(o.render);
   const std::vector<std::string> directories = withoutFiles(o.directories);
   if (directories.size() > 1 && !o.render.output.empty())
     throw raven2_trainer::ConfigException("--output: takes one session; several have their video.mp4 each");
   if (directories.empty()) throw raven2_trainer::SessionException("no session directory among the arguments");
-  Progress progress(directories);
-  std::vector<std::string> failures;
-  for (std::size_t i = 0; i < directories.size(); ++i) {
-    const std::string reason = renderOrReason(o, directories[i], i, &progress);
-    if (!reason.empty()) failures.push_back(directories[i] + ": " + reason);
-  }
+  Failures failures;
+  drawAll(o, toBeDrawn(o, directories, &failures), &failures);
   for (const std::string& failure : failures)
     std::fprintf(stderr, "%s\n", failure.c_str());
   if (directories.size() > 1 && !failures.empty())
@@ -194,9 +218,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Renders recorded sessions into videos, from the first pedal down to the end.", "render_session"};
   app.footer(
       "A whole session gives round(duration x fps) frames; frame k shows the newest record at time k / fps.\n"
-      "A session that has its video.mp4 is left alone. A render that was killed goes on where it was when it is "
-      "started\n"
-      "again: until the video is whole, its parts lie in video.parts.\n"
+      "A video that is there is left alone, if it is whole and of the same log, options, configuration and build.\n"
+      "A render that was killed goes on where it was when it is started again: until a video is whole, its parts lie\n"
+      "in video.parts. What --again was to draw is drawn by the next run without --again.\n"
+      "A session that is still being recorded is refused.\n"
       "Needs no display and no graphics card; needs the program ffmpeg.\n"
       "Exit status: 0 all written, 1 otherwise; a session that fails does not stop the others.");
   Options options;

@@ -25,6 +25,10 @@ struct SessionRenderOptions {
                                        ///< this one may run on, at most SessionRenderer::kMaxProcesses
 };
 
+/** @throw ConfigException for a span without an output (the session's video.mp4 is of all of it), and for an output
+ * that is neither FILE.mp4 nor a directory. */
+void checkOptions(const SessionRenderOptions& options);
+
 struct VideoContents;
 
 /**
@@ -35,7 +39,8 @@ struct VideoContents;
  *
  * A video is drawn in parts of kPartSeconds, which lie in a folder beside it (video.parts beside video.mp4) until it is
  * whole. A render that was killed goes on with the parts that are there; it gives the same file as one that was not.
- * The video has chapters, and a tone where a tool is at the edge of its workspace.
+ * The video has chapters, and a tone where a tool is at the edge of its workspace. Its metadata say of which session,
+ * camera and span it is, and hold a hash of all that decides over it.
  */
 class SessionRenderer {
  public:
@@ -49,17 +54,24 @@ class SessionRenderer {
    * Size and rate are those of config.render.
    * @param[in] build what else decides over the pixels (runtime::pictureIdentity): parts and videos of another one are
    * drawn again.
-   * @throw SessionException if the directory holds no session.
+   * @throw SessionException if the directory holds no session, or one that is still being recorded.
    */
   SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build);
+
+  /** Whether the video that run() would write is there: whole, and of this log, these options, this configuration and
+   * this build. Reads the log for its hash. @throw as run() does for options and missing files. */
+  bool hasVideo(const SessionRenderOptions& options) const;
+
+  /** Where run() writes: options.output, or the session's video.mp4. */
+  std::string outputOf(const SessionRenderOptions& options) const;
 
   /**
    * Reads the log and renders. Writing the session's video.mp4 sets `frames` in its metrics.json, where there is
    * one, to the number of frames of that file.
    * @param[in] progress called after each frame, and first of all for those of parts that are there; may be empty.
    * @return frames written.
-   * @throw ConfigException for an unknown camera; SessionException for a session without a pedal down or an empty
-   * span; ModelException; RenderException, also if another process is drawing this video.
+   * @throw ConfigException for an unknown camera and as checkOptions(); SessionException for a session without a pedal
+   * down or an empty span; ModelException; RenderException, also if another process is drawing this video.
    */
   std::uint64_t run(const SessionRenderOptions& options, const Progress& progress);
 
@@ -74,7 +86,11 @@ class SessionRenderer {
   VideoContents read(const SessionRenderOptions& options);
   void checkFiles(const session::LogSummary& summary);
   void writePictures(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
-  void writeVideo(const VideoContents& contents, const SessionRenderOptions& options, const Progress& progress);
+  void writeVideo(const VideoContents& contents,
+                  const SessionRenderOptions& options,
+                  const std::string& settings,
+                  const Progress& progress);
+  std::string settingsOf(const SessionRenderOptions& options) const;
 
   TrainerConfig config_;
   session::SessionPaths paths_;

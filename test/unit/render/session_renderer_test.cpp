@@ -412,7 +412,114 @@ TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
   EXPECT_THROW(renderer.run(options, nullptr), ConfigException);
   options.camera = "top";
   options.from = 5.0;
+  options.output = path("part.mp4");
   EXPECT_THROW(renderer.run(options, nullptr), SessionException);
+  EXPECT_FALSE(std::filesystem::exists(path("part.mp4")));
+}
+
+TEST_F(SessionRendererTest, APartOfASessionIsNoVideoOfTheSession) {
+  record(true);
+  for (const auto& [from, to] : {std::pair{0.1, -1.0}, {0.0, 0.2}, {0.1, 0.2}}) {
+    SessionRenderOptions options = drawnHere();
+    options.from = from;
+    options.to = to;
+    EXPECT_THROW(checkOptions(options), ConfigException);
+    EXPECT_THROW(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), ConfigException);
+    EXPECT_FALSE(std::filesystem::exists(path("video.mp4")));
+    options.output = path("part.mp4");
+    EXPECT_NO_THROW(checkOptions(options));
+  }
+}
+
+TEST_F(SessionRendererTest, AnOutputIsAVideoOrADirectory) {
+  const auto refused = [&](const std::string& file) {
+    SessionRenderOptions options;
+    options.output = path(file);
+    try {
+      checkOptions(options);
+    } catch (const ConfigException&) {
+      return true;
+    }
+    return false;
+  };
+  std::filesystem::create_directories(path("tmp.4711"));
+  std::filesystem::create_directories(path("folder.mp4"));
+  for (const char* good :
+       {"film.mp4", "pictures", "pictures/", "tmp.4711", "film.mkv/", "a.b/film.mp4", "a.b/pictures"})
+    EXPECT_FALSE(refused(good)) << good;
+  for (const char* bad : {"film.mkv", "film.mp4.bak", "frame.png", "film.MP4", "folder.mp4"})
+    EXPECT_TRUE(refused(bad)) << bad;
+}
+
+TEST_F(SessionRendererTest, ASessionThatIsBeingRecordedIsRefused) {
+  session::LogWriter writer(path("session.rlog"), session::LogHeader{});
+  try {
+    SessionRenderer(config_, folder_.string(), build_);
+    FAIL() << "not refused";
+  } catch (const SessionException& e) {
+    EXPECT_NE(std::string(e.what()).find("still being recorded"), std::string::npos) << e.what();
+  }
+  writer.finish(SessionCounts{});
+  EXPECT_NO_THROW(SessionRenderer(config_, folder_.string(), build_)) << "it has its end";
+}
+
+TEST_F(SessionRendererTest, AVideoSaysWhatItIs) {
+  record(true);
+  config_.render.video_camera = "overview";
+  const auto tags = [](const std::string& video) {
+    return output("ffprobe -v error -show_entries format_tags=title,description,comment -of default=nk=0:nw=1 " +
+                  video);
+  };
+  SessionRenderer renderer(config_, folder_.string() + "/.", build_);
+  renderer.run(drawnHere(), nullptr);
+  const std::string told = tags(path("video.mp4"));
+  EXPECT_NE(told.find("TAG:title=" + folder_.filename().string() + "\n"), std::string::npos) << told;
+  EXPECT_NE(told.find("TAG:description=Camera overview, in the corner endoscope; 0.00 s to 0.40 s of the session\n"),
+            std::string::npos)
+      << told;
+  EXPECT_NE(told.find("TAG:comment=raven2_trainer settings "), std::string::npos) << told;
+  SessionRenderOptions options = drawnHere();
+  options.camera = "top";
+  options.inset = "none";
+  options.from = 0.1;
+  options.to = 0.2;
+  options.output = path("part.mp4");
+  renderer.run(options, nullptr);
+  EXPECT_NE(tags(path("part.mp4")).find("TAG:description=Camera top; 0.10 s to 0.20 s of the session\n"),
+            std::string::npos)
+      << tags(path("part.mp4"));
+}
+
+TEST_F(SessionRendererTest, AVideoIsThereIfItIsOfTheseSettings) {
+  record(true);
+  const auto isThere = [&](const SessionRenderOptions& options = drawnHere()) {
+    return SessionRenderer(config_, folder_.string(), build_).hasVideo(options);
+  };
+  EXPECT_FALSE(isThere());
+  SessionRenderer(config_, folder_.string(), build_).run(drawnHere(), nullptr);
+  EXPECT_TRUE(isThere());
+  SessionRenderOptions options = drawnHere();
+  options.processes = 2;
+  EXPECT_TRUE(isThere(options)) << "by how many is all the same";
+  options.camera = "endoscope";
+  EXPECT_FALSE(isThere(options));
+  options.camera = "cellar";
+  EXPECT_THROW(isThere(options), ConfigException);
+  options = drawnHere();
+  options.output = path("another.mp4");
+  EXPECT_FALSE(isThere(options)) << "in another place";
+  build_ = "another";
+  EXPECT_FALSE(isThere());
+  build_ = "a build";
+  EXPECT_TRUE(isThere());
+  config_.render.video_width = 160;
+  EXPECT_FALSE(isThere());
+  config_.render.video_width = 128;
+  std::filesystem::create_directories(path("video.parts"));
+  EXPECT_FALSE(isThere()) << "it is to be drawn again";
+  std::filesystem::remove(path("video.parts"));
+  record(true, false, kTicks + 1);
+  EXPECT_FALSE(isThere()) << "of another log";
 }
 
 TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {
