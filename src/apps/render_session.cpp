@@ -33,7 +33,9 @@ struct Options {
 
 void addOptions(CLI::App* app, Options* o) {
   app->add_option("DIR", o->directories, "Session directories: those that hold a session.rlog")->required();
-  app->add_flag("--again", o->again, "Draw videos anew that are there and need not be drawn");
+  app->add_flag("--again", o->again,
+                "Draw videos anew that are there and need not be drawn; remove the pictures of an earlier "
+                "render from the directory of --output");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
       ->capture_default_str();
@@ -197,6 +199,7 @@ std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
 
 int renderSessions(Options o) {
   o.build = raven2_trainer::runtime::pictureIdentity();
+  o.render.replace = o.again;
   if (!o.overlays.empty()) o.render.overlays = raven2_trainer::config::overlaysOf(o.overlays);
   raven2_trainer::render::checkOptions(o.render);
   const std::vector<std::string> directories = withoutFiles(o.directories);

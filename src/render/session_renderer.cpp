@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <regex>
 #include <utility>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -103,6 +104,26 @@ std::string describe(const VideoContents& contents, const SessionRenderOptions& 
                 from + static_cast<double>(contents.count()) / fps);
   const bool has_inset = options.inset != contents.camera && findCamera(render, options.inset) != nullptr;
   return "Camera " + contents.camera + (has_inset ? ", in the corner " + options.inset : "") + span.data();
+}
+
+/** Of an earlier render in this directory: whole ones, and those that a kill has cut. */
+std::vector<fs::path> picturesIn(const std::string& directory) {
+  static const std::regex names(R"(frame_\d+\.png(\.tmp)?)");
+  std::error_code error, none;
+  std::vector<fs::path> out;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->is_regular_file(none) && std::regex_match(entry->path().filename().string(), names))
+      out.push_back(entry->path());
+  }
+  return out;
+}
+
+/** A shorter render would leave the last pictures of a longer one behind its own. */
+void refusePictures(const std::string& directory) {
+  const std::vector<fs::path> pictures = picturesIn(directory);
+  if (pictures.empty()) return;
+  throw RenderException(directory + ": holds pictures of an earlier render (" + pictures[0].filename().string() +
+                        ", ...); --again removes them");
 }
 
 /** For VideoWriter; makes the directory. */
@@ -272,6 +293,8 @@ VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
 void SessionRenderer::writePictures(const VideoContents& contents,
                                     const SessionRenderOptions& options,
                                     const Progress& progress) {
+  for (const fs::path& picture : picturesIn(options.output))
+    fs::remove(picture);
   const std::string pattern = picturePattern(options.output);
   const MakeDrawPart make = [&]() -> DrawPart {
     const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
@@ -340,6 +363,7 @@ std::uint64_t SessionRenderer::run(const SessionRenderOptions& options, const Pr
   reused_ = 0;
   checkOptions(options);
   if (!isVideo(options.output)) {
+    if (!options.replace) refusePictures(options.output);
     const VideoContents contents = read(options);
     writePictures(contents, options, progress);
     return contents.count();

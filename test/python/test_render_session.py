@@ -279,14 +279,14 @@ def test_again_that_was_killed_goes_on_without_again(session, tmp_path):
 
 def test_simulate_draws_the_video_that_render_session_would(tmp_path):
     directory = tmp_path / "short"
-    run("simulate", "--seconds", 0.5, "--homing", "quick", "--hazard", "none", "--seed", 8, "--video", "--output", directory)
+    run("simulate", "--seconds", 0.5, "--homing", "quick", "--hazard", "none", "--video", "--output", directory)
     assert "video.mp4 is there" in run("render_session", directory)
 
 
 def test_a_session_that_is_still_being_recorded_is_refused(tmp_path):
     directory = tmp_path / "running"
-    recorder = subprocess.Popen([PROGRAMS / "simulate", "--seconds", "3600", "--homing", "quick", "--output", directory],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    recorder = subprocess.Popen([PROGRAMS / "simulate", "--seconds", "3600", "--homing", "quick", "--output",
+                                 directory], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         end = time.monotonic() + 60
         log = directory / "session.rlog"
@@ -310,6 +310,17 @@ def test_a_part_of_a_session_needs_a_place_of_its_own(session, tmp_path):
     assert (session / "metrics.json").read_bytes() == before
     assert "film.mkv" in render(session, "--output", tmp_path / "film.mkv", code=1)
     assert not (tmp_path / "film.mkv").exists()
+
+
+def test_pictures_of_an_earlier_render_are_refused_or_removed(session, tmp_path):
+    folder = tmp_path / "tmp.pictures"
+    folder.mkdir()
+    (folder / "mine.png").write_text("mine")
+    render(session, *FEW, "--output", folder)
+    assert len(list(folder.glob("frame_*.png"))) == SECONDS
+    assert "--again" in render(session, *FEW, "--to", 2, "--output", folder, code=1)
+    render(session, *FEW, "--to", 2, "--output", folder, "--again")
+    assert sorted(entry.name for entry in folder.iterdir()) == ["frame_000000.png", "frame_000001.png", "mine.png"]
 
 
 def test_a_folder_of_somebody_elses_is_left_alone(session, tmp_path):

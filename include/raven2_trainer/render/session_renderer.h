@@ -21,6 +21,7 @@ struct SessionRenderOptions {
   double to{-1.0};                     ///< [s] end; negative: the session's
   std::string output;                  ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session
   std::optional<OverlaySet> overlays;  ///< nothing: those of the video in render.yaml
+  bool replace{false};                 ///< pictures that are in the directory: removed, otherwise refused
   int processes{0};                    ///< that draw side by side; 1: this one; 0: as many as there are processors that
                                        ///< this one may run on, at most SessionRenderer::kMaxProcesses
 };

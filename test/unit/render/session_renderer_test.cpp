@@ -318,6 +318,30 @@ TEST_F(SessionRendererTest, PicturesOfSeveralPartsAreNumberedThrough) {
   EXPECT_FALSE(std::filesystem::exists(path("all/frame_000100.png")));
 }
 
+TEST_F(SessionRendererTest, PicturesOfAnEarlierRenderAreRefusedOrReplaced) {
+  record(true);
+  SessionRenderOptions options = drawnHere();
+  options.output = path("pictures");
+  const auto draw = [&] { return SessionRenderer(config_, folder_.string(), build_).run(options, nullptr); };
+  const auto isThere = [&](const std::string& file) { return std::filesystem::exists(path("pictures/" + file)); };
+  EXPECT_EQ(draw(), 12U);
+  for (const char* file : {"frame_one.png", "my_frame_000001.png", "notes.txt"})
+    std::ofstream(path("pictures/") + file) << "somebody's own";
+  std::ofstream(path("pictures/frame_000012.png.tmp")) << "half a pic";
+  options.to = 0.1;
+  EXPECT_THROW(draw(), RenderException);
+  EXPECT_TRUE(isThere("frame_000011.png"));
+  options.replace = true;
+  options.camera = "cellar";
+  EXPECT_THROW(draw(), ConfigException);
+  EXPECT_TRUE(isThere("frame_000011.png")) << "nothing is removed for nothing";
+  options.camera = "top";
+  EXPECT_EQ(draw(), 3U);
+  EXPECT_TRUE(isThere("frame_000002.png"));
+  EXPECT_FALSE(isThere("frame_000003.png") || isThere("frame_000011.png") || isThere("frame_000012.png.tmp"));
+  EXPECT_TRUE(isThere("frame_one.png") && isThere("my_frame_000001.png") && isThere("notes.txt"));
+}
+
 TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
   const std::map<std::string, OverlayKind> cases{{"marks", OverlayKind::kTrails}, {"status", OverlayKind::kStatus}};
   constexpr std::uint8_t kFrozen = 2;
@@ -529,6 +553,7 @@ TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {
   options.output = path("pictures");
   SessionRenderer(config_, folder_.string(), build_).run(options, nullptr);
   config_.scene_urdf = config_.robot_urdf;
+  options.replace = true;
   SessionRenderer renderer(config_, folder_.string(), build_);
   EXPECT_ANY_THROW(renderer.run(options, nullptr));
   ASSERT_EQ(renderer.warnings().size(), 1U);
