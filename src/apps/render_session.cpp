@@ -1,7 +1,6 @@
 // render_session DIR...: recorded sessions as videos.
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
+#include "apps/common/study_bar.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/render/session_renderer.h"
@@ -20,8 +20,6 @@
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kEstimateAfter = 2.0;  // [s] the first frames compile shaders and say nothing of the rest
 
 struct Options {
   std::vector<std::string> directories, overlays;
@@ -85,43 +83,35 @@ raven2_trainer::TrainerConfig load(const Options& o, const std::string& director
   return config;
 }
 
-/** Progress over all sessions, by the size of their logs: how long each lasts is known only once it was read. */
+/** Progress over the sessions that are drawn, by the size of their logs: how long each lasts is known only once it was
+ * read. */
 class Progress {
  public:
   explicit Progress(const std::vector<std::string>& directories) : bar_("render") {
     std::error_code error;
     for (const std::string& directory : directories) {
       const auto size = fs::file_size(raven2_trainer::session::SessionPaths{directory}.log(), error);
-      sizes_.push_back(error ? 0.0 : static_cast<double>(size));
+      sizes_.push_back(error ? 1.0 : 1.0 + static_cast<double>(size));  // never nothing: it is divided by
       all_ += sizes_.back();
     }
   }
 
   /** Of session `i`: shares done, and done without being drawn. */
   void update(std::size_t i, double share, double reused) {
-    const double done = before_ + share * sizes_[i], drawn = drawn_ + (share - reused) * sizes_[i];
-    const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
-    bar_.update(done / all_, spent > kEstimateAfter && drawn > 0.0 ? timeLeft(spent * (all_ - done) / drawn) : "");
+    bar_.update((before_ + share * sizes_[i]) / all_, (found_ + reused * sizes_[i]) / all_);
   }
 
-  /** Session `i` is over: `drawn`, the share of it that was drawn. */
-  void end(std::size_t i, double drawn, const std::string& what) {
+  /** Session `i` is over: `reused`, the share of it that was not drawn. */
+  void end(std::size_t i, double reused, const std::string& what) {
     before_ += sizes_[i];
-    drawn_ += drawn * sizes_[i];
+    found_ += reused * sizes_[i];
     bar_.done(what);
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  static std::string timeLeft(double seconds) {
-    const int whole = static_cast<int>(seconds);
-    return (whole >= 60 ? std::to_string(whole / 60) + " min " : "") + std::to_string(whole % 60) + " s left";
-  }
-
-  raven2_trainer::apps::ProgressBar bar_;
-  std::vector<double> sizes_;  // [bytes]
-  double all_{0.0}, before_{0.0}, drawn_{0.0};
-  const Clock::time_point start_{Clock::now()};
+  raven2_trainer::apps::StudyBar bar_;
+  std::vector<double> sizes_;                   // [bytes]
+  double all_{0.0}, before_{0.0}, found_{0.0};  // of all sessions; of those that are over; of that what took no time
 };
 
 /** Sessions that failed, each with the reason. */
@@ -135,14 +125,14 @@ std::string thereAlready(const SessionRenderer& renderer, const Options& o) {
 void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
   SessionRenderer renderer(load(o, directory), directory, o.build);
   // Another render may have drawn it since it was looked at.
-  if (!o.again && renderer.hasVideo(o.render)) return progress->end(i, 0.0, thereAlready(renderer, o));
+  if (!o.again && renderer.hasVideo(o.render)) return progress->end(i, 1.0, thereAlready(renderer, o));
   double reused = 0.0;
   const std::uint64_t frames = renderer.run(o.render, [&](std::uint64_t done, std::uint64_t all) {
     const auto total = static_cast<double>(all);
     reused = static_cast<double>(renderer.reused()) / total;
     progress->update(i, static_cast<double>(done) / total, reused);
   });
-  progress->end(i, 1.0 - reused,
+  progress->end(i, reused,
                 std::to_string(frames) + " frames in " + renderer.outputOf(o.render) +
                     (renderer.reused() > 0 ? ", " + std::to_string(renderer.reused()) + " of them drawn before" : ""));
   for (const std::string& warning : renderer.warnings())
@@ -181,7 +171,7 @@ void drawAll(const Options& o, const std::vector<std::string>& directories, Fail
     try {
       renderOne(o, directories[i], i, &progress);
     } catch (const std::exception& e) {
-      progress.end(i, 0.0, directories[i] + " failed");
+      progress.end(i, 1.0, directories[i] + " failed");
       failures->push_back(directories[i] + ": " + e.what());
     }
   }
