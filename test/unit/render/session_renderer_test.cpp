@@ -231,6 +231,8 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->camera = "top"; }), 0U);
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->inset = "none"; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { build_ = "another"; }), 0U);
+  EXPECT_EQ(change([](SessionRenderOptions* o) { o->overlays = OverlaySet(); }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.trails.duration += 1.0; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.encoder_crf = 30; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.video_width = 160; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.cameras[0].eye_W[2] += 1e-9; }), 0U);
