@@ -1,7 +1,6 @@
 // render_session DIR...: recorded sessions as videos.
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/session_config.h"
+#include "apps/common/study_bar.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/render/session_renderer.h"
@@ -20,11 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kEstimateAfter = 2.0;  // [s] the first frames compile shaders and say nothing of the rest
-
 struct Options {
   std::vector<std::string> directories, overlays;
-  std::string config, size;
+  std::string config, size, build;
   int fps{0};
   bool again{false};
   raven2_trainer::render::SessionRenderOptions render;
@@ -32,7 +30,9 @@ struct Options {
 
 void addOptions(CLI::App* app, Options* o) {
   app->add_option("DIR", o->directories, "Session directories: those that hold a session.rlog")->required();
-  app->add_flag("--again", o->again, "Draw sessions that have their video.mp4 anew");
+  app->add_flag("--again", o->again,
+                "Draw videos anew that are there and need not be drawn; remove the pictures of an earlier "
+                "render from the directory of --output");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
       ->capture_default_str();
@@ -53,14 +53,20 @@ void addOptions(CLI::App* app, Options* o) {
           },
           "WxH"));
   app->add_option("--fps", o->fps, "Frames a second (default: config/render.yaml)")->check(CLI::Range(1, 120));
-  app->add_option("--from", o->render.from, "Session time of the first frame [s]")->check(CLI::Range(0.0, 1e6));
-  app->add_option("--to", o->render.to, "Session time of the end [s] (default: all)")->check(CLI::Range(0.0, 1e6));
+  app->add_option("--from", o->render.from, "Session time of the first frame [s]; with --output")
+      ->check(CLI::Range(0.0, 1e6));
+  app->add_option("--to", o->render.to, "Session time of the end [s] (default: all); with --output")
+      ->check(CLI::Range(0.0, 1e6));
   app->add_option("--output", o->render.output,
                   "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
   app->add_option("--config", o->config,
                   "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
-  app->add_option("--processes", o->render.processes, "Processes that draw side by side; 0 = one a core")
-      ->check(CLI::Range(0, 8))
+  constexpr int kMost = raven2_trainer::render::SessionRenderer::kMaxProcesses;
+  app->add_option(
+         "--processes", o->render.processes,
+         "Processes that draw side by side; 0 = one for each processor that this program may run on, at most " +
+             std::to_string(kMost))
+      ->check(CLI::Range(0, kMost))
       ->capture_default_str();
 }
 
@@ -73,80 +79,97 @@ raven2_trainer::TrainerConfig load(const Options& o, const std::string& director
   return config;
 }
 
-/** Progress over all sessions, by the size of their logs: how long each lasts is known only once it was read. */
+/** Progress over the sessions that are drawn, by the size of their logs: how long each lasts is known only once it was
+ * read. */
 class Progress {
  public:
   explicit Progress(const std::vector<std::string>& directories) : bar_("render") {
     std::error_code error;
     for (const std::string& directory : directories) {
       const auto size = fs::file_size(raven2_trainer::session::SessionPaths{directory}.log(), error);
-      sizes_.push_back(error ? 0.0 : static_cast<double>(size));
+      sizes_.push_back(error ? 1.0 : 1.0 + static_cast<double>(size));  // never nothing: it is divided by
       all_ += sizes_.back();
     }
   }
 
   /** Of session `i`: shares done, and done without being drawn. */
   void update(std::size_t i, double share, double reused) {
-    const double done = before_ + share * sizes_[i], drawn = drawn_ + (share - reused) * sizes_[i];
-    const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
-    bar_.update(done / all_, spent > kEstimateAfter && drawn > 0.0 ? timeLeft(spent * (all_ - done) / drawn) : "");
+    bar_.update((before_ + share * sizes_[i]) / all_, (found_ + reused * sizes_[i]) / all_);
   }
 
-  /** Session `i` is over: `drawn`, the share of it that was drawn. */
-  void end(std::size_t i, double drawn, const std::string& what) {
+  /** Session `i` is over: `reused`, the share of it that was not drawn. */
+  void end(std::size_t i, double reused, const std::string& what) {
     before_ += sizes_[i];
-    drawn_ += drawn * sizes_[i];
+    found_ += reused * sizes_[i];
     bar_.done(what);
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  static std::string timeLeft(double seconds) {
-    const int whole = static_cast<int>(seconds);
-    return (whole >= 60 ? std::to_string(whole / 60) + " min " : "") + std::to_string(whole % 60) + " s left";
-  }
-
-  raven2_trainer::apps::ProgressBar bar_;
-  std::vector<double> sizes_;  // [bytes]
-  double all_{0.0}, before_{0.0}, drawn_{0.0};
-  const Clock::time_point start_{Clock::now()};
+  raven2_trainer::apps::StudyBar bar_;
+  std::vector<double> sizes_;                   // [bytes]
+  double all_{0.0}, before_{0.0}, found_{0.0};  // of all sessions; of those that are over; of that what took no time
 };
 
-/** A video that is whole and no part of one: nothing to do. */
-bool isRendered(const Options& o, const std::string& directory) {
-  const raven2_trainer::session::SessionPaths paths{directory};
-  return o.render.output.empty() && !o.again && raven2_trainer::render::isWholeVideo(paths.video()) &&
-         !raven2_trainer::render::isUnfinished(paths.video());
+/** Sessions that failed, each with the reason. */
+using Failures = std::vector<std::string>;
+using raven2_trainer::render::SessionRenderer;
+
+std::string thereAlready(const SessionRenderer& renderer, const Options& o) {
+  return renderer.outputOf(o.render) + " is there; --again draws it anew";
 }
 
 void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
-  raven2_trainer::render::SessionRenderer renderer(load(o, directory), directory);
+  SessionRenderer renderer(load(o, directory), directory, o.build);
+  // Another render may have drawn it since it was looked at.
+  if (!o.again && renderer.hasVideo(o.render)) return progress->end(i, 1.0, thereAlready(renderer, o));
   double reused = 0.0;
   const std::uint64_t frames = renderer.run(o.render, [&](std::uint64_t done, std::uint64_t all) {
     const auto total = static_cast<double>(all);
     reused = static_cast<double>(renderer.reused()) / total;
     progress->update(i, static_cast<double>(done) / total, reused);
   });
-  progress->end(i, 1.0 - reused,
-                std::to_string(frames) + " frames in " +
-                    (o.render.output.empty() ? directory + "/video.mp4" : o.render.output) +
+  progress->end(i, reused,
+                std::to_string(frames) + " frames in " + renderer.outputOf(o.render) +
                     (renderer.reused() > 0 ? ", " + std::to_string(renderer.reused()) + " of them drawn before" : ""));
   for (const std::string& warning : renderer.warnings())
     std::fprintf(stderr, "render_session: %s\n", warning.c_str());
 }
 
-/** @return why not; empty if all went well. */
-std::string renderOrReason(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
-  if (isRendered(o, directory)) {
-    progress->end(i, 0.0, directory + "/video.mp4 is there; --again draws it anew");
-    return "";
+/** Whether there is a video to be drawn of a session. */
+bool isToBeDrawn(const Options& o, const std::string& directory) {
+  const SessionRenderer renderer(load(o, directory), directory, o.build);
+  if (o.again) {
+    raven2_trainer::render::markUnfinished(renderer.outputOf(o.render));  // a run without --again goes on with it
+    return true;
   }
-  try {
-    renderOne(o, directory, i, progress);
-    return "";
-  } catch (const std::exception& e) {
-    progress->end(i, 0.0, directory + " failed");
-    return e.what();
+  if (!renderer.hasVideo(o.render)) return true;
+  std::fprintf(stderr, "render: %s\n", thereAlready(renderer, o).c_str());
+  return false;
+}
+
+/** All are looked at before the first is drawn: so the time left is that of what is to be drawn, and what --again is
+ * about is noted of every session. */
+std::vector<std::string> toBeDrawn(const Options& o, const std::vector<std::string>& directories, Failures* failures) {
+  std::vector<std::string> out;
+  for (const std::string& directory : directories) {
+    try {
+      if (isToBeDrawn(o, directory)) out.push_back(directory);
+    } catch (const std::exception& e) {
+      failures->push_back(directory + ": " + e.what());
+    }
+  }
+  return out;
+}
+
+void drawAll(const Options& o, const std::vector<std::string>& directories, Failures* failures) {
+  Progress progress(directories);
+  for (std::size_t i = 0; i < directories.size(); ++i) {
+    try {
+      renderOne(o, directories[i], i, &progress);
+    } catch (const std::exception& e) {
+      progress.end(i, 1.0, directories[i] + " failed");
+      failures->push_back(directories[i] + ": " + e.what());
+    }
   }
 }
 
@@ -161,18 +184,16 @@ std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
 }
 
 int renderSessions(Options o) {
-  o.render.build = raven2_trainer::runtime::pictureIdentity();
+  o.build = raven2_trainer::runtime::pictureIdentity();
+  o.render.replace = o.again;
   if (!o.overlays.empty()) o.render.overlays = raven2_trainer::config::overlaysOf(o.overlays);
+  raven2_trainer::render::checkOptions(o.render);
   const std::vector<std::string> directories = withoutFiles(o.directories);
   if (directories.size() > 1 && !o.render.output.empty())
     throw raven2_trainer::ConfigException("--output: takes one session; several have their video.mp4 each");
   if (directories.empty()) throw raven2_trainer::SessionException("no session directory among the arguments");
-  Progress progress(directories);
-  std::vector<std::string> failures;
-  for (std::size_t i = 0; i < directories.size(); ++i) {
-    const std::string reason = renderOrReason(o, directories[i], i, &progress);
-    if (!reason.empty()) failures.push_back(directories[i] + ": " + reason);
-  }
+  Failures failures;
+  drawAll(o, toBeDrawn(o, directories, &failures), &failures);
   for (const std::string& failure : failures)
     std::fprintf(stderr, "%s\n", failure.c_str());
   if (directories.size() > 1 && !failures.empty())
@@ -186,9 +207,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Renders recorded sessions into videos, from the first pedal down to the end.", "render_session"};
   app.footer(
       "A whole session gives round(duration x fps) frames; frame k shows the newest record at time k / fps.\n"
-      "A session that has its video.mp4 is left alone. A render that was killed goes on where it was when it is "
-      "started\n"
-      "again: until the video is whole, its parts lie in video.parts.\n"
+      "A video that is there is left alone, if it is whole and of the same log, options, configuration and build.\n"
+      "A render that was killed goes on where it was when it is started again: until a video is whole, its parts lie\n"
+      "in video.parts. What --again was to draw is drawn by the next run without --again.\n"
+      "A session that is still being recorded is refused.\n"
       "Needs no display and no graphics card; needs the program ffmpeg.\n"
       "Exit status: 0 all written, 1 otherwise; a session that fails does not stop the others.");
   Options options;

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdio>
 #include <string>
 
 #include "apps/common/command_line.h"
@@ -10,6 +11,7 @@
 #include "apps/common/motion_options.h"
 #include "apps/common/paths.h"
 #include "apps/common/resimulate_session.h"
+#include "apps/common/study_bar.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/render/session_renderer.h"
 #include "raven2_trainer/runtime/build_identity.h"
@@ -34,14 +36,14 @@ struct Options {
 };
 
 void renderVideo(const TrainerConfig& config, const std::string& directory) {
-  apps::ProgressBar bar("video");
-  render::SessionRenderer renderer(config, directory);
-  render::SessionRenderOptions options;
-  options.build = runtime::pictureIdentity();
-  const std::uint64_t frames = renderer.run(options, [&](std::uint64_t done, std::uint64_t all) {
+  apps::StudyBar bar("video");
+  render::SessionRenderer renderer(config, directory, runtime::pictureIdentity());
+  const std::uint64_t frames = renderer.run({}, [&](std::uint64_t done, std::uint64_t all) {
     bar.update(static_cast<double>(done) / static_cast<double>(all));
   });
   bar.done(std::to_string(frames) + " frames");
+  for (const std::string& warning : renderer.warnings())
+    std::fprintf(stderr, "simulate: %s\n", warning.c_str());
 }
 
 /** The recorded surgeon worked in another scene: unless told otherwise the model's arms pass through ours. */

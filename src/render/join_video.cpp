@@ -8,6 +8,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "render/edge_tone.h"
 #include "render/ffmpeg_process.h"
+#include "render/part_store.h"
 
 namespace raven2_trainer::render {
 
@@ -37,8 +38,9 @@ std::string partList(const VideoPieces& pieces) {
   return out;
 }
 
-std::string chapterList(const VideoPieces& pieces) {
-  std::string out = ";FFMETADATA1\n";
+std::string metadata(const VideoPieces& pieces) {
+  std::string out = ";FFMETADATA1\ntitle=" + escaped(pieces.title) + "\ndescription=" + escaped(pieces.description) +
+                    "\ncomment=" + escaped(pieces.comment) + "\n";
   for (std::size_t i = 0; i < pieces.chapters.size(); ++i) {
     const bool is_last = i + 1 == pieces.chapters.size();
     const std::int64_t end = is_last ? pieces.length_ms : pieces.chapters[i + 1].start_ms;
@@ -50,11 +52,11 @@ std::string chapterList(const VideoPieces& pieces) {
 
 /** Without the date and the versions that ffmpeg would note: the same pieces give the same bytes. */
 std::vector<std::string> joinArguments(const std::string& parts,
-                                       const std::string& chapters,
+                                       const std::string& described,
                                        const std::string& sound,
                                        const std::string& output) {
   std::vector<std::string> out{"-nostdin",      "-y", "-f",         "concat", "-i",
-                               "file:" + parts, "-f", "ffmetadata", "-i",     "file:" + chapters};
+                               "file:" + parts, "-f", "ffmetadata", "-i",     "file:" + described};
   const auto add = [&out](const std::vector<std::string>& more) { out.insert(out.end(), more.begin(), more.end()); };
   if (!sound.empty()) add({"-i", "file:" + sound});
   add({"-map", "0:v", "-c:v", "copy", "-map_metadata", "1", "-map_chapters", "1"});
@@ -66,13 +68,14 @@ std::vector<std::string> joinArguments(const std::string& parts,
 }  // namespace
 
 void joinVideo(const VideoPieces& pieces, const std::string& path) {
-  const std::string parts = pieces.folder + "/parts.ffconcat", chapters = pieces.folder + "/chapters.ffmeta";
-  const std::string sound = pieces.tones.empty() ? "" : pieces.folder + "/tones.wav";
-  const std::string whole = pieces.folder + "/whole.mp4";
+  const std::string start = pieces.folder + "/";
+  const std::string parts = start + PartFolderFiles::kList, described = start + PartFolderFiles::kMetadata;
+  const std::string sound = pieces.tones.empty() ? "" : start + PartFolderFiles::kSound;
+  const std::string whole = start + PartFolderFiles::whole();
   writeFile(parts, partList(pieces));
-  writeFile(chapters, chapterList(pieces));
+  writeFile(described, metadata(pieces));
   if (!sound.empty()) writeTones(sound, pieces.tones, pieces.length_ms);
-  FfmpegProcess(joinArguments(parts, chapters, sound, whole), path).finish();
+  FfmpegProcess(joinArguments(parts, described, sound, whole), path).finish();
   if (std::rename(whole.c_str(), path.c_str()) != 0) throw RenderException(path + ": " + std::strerror(errno));
 }
 

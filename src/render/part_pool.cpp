@@ -1,6 +1,7 @@
 #include "render/part_pool.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -23,30 +23,57 @@ namespace raven2_trainer::render {
 
 namespace {
 
-/** The next place in the list of parts, in memory that all processes share. */
-class SharedCounter {
+constexpr std::size_t kReasonSize = 1024;            // [bytes] of a failure's text
+constexpr const char* kPrefix = "raven2_trainer: ";  // Exception puts it before every text, so also before a child's
+
+/** In memory that all processes share. */
+struct Shared {
+  std::atomic<std::size_t> next{0};        // place in the list of parts
+  std::atomic<bool> has_failed{false};     // one of them, by an exception
+  std::array<char, kReasonSize> reason{};  // of the first that did; its last byte stays 0
+  static_assert(decltype(next)::is_always_lock_free && decltype(has_failed)::is_always_lock_free, "of processes");
+};
+
+/** What the drawing processes share: the next place in the list of parts, and why the first of them failed. */
+class SharedState {
  public:
-  SharedCounter() {
-    void* memory = mmap(nullptr, sizeof(Value), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  SharedState() {
+    void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw RenderException(std::string("mmap: ") + std::strerror(errno));
-    value_ = new (memory) Value(0);
+    shared_ = new (memory) Shared();
   }
-  ~SharedCounter() { munmap(value_, sizeof(Value)); }
-  SharedCounter(const SharedCounter&) = delete;
-  SharedCounter& operator=(const SharedCounter&) = delete;
-  std::size_t take() noexcept { return value_->fetch_add(1); }
+  ~SharedState() { munmap(shared_, sizeof(Shared)); }
+  SharedState(const SharedState&) = delete;
+  SharedState& operator=(const SharedState&) = delete;
+
+  std::size_t take() noexcept { return shared_->next.fetch_add(1); }
+
+  void fail(const char* reason) noexcept {
+    if (!shared_->has_failed.exchange(true)) std::strncpy(shared_->reason.data(), reason, kReasonSize - 1);
+  }
+
+  /** Empty: none threw. Once all processes have ended. */
+  std::string reason() const {
+    const std::string text = shared_->reason.data();
+    return text.rfind(kPrefix, 0) == 0 ? text.substr(std::strlen(kPrefix)) : text;
+  }
 
  private:
-  using Value = std::atomic<std::size_t>;
-  static_assert(Value::is_always_lock_free, "shared by processes");
-  Value* value_;
+  Shared* shared_;
 };
+
+/** Of a process that ended without saying why. @param[in] status of waitpid, not 0. */
+std::string describe(int status) {
+  if (!WIFSIGNALED(status)) return "a drawing process ended with status " + std::to_string(WEXITSTATUS(status));
+  const int number = WTERMSIG(status);
+  return "a drawing process was ended by signal " + std::to_string(number) + " (" + strsignal(number) + ")";
+}
 
 /** Body of a drawing process. Ends with _exit: what the parent would do at exit is the parent's. */
 [[noreturn]] void drawAndExit(int fd,
                               pid_t parent,
                               const std::vector<std::size_t>& parts,
-                              SharedCounter* next,
+                              SharedState* state,
                               const MakeDrawPart& make) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);  // it had ended before
@@ -59,10 +86,10 @@ class SharedCounter {
       while (write(fd, &one, 1) < 0 && errno == EINTR) {
       }
     };
-    for (std::size_t i = next->take(); i < parts.size(); i = next->take())
+    for (std::size_t i = state->take(); i < parts.size(); i = state->take())
       draw(parts[i], tell);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
+    state->fail(e.what());
     code = 1;
   }
   _exit(code);
@@ -80,7 +107,7 @@ class Pool {
       const pid_t id = fork();
       if (id == 0) {
         close(told_);
-        drawAndExit(ends[1], parent, parts, &next_, make);
+        drawAndExit(ends[1], parent, parts, &state_, make);
       }
       if (id > 0) ids_.push_back(id);
     }
@@ -106,35 +133,45 @@ class Pool {
       for (ssize_t i = 0; i < got && done; ++i)
         done();
     }
-    if (!wait()) throw RenderException("a drawing process ended before its last frame");
+    const int bad = wait();
+    if (bad != 0) throw RenderException(state_.reason().empty() ? describe(bad) : state_.reason());
   }
 
  private:
-  /** @return whether all ended well. */
-  bool wait() {
-    bool well = true;
+  /** @return status of the first that did not end well; 0: all did. */
+  int wait() {
+    int bad = 0;
     for (const pid_t id : ids_) {
       int status = 0;
       while (waitpid(id, &status, 0) < 0 && errno == EINTR) {
       }
-      well = well && status == 0;
+      if (bad == 0) bad = status;
     }
     ids_.clear();
-    return well;
+    return bad;
   }
 
-  SharedCounter next_;
+  SharedState state_;
   std::vector<pid_t> ids_;
   int told_{-1};
 };
 
 }  // namespace
 
+int processorsAllowed() noexcept {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  const bool is_known = sched_getaffinity(0, sizeof(allowed), &allowed) == 0;  // not beyond 1024 of them
+  return std::max(is_known ? CPU_COUNT(&allowed) : static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)), 1);
+}
+
 void drawParts(const std::vector<std::size_t>& parts, int processes, const MakeDrawPart& make, const FrameDone& done) {
   if (parts.empty()) return;
-  const int used =
-      static_cast<int>(std::min<std::size_t>(parts.size(), static_cast<std::size_t>(std::max(processes, 1))));
-  if (used > 1) return Pool(parts, used, make).follow(done);
+  // Forked even for a single part: drawn here, OpenGL would be in use, and nothing could be forked ever after.
+  if (processes > 1) {
+    const auto used = static_cast<int>(std::min(parts.size(), static_cast<std::size_t>(processes)));
+    return Pool(parts, used, make).follow(done);
+  }
   const DrawPart draw = make();
   for (const std::size_t part : parts)
     draw(

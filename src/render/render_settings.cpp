@@ -1,7 +1,11 @@
 #include "render/render_settings.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <iterator>
 #include <sstream>
+#include <vector>
 
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/session/session_directory.h"
@@ -11,15 +15,27 @@ namespace raven2_trainer::render {
 
 namespace {
 
+namespace fs = std::filesystem;
+
+/** Folders of config/ whose files decide over what happens, and over no picture of what happened. Which of them were
+ * read depends on the program that reads: the same video would have two hashes. */
+constexpr std::array<const char*, 5> kNotOfPictures{"bands", "curricula", "faults", "impairments", "plants"};
+
+bool isOfPictures(const std::string& file) {
+  const std::string folder = fs::path(file).parent_path().filename().string();
+  return std::find(kNotOfPictures.begin(), kNotOfPictures.end(), folder) == kNotOfPictures.end();
+}
+
 void addFiles(const TrainerConfig& config, std::ostringstream* out) {
-  std::vector<std::string> files = config.files;
+  std::vector<std::string> files;
+  std::copy_if(config.files.begin(), config.files.end(), std::back_inserter(files), isOfPictures);
   for (const std::string& urdf : {config.robot_urdf, config.scene_urdf}) {
     files.push_back(urdf);
     for (const std::string& mesh : model::meshFiles(urdf))
       files.push_back(mesh);
   }
   for (const std::string& file : files)
-    *out << file << ' ' << session::fileHash(file) << '\n';
+    *out << fs::path(file).filename().string() << ' ' << session::fileHash(file) << '\n';
 }
 
 void add(const CameraConfig& camera, std::ostringstream* out) {
@@ -56,13 +72,14 @@ std::string settingsHash(const TrainerConfig& config,
                          const SessionRenderOptions& options,
                          const std::string& camera,
                          const session::SessionPaths& paths,
-                         std::size_t part_frames) {
+                         const std::string& build) {
   std::ostringstream out;
   out.precision(17);
   out << session::fileHash(paths.log()) << '\n';
-  if (std::filesystem::exists(paths.score())) out << session::fileHash(paths.score()) << '\n';  // the timer's verdict
-  out << options.build << '\n' << ffmpegVersion() << '\n';
-  out << camera << ' ' << options.inset << ' ' << options.from << ' ' << options.to << ' ' << part_frames << '\n';
+  if (fs::exists(paths.score())) out << session::fileHash(paths.score()) << '\n';  // the timer's verdict
+  out << build << '\n' << ffmpegVersion() << '\n';
+  out << camera << ' ' << options.inset << ' ' << options.from << ' ' << options.to << ' '
+      << SessionRenderer::kPartSeconds << '\n';
   if (options.overlays) add(*options.overlays, &out);
   add(config.render, &out);
   addFiles(config, &out);

@@ -1,9 +1,12 @@
 #include "raven2_trainer/render/session_renderer.h"
 
-#include <unistd.h>
-
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <regex>
+#include <utility>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -11,6 +14,7 @@
 #include "raven2_trainer/render/renderer.h"
 #include "raven2_trainer/render/video_file.h"
 #include "raven2_trainer/render/video_writer.h"
+#include "raven2_trainer/session/recovery.h"
 #include "raven2_trainer/training/session_metrics.h"
 #include "render/chapters.h"
 #include "render/edge_tone.h"
@@ -46,6 +50,8 @@ struct VideoContents {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kInsetShare = 0.3;  // of the picture's width and height
 constexpr double kLead = 600.0;      // [s] known of what was before: the marks of trails, the picture that stands still
 
@@ -69,13 +75,61 @@ std::int64_t lengthOf(std::size_t frames, int fps) {
 }
 
 bool isVideo(const std::string& output) {
-  return output.empty() || std::filesystem::path(output).extension() == ".mp4";
+  return output.empty() || fs::path(output).extension() == ".mp4";
+}
+
+void checkOutput(const std::string& output) {
+  std::error_code error;
+  const bool is_directory = fs::is_directory(output, error);
+  if (isVideo(output) && is_directory) throw ConfigException("--output " + output + ": is a directory");
+  if (!isVideo(output) && !is_directory && fs::path(output).has_extension()) {
+    throw ConfigException("--output " + output +
+                          ": is neither FILE.mp4 nor a directory; with a / at its end it is one");
+  }
+}
+
+/** What a session is called: its directory's name, however the path is written. */
+std::string nameOf(const std::string& directory) {
+  std::error_code error;
+  const fs::path path = fs::canonical(directory, error);
+  return path.filename().string();
+}
+
+/** In words, for whoever finds the file. */
+std::string describe(const VideoContents& contents, const SessionRenderOptions& options, const RenderConfig& render) {
+  const double fps = render.video_fps;
+  const double from = static_cast<double>(std::llround(std::max(options.from, 0.0) * fps)) / fps;
+  std::array<char, 96> span{};
+  std::snprintf(span.data(), span.size(), "; %.2f s to %.2f s of the session", from,
+                from + static_cast<double>(contents.count()) / fps);
+  const bool has_inset = options.inset != contents.camera && findCamera(render, options.inset) != nullptr;
+  return "Camera " + contents.camera + (has_inset ? ", in the corner " + options.inset : "") + span.data();
+}
+
+/** Of an earlier render in this directory: whole ones, and those that a kill has cut. */
+std::vector<fs::path> picturesIn(const std::string& directory) {
+  static const std::regex names(R"(frame_\d+\.png(\.tmp)?)");
+  std::error_code error, none;
+  std::vector<fs::path> out;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->is_regular_file(none) && std::regex_match(entry->path().filename().string(), names))
+      out.push_back(entry->path());
+  }
+  return out;
+}
+
+/** A shorter render would leave the last pictures of a longer one behind its own. */
+void refusePictures(const std::string& directory) {
+  const std::vector<fs::path> pictures = picturesIn(directory);
+  if (pictures.empty()) return;
+  throw RenderException(directory + ": holds pictures of an earlier render (" + pictures[0].filename().string() +
+                        ", ...); --again removes them");
 }
 
 /** For VideoWriter; makes the directory. */
 std::string picturePattern(const std::string& directory) {
   std::error_code error;
-  std::filesystem::create_directories(directory, error);
+  fs::create_directories(directory, error);
   if (error) throw RenderException(directory + ": " + error.message());
   std::string pattern;
   for (const char c : directory)
@@ -86,7 +140,7 @@ std::string picturePattern(const std::string& directory) {
 /** Where OpenGL was used before, nothing may be forked: its threads do not survive that. */
 int processCount(int asked) {
   if (GlContext::isUsed()) return 1;
-  return asked > 0 ? asked : std::clamp(static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)), 1, 8);
+  return asked > 0 ? asked : std::min(processorsAllowed(), SessionRenderer::kMaxProcesses);
 }
 
 /** The frames as the trainee saw them. */
@@ -121,7 +175,7 @@ session::LogSummary sortRecords(const std::string& log, SortedRecords* sorted) {
 
 /** What the attempts came to, if the session was scored. */
 void addVerdicts(const std::string& score, std::vector<Snapshot>* frames) {
-  if (!std::filesystem::exists(score)) return;
+  if (!fs::exists(score)) return;
   const auto verdicts = training::readVerdicts(score);
   for (Snapshot& frame : *frames) {
     const auto found = verdicts.find(frame.model.exercise.attempt);
@@ -187,8 +241,19 @@ std::vector<std::size_t> upTo(std::size_t count) {
 
 }  // namespace
 
-SessionRenderer::SessionRenderer(const TrainerConfig& config, const std::string& directory)
-    : config_(config), paths_(session::openSessionDirectory(directory)) {}
+void checkOptions(const SessionRenderOptions& options) {
+  if (!options.output.empty()) return checkOutput(options.output);
+  if (options.from > 0.0 || options.to >= 0.0) {
+    throw ConfigException(
+        "--from, --to: video.mp4 is of the whole session; a part of it needs a place of its own, --output FILE.mp4");
+  }
+}
+
+SessionRenderer::SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build)
+    : config_(config), paths_(session::openSessionDirectory(directory)), build_(std::move(build)) {
+  // A video of what there is so far would be taken for the session's.
+  if (session::isBeingWritten(paths_)) throw SessionException(directory + ": is still being recorded");
+}
 
 void SessionRenderer::checkFiles(const session::LogSummary& summary) {
   if (session::fileHash(config_.robot_urdf) != summary.header.robot_urdf_hash) {
@@ -242,6 +307,8 @@ VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
 void SessionRenderer::writePictures(const VideoContents& contents,
                                     const SessionRenderOptions& options,
                                     const Progress& progress) {
+  for (const fs::path& picture : picturesIn(options.output))
+    fs::remove(picture);
   const std::string pattern = picturePattern(options.output);
   const MakeDrawPart make = [&]() -> DrawPart {
     const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
@@ -259,10 +326,10 @@ void SessionRenderer::writePictures(const VideoContents& contents,
 
 void SessionRenderer::writeVideo(const VideoContents& contents,
                                  const SessionRenderOptions& options,
+                                 const std::string& settings,
                                  const Progress& progress) {
-  const std::string video = options.output.empty() ? paths_.video() : options.output;
-  PartStore store(partFolder(video), settingsHash(config_, options, contents.camera, paths_, contents.part_frames),
-                  contents.parts());
+  const std::string video = outputOf(options);
+  PartStore store(partFolder(video), settings, contents.parts());
   const MakeDrawPart make = [&]() -> DrawPart {
     const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
     return [&, drawer](std::size_t part, const FrameDone& done) {
@@ -281,21 +348,44 @@ void SessionRenderer::writeVideo(const VideoContents& contents,
     if (progress) progress(++drawn, contents.count());
   });
   joinVideo({store.folder(), store.names(), contents.chapters, contents.tones,
-             lengthOf(contents.count(), config_.render.video_fps)},
+             lengthOf(contents.count(), config_.render.video_fps), nameOf(paths_.directory),
+             describe(contents, options, config_.render), settingsComment(settings)},
             video);
-  if (options.output.empty() && std::filesystem::exists(paths_.metrics()))
-    training::setFrames(paths_.metrics(), contents.count());
+  if (options.output.empty() && fs::exists(paths_.metrics())) training::setFrames(paths_.metrics(), contents.count());
   store.remove();  // last: as long as it is there, another run does the rest
+}
+
+std::string SessionRenderer::outputOf(const SessionRenderOptions& options) const {
+  return options.output.empty() ? paths_.video() : options.output;
+}
+
+std::string SessionRenderer::settingsOf(const SessionRenderOptions& options) const {
+  const std::string camera = options.camera.empty() ? config_.render.video_camera : options.camera;
+  return settingsHash(config_, options, requireCamera(config_.render, camera).name, paths_, build_);
+}
+
+bool SessionRenderer::hasVideo(const SessionRenderOptions& options) const {
+  checkOptions(options);
+  const std::string video = outputOf(options);
+  if (!isVideo(options.output) || isUnfinished(video)) return false;
+  const std::string drawn = videoSettings(video);
+  return !drawn.empty() && drawn == settingsOf(options);
 }
 
 std::uint64_t SessionRenderer::run(const SessionRenderOptions& options, const Progress& progress) {
   warnings_.clear();
   reused_ = 0;
-  const VideoContents contents = read(options);
-  if (isVideo(options.output))
-    writeVideo(contents, options, progress);
-  else
+  checkOptions(options);
+  if (!isVideo(options.output)) {
+    if (!options.replace) refusePictures(options.output);
+    const VideoContents contents = read(options);
     writePictures(contents, options, progress);
+    return contents.count();
+  }
+  // Before the log and the score are read: what changes from here on is of other settings.
+  const std::string settings = settingsOf(options);
+  const VideoContents contents = read(options);
+  writeVideo(contents, options, settings, progress);
   return contents.count();
 }
 

@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+
+#include "render/part_store.h"
 
 namespace raven2_trainer::render {
 
@@ -20,26 +23,97 @@ std::uint64_t bigEndian(const unsigned char* bytes, int count) noexcept {
   return value;
 }
 
+constexpr std::uint64_t kLongestComment = 1024;
+constexpr const char* kSettings = "raven2_trainer settings ";
+
+/** A box without its head. */
+struct Box {
+  std::string type;
+  std::uint64_t begin, end;  // [bytes] in the file
+};
+
+/** ISO/IEC 14496-12, 4.2. Nothing: what stands there goes beyond `end`, or is none. */
+std::optional<Box> readBox(std::istream* file, std::uint64_t at, std::uint64_t end) {
+  if (end - at < kHead) return std::nullopt;
+  std::array<unsigned char, kLongHead> head{};
+  file->seekg(static_cast<std::streamoff>(at));
+  file->read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(std::min(kLongHead, end - at)));
+  std::uint64_t size = bigEndian(head.data(), 4), used = kHead;
+  if (size == 1 && end - at >= kLongHead) {
+    size = bigEndian(head.data() + 8, 8);
+    used = kLongHead;
+  }
+  if (!*file || size < used || size > end - at) return std::nullopt;
+  return Box{std::string(reinterpret_cast<const char*>(head.data()) + 4, 4), at + used, at + size};
+}
+
+/** The first of this type among the boxes in another. */
+std::optional<Box> findBox(std::istream* file, const Box& within, const std::string& type) {
+  std::uint64_t at = within.begin;
+  while (at < within.end) {
+    std::optional<Box> box = readBox(file, at, within.end);
+    if (!box || box->type == type) return box;
+    at = box->end;
+  }
+  return std::nullopt;
+}
+
+/** The whole file. Nothing: it cannot be read. */
+std::optional<Box> allOf(const std::string& path) {
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(path, error);
+  if (error) return std::nullopt;
+  return Box{"", 0, size};
+}
+
+/** Where the text of the comment stands, as iTunes has put it into MP4 files and ffmpeg does; nothing: nowhere. */
+std::optional<Box> findComment(std::istream* file, const Box& all) {
+  struct Step {
+    const char* type;
+    std::uint64_t skipped;  // [bytes] before the boxes in it, or before the text
+  };
+  constexpr std::array<Step, 6> kWay{{{"moov", 0}, {"udta", 0}, {"meta", 4}, {"ilst", 0}, {"\251cmt", 0}, {"data", 8}}};
+  Box box = all;
+  for (const Step& step : kWay) {
+    const std::optional<Box> inner = findBox(file, box, step.type);
+    if (!inner || inner->end - inner->begin < step.skipped) return std::nullopt;
+    box = {inner->type, inner->begin + step.skipped, inner->end};
+  }
+  return box;
+}
+
 }  // namespace
 
 bool isWholeVideo(const std::string& path) {
-  std::error_code error;
-  const std::uint64_t size = std::filesystem::file_size(path, error);
+  const std::optional<Box> all = allOf(path);
   std::ifstream file(path, std::ios::binary);
-  if (error || !file) return false;
+  if (!all || !file) return false;
   bool has_index = false;
   std::uint64_t at = 0;
-  while (at + kHead <= size) {  // ISO/IEC 14496-12, 4.2
-    std::array<unsigned char, kLongHead> head{};
-    file.seekg(static_cast<std::streamoff>(at));
-    file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(std::min(kLongHead, size - at)));
-    std::uint64_t box = bigEndian(head.data(), 4);
-    if (box == 1 && at + kLongHead <= size) box = bigEndian(head.data() + 8, 8);
-    if (!file || box < kHead || box > size - at) return false;
-    has_index = has_index || std::string(reinterpret_cast<const char*>(head.data()) + 4, 4) == "moov";
-    at += box;
+  while (at < all->end) {
+    const std::optional<Box> box = readBox(&file, at, all->end);
+    if (!box) return false;
+    has_index = has_index || box->type == "moov";
+    at = box->end;
   }
-  return has_index && at == size;
+  return has_index;
+}
+
+std::string settingsComment(const std::string& settings) {
+  return kSettings + settings;
+}
+
+std::string videoSettings(const std::string& path) {
+  const std::optional<Box> all = allOf(path);
+  std::ifstream file(path, std::ios::binary);
+  if (!all || !isWholeVideo(path)) return "";
+  const std::optional<Box> comment = findComment(&file, *all);
+  if (!comment || comment->end - comment->begin > kLongestComment) return "";
+  std::string text(static_cast<std::size_t>(comment->end - comment->begin), '\0');
+  file.seekg(static_cast<std::streamoff>(comment->begin));
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  const std::string start = kSettings;
+  return file && text.compare(0, start.size(), start) == 0 ? text.substr(start.size()) : "";
 }
 
 std::string partFolder(const std::string& video) {
@@ -47,8 +121,15 @@ std::string partFolder(const std::string& video) {
 }
 
 bool isUnfinished(const std::string& video) {
+  const std::filesystem::path folder = partFolder(video);
   std::error_code error;
-  return std::filesystem::is_directory(partFolder(video), error);
+  if (!std::filesystem::is_directory(folder, error)) return false;
+  return std::filesystem::exists(folder / PartFolderFiles::kLock, error) || std::filesystem::is_empty(folder, error);
+}
+
+void markUnfinished(const std::string& video) {
+  std::error_code ignored;
+  if (isWholeVideo(video)) std::filesystem::create_directory(partFolder(video), ignored);
 }
 
 }  // namespace raven2_trainer::render

@@ -19,7 +19,8 @@ std::vector<std::string> inputArguments(const RenderConfig& config) {
 std::vector<std::string> outputArguments(const std::string& path, const RenderConfig& config, std::uint64_t first) {
   // "file:" keeps a path from being read as an option or a protocol.
   if (endsWith(path, ".png")) {
-    return {"-threads", "1", "-c:v", "png", "-start_number", std::to_string(first), "-f", "image2", "file:" + path};
+    return {"-threads",        "1", "-c:v",        "png", "-start_number", std::to_string(first), "-f", "image2",
+            "-atomic_writing", "1", "file:" + path};
   }
   return {"-threads",    "1",
           "-c:v",        "libx264",

@@ -18,7 +18,8 @@ namespace {
 using Identity = std::map<std::string, std::string>;
 
 constexpr const char* kLibraries[] = {"libode", "libm", "libc", "libstdc++"};
-constexpr const char* kDrawingLibrary = "libOSMesa";  // decides over pixels, and over no bit of a simulation
+// They decide over pixels, and over no bit of a simulation: OSMesa, and what makes the code that it draws with.
+constexpr const char* kDrawingLibraries[] = {"libOSMesa", "libLLVM"};
 
 std::string hashOrReason(const std::string& path) {
   try {
@@ -28,9 +29,17 @@ std::string hashOrReason(const std::string& path) {
   }
 }
 
+/** Whether a file is libNAME.so of any version, or has one in its name, as libLLVM-15.so.1. */
+bool isLibrary(const std::string& file, const std::string& library) {
+  if (file.rfind(library, 0) != 0) return false;
+  const std::string rest = file.substr(library.size());
+  const bool has_version = rest.size() > 1 && rest[0] == '-' && rest[1] >= '0' && rest[1] <= '9';
+  return rest.rfind(".so", 0) == 0 || (has_version && rest.find(".so") != std::string::npos);
+}
+
 void addIfNamed(const char* library, const std::string& path, Identity* identity) {
   const std::string name = std::filesystem::path(path).filename().string();
-  if (name.rfind(std::string(library) + ".so", 0) == 0) (*identity)[library] = name + " " + hashOrReason(path);
+  if (isLibrary(name, library)) (*identity)[library] = name + " " + hashOrReason(path);
 }
 
 int addLibrary(dl_phdr_info* info, std::size_t, void* identity) {
@@ -40,7 +49,8 @@ int addLibrary(dl_phdr_info* info, std::size_t, void* identity) {
 }
 
 int addDrawingLibrary(dl_phdr_info* info, std::size_t, void* identity) {
-  addIfNamed(kDrawingLibrary, info->dlpi_name, static_cast<Identity*>(identity));
+  for (const char* library : kDrawingLibraries)
+    addIfNamed(library, info->dlpi_name, static_cast<Identity*>(identity));
   return 0;
 }
 

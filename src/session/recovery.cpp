@@ -182,6 +182,10 @@ bool isUnclean(const SessionPaths& paths) {
   return !hasEnd(paths.log());
 }
 
+bool isBeingWritten(const SessionPaths& paths) {
+  return isUnclean(paths) && !isAbandoned(paths.log());
+}
+
 bool lacksMetrics(const SessionPaths& paths) {
   std::error_code error;
   return fs::is_regular_file(paths.log(), error) && !fs::exists(paths.metrics(), error) &&

@@ -6,11 +6,17 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import time
+import zlib
 
+import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import raven2_session  # noqa: E402
+
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 FULL = os.environ.get("RAVEN2_TRAINER_FULL") == "1"
 SECONDS = 60 if FULL else 10
@@ -51,14 +57,15 @@ def frame_hashes(video):
 @pytest.fixture(scope="module", name="recorded")
 def record(tmp_path_factory):
     """A session with a hazard; nothing of it is changed by tests."""
-    directory = tmp_path_factory.mktemp("render") / "recorded"
+    directory = tmp_path_factory.mktemp("render") / "a session"
     run("simulate", "--seconds", SECONDS, "--homing", "quick", "--hazard", "sudden_jump", "--seed", 7, "--output", directory)
     return directory
 
 
 @pytest.fixture(name="session")
 def copy(recorded, tmp_path):
-    return pathlib.Path(shutil.copytree(recorded, tmp_path / "a session"))
+    """Of the same name, which is the title of its video."""
+    return pathlib.Path(shutil.copytree(recorded, tmp_path / recorded.name))
 
 
 @pytest.fixture(scope="module", name="whole")
@@ -96,6 +103,13 @@ def test_the_number_of_processes_changes_nothing(recorded, whole, tmp_path):
     for processes in (2, 3):
         render(recorded, "--processes", processes, "--output", tmp_path / f"{processes}.mp4")
         assert (tmp_path / f"{processes}.mp4").read_bytes() == whole[0].read_bytes()
+
+
+def test_a_video_says_of_which_session_camera_and_span_it_is(whole):
+    tags = probe(whole[0], "-show_format")["format"]["tags"]
+    assert tags["title"] == "a session"
+    assert tags["description"] == f"Camera overview, in the corner endoscope; 0.00 s to {SECONDS:.2f} s of the session"
+    assert tags["comment"].startswith("raven2_trainer settings ")
 
 
 def parts_of(session):
@@ -142,6 +156,27 @@ def kill_after(session, seconds, processes):
         return True
 
 
+def kill_with_a_part(session):
+    """Kills a render as soon as there is a part of it. {name: when it was written}."""
+    worker = start(session, processes=1)
+    while not parts_of(session):
+        assert worker.poll() is None
+        time.sleep(0.01)
+    kill(worker, session)
+    return parts_of(session)
+
+
+def frames_of(parts):
+    return sum(min(PART_FRAMES, round(SECONDS * FPS) - PART_FRAMES * int(name.split("_")[1])) for name in parts)
+
+
+def test_what_was_finished_when_a_render_was_killed_is_not_drawn_again(session, whole):
+    kept = kill_with_a_part(session)
+    told = render(session)
+    assert f"{frames_of(kept)} of them drawn before" in told, (told, kept)
+    assert (session / "video.mp4").read_bytes() == whole[0].read_bytes()
+
+
 def test_a_render_that_is_killed_at_any_moment_gives_the_same_file(session, whole):
     chance = random.Random(20_260)
     video, took = whole
@@ -158,9 +193,8 @@ def test_a_render_that_is_killed_at_any_moment_gives_the_same_file(session, whol
             assert kept.items() <= parts.items(), "what was finished is not drawn again"
             kept = parts
     told = render(session)
-    if kept:
-        frames = sum(min(PART_FRAMES, round(SECONDS * FPS) - PART_FRAMES * int(name.split("_")[1])) for name in kept)
-        assert f"{frames} of them drawn before" in told, (told, kept)
+    assert ("drawn before" in told) == bool(kept), (told, kept)
+    assert not kept or f"{frames_of(kept)} of them drawn before" in told, (told, kept)
     assert frame_hashes(session / "video.mp4") == frame_hashes(video)
     assert len(frame_hashes(video)) == round(SECONDS * FPS)
     assert (session / "video.mp4").read_bytes() == video.read_bytes()
@@ -168,12 +202,7 @@ def test_a_render_that_is_killed_at_any_moment_gives_the_same_file(session, whol
 
 @pytest.mark.parametrize("damage", ["flipped", "half"])
 def test_a_damaged_part_is_drawn_again(session, whole, damage):
-    worker = start(session, processes=1)
-    while not parts_of(session):
-        assert worker.poll() is None
-        time.sleep(0.01)
-    kill(worker, session)
-    part = session / "video.parts" / sorted(parts_of(session))[0]
+    part = session / "video.parts" / sorted(kill_with_a_part(session))[0]
     content = bytearray(part.read_bytes())
     if damage == "flipped":
         content[random.Random(3).randrange(len(content))] ^= 0x04
@@ -186,6 +215,13 @@ def test_a_damaged_part_is_drawn_again(session, whole, damage):
     assert (session / "video.mp4").read_bytes() == whole[0].read_bytes()
 
 
+FEW = ("--fps", 1)  # frames, where any will do
+
+
+def made(video):
+    return video.stat().st_mtime_ns
+
+
 def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(session, tmp_path):
     night = tmp_path / "sessions"
     night.mkdir()
@@ -194,24 +230,104 @@ def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(
     (night / "b").mkdir()                              # no session
     (night / "index.json").write_text("{}")            # sessions/* names it, too
     shutil.copy(session / "session.rlog", night / "b" / "other")
-    render(night / "c")
-    before = (night / "c" / "video.mp4").stat().st_mtime_ns
+    render(night / "c", *FEW)
+    before = made(night / "c" / "video.mp4")
 
-    told = render(*sorted(night.iterdir()), "--to", 0.5, code=1)
+    told = render(*sorted(night.iterdir()), *FEW, code=1)
     assert "c/video.mp4 is there; --again draws it anew" in told, told
     assert "b: is no session directory" in told and "1 of 4 sessions failed" in told, told
-    assert (night / "c" / "video.mp4").stat().st_mtime_ns == before
+    assert made(night / "c" / "video.mp4") == before
     for name in ("a", "d"):
-        assert int(probe(night / name / "video.mp4", "-show_streams")["streams"][0]["nb_frames"]) == FPS // 2
+        assert int(probe(night / name / "video.mp4", "-show_streams")["streams"][0]["nb_frames"]) == SECONDS
 
-    told = render(night / "a", night / "c", "--to", 0.2, "--again")
-    for name in ("a", "c"):
-        assert int(probe(night / name / "video.mp4", "-show_streams")["streams"][0]["nb_frames"]) == 6, told
     # A video that was cut short by something else is none.
     video = night / "a" / "video.mp4"
     video.write_bytes(video.read_bytes()[:-100])
-    assert "is there" not in render(night / "a", "--to", 0.2)
-    assert "is there" in render(night / "a", "--to", 0.2)
+    assert "is there" not in render(night / "a", *FEW)
+    assert "is there" in render(night / "a", *FEW)
+
+
+def test_a_video_is_drawn_again_where_another_one_is_asked_for(session):
+    video = session / "video.mp4"
+    for options in (FEW, (*FEW, "--camera", "top"), (*FEW, "--overlay", "none"), ("--fps", 2)):
+        assert "is there" not in render(session, *options), options
+        before = made(video)
+        assert "is there" in render(session, *options), options
+        assert made(video) == before
+    assert "is there" not in render(session, "--fps", 2, "--again")
+    assert made(video) > before
+
+
+def test_again_that_was_killed_goes_on_without_again(session, tmp_path):
+    night = [pathlib.Path(shutil.copytree(session, tmp_path / name)) for name in ("a", "b", "c")]
+    videos = [directory / "video.mp4" for directory in night]
+    render(*night, "--fps", 10)
+    before = [made(video) for video in videos]
+    worker = subprocess.Popen([PROGRAMS / "render_session", *SMALL, *night, "--fps", "10", "--again"],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while made(videos[0]) == before[0] or (night[0] / "video.parts").exists():
+        assert worker.poll() is None
+        time.sleep(0.01)
+    kill(worker, tmp_path)
+    assert (night[2] / "video.parts").exists() and made(videos[2]) == before[2], "the old one stays until then"
+    first = made(videos[0])
+    told = render(*night, "--fps", 10)
+    assert "a/video.mp4 is there" in told and "c/video.mp4 is there" not in told, told
+    assert made(videos[0]) == first and all(made(video) > then for video, then in zip(videos, before))
+    assert not list(tmp_path.glob("*/video.parts"))
+
+
+def test_simulate_draws_the_video_that_render_session_would(tmp_path):
+    directory = tmp_path / "short"
+    run("simulate", "--seconds", 0.5, "--homing", "quick", "--hazard", "none", "--video", "--output", directory)
+    assert "video.mp4 is there" in run("render_session", directory)
+
+
+def test_a_session_that_is_still_being_recorded_is_refused(tmp_path):
+    directory = tmp_path / "running"
+    recorder = subprocess.Popen([PROGRAMS / "simulate", "--seconds", "3600", "--homing", "quick", "--output",
+                                 directory], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        end = time.monotonic() + 60
+        log = directory / "session.rlog"
+        while not log.exists() or log.stat().st_size < 1_000_000:
+            assert time.monotonic() < end and recorder.poll() is None
+            time.sleep(0.01)
+        recorder.send_signal(signal.SIGSTOP)
+        assert "is still being recorded" in render(directory, code=1)
+        assert not (directory / "video.mp4").exists() and not (directory / "video.parts").exists()
+    finally:
+        recorder.kill()
+        recorder.wait()
+
+
+def test_a_part_of_a_session_needs_a_place_of_its_own(session, tmp_path):
+    before = (session / "metrics.json").read_bytes()
+    assert "--output" in render(session, "--to", 0.5, code=1)
+    assert not (session / "video.mp4").exists() and not (session / "video.parts").exists()
+    render(session, "--from", 1, "--to", 1.5, "--output", tmp_path / "part.mp4")
+    assert int(probe(tmp_path / "part.mp4", "-show_streams")["streams"][0]["nb_frames"]) == FPS // 2
+    assert (session / "metrics.json").read_bytes() == before
+    assert "film.mkv" in render(session, "--output", tmp_path / "film.mkv", code=1)
+    assert not (tmp_path / "film.mkv").exists()
+
+
+def test_pictures_of_an_earlier_render_are_refused_or_removed(session, tmp_path):
+    folder = tmp_path / "tmp.pictures"
+    folder.mkdir()
+    (folder / "mine.png").write_text("mine")
+    render(session, *FEW, "--output", folder)
+    assert len(list(folder.glob("frame_*.png"))) == SECONDS
+    assert "--again" in render(session, *FEW, "--to", 2, "--output", folder, code=1)
+    render(session, *FEW, "--to", 2, "--output", folder, "--again")
+    assert sorted(entry.name for entry in folder.iterdir()) == ["frame_000000.png", "frame_000001.png", "mine.png"]
+
+
+def test_a_folder_of_somebody_elses_is_left_alone(session, tmp_path):
+    (tmp_path / "talk.parts").mkdir()
+    (tmp_path / "talk.parts" / "slides.pdf").write_text("of a talk")
+    assert "talk.parts: is no folder of a video's parts" in render(session, "--output", tmp_path / "talk.mp4", code=1)
+    assert [entry.name for entry in (tmp_path / "talk.parts").iterdir()] == ["slides.pdf"]
 
 
 def test_output_takes_one_session(session):
@@ -223,7 +339,7 @@ def test_output_takes_one_session(session):
 def test_two_renders_of_one_video_do_not_meet(session):
     first = start(session, processes=1)
     end = time.monotonic() + 60
-    while not (session / "video.parts" / "lock").exists():
+    while not list((session / "video.parts").glob("draft_*")):  # the file of the lock is there before it is locked
         assert time.monotonic() < end and first.poll() is None
         time.sleep(0.01)
     first.send_signal(signal.SIGSTOP)
@@ -243,3 +359,32 @@ def test_simulate_from_log_is_resimulate(session, tmp_path):
     refused = subprocess.run([PROGRAMS / "simulate", "--from-log", session, "--seed", "3"], capture_output=True, text=True,
                              check=False)
     assert refused.returncode != 0 and "--from-log" in refused.stderr and "--seed" in refused.stderr
+
+
+def change_a_joint(log, tick):
+    """The next number to the gold arm's first joint in the record of this tick, with a right checksum."""
+    frame, crc = raven2_session.FRAME, raven2_session.CRC
+    data = bytearray(log.read_bytes())
+    kind = next(entry for entry in raven2_session.read_header(log)["records"] if entry["name"] == "tick")
+    layout = raven2_session.dtype_of(kind["fields"])
+    position = 0
+    while position < len(data):
+        _, number, _, size, _ = frame.unpack_from(data, position)
+        body = position + frame.size
+        if number == kind["type"] and np.frombuffer(data, layout, 1, body)["model"]["tick"][0] == tick:
+            joints = np.frombuffer(data, layout, 1, body)["model"]["arms"]["q"]
+            joints[0, 0, 0] = np.nextafter(joints[0, 0, 0], 10.0)
+            crc.pack_into(data, body + size, zlib.crc32(data[position:body + size]))
+            log.write_bytes(data)
+            return
+        position = body + size + crc.size
+    assert False, "no such tick"
+
+
+def test_simulate_from_log_says_where_the_bits_part(session):
+    ticks = raven2_session.Session(session).log.ticks["model"]["tick"]
+    tick = int(ticks[len(ticks) // 2])
+    change_a_joint(session / "session.rlog", tick)
+    told = run("simulate", "--from-log", session, code=1)
+    assert f"different: first at tick {tick}: model.arms[0].q[0]" in told, told
+    assert "equal" not in told

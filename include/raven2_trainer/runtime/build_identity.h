@@ -12,7 +12,8 @@ namespace raven2_trainer::runtime {
  */
 std::map<std::string, std::string> buildIdentity();
 
-/** What decides over the pixels of pictures beside what they show: the same and libOSMesa, in one text, a line each. */
+/** What decides over the pixels of pictures beside what they show: the same, libOSMesa, and libLLVM where that draws
+ * with it; in one text, a line each. */
 std::string pictureIdentity();
 
 }  // namespace raven2_trainer::runtime

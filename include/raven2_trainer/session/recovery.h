@@ -30,6 +30,9 @@ struct Recovery {
 /** Whether the directory holds a log that did not end cleanly and was not recovered. Reads the log's last 8 KiB. */
 bool isUnclean(const SessionPaths& paths);
 
+/** Whether a living process writes the log, or recovers it. */
+bool isBeingWritten(const SessionPaths& paths);
+
 /** Whether the log was recovered, but whoever did it was stopped before the metrics were written, or had none to write. */
 bool lacksMetrics(const SessionPaths& paths);
 

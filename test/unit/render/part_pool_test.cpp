@@ -1,14 +1,17 @@
 #include "render/part_pool.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -74,13 +77,64 @@ TEST_F(PartPoolTest, NothingToDrawStartsNothing) {
       {}, 1, []() -> DrawPart { throw std::runtime_error("not asked for"); }, nullptr);
 }
 
-TEST_F(PartPoolTest, AProcessThatFailsIsAnExceptionAndTheOthersDrawTheRest) {
-  EXPECT_THROW(drawParts({0, 1, 2, 3, 4, 5}, 2, writer(2), nullptr), RenderException);
+TEST_F(PartPoolTest, ASinglePartIsNotDrawnHereEitherWhereMoreProcessesAreAllowed) {
+  int frames = 0;
+  drawParts({3}, 2, writer(), [&] { ++frames; });
+  EXPECT_EQ(frames, kFrames);
+  ASSERT_EQ(drawn(3).size(), 1U);
+  EXPECT_NE(drawn(3)[0], ::getpid());
+}
+
+/** What drawParts says of its failure. */
+std::string reasonOf(const Numbers& parts, int processes, const MakeDrawPart& make) {
+  try {
+    drawParts(parts, processes, make, nullptr);
+  } catch (const RenderException& e) {
+    return e.what();
+  }
+  return "no RenderException";
+}
+
+TEST_F(PartPoolTest, AProcessThatFailsIsAnExceptionWithItsReasonAndTheOthersDrawTheRest) {
+  EXPECT_EQ(reasonOf({0, 1, 2, 3, 4, 5}, 2, writer(2)), "raven2_trainer: a part cannot be drawn, as the test wants it");
   for (const std::size_t k : {0, 1, 3, 4, 5})
     EXPECT_EQ(drawn(k).size(), 1U) << k;
   EXPECT_THROW(drawParts({6, 7, 8}, 1, writer(7), nullptr), std::runtime_error);
   EXPECT_EQ(drawn(6).size(), 1U);
   EXPECT_TRUE(drawn(8).empty());
+}
+
+TEST_F(PartPoolTest, ReasonsOfAnyLengthAndThoseOfOurOwnExceptionsAreToldOnce) {
+  const auto failing = [](const std::string& why) -> MakeDrawPart {
+    return [why]() -> DrawPart { throw RenderException(why); };
+  };
+  EXPECT_EQ(reasonOf({0, 1}, 2, failing("no ffmpeg")), "raven2_trainer: no ffmpeg") << "both fail, one is told";
+  const std::string cut = reasonOf({0}, 2, failing(std::string(5000, 'x')));
+  EXPECT_GT(cut.size(), 500U);
+  EXPECT_LT(cut.size(), 5000U);
+  EXPECT_EQ(cut.find_first_not_of('x', std::string("raven2_trainer: ").size()), std::string::npos);
+}
+
+TEST_F(PartPoolTest, AProcessThatIsKilledIsAnExceptionWithItsSignal) {
+  const MakeDrawPart killed = []() -> DrawPart { return [](std::size_t, const FrameDone&) { raise(SIGKILL); }; };
+  const std::string reason = reasonOf({0}, 2, killed);
+  EXPECT_NE(reason.find("signal 9 (Killed)"), std::string::npos) << reason;
+  const MakeDrawPart ended = []() -> DrawPart { return [](std::size_t, const FrameDone&) { _exit(3); }; };
+  EXPECT_NE(reasonOf({0}, 2, ended).find("status 3"), std::string::npos);
+}
+
+TEST(ProcessorsAllowed, AreThoseThatThisProcessMayRunOn) {
+  cpu_set_t before, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(before), &before), 0);
+  EXPECT_EQ(processorsAllowed(), CPU_COUNT(&before));
+  int first = 0;
+  while (!CPU_ISSET(first, &before))
+    ++first;
+  CPU_ZERO(&one);
+  CPU_SET(first, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
+  EXPECT_EQ(processorsAllowed(), 1);
+  ASSERT_EQ(sched_setaffinity(0, sizeof(before), &before), 0);
 }
 
 TEST_F(PartPoolTest, ItsProcessesEndWhenNobodyListensAnyLonger) {

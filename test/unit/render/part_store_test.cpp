@@ -1,11 +1,14 @@
 #include "render/part_store.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -135,8 +138,84 @@ TEST_F(PartStoreTest, ManyPartsHaveTheirNumbers) {
 TEST_F(PartStoreTest, RemovesItsFolder) {
   PartStore store(folder(), "a", 1);
   keep(store, 0);
+  for (const char* name : {"parts.ffconcat", "chapters.ffmeta", "tones.wav", "whole_4711.mp4", "draft_00000_4711"})
+    std::ofstream(folder() + "/" + name) << "ours";
   store.remove();
   EXPECT_FALSE(fs::exists(folder()));
+}
+
+TEST_F(PartStoreTest, AFolderOfSomebodyElsesFilesIsRefusedAndLeftAsItIs) {
+  fs::create_directories(folder() + "/draft_00000_1");  // a folder, whatever its name
+  std::ofstream(folder() + "/slides.pdf") << "of a talk";
+  std::ofstream(folder() + "/part_one.mp4") << "of a talk";
+  try {
+    PartStore(folder(), "a", 1);
+    FAIL() << "not refused";
+  } catch (const RenderException& e) {
+    EXPECT_NE(std::string(e.what()).find(folder() + ": is no folder of a video's parts"), std::string::npos)
+        << e.what();
+  }
+  EXPECT_TRUE(fs::exists(folder() + "/slides.pdf"));
+  EXPECT_TRUE(fs::exists(folder() + "/part_one.mp4"));
+  EXPECT_TRUE(fs::exists(folder() + "/draft_00000_1"));
+  EXPECT_FALSE(fs::exists(folder() + "/lock"));
+}
+
+TEST_F(PartStoreTest, WhatSomebodyPutBesideThePartsStays) {
+  fill("a", 2, {0});
+  const std::string notes = folder() + "/notes.txt", inner = folder() + "/more/draft_00000_1";
+  fs::create_directories(folder() + "/more");
+  std::ofstream(notes) << "somebody's own";
+  std::ofstream(inner) << "somebody's own";
+  PartStore store(folder(), "b", 2);
+  EXPECT_EQ(partFile(0), fs::path()) << "a part of other settings";
+  store.remove();
+  EXPECT_TRUE(fs::exists(notes));
+  EXPECT_TRUE(fs::exists(inner));
+  EXPECT_FALSE(fs::exists(folder() + "/lock"));
+  EXPECT_THROW(PartStore(folder(), "b", 2), RenderException) << "it is no folder of ours any longer";
+}
+
+TEST_F(PartStoreTest, WhatAKilledRendersFfmpegWroteLaterOnIsNoReasonToRefuse) {
+  fs::create_directories(folder());
+  std::ofstream(folder() + "/whole_4711.mp4") << "half a video";
+  PartStore store(folder(), "a", 1);
+  EXPECT_FALSE(fs::exists(folder() + "/whole_4711.mp4"));
+}
+
+/** A process that opens the store and removes it, again and again; it ends with 1 if it is not alone in it. */
+pid_t startVisitor(const std::string& folder, int visits) {
+  const pid_t id = fork();
+  if (id != 0) return id;
+  const std::string alone = folder + ".alone";
+  int done = 0;
+  while (done < visits) {
+    try {
+      PartStore store(folder, "a", 1);
+      const int file = open(alone.c_str(), O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+      if (file < 0) _exit(1);
+      close(file);
+      unlink(alone.c_str());
+      store.remove();
+      ++done;
+    } catch (const RenderException&) {  // another one is in it
+    }
+  }
+  _exit(0);
+}
+
+TEST_F(PartStoreTest, ALockOfAFolderThatWasRemovedKeepsNobodyOutAndLetsNobodyIn) {
+  constexpr int kVisits = 300;
+  std::vector<pid_t> visitors;
+  for (int i = 0; i < 4; ++i)
+    visitors.push_back(startVisitor(folder(), kVisits));
+  for (const pid_t visitor : visitors) {
+    int status = 0;
+    ASSERT_EQ(waitpid(visitor, &status, 0), visitor);
+    EXPECT_EQ(status, 0) << "two were in it at once";
+  }
+  EXPECT_FALSE(fs::exists(folder()));
+  fs::remove(folder() + ".alone");
 }
 
 TEST_F(PartStoreTest, AFolderThatCannotBeMadeIsAnException) {

@@ -26,6 +26,13 @@ constexpr Tick kBefore = 100;   // ticks before the first pedal down
 constexpr Tick kTicks = 400;    // of the session: 12 frames at 30 Hz
 constexpr Tick kLong = 10'000;  // of one with parts: 40, 40 and 20 frames at 10 Hz
 
+/** Drawn by this process, whatever was drawn in it before and however many cores there are. */
+SessionRenderOptions drawnHere() {
+  SessionRenderOptions options;
+  options.processes = 1;
+  return options;
+}
+
 class SessionRendererTest : public ::testing::Test {
  protected:
   SessionRendererTest()
@@ -88,8 +95,8 @@ class SessionRendererTest : public ::testing::Test {
   }
 
   /** Draws until so many frames are done and then fails, as a kill would have it. */
-  void drawUpTo(std::uint64_t frames, SessionRenderOptions options = {}) {
-    SessionRenderer renderer(config_, folder_.string());
+  void drawUpTo(std::uint64_t frames, SessionRenderOptions options = drawnHere()) {
+    SessionRenderer renderer(config_, folder_.string(), build_);
     EXPECT_THROW(renderer.run(options,
                               [&](std::uint64_t done, std::uint64_t) {
                                 if (done >= frames) throw std::runtime_error("killed");
@@ -99,8 +106,8 @@ class SessionRendererTest : public ::testing::Test {
   }
 
   /** Draws all. @return frames that were there before. */
-  std::uint64_t drawRest(const SessionRenderOptions& options = {}) {
-    SessionRenderer renderer(config_, folder_.string());
+  std::uint64_t drawRest(const SessionRenderOptions& options = drawnHere()) {
+    SessionRenderer renderer(config_, folder_.string(), build_);
     std::uint64_t first = 0;
     EXPECT_EQ(renderer.run(options,
                            [&](std::uint64_t done, std::uint64_t all) {
@@ -126,6 +133,7 @@ class SessionRendererTest : public ::testing::Test {
 
   TrainerConfig config_;
   std::filesystem::path folder_;
+  std::string build_{"a build"};
   Tick edge_first_{-1000};  // of 100 ticks in which a tool is at its edge; none in the session
 };
 
@@ -152,9 +160,9 @@ std::string frameHashes(const std::string& video) {
 TEST_F(SessionRendererTest, AWholeSessionGivesItsFramesAndSaysSoInTheMetrics) {
   record(true);
   training::writeMetrics(path("metrics.json"), training::computeMetrics(path("session.rlog")));
-  SessionRenderer renderer(config_, folder_.string());
+  SessionRenderer renderer(config_, folder_.string(), build_);
   std::uint64_t calls = 0, all = 0;
-  EXPECT_EQ(renderer.run({},
+  EXPECT_EQ(renderer.run(drawnHere(),
                          [&](std::uint64_t done, std::uint64_t total) {
                            EXPECT_EQ(done, ++calls);
                            all = total;
@@ -213,7 +221,7 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
   recordLong();
   const auto change = [&](const std::function<void(SessionRenderOptions*)>& by) {
     drawUpTo(95);
-    SessionRenderOptions options;
+    SessionRenderOptions options = drawnHere();
     by(&options);
     const std::uint64_t reused = drawRest(options);
     std::filesystem::remove(path("video.mp4"));
@@ -222,7 +230,9 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
   EXPECT_EQ(change([](SessionRenderOptions*) {}), 80U) << "the same";
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->camera = "top"; }), 0U);
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->inset = "none"; }), 0U);
-  EXPECT_EQ(change([](SessionRenderOptions* o) { o->build = "another"; }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { build_ = "another"; }), 0U);
+  EXPECT_EQ(change([](SessionRenderOptions* o) { o->overlays = OverlaySet(); }), 0U);
+  EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.trails.duration += 1.0; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.encoder_crf = 30; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.video_width = 160; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { config_.render.cameras[0].eye_W[2] += 1e-9; }), 0U);
@@ -282,13 +292,13 @@ TEST_F(SessionRendererTest, AToneSoundsWhereAToolIsAtItsEdgeAndAVideoWithoutHasN
 
 TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.from = 0.1;
   options.to = 0.2;
   options.camera = "top";
   options.inset = "none";
   options.output = path("pictures");
-  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+  EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 3U);
   EXPECT_TRUE(std::filesystem::exists(path("pictures/frame_000002.png")));
   EXPECT_FALSE(std::filesystem::exists(path("pictures/frame_000003.png")));
   EXPECT_NE(session::fileHash(path("pictures/frame_000000.png")), session::fileHash(path("pictures/frame_000002.png")));
@@ -298,16 +308,40 @@ TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
 
 TEST_F(SessionRendererTest, PicturesOfSeveralPartsAreNumberedThrough) {
   recordLong();
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.output = path("all");
-  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 100U);
+  EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 100U);
   options.from = 4.1;
   options.to = 4.2;
   options.output = path("one");
-  EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 1U);
+  EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 1U);
   EXPECT_EQ(session::fileHash(path("all/frame_000041.png")), session::fileHash(path("one/frame_000000.png")));
   EXPECT_TRUE(std::filesystem::exists(path("all/frame_000099.png")));
   EXPECT_FALSE(std::filesystem::exists(path("all/frame_000100.png")));
+}
+
+TEST_F(SessionRendererTest, PicturesOfAnEarlierRenderAreRefusedOrReplaced) {
+  record(true);
+  SessionRenderOptions options = drawnHere();
+  options.output = path("pictures");
+  const auto draw = [&] { return SessionRenderer(config_, folder_.string(), build_).run(options, nullptr); };
+  const auto isThere = [&](const std::string& file) { return std::filesystem::exists(path("pictures/" + file)); };
+  EXPECT_EQ(draw(), 12U);
+  for (const char* file : {"frame_one.png", "my_frame_000001.png", "notes.txt"})
+    std::ofstream(path("pictures/") + file) << "somebody's own";
+  std::ofstream(path("pictures/frame_000012.png.tmp")) << "half a pic";
+  options.to = 0.1;
+  EXPECT_THROW(draw(), RenderException);
+  EXPECT_TRUE(isThere("frame_000011.png"));
+  options.replace = true;
+  options.camera = "cellar";
+  EXPECT_THROW(draw(), ConfigException);
+  EXPECT_TRUE(isThere("frame_000011.png")) << "nothing is removed for nothing";
+  options.camera = "top";
+  EXPECT_EQ(draw(), 3U);
+  EXPECT_TRUE(isThere("frame_000002.png"));
+  EXPECT_FALSE(isThere("frame_000003.png") || isThere("frame_000011.png") || isThere("frame_000012.png.tmp"));
+  EXPECT_TRUE(isThere("frame_one.png") && isThere("my_frame_000001.png") && isThere("notes.txt"));
 }
 
 TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
@@ -315,16 +349,16 @@ TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
   constexpr std::uint8_t kFrozen = 2;
   record(true, false, kTicks, kFrozen);  // from frame 3 to 8
   for (const auto& [name, overlay] : cases) {
-    SessionRenderOptions options;
+    SessionRenderOptions options = drawnHere();
     options.inset = "none";
     options.camera = "gold_close";
     options.overlays = OverlaySet();
     options.overlays->add(overlay);
     options.output = path(name + "_whole");
-    SessionRenderer(config_, folder_.string()).run(options, nullptr);
+    SessionRenderer(config_, folder_.string(), build_).run(options, nullptr);
     options.from = 0.2;
     options.output = path(name + "_part");
-    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 6U);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 6U);
     for (const auto& [whole, part] : {std::pair{"6", "0"}, {"9", "3"}}) {
       EXPECT_EQ(session::fileHash(path(name + "_whole/frame_00000" + whole + ".png")),
                 session::fileHash(path(name + "_part/frame_00000" + part + ".png")))
@@ -337,11 +371,11 @@ TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
 
 TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.to = 0.1;
   for (const char* folder : {"one", "two"}) {
     options.output = path(folder);
-    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 3U);
   }
   for (const char* file : {"/frame_000000.png", "/frame_000002.png"}) {
     EXPECT_EQ(session::fileHash(path("one") + file), session::fileHash(path("two") + file));
@@ -349,13 +383,13 @@ TEST_F(SessionRendererTest, RenderingAgainGivesTheSamePictures) {
 }
 
 TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.to = 0.1;
   options.camera = "endoscope";
   for (const bool with_plan : {false, true}) {
     record(true, with_plan);
     options.output = path(with_plan ? "with" : "without");
-    ASSERT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 3U);
+    ASSERT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 3U);
   }
   const auto hash = [&](const char* picture) { return session::fileHash(path(picture)); };
   EXPECT_EQ(hash("with/frame_000000.png"), hash("without/frame_000000.png"));
@@ -365,13 +399,13 @@ TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
 
 TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
   constexpr std::uint8_t kBlack = 1, kFrozen = 2;
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.inset = "none";
   options.overlays = OverlaySet();
   const auto pictures = [&](std::uint8_t picture, const std::string& folder) {
     record(true, false, kTicks, picture);
     options.output = path(folder);
-    EXPECT_EQ(SessionRenderer(config_, folder_.string()).run(options, nullptr), 12U);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 12U);
     std::vector<std::string> hashes;
     for (int k = 0; k < 12; ++k) {
       std::array<char, 32> name{};
@@ -394,27 +428,135 @@ TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
 }
 
 TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
-  EXPECT_THROW(SessionRenderer(config_, path("nowhere")), SessionException);
+  EXPECT_THROW(SessionRenderer(config_, path("nowhere"), build_), SessionException);
   record(false);
-  SessionRenderer renderer(config_, folder_.string());
-  EXPECT_THROW(renderer.run({}, nullptr), SessionException) << "the pedal was never down";
+  SessionRenderer renderer(config_, folder_.string(), build_);
+  EXPECT_THROW(renderer.run(drawnHere(), nullptr), SessionException) << "the pedal was never down";
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.camera = "cellar";
   EXPECT_THROW(renderer.run(options, nullptr), ConfigException);
   options.camera = "top";
   options.from = 5.0;
+  options.output = path("part.mp4");
   EXPECT_THROW(renderer.run(options, nullptr), SessionException);
+  EXPECT_FALSE(std::filesystem::exists(path("part.mp4")));
+}
+
+TEST_F(SessionRendererTest, APartOfASessionIsNoVideoOfTheSession) {
+  record(true);
+  for (const auto& [from, to] : {std::pair{0.1, -1.0}, {0.0, 0.2}, {0.1, 0.2}}) {
+    SessionRenderOptions options = drawnHere();
+    options.from = from;
+    options.to = to;
+    EXPECT_THROW(checkOptions(options), ConfigException);
+    EXPECT_THROW(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), ConfigException);
+    EXPECT_FALSE(std::filesystem::exists(path("video.mp4")));
+    options.output = path("part.mp4");
+    EXPECT_NO_THROW(checkOptions(options));
+  }
+}
+
+TEST_F(SessionRendererTest, AnOutputIsAVideoOrADirectory) {
+  const auto refused = [&](const std::string& file) {
+    SessionRenderOptions options;
+    options.output = path(file);
+    try {
+      checkOptions(options);
+    } catch (const ConfigException&) {
+      return true;
+    }
+    return false;
+  };
+  std::filesystem::create_directories(path("tmp.4711"));
+  std::filesystem::create_directories(path("folder.mp4"));
+  for (const char* good :
+       {"film.mp4", "pictures", "pictures/", "tmp.4711", "film.mkv/", "a.b/film.mp4", "a.b/pictures"})
+    EXPECT_FALSE(refused(good)) << good;
+  for (const char* bad : {"film.mkv", "film.mp4.bak", "frame.png", "film.MP4", "folder.mp4"})
+    EXPECT_TRUE(refused(bad)) << bad;
+}
+
+TEST_F(SessionRendererTest, ASessionThatIsBeingRecordedIsRefused) {
+  session::LogWriter writer(path("session.rlog"), session::LogHeader{});
+  try {
+    SessionRenderer(config_, folder_.string(), build_);
+    FAIL() << "not refused";
+  } catch (const SessionException& e) {
+    EXPECT_NE(std::string(e.what()).find("still being recorded"), std::string::npos) << e.what();
+  }
+  writer.finish(SessionCounts{});
+  EXPECT_NO_THROW(SessionRenderer(config_, folder_.string(), build_)) << "it has its end";
+}
+
+TEST_F(SessionRendererTest, AVideoSaysWhatItIs) {
+  record(true);
+  config_.render.video_camera = "overview";
+  const auto tags = [](const std::string& video) {
+    return output("ffprobe -v error -show_entries format_tags=title,description,comment -of default=nk=0:nw=1 " +
+                  video);
+  };
+  SessionRenderer renderer(config_, folder_.string() + "/.", build_);
+  renderer.run(drawnHere(), nullptr);
+  const std::string told = tags(path("video.mp4"));
+  EXPECT_NE(told.find("TAG:title=" + folder_.filename().string() + "\n"), std::string::npos) << told;
+  EXPECT_NE(told.find("TAG:description=Camera overview, in the corner endoscope; 0.00 s to 0.40 s of the session\n"),
+            std::string::npos)
+      << told;
+  EXPECT_NE(told.find("TAG:comment=raven2_trainer settings "), std::string::npos) << told;
+  SessionRenderOptions options = drawnHere();
+  options.camera = "top";
+  options.inset = "none";
+  options.from = 0.1;
+  options.to = 0.2;
+  options.output = path("part.mp4");
+  renderer.run(options, nullptr);
+  EXPECT_NE(tags(path("part.mp4")).find("TAG:description=Camera top; 0.10 s to 0.20 s of the session\n"),
+            std::string::npos)
+      << tags(path("part.mp4"));
+}
+
+TEST_F(SessionRendererTest, AVideoIsThereIfItIsOfTheseSettings) {
+  record(true);
+  const auto isThere = [&](const SessionRenderOptions& options = drawnHere()) {
+    return SessionRenderer(config_, folder_.string(), build_).hasVideo(options);
+  };
+  EXPECT_FALSE(isThere());
+  SessionRenderer(config_, folder_.string(), build_).run(drawnHere(), nullptr);
+  EXPECT_TRUE(isThere());
+  SessionRenderOptions options = drawnHere();
+  options.processes = 2;
+  EXPECT_TRUE(isThere(options)) << "by how many is all the same";
+  options.camera = "endoscope";
+  EXPECT_FALSE(isThere(options));
+  options.camera = "cellar";
+  EXPECT_THROW(isThere(options), ConfigException);
+  options = drawnHere();
+  options.output = path("another.mp4");
+  EXPECT_FALSE(isThere(options)) << "in another place";
+  build_ = "another";
+  EXPECT_FALSE(isThere());
+  build_ = "a build";
+  EXPECT_TRUE(isThere());
+  config_.render.video_width = 160;
+  EXPECT_FALSE(isThere());
+  config_.render.video_width = 128;
+  std::filesystem::create_directories(path("video.parts"));
+  EXPECT_FALSE(isThere()) << "it is to be drawn again";
+  std::filesystem::remove(path("video.parts"));
+  record(true, false, kTicks + 1);
+  EXPECT_FALSE(isThere()) << "of another log";
 }
 
 TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {
   record(true);
-  SessionRenderOptions options;
+  SessionRenderOptions options = drawnHere();
   options.to = 0.04;
   options.output = path("pictures");
-  SessionRenderer(config_, folder_.string()).run(options, nullptr);
+  SessionRenderer(config_, folder_.string(), build_).run(options, nullptr);
   config_.scene_urdf = config_.robot_urdf;
-  SessionRenderer renderer(config_, folder_.string());
+  options.replace = true;
+  SessionRenderer renderer(config_, folder_.string(), build_);
   EXPECT_ANY_THROW(renderer.run(options, nullptr));
   ASSERT_EQ(renderer.warnings().size(), 1U);
   EXPECT_NE(renderer.warnings()[0].find("scene"), std::string::npos);

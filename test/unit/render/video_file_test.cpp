@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
 
 #include "raven2_trainer/render/video_writer.h"
 
@@ -62,10 +65,64 @@ TEST_F(VideoFileTest, OtherFilesAreNoVideo) {
   EXPECT_FALSE(isWholeVideo(path("free.mp4"))) << "boxes, and no index among them";
 }
 
+TEST_F(VideoFileTest, SaysOfWhatSettingsItIs) {
+  encode("plain.mp4");
+  EXPECT_EQ(videoSettings(path("plain.mp4")), "") << "it does not say so";
+  const auto comment = [&](const std::string& arguments) {
+    const std::string command =
+        "ffmpeg -nostdin -v error -y -i " + path("plain.mp4") + " -c copy " + arguments + " " + path("video.mp4");
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    return videoSettings(path("video.mp4"));
+  };
+  const std::string ours = "-metadata 'comment=" + settingsComment("0123456789abcdef") + "'";
+  EXPECT_EQ(comment(ours), "0123456789abcdef");
+  EXPECT_EQ(comment(ours + " -metadata title=A -metadata description=B -metadata genre=C -movflags +faststart"),
+            "0123456789abcdef");
+  EXPECT_EQ(comment("-metadata 'comment=of a holiday'"), "");
+  EXPECT_EQ(comment("-metadata 'title=" + settingsComment("0123456789abcdef") + "'"), "") << "a title";
+  comment(ours);
+  fs::resize_file(path("video.mp4"), fs::file_size(path("video.mp4")) - 1);
+  EXPECT_EQ(videoSettings(path("video.mp4")), "") << "it is not whole";
+  EXPECT_EQ(videoSettings(path("missing.mp4")), "");
+}
+
+TEST_F(VideoFileTest, SettingsAreLookedForInNothingThatIsBroken) {
+  encode("plain.mp4");
+  const std::string command = "ffmpeg -nostdin -v error -y -i " + path("plain.mp4") +
+                              " -c copy -metadata 'comment=" + settingsComment("0123456789abcdef") + "' " +
+                              path("video.mp4");
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::ifstream file(path("video.mp4"), std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  int read = 0, unread = 0;
+  for (std::size_t at = whole.find("moov"); at < whole.size(); ++at) {
+    std::string broken = whole;
+    broken[at] = static_cast<char>(broken[at] ^ 0x81);
+    std::ofstream(path("broken.mp4"), std::ios::binary) << broken;
+    const std::string settings = videoSettings(path("broken.mp4"));
+    (settings == "0123456789abcdef" ? read : unread) += 1;
+    EXPECT_LE(settings.size(), 1024U) << at;
+  }
+  EXPECT_GT(read, 100) << "what does not lie on the way to it may be broken";
+  EXPECT_GT(unread, 16);
+}
+
+TEST_F(VideoFileTest, AWholeVideoIsMarkedToBeDrawnAgain) {
+  markUnfinished(path("missing.mp4"));
+  EXPECT_FALSE(fs::exists(path("missing.parts")));
+  encode("video.mp4");
+  markUnfinished(path("video.mp4"));
+  EXPECT_TRUE(isUnfinished(path("video.mp4")));
+}
+
 TEST_F(VideoFileTest, AVideoIsUnfinishedWhileItsPartsLieBesideIt) {
   EXPECT_EQ(partFolder("/a/session.3/video.mp4"), "/a/session.3/video.parts");
   EXPECT_FALSE(isUnfinished(path("video.mp4")));
   fs::create_directories(path("video.parts"));
+  EXPECT_TRUE(isUnfinished(path("video.mp4")));
+  std::ofstream(path("video.parts/notes.txt")) << "somebody's own";
+  EXPECT_FALSE(isUnfinished(path("video.mp4")));
+  std::ofstream(path("video.parts/lock")) << "";
   EXPECT_TRUE(isUnfinished(path("video.mp4")));
 }
 

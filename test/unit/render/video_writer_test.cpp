@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -70,6 +71,18 @@ TEST_F(VideoWriterTest, APngPatternGivesOnePictureAFrame) {
   EXPECT_TRUE(std::filesystem::exists(path("frame_000.png")));
   EXPECT_TRUE(std::filesystem::exists(path("frame_002.png")));
   EXPECT_FALSE(std::filesystem::exists(path("frame_003.png")));
+}
+
+TEST_F(VideoWriterTest, APictureTakesItsNameOnceItIsWhole) {
+  // Written to directly, the file behind the link would change; a rename takes the link's place.
+  std::ofstream(path("other.png")) << "another picture";
+  std::filesystem::create_symlink(path("other.png"), path("frame_000.png"));
+  VideoWriter writer(path("frame_%03d.png"), smallVideo());
+  writer.write(frame(0));
+  writer.finish();
+  EXPECT_TRUE(std::filesystem::is_regular_file(std::filesystem::symlink_status(path("frame_000.png"))));
+  EXPECT_EQ(std::filesystem::file_size(path("other.png")), 15U);
+  EXPECT_FALSE(std::filesystem::exists(path("frame_000.png.tmp")));
 }
 
 TEST_F(VideoWriterTest, AFrameOfAnotherSizeIsRefused) {

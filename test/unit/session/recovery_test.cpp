@@ -108,6 +108,7 @@ TEST(Recovery, MissesAndDoublesNothingWhereverTheRecorderWasKilled) {
     session.push(7);
     session.kill();
     EXPECT_TRUE(isUnclean(session.paths));
+    EXPECT_FALSE(isBeingWritten(session.paths)) << "by nobody any longer";
     const Recovery done = recoverSession(session.paths);
     EXPECT_EQ(done.status, RecoveryStatus::kRecovered);
     EXPECT_EQ(tallyTotal(done.recovered), step >= 3 ? 7u : 57u) << "killed after step " << step;
@@ -184,10 +185,12 @@ TEST(Recovery, LeavesALogWithALivingWriterAlone) {
   Session session("alive");
   session.push(5);
   EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kRunning);
+  EXPECT_TRUE(isBeingWritten(session.paths));
   EXPECT_TRUE(findUnfinishedSessions(session.paths.directory + "/..", 10).empty());
   session.record();
   session.log->finish(SessionCounts{});
   EXPECT_FALSE(isUnclean(session.paths));
+  EXPECT_FALSE(isBeingWritten(session.paths)) << "it has its end";
   EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kNothingToDo);
 }
 
