@@ -34,9 +34,13 @@ const Snapshot& PictureLine::newestBefore(Tick tick) const noexcept {
 const Snapshot& PictureLine::pass(const Snapshot& newest) {
   keep(newest);
   const DaemonFaults& faults = newest.model.faults;
-  if (faults.picture == kFrozen && has_seen_) return seen_;
+  if (faults.picture == kFrozen && has_seen_) {
+    seen_.stands_in = newest.stands_in;
+    return seen_;
+  }
   const Tick arriving = newest.model.tick - static_cast<Tick>(faults.picture_delay_ms);
   seen_ = newestBefore(has_seen_ ? std::max(arriving, seen_.model.tick) : arriving);
+  seen_.stands_in = newest.stands_in;
   seen_.is_black = faults.picture == kBlack;
   seen_.are_eyes_swapped = faults.picture == kEyesSwapped;
   has_seen_ = true;

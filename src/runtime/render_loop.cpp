@@ -92,24 +92,26 @@ render::Snapshot RenderLoop::newest() {
 }
 
 /** The camera that is told stays the right one if the eyes are changed over: that is the fault. */
-void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye) {
+void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view) {
   const CameraConfig& config = cameras_[static_cast<std::size_t>(eye)];
   render::Renderer& renderer = stage_->renderer;
   const int width = renderer.width(), height = renderer.height();
   const auto& rgb = renderer.draw(scene, render::cameraSeeing(snapshot, config, raven_.X_WB, width, height));
   const model::Camera camera = model::cameraAt(config, snapshot.model, raven_.X_WB, width, height);
-  const bool is_view = snapshot.model.view == 0 || snapshot.stands_in;
   if (sink_) sink_({rgb, camera, snapshot.model.tick, is_view, eye, snapshot.model.time_ns});
 }
 
+/** Which picture is the view goes by now, however old what is seen may be: no camera's line decides that. */
 void RenderLoop::drawAll() {
-  const render::Snapshot& snapshot = line_.pass(newest());
-  const render::Scene& scene = stage_->builder.build(snapshot);
-  draw(scene, snapshot, Eye::kMiddle);
+  const render::Snapshot now = newest();
+  const bool is_view = now.model.view == 0 || now.stands_in;
+  const render::Snapshot& seen = line_.pass(now);
+  const render::Scene& scene = stage_->builder.build(seen);
+  draw(scene, seen, Eye::kMiddle, is_view);
   shared_.frames.add();
   if (shared_.stereo_watched.load() == 0) return;
   for (const Eye eye : {Eye::kLeft, Eye::kRight})
-    draw(scene, snapshot, eye);
+    draw(scene, seen, eye, is_view);
 }
 
 /** The eyes of a pair are part of what a frame takes: all of it must fit into the period. */

@@ -26,7 +26,7 @@ struct LiveImage {
   const std::vector<std::uint8_t>& rgb;  ///< top row first
   const model::Camera& camera;
   Tick tick;             ///< of the model state drawn
-  bool is_view;          ///< what was asked for (ModelState::view), or stands in for the real camera, which is silent
+  bool is_view;          ///< what is asked for now (ModelState::view), or stands in for the real camera, which is silent
   Eye eye;               ///< kMiddle: the live camera; else one of the stereo pair
   std::int64_t time_ns;  ///< ModelState::time_ns of what is shown: of a frozen picture the old one
 };
@@ -63,7 +63,7 @@ class RenderLoop {
   bool isCameraSilent() const;
   render::Snapshot newest();
   void drawAll();
-  void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye);
+  void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view);
   void adapt(double busy);
 
   const TrainerConfig& config_;

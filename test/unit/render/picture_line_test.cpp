@@ -35,6 +35,19 @@ TEST(PictureLine, FrozenItStandsAtTheLastPictureAndGoesOnWithTheNewest) {
   EXPECT_EQ(line.pass(at(5133)).model.tick, 5133);
 }
 
+TEST(PictureLine, WhetherItStandsInIsToldOfNow) {
+  PictureLine line;
+  line.pass(at(100));
+  Snapshot frozen = at(133, kFrozen), late = at(166, 0, 5000);
+  frozen.stands_in = late.stands_in = true;
+  EXPECT_TRUE(line.pass(frozen).stands_in);
+  EXPECT_EQ(line.pass(frozen).model.tick, 100);
+  frozen.stands_in = false;
+  EXPECT_FALSE(line.pass(frozen).stands_in);
+  EXPECT_TRUE(line.pass(late).stands_in);
+  EXPECT_EQ(line.pass(late).model.tick, 100);
+}
+
 TEST(PictureLine, FrozenFromTheStartItShowsTheFirst) {
   PictureLine line;
   EXPECT_EQ(line.pass(at(100, kFrozen)).model.tick, 100);

@@ -162,6 +162,38 @@ TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
   EXPECT_EQ(time_ns_, 5'033'000'000);
 }
 
+TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughTheLastOneIsFrozen) {
+  state_.view = 1;
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  const Picture last = frame();
+  EXPECT_FALSE(is_view_);
+  state_.tick += 33;
+  state_.faults.picture = 2;
+  state_.view = 0;
+  EXPECT_EQ(frame(), last);
+  EXPECT_TRUE(is_view_) << "it is asked for, as old as it is";
+  EXPECT_EQ(tick_, kTick);
+  state_.view = 1;
+  frame();
+  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  shared_->real_picture_ns.store(0);
+  EXPECT_NE(frame(), last) << "that it is not the one that was asked for is said on a frozen picture, too";
+  EXPECT_TRUE(is_view_);
+  EXPECT_EQ(tick_, kTick);
+}
+
+TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughPicturesAreLate) {
+  state_.view = 1;
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());
+  frame();
+  state_.tick += 33;
+  state_.faults.picture_delay_ms = 2000;
+  state_.view = 0;
+  frame();
+  EXPECT_TRUE(is_view_);
+  EXPECT_EQ(tick_, kTick) << "what is seen is late";
+}
+
 TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
   const Picture seen = frame();
   state_.faults.picture = 1;
