@@ -32,6 +32,8 @@ constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
 constexpr double kNewsPeriod = 0.05;        // [s] what an operator must hear of at once is told no more often than this
 constexpr std::uint32_t kQueue = 10;
 
+using News = std::array<std::uint64_t, 6>;  // counts and flags of what cannot wait; RosBridge::Impl::isNews
+
 }  // namespace
 
 struct RosBridge::Impl {
@@ -99,13 +101,17 @@ struct RosBridge::Impl {
   }
 
   /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk,
-   * another rate or size of the live picture? */
+   * another rate or size of the live picture, or its end? */
   bool isNews() {
     const SharedState& shared = simulator.shared();
     const LinkCounts master = shared.master_link.load();
-    const std::array<std::uint64_t, 5> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
-                                            shared.recorder.load().failing, shared.physics_timing.load().late_runs,
-                                            shared.haptic_timing.load().late_runs, shared.live_picture.load().changes};
+    const LivePicture picture = shared.live_picture.load();
+    const News news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
+                    shared.recorder.load().failing,
+                    shared.physics_timing.load().late_runs,
+                    shared.haptic_timing.load().late_runs,
+                    picture.changes,
+                    picture.failed};
     return std::exchange(told, news) != news;
   }
 
@@ -137,7 +143,7 @@ struct RosBridge::Impl {
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
   int cycle{0};
-  std::array<std::uint64_t, 5> told{};
+  News told{};
 };
 
 RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <thread>
 
@@ -20,7 +21,31 @@ int scaled(int pixels, double scale) {
   return std::max(1, static_cast<int>(std::lround(pixels * scale)));
 }
 
+void drawAtPace(RenderLoop* loop, const std::function<bool(double)>& wait) {
+  std::int64_t due = net::monotonicNow();
+  for (std::int64_t left = 0; !wait(static_cast<double>(left) * 1e-9);) {
+    loop->frame();
+    due += static_cast<std::int64_t>(loop->period() * 1e9);
+    const std::int64_t now = net::monotonicNow();
+    due = std::max(due, now);  // late: drop frames, never time
+    left = due - now;
+  }
+}
+
 }  // namespace
+
+void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
+                 const std::function<bool(double)>& wait,
+                 SharedState* shared) noexcept {
+  try {
+    drawAtPace(make().get(), wait);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s; going on without a live picture\n", e.what());
+    LivePicture told = shared->live_picture.load();
+    told.failed = 1;
+    shared->live_picture.store(told);
+  }
+}
 
 const CameraConfig& findCamera(const RenderConfig& config, const std::string& name) {
   std::string known;

@@ -13,6 +13,7 @@ struct LivePicture {
   std::uint64_t frames{};          ///< drawn so far
   std::uint64_t changes{};         ///< of rate or size
   std::uint64_t parted{};          ///< frames whose model and haptic state were more than a tick apart
+  std::uint8_t failed{};           ///< 1: nothing is drawn any more, something went wrong; stderr says what
 };
 static_assert(std::is_trivially_copyable<LivePicture>::value, "crosses threads word by word");
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,9 +26,9 @@ constexpr std::size_t kEyeCount = 3;
 struct LiveImage {
   const std::vector<std::uint8_t>& rgb;  ///< top row first
   const model::Camera& camera;
-  Tick tick;             ///< of the model state drawn
-  bool is_view;          ///< what is asked for now (ModelState::view), or stands in for the real camera, which is silent
-  Eye eye;               ///< kMiddle: the live camera; else one of the stereo pair
+  Tick tick;     ///< of the model state drawn
+  bool is_view;  ///< what is asked for now (ModelState::view), or stands in for the real camera, which is silent
+  Eye eye;       ///< kMiddle: the live camera; else one of the stereo pair
   std::int64_t time_ns;  ///< ModelState::time_ns of what is shown: of a frozen picture the old one
 };
 using ImageSink = std::function<void(const LiveImage&)>;
@@ -80,6 +81,16 @@ class RenderLoop {
   render::PlanNews plans_;
   std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells
 };
+
+/**
+ * All that the render thread does: frames, at the loop's pace, until it is told to end. Whatever goes wrong there,
+ * memory and who takes the pictures included, ends the live picture and nothing else: LivePicture::failed and stderr
+ * say so.
+ * @param[in] make constructs the loop, on this thread. @param[in] wait Waits so many seconds, zero included; true: end.
+ */
+void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
+                 const std::function<bool(double)>& wait,
+                 SharedState* shared) noexcept;
 
 /** Camera of the configuration by name. @throw ConfigException listing the known names. */
 const CameraConfig& findCamera(const RenderConfig& config, const std::string& name);

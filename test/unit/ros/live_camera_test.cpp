@@ -112,5 +112,17 @@ TEST(PictureStatus, WarnsWhileThePictureIsLessThanConfigured) {
   EXPECT_NE(pictureStatus(picture).message.find("20 Hz"), std::string::npos);
 }
 
+TEST(PictureStatus, IsAnErrorOnceItHasFailed) {
+  using diagnostic_msgs::DiagnosticStatus;
+  LivePicture picture;
+  picture.failed = 1;
+  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::ERROR) << "before the first frame";
+  EXPECT_NE(pictureStatus(picture).message.find("failed"), std::string::npos);
+  picture.fps = 20;
+  picture.level = 1;
+  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::ERROR) << "and after the last good one";
+  EXPECT_EQ(pictureStatus(picture).message.find("20 Hz"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

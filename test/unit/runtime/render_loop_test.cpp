@@ -3,12 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "render/frame_timeline.h"
 #include "unit/render/plan_fixture.h"
 
@@ -293,6 +298,61 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
     EXPECT_EQ(camera.height, told.height);
   }
   EXPECT_LT(told.width, config.render.live_width);
+}
+
+/** On a thread of the daemon's: what leaves it ends the process. */
+TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
+  const std::vector<std::function<void()>> failures{[] { throw std::bad_alloc(); },
+                                                    [] { throw std::runtime_error("of who takes the pictures"); },
+                                                    [] { throw RenderException("ours"); }};
+  for (const auto& fail : failures) {
+    shared_->live_picture.store({});
+    std::uint64_t shown = 0;
+    const auto make = [&] {
+      return std::make_unique<RenderLoop>(config_, raven_, scene_, std::vector<std::string>{}, shared_.get(),
+                                          [&](const LiveImage&) {
+                                            if (++shown > 2) fail();
+                                          });
+    };
+    shared_->model.store(state_);
+    int waits = 0;
+    keepDrawing(
+        make, [&](double) { return ++waits > 100; }, shared_.get());
+    EXPECT_EQ(shown, 3U);
+    EXPECT_EQ(shared_->live_picture.load().failed, 1);
+    EXPECT_EQ(shared_->live_picture.load().frames, 2U) << "what there was before is still told";
+  }
+}
+
+TEST_F(RenderLoopTest, PicturesThatCannotBeBegunAreTold) {
+  const auto make = []() -> std::unique_ptr<RenderLoop> { throw std::runtime_error("no OpenGL"); };
+  keepDrawing(
+      make, [](double) { return false; }, shared_.get());
+  EXPECT_EQ(shared_->live_picture.load().failed, 1);
+  EXPECT_EQ(shared_->live_picture.load().fps, 0);
+}
+
+TEST_F(RenderLoopTest, AnEndThatWasAskedForIsNoFailure) {
+  std::uint64_t shown = 0;
+  const auto make = [&] {
+    return std::make_unique<RenderLoop>(config_, raven_, scene_, std::vector<std::string>{}, shared_.get(),
+                                        [&](const LiveImage&) { ++shown; });
+  };
+  shared_->model.store(state_);
+  std::vector<double> waits;
+  const auto wait = [&](double seconds) {
+    waits.push_back(seconds);
+    return waits.size() > 2;
+  };
+  keepDrawing(make, wait, shared_.get());
+  EXPECT_EQ(shown, 2U);
+  EXPECT_EQ(shared_->live_picture.load().failed, 0);
+  ASSERT_EQ(waits.size(), 3U);
+  EXPECT_EQ(waits[0], 0.0) << "the first at once";
+  for (const double seconds : waits) {
+    EXPECT_GE(seconds, 0.0);
+    EXPECT_LE(seconds, 1.0 / config_.render.live_fps);
+  }
 }
 
 TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
