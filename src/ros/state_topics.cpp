@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/control/reach.h"
 #include "raven2_trainer/model/camera.h"
 #include "ros/markers.h"
 #include "ros/messages.h"
@@ -21,13 +21,9 @@ constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_sta
 }  // namespace
 
 bool isAtEdge(const ModelState& model, const HapticState& haptic) noexcept {
-  using kinematics::IkStatus;
-  const auto is_held_back = [](const ArmState& arm) {
-    const auto status = static_cast<IkStatus>(arm.ik_status);
-    return status == IkStatus::kClamped || status == IkStatus::kOutOfReach || status == IkStatus::kTooFar;
-  };
+  const auto is_held_back = [&model](Arm arm) { return control::isAtEdge(model, arm); };
   const auto is_felt = [](const Vec3& force) { return force != Vec3{}; };
-  return (model.pedal != 0 && std::any_of(model.arms.begin(), model.arms.end(), is_held_back)) ||
+  return std::any_of(kArms.begin(), kArms.end(), is_held_back) ||
          std::any_of(haptic.edge_B.begin(), haptic.edge_B.end(), is_felt);
 }
 

@@ -58,8 +58,8 @@ class StateTopics {
   bool has_told_edge_{false}, told_edge_{false};
 };
 
-/** Is a tool held back by the end of its workspace (its joints' limits, its reach) while the surgeon moves it, or does
- * a hand feel the edge of its master's? */
+/** Is a tool held back by the end of its workspace while a hand moves it (control::isAtEdge), or does a hand feel the
+ * edge of its master's? */
 bool isAtEdge(const ModelState& model, const HapticState& haptic) noexcept;
 
 /** Cycles of `base` seconds in `period` seconds, at least 1. */

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 #include "ros/state_topics.h"
@@ -105,11 +106,33 @@ TEST(WorkspaceEdge, AToolThatIsHeldBackOrAHandThatFeelsIt) {
   EXPECT_TRUE(isAtEdge(model, haptic));
   haptic = {};
   model.arms[1].ik_status = 1;  // clamped
+  model.mode = Mode::kPedalUp;
   EXPECT_FALSE(isAtEdge(model, haptic)) << "nobody moves it";
-  model.pedal = 1;
+  model.mode = Mode::kTeleoperating;
   EXPECT_TRUE(isAtEdge(model, haptic));
-  model.arms[1].ik_status = 5;  // the wrist's singularity is no edge
-  EXPECT_FALSE(isAtEdge(model, haptic));
+}
+
+/** Only a hand that moves the arm writes the status: what is left of it says nothing of what moves it now. */
+TEST(WorkspaceEdge, IsNotToldByAStatusOfBefore) {
+  ModelState model;
+  model.pedal = 1;
+  model.arms[0].ik_status = 1;  // clamped
+  for (std::size_t i = 0; i < kModeCount; ++i) {
+    model.mode = static_cast<Mode>(i);
+    const bool is_hand = model.mode == Mode::kTeleoperating || model.mode == Mode::kChoosing ||
+                         model.mode == Mode::kSimulating || model.mode == Mode::kTrial;
+    EXPECT_EQ(isAtEdge(model, HapticState{}), is_hand) << kModeNames[i];
+  }
+}
+
+TEST(WorkspaceEdge, IsWhereATipCannotGo) {
+  ModelState model;
+  model.mode = Mode::kTeleoperating;
+  const std::array<bool, 6> expected{false, true, true, true, true, false};  // the wrist's singularity is no edge
+  for (std::uint32_t status = 0; status < expected.size(); ++status) {
+    model.arms[1].ik_status = status;
+    EXPECT_EQ(isAtEdge(model, HapticState{}), expected[status]) << status;
+  }
 }
 
 }  // namespace
