@@ -19,6 +19,10 @@ LiveCamera::LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const 
       infos_(node->advertise<sensor_msgs::CameraInfo>("camera/camera_info", kQueue)),
       compressed_(node->advertise<sensor_msgs::CompressedImage>("camera/image_raw/compressed", kQueue)) {}
 
+bool LiveCamera::isWatched() const {
+  return images_.getNumSubscribers() > 0 || infos_.getNumSubscribers() > 0 || compressed_.getNumSubscribers() > 0;
+}
+
 void LiveCamera::show(const runtime::LiveImage& picture, const ros::Time& stamp) {
   const bool is_view = picture.is_view && view_.isWatched();
   if (is_view || images_.getNumSubscribers() > 0) {

@@ -22,6 +22,8 @@ class LiveCamera {
   /** @param[in] view that is shown the same pictures; must outlive this. @throw RenderException. */
   LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const CameraView& view);
 
+  /** Whether anybody looks, or asks where the camera is. */
+  bool isWatched() const;
   /** A picture of the live camera. On the render thread; roscpp's publish is thread-safe. */
   void show(const runtime::LiveImage& picture, const ros::Time& stamp);
 

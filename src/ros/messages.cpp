@@ -127,7 +127,8 @@ DiagnosticStatus pictureStatus(const LivePicture& picture) {
     s.level = DiagnosticStatus::ERROR;
     s.message = "failed; the daemon's stderr says why";
   }
-  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted)};
+  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted),
+              value("watched", static_cast<int>(picture.watched))};
   return s;
 }
 

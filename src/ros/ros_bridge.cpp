@@ -67,11 +67,12 @@ struct RosBridge::Impl {
 
   ~Impl() {
     simulator.setImageSink({});
-    simulator.shared().stereo_watched.store(0);
     planning_services.stop();
     training_services.stop();
     if (move_arm) move_arm->stop();
     publisher.stop();
+    simulator.shared().stereo_watched.store(0);
+    simulator.shared().picture_watched.store(0);
     view.stop();
     spinner.stop();
   }
@@ -88,6 +89,7 @@ struct RosBridge::Impl {
     const SharedState& shared = simulator.shared();
     const ToldStates states{shared.model.load(), shared.robot.load(), shared.haptic.load()};
     topics.publish(states, stamp);
+    tellWhoLooks();
     pedals.idle(net::monotonicNow());
     const double period = simulator.config().runtime.ros_period;
     if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
@@ -98,6 +100,14 @@ struct RosBridge::Impl {
       diagnostic_arrays.publish(array);
     }
     ++cycle;
+  }
+
+  /** In every cycle, so that who comes new waits for the next frame alone. */
+  void tellWhoLooks() {
+    SharedState& shared = simulator.shared();
+    const bool is_stereo = stereo.isWatched();
+    shared.stereo_watched.store(is_stereo ? 1 : 0);
+    shared.picture_watched.store(is_stereo || camera.isWatched() || view.isWatched() ? 1 : 0);
   }
 
   /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk,
@@ -119,7 +129,6 @@ struct RosBridge::Impl {
   void publishImage(const runtime::LiveImage& picture) {
     const ros::Time stamp = picture_stamp.of(picture.time_ns, net::monotonicNow(), ros::Time::now());
     if (picture.eye != runtime::Eye::kMiddle) return stereo.show(picture, stamp);
-    simulator.shared().stereo_watched.store(stereo.isWatched() ? 1 : 0);
     camera.show(picture, stamp);
   }
 

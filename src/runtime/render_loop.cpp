@@ -17,6 +17,8 @@ namespace raven2_trainer::runtime {
 
 namespace {
 
+constexpr auto kUnwatchedNs = static_cast<std::int64_t>(RenderLoop::kUnwatchedPeriod * 1e9);
+
 int scaled(int pixels, double scale) {
   return std::max(1, static_cast<int>(std::lround(pixels * scale)));
 }
@@ -68,12 +70,14 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
                        const model::SceneModel& scene,
                        const std::vector<std::string>& body_names,
                        SharedState* shared,
-                       ImageSink sink)
+                       ImageSink sink,
+                       Clock clock)
     : config_(config),
       raven_(raven),
       scene_(scene),
       shared_(*shared),
       sink_(std::move(sink)),
+      clock_(std::move(clock)),
       contacts_(body_names),
       cameras_{findCamera(config.render, config.render.live_camera),
                findCamera(config.render, config.render.stereo.camera + "_left"),
@@ -95,13 +99,12 @@ void RenderLoop::hearOfPlans() {
 /** By the receipt of its newest picture: clocks of other computers tell nothing here. */
 bool RenderLoop::isCameraSilent() const {
   const auto limit = static_cast<std::int64_t>(config_.render.real_stale_after * 1e9);
-  return net::monotonicNow() - shared_.real_picture_ns.load() > limit;
+  return clock_() - shared_.real_picture_ns.load() > limit;
 }
 
 render::Snapshot RenderLoop::newest() {
   const FrameStates states =
       loadFrameStates(shared_, [] { std::this_thread::sleep_for(std::chrono::microseconds(100)); });
-  if (std::abs(states.model.tick - states.haptic.tick) > 1) ++told_.parted;
   render::Snapshot snapshot;
   snapshot.model = states.model;
   snapshot.robot = states.robot;
@@ -126,11 +129,7 @@ void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapsh
   if (sink_) sink_({rgb, camera, snapshot.model.tick, is_view, eye, snapshot.model.time_ns});
 }
 
-/** Which picture is the view goes by now, however old what is seen may be: no camera's line decides that. */
-void RenderLoop::drawAll() {
-  const render::Snapshot now = newest();
-  const bool is_view = now.model.view == 0 || now.stands_in;
-  const render::Snapshot& seen = line_.pass(now);
+void RenderLoop::drawAll(const render::Snapshot& seen, bool is_view) {
   const render::Scene& scene = stage_->builder.build(seen);
   draw(scene, seen, Eye::kMiddle, is_view);
   shared_.frames.add();
@@ -139,17 +138,34 @@ void RenderLoop::drawAll() {
     draw(scene, seen, eye, is_view);
 }
 
-/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. */
-void RenderLoop::frame() {
-  if (!stage_) stage_.emplace(config_, raven_, scene_, pace_.level().scale);
-  const std::int64_t begin = net::monotonicNow();
-  drawAll();
-  adapt(static_cast<double>(net::monotonicNow() - begin) * 1e-9);
+bool RenderLoop::isWatched() const noexcept {
+  return shared_.picture_watched.load() != 0 || shared_.stereo_watched.load() != 0;
 }
 
+/** Which picture is the view goes by now, however old what is seen may be: no camera's line decides that. */
+void RenderLoop::frame() {
+  if (!stage_) stage_.emplace(config_, raven_, scene_, pace_.level().scale);
+  const std::int64_t begin = clock_();
+  const render::Snapshot now = newest();
+  const render::Snapshot& seen = line_.pass(now);
+  told_.watched = isWatched() ? 1 : 0;
+  const bool is_due = told_.watched != 0 || told_.frames == 0 || begin - drawn_ns_ >= kUnwatchedNs;
+  if (!is_due) return stage_->builder.follow(seen);
+  drawn_ns_ = begin;
+  if (std::abs(now.model.tick - now.haptic.tick) > 1) ++told_.parted;
+  drawAll(seen, now.model.view == 0 || now.stands_in);
+  adapt(static_cast<double>(clock_() - begin) * 1e-9);
+}
+
+/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. One a second tells nothing of
+ * what thirty take. */
 void RenderLoop::adapt(double busy) {
   const double scale = pace_.level().scale;
-  const bool has_changed = pace_.add(busy);
+  tell(told_.watched != 0 && pace_.add(busy));
+  if (pace_.level().scale != scale) stage_.reset();  // one context at a time
+}
+
+void RenderLoop::tell(bool has_changed) {
   told_.fps = pace_.level().fps;
   told_.width = scaled(config_.render.live_width, pace_.level().scale);
   told_.height = scaled(config_.render.live_height, pace_.level().scale);
@@ -161,7 +177,6 @@ void RenderLoop::adapt(double busy) {
                  told_.level > 0 ? "; it takes longer than configured" : "");
   }
   shared_.live_picture.store(told_);
-  if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }
 
 }  // namespace raven2_trainer::runtime

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
@@ -32,14 +30,15 @@ class RenderLoopTest : public ::testing::Test {
         raven_(model::loadRavenModel(config_)),
         scene_(model::loadSceneModel(config_)),
         shared_(std::make_unique<SharedState>()),
-        loop_(config_, raven_, scene_, {}, shared_.get(), [this](const LiveImage& image) {
-          if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
-          picture_ = image.rgb;
-          is_view_ = image.is_view;
-          camera_ = image.camera;
-          tick_ = image.tick;
-          time_ns_ = image.time_ns;
-        }) {
+        loop_(
+            config_,
+            raven_,
+            scene_,
+            {},
+            shared_.get(),
+            [this](const LiveImage& image) { take(image); },
+            [this] { return now_ns_; }) {
+    shared_->picture_watched.store(1);
     state_.tick = kTick;
     state_.session_tick = 0;
     for (ArmState& arm : state_.arms)
@@ -53,6 +52,17 @@ class RenderLoopTest : public ::testing::Test {
     Picture rgb;
     model::Camera camera;
   };
+
+  void take(const LiveImage& image) {
+    ++drawn_;
+    now_ns_ += takes_ns_;
+    if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
+    picture_ = image.rgb;
+    is_view_ = image.is_view;
+    camera_ = image.camera;
+    tick_ = image.tick;
+    time_ns_ = image.time_ns;
+  }
 
   Picture frame() {
     eyes_.clear();
@@ -79,6 +89,9 @@ class RenderLoopTest : public ::testing::Test {
   Tick tick_{-1};
   std::int64_t time_ns_{-1};
   std::vector<EyePicture> eyes_;
+  int drawn_{0};                            // pictures, those of the eyes included
+  std::int64_t now_ns_{1'000'000'000'000};  // the loop's clock
+  std::int64_t takes_ns_{0};                // each picture
   RenderLoop loop_;
   ModelState state_;
 };
@@ -245,16 +258,78 @@ TEST_F(RenderLoopTest, APictureHasTheTickAndTheTimeOfTheStateDrawn) {
   EXPECT_EQ(time_ns, 123'456'789);
 }
 
+TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
+  shared_->picture_watched.store(0);
+  const auto run = [this](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      frame();
+      now_ns_ += 40'000'000;
+    }
+  };
+  run(1);
+  EXPECT_EQ(drawn_, 1) << "the first at once";
+  run(249);
+  EXPECT_EQ(drawn_, 10) << "of ten seconds";
+  EXPECT_EQ(shared_->live_picture.load().frames, 10U);
+  EXPECT_EQ(shared_->frames.value(), 10U);
+  EXPECT_EQ(shared_->live_picture.load().watched, 0);
+  run(1);
+  EXPECT_EQ(drawn_, 11);
+  shared_->picture_watched.store(1);
+  run(1);
+  EXPECT_EQ(drawn_, 12) << "the first for who comes, at once";
+  run(25);
+  EXPECT_EQ(drawn_, 37);
+  EXPECT_EQ(shared_->live_picture.load().watched, 1);
+  shared_->picture_watched.store(0);
+  run(1);
+  EXPECT_EQ(drawn_, 37);
+  shared_->stereo_watched.store(1);
+  run(1);
+  EXPECT_EQ(drawn_, 40) << "who looks at both eyes looks";
+}
+
+/** So that what is seen does not depend on who looked before. */
+TEST_F(RenderLoopTest, WhatNobodyLookedAtIsKnownAllTheSame) {
+  frame();
+  shared_->picture_watched.store(0);
+  state_.tick += 400;
+  state_.arms[0].q[kElbow] += 0.1;
+  frame();
+  ASSERT_EQ(drawn_, 1);
+  state_.tick += 33;
+  state_.faults.picture = 2;
+  shared_->picture_watched.store(1);
+  frame();
+  EXPECT_EQ(tick_, kTick + 400) << "when it froze";
+}
+
+TEST_F(RenderLoopTest, PicturesThatNobodyLooksAtSayNothingOfTheirPace) {
+  takes_ns_ = 200'000'000;
+  shared_->picture_watched.store(0);
+  for (int i = 0; i < 100; ++i) {
+    frame();
+    now_ns_ += 1'000'000'000;
+  }
+  EXPECT_EQ(drawn_, 100);
+  EXPECT_EQ(shared_->live_picture.load().level, 0U);
+  shared_->picture_watched.store(1);
+  for (int i = 0; i < 5; ++i)
+    frame();
+  EXPECT_EQ(shared_->live_picture.load().level, 1U) << "the same, looked at";
+}
+
 TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWithIt) {
   TrainerConfig config = config_;
   config.render.live_fps = config.render.live_slowest = 120;
   std::vector<model::Camera> cameras;
   std::vector<std::size_t> sizes;
-  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+  const auto show = [&](const LiveImage& image) {
     cameras.push_back(image.camera);
     sizes.push_back(image.rgb.size());
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // longer than the 8 ms that there are
-  });
+    now_ns_ += 20'000'000;  // longer than the 8 ms that there are
+  };
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
   shared_->model.store(state_);
   while (cameras.size() < 500 && shared_->live_picture.load().level < 2)
     loop.frame();
@@ -279,11 +354,12 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   TrainerConfig config = config_;
   config.render.live_fps = config.render.live_slowest = 10;
   std::vector<model::Camera> cameras;
-  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+  const auto show = [&](const LiveImage& image) {
     if (image.eye == Eye::kMiddle) return;
     cameras.push_back(image.camera);
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-  });
+    now_ns_ += 60'000'000;
+  };
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
   shared_->stereo_watched.store(1);
   shared_->model.store(state_);
   while (cameras.size() < 100 && shared_->live_picture.load().level < 1)
