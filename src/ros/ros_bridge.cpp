@@ -53,7 +53,7 @@ struct RosBridge::Impl {
                 [daemon] { return daemon->planCounts(); }},
                kQueue),
         view(node, daemon->config().render, &daemon->shared()),
-        stereo(node, daemon->config().render.stereo),
+        stereo(node, daemon->config().render),
         camera(&node, daemon->config().render, view),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),

@@ -132,6 +132,22 @@ TEST(NominalSession, ACompressedPictureIsAJpegOfTheLiveCamera) {
   EXPECT_EQ(picture.get().format, "rgb8; jpeg compressed bgr8");
 }
 
+TEST(NominalSession, BothEyesAndTheViewAreThereAsJpegToo) {
+  Latest<sensor_msgs::CompressedImage> left("camera/left/image_raw/compressed"),
+      right("camera/right/image_raw/compressed"), view("view/image_raw/compressed");
+  ASSERT_TRUE(waitFor([&] { return left.count() > 0 && right.count() > 0 && view.count() > 0; }, kStartDeadline));
+  for (const auto* picture : {&left, &right, &view}) {
+    const std::vector<std::uint8_t>& jpeg = picture->get().data;
+    ASSERT_GT(jpeg.size(), 1000U);
+    EXPECT_TRUE(jpeg[0] == 0xFF && jpeg[1] == 0xD8) << "SOI";
+    EXPECT_EQ(picture->get().format, "rgb8; jpeg compressed bgr8");
+  }
+  EXPECT_EQ(left.get().header.frame_id, "endoscope_left_optical_frame");
+  EXPECT_EQ(right.get().header.frame_id, left.get().header.frame_id);
+  EXPECT_EQ(view.get().header.frame_id, "endoscope_optical_frame");
+  EXPECT_NE(left.get().data, right.get().data);
+}
+
 TEST(NominalSession, TheLivePictureIsDiagnosed) {
   Latest<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   ASSERT_TRUE(waitFor([&] { return diagnostics.count() > 1; }, kStartDeadline));
