@@ -154,14 +154,14 @@ void RenderLoop::frame() {
   drawn_ns_ = begin;
   if (std::abs(now.model.tick - now.haptic.tick) > 1) ++told_.parted;
   drawAll(seen, now.model.view == 0 || now.stands_in);
-  adapt(static_cast<double>(clock_() - begin) * 1e-9);
+  adapt(static_cast<double>(clock_() - begin) * 1e-9, told_.watched != 0 && !seen.is_black);
 }
 
 /** The eyes of a pair are part of what a frame takes: all of it must fit into the period. One a second tells nothing of
- * what thirty take. */
-void RenderLoop::adapt(double busy) {
+ * what thirty take, and a black one nothing of those that will be seen again. */
+void RenderLoop::adapt(double busy, bool is_measure) {
   const double scale = pace_.level().scale;
-  tell(told_.watched != 0 && pace_.add(busy));
+  tell(is_measure && pace_.add(busy));
   if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }
 

@@ -77,7 +77,7 @@ class RenderLoop {
   bool isWatched() const noexcept;
   void drawAll(const render::Snapshot& seen, bool is_view);
   void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view);
-  void adapt(double busy);
+  void adapt(double busy, bool is_measure);
   void tell(bool has_changed);
 
   const TrainerConfig& config_;

@@ -349,6 +349,24 @@ TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWit
   EXPECT_DOUBLE_EQ(cameras.back().cx, (told.width - 1) / 2.0);
 }
 
+/** They cost nothing: counted, they would raise what has to come down again once there is something to be seen. */
+TEST_F(RenderLoopTest, BlackPicturesSayNothingOfTheirPace) {
+  takes_ns_ = 200'000'000;
+  while (drawn_ < 100 && shared_->live_picture.load().level < 3)
+    frame();
+  ASSERT_EQ(shared_->live_picture.load().level, 3U);
+  takes_ns_ = 0;
+  state_.faults.picture = 1;
+  constexpr int kFrames = 50;  // 5 s at 10 Hz; it goes up after 3
+  for (int i = 0; i < kFrames; ++i)
+    frame();
+  EXPECT_EQ(shared_->live_picture.load().level, 3U);
+  state_.faults.picture = 0;
+  for (int i = 0; i < kFrames; ++i)
+    frame();
+  EXPECT_LT(shared_->live_picture.load().level, 3U) << "the same, seen";
+}
+
 /** The eyes alone take longer than the period, the live camera's picture by far not. */
 TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   TrainerConfig config = config_;
