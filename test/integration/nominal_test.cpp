@@ -121,6 +121,20 @@ TEST(NominalSession, BothEyesHaveOneStampAndOneSize) {
   EXPECT_NE(left.get().data, right.get().data);
 }
 
+TEST(NominalSession, TheRightEyesCameraIsTheLeftOnesAsideByTheBaseline) {
+  constexpr double kBaseline = 0.005;  // [m] config/render.yaml
+  Latest<sensor_msgs::Image> image("camera/right/image_raw");
+  Latest<sensor_msgs::CameraInfo> right("camera/right/camera_info"), left("camera/left/camera_info");
+  ASSERT_TRUE(waitFor([&] { return image.count() > 5 && right.count() > 5 && left.count() > 5; }, kStartDeadline));
+  EXPECT_TRUE(waitFor([&] { return right.get().header.stamp == image.get().header.stamp; }, 5.0));
+  EXPECT_EQ(right.get().header.frame_id, "endoscope_left_optical_frame");
+  EXPECT_EQ(right.get().width, image.get().width);
+  EXPECT_GT(right.get().P[0], 0.0);
+  EXPECT_LT(right.get().P[3], 0.0);
+  EXPECT_NEAR(right.get().P[3], -right.get().P[0] * kBaseline, 1e-9);
+  EXPECT_EQ(left.get().P[3], 0.0);
+}
+
 TEST(NominalSession, ACompressedPictureIsAJpegOfTheLiveCamera) {
   Latest<sensor_msgs::CompressedImage> picture("camera/image_raw/compressed");
   ASSERT_TRUE(waitFor([&] { return picture.count() > 0; }, kStartDeadline));
