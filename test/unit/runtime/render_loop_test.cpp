@@ -71,6 +71,8 @@ class RenderLoopTest : public ::testing::Test {
     return picture_;
   }
 
+  void setPicture(PictureFault fault) { state_.faults.picture = static_cast<std::uint8_t>(fault); }
+
   /** As the planner answers: the cell first, then the state of that tick. */
   void answer(const PlanResult& plan, PlanningStatus status) {
     shared_->last_plan.store(plan);
@@ -170,11 +172,11 @@ TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
   state_.tick += 33;
   state_.time_ns += 33'000'000;
   state_.arms[0].q[kElbow] += 0.2;
-  state_.faults.picture = 2;
+  setPicture(PictureFault::kFrozen);
   EXPECT_EQ(frame(), last);
   EXPECT_EQ(tick_, kTick);
   EXPECT_EQ(time_ns_, 5'000'000'000);
-  state_.faults.picture = 0;
+  setPicture(PictureFault::kNone);
   EXPECT_NE(frame(), last);
   EXPECT_EQ(tick_, kTick + 33);
   EXPECT_EQ(time_ns_, 5'033'000'000);
@@ -186,7 +188,7 @@ TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughTheLastOneIsFrozen) {
   const Picture last = frame();
   EXPECT_FALSE(is_view_);
   state_.tick += 33;
-  state_.faults.picture = 2;
+  setPicture(PictureFault::kFrozen);
   state_.view = 0;
   EXPECT_EQ(frame(), last);
   EXPECT_TRUE(is_view_) << "it is asked for, as old as it is";
@@ -214,14 +216,14 @@ TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughPicturesAreLate) {
 
 TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
   const Picture seen = frame();
-  state_.faults.picture = 1;
+  setPicture(PictureFault::kBlack);
   shared_->stereo_watched.store(1);
   const Picture black = frame();
   EXPECT_EQ(black, Picture(seen.size(), 0));
   EXPECT_TRUE(is_view_);
   ASSERT_EQ(eyes_.size(), 2U);
   EXPECT_EQ(eyes_[0].rgb, black);
-  state_.faults.picture = 0;
+  setPicture(PictureFault::kNone);
   EXPECT_EQ(frame(), seen);
 }
 
@@ -229,7 +231,7 @@ TEST_F(RenderLoopTest, EyesThatAreChangedOverKeepTheirNamesAndCameras) {
   shared_->stereo_watched.store(1);
   const Picture middle = frame();
   const std::vector<EyePicture> right_way = eyes_;
-  state_.faults.picture = 3;
+  setPicture(PictureFault::kEyesSwapped);
   EXPECT_EQ(frame(), middle);
   ASSERT_EQ(eyes_.size(), 2U);
   EXPECT_EQ(eyes_[0].rgb, right_way[1].rgb);
@@ -298,7 +300,7 @@ TEST_F(RenderLoopTest, WhatNobodyLookedAtIsKnownAllTheSame) {
   frame();
   ASSERT_EQ(drawn_, 1);
   state_.tick += 33;
-  state_.faults.picture = 2;
+  setPicture(PictureFault::kFrozen);
   shared_->picture_watched.store(1);
   frame();
   EXPECT_EQ(tick_, kTick + 400) << "when it froze";
@@ -356,12 +358,12 @@ TEST_F(RenderLoopTest, BlackPicturesSayNothingOfTheirPace) {
     frame();
   ASSERT_EQ(shared_->live_picture.load().level, 3U);
   takes_ns_ = 0;
-  state_.faults.picture = 1;
+  setPicture(PictureFault::kBlack);
   constexpr int kFrames = 50;  // 5 s at 10 Hz; it goes up after 3
   for (int i = 0; i < kFrames; ++i)
     frame();
   EXPECT_EQ(shared_->live_picture.load().level, 3U);
-  state_.faults.picture = 0;
+  setPicture(PictureFault::kNone);
   for (int i = 0; i < kFrames; ++i)
     frame();
   EXPECT_LT(shared_->live_picture.load().level, 3U) << "the same, seen";
