@@ -103,7 +103,7 @@ void StateTopics::addCameras(const ModelState& model,
   const RenderConfig& render = source_.config.render;
   std::set<std::string> names{render.live_camera, render.stereo.camera + "_left", render.stereo.camera + "_right"};
   for (const std::string& name : names) {
-    const CameraConfig& config = runtime::findCamera(render, name);
+    const CameraConfig& config = model::requireCamera(render, name);
     const model::Camera camera = model::cameraAt(config, model, source_.raven.X_WB, 2, 2);
     transforms->push_back(transform(camera.X_WC, opticalFrame(name), stamp));
   }

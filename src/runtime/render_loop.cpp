@@ -9,7 +9,6 @@
 #include <memory>
 #include <thread>
 
-#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/frame_states.h"
 #include "raven2_trainer/net/clock.h"
 
@@ -49,15 +48,6 @@ void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
   }
 }
 
-const CameraConfig& findCamera(const RenderConfig& config, const std::string& name) {
-  std::string known;
-  for (const CameraConfig& camera : config.cameras) {
-    if (camera.name == name) return camera;
-    known += " " + camera.name;
-  }
-  throw ConfigException("no camera is called \"" + name + "\"; known:" + known);
-}
-
 RenderLoop::Stage::Stage(const TrainerConfig& config,
                          const model::RavenModel& raven,
                          const model::SceneModel& scene,
@@ -79,9 +69,9 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
       sink_(std::move(sink)),
       clock_(std::move(clock)),
       contacts_(body_names),
-      cameras_{findCamera(config.render, config.render.live_camera),
-               findCamera(config.render, config.render.stereo.camera + "_left"),
-               findCamera(config.render, config.render.stereo.camera + "_right")},
+      cameras_{model::requireCamera(config.render, config.render.live_camera),
+               model::requireCamera(config.render, config.render.stereo.camera + "_left"),
+               model::requireCamera(config.render, config.render.stereo.camera + "_right")},
       pace_(config.render) {
   stage_.emplace(config_, raven_, scene_, pace_.level().scale);
 }

@@ -107,7 +107,4 @@ void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
                  const std::function<bool(double)>& wait,
                  SharedState* shared) noexcept;
 
-/** Camera of the configuration by name. @throw ConfigException listing the known names. */
-const CameraConfig& findCamera(const RenderConfig& config, const std::string& name);
-
 }  // namespace raven2_trainer::runtime
