@@ -98,6 +98,18 @@ TEST(ForceMarkers, AnArrowAtTheTipOfEachArm) {
   EXPECT_EQ(forceMarkers(model, haptic, X_WB, kStamp).markers[0].action, Marker::DELETE);
 }
 
+/** doc/pictures.md: blue what the hand feels, orange what touches the tool. */
+TEST(Markers, HaveThePicturesColours) {
+  HapticState haptic;
+  haptic.force_B[0] = {1.0, 0.0, 0.0};
+  const auto hand = forceMarkers(ModelState{}, haptic, {}, kStamp).markers[0].color;
+  EXPECT_TRUE(hand.b > 0.8F && hand.r < 0.3F && hand.g < 0.5F);
+  for (const Marker& m : contactMarkers(twoContacts(), kStamp).markers) {
+    const auto& contact = m.color;
+    EXPECT_TRUE(contact.r > 0.8F && contact.g > 0.3F && contact.g < 0.7F && contact.b < 0.3F) << m.ns;
+  }
+}
+
 TEST(WorkspaceEdge, AToolThatIsHeldBackOrAHandThatFeelsIt) {
   ModelState model;
   HapticState haptic;
