@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/runtime/frame_states.h"
 #include "ros/camera_view.h"
 #include "ros/exposure.h"
 #include "ros/joy_pedals.h"
@@ -87,7 +88,10 @@ struct RosBridge::Impl {
   void publish() {
     const ros::Time stamp = ros::Time::now();
     const SharedState& shared = simulator.shared();
-    const ToldStates states{shared.model.load(), shared.robot.load(), shared.haptic.load()};
+    ToldStates states;
+    runtime::loadModel(shared, &states.model, &states.contacts);
+    states.robot = shared.robot.load();
+    states.haptic = shared.haptic.load();
     topics.publish(states, stamp);
     tellWhoLooks();
     pedals.idle(net::monotonicNow());

@@ -109,7 +109,6 @@ struct SessionReplay::Impl {
     for (const ExerciseRecord& event : instant.events)
       events.add(event);
     shared->exercise_news.store(events);
-    shared->contacts.store(contactList(instant.tick.model.tick, instant.contacts));
   }
 
   void tell(const session::ReplayInstant& instant) {
@@ -118,7 +117,8 @@ struct SessionReplay::Impl {
     now.clock = stamp;
     clock.publish(now);
     store(instant);
-    topics->publish({instant.tick.model, instant.tick.robot, instant.haptic}, stamp);
+    const ModelState& model = instant.tick.model;
+    topics->publish({model, instant.tick.robot, instant.haptic, contactList(model.tick, instant.contacts)}, stamp);
     ++told;
   }
 

@@ -70,7 +70,7 @@ void StateTopics::startOver() {
 
 void StateTopics::publishMarkers(const ToldStates& states, const ros::Time& stamp) {
   if (markers_.getNumSubscribers() == 0) return;
-  visualization_msgs::MarkerArray all = contactMarkers(source_.shared.contacts.load(), stamp);
+  visualization_msgs::MarkerArray all = contactMarkers(states.contacts, stamp);
   const auto forces = forceMarkers(states.model, states.haptic, source_.raven.X_WB, stamp);
   all.markers.insert(all.markers.end(), forces.markers.begin(), forces.markers.end());
   markers_.publish(all);
@@ -88,7 +88,8 @@ void StateTopics::publishEdge(const ToldStates& states) {
 
 void StateTopics::publishTransforms(const ToldStates& states, const ros::Time& stamp) {
   tf2_msgs::TFMessage message;
-  const auto& [model, robot, haptic] = states;
+  const ModelState& model = states.model;
+  const RobotState& robot = states.robot;
   addArms("model/", {model.arms[0].q, model.arms[1].q}, stamp, &message.transforms);
   if (robot.frame > 0 && robot.connected != 0)
     addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message.transforms);

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "raven2_trainer/core/contact.h"
 #include "ros/planning_topics.h"
 #include "ros/topic_source.h"
 #include "ros/training_topics.h"
@@ -17,6 +18,7 @@ struct ToldStates {
   ModelState model{};
   RobotState robot{};
   HapticState haptic{};
+  ContactList contacts{};  ///< of the model's tick
 };
 
 /**

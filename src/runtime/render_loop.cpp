@@ -9,8 +9,8 @@
 #include <memory>
 #include <thread>
 
-#include "raven2_trainer/core/frame_states.h"
 #include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/runtime/frame_states.h"
 
 namespace raven2_trainer::runtime {
 
