@@ -344,7 +344,10 @@ void readRender(Section& root, RenderConfig* c) {
   c->live_height = static_cast<int>(live.integer("height", 64, 4096));
   c->live_fps = static_cast<int>(live.integer("fps", 1, 120));
   c->live_slowest = static_cast<int>(live.integer("slowest", 1, 120));
-  c->live_smallest = live.number("smallest", 0.25, 1);
+  if (c->live_slowest > c->live_fps)
+    throw ConfigException(live.where("slowest") + " is " + std::to_string(c->live_slowest) + ", above fps, " +
+                          std::to_string(c->live_fps));
+  c->live_smallest = live.number("smallest", 0.5, 1);
   c->live_settle = live.number("settle", 0.5, 60);
   c->live_jpeg_quality = static_cast<int>(live.integer("jpeg_quality", 1, 100));
   live.finish();

@@ -1,6 +1,9 @@
 #include "raven2_trainer/model/camera.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::model {
 namespace {
@@ -36,6 +39,20 @@ void lookAtTool(const ArmState& arm, const Pose& X_WB, CameraConfig* config) noe
 }
 
 }  // namespace
+
+const CameraConfig* findCamera(const RenderConfig& config, const std::string& name) noexcept {
+  const auto found = std::find_if(config.cameras.begin(), config.cameras.end(),
+                                  [&name](const CameraConfig& camera) { return camera.name == name; });
+  return found == config.cameras.end() ? nullptr : &*found;
+}
+
+const CameraConfig& requireCamera(const RenderConfig& config, const std::string& name) {
+  if (const CameraConfig* camera = findCamera(config, name)) return *camera;
+  std::string known;
+  for (const CameraConfig& camera : config.cameras)
+    known += " " + camera.name;
+  throw ConfigException("camera " + name + " is not one of:" + known);
+}
 
 Camera makeCamera(const CameraConfig& config, int width, int height) noexcept {
   Camera camera;

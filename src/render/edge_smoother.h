@@ -9,8 +9,9 @@ namespace raven2_trainer::render {
 /**
  * Softens stair-steps of finished pixels: where the brightness across a pixel's diagonals differs, colours are averaged
  * along the edge (the idea of FXAA, T. Lottes, 2009). On the processor, because only edges cost time here, while
- * llvmpipe pays for every pixel: 17 ms at 1280x720 as a shader. Four-fold multisampling costs 60 ms. Whole numbers
- * throughout, so that compilers can take many pixels at once and every machine gives the same ones.
+ * llvmpipe pays for every pixel: 17 ms at 1280x720 as a shader. Four-fold multisampling costs 60 ms. Colours are whole
+ * numbers throughout, so that compilers can take many pixels at once; steps along edges are floats, the same ones on
+ * every x86-64 as long as multiplications and additions are not fused, which the build sees to.
  */
 class EdgeSmoother {
  public:

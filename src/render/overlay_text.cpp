@@ -1,7 +1,6 @@
 #include "render/overlay_text.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -126,9 +125,16 @@ void addExercise(const Snapshot& snapshot, std::uint32_t steps, std::vector<std:
 
 /** What a fault of the video leaves of the trainee's picture. */
 std::string pictureText(const DaemonFaults& faults) {
-  static constexpr std::array<const char*, 4> kPictures{"", "picture black", "picture frozen", "eyes changed over"};
-  if (faults.picture > 0 && faults.picture < kPictures.size()) return kPictures[faults.picture];
-  return faults.picture_delay_ms > 0 ? format("picture %u ms late", faults.picture_delay_ms) : "";
+  switch (static_cast<PictureFault>(faults.picture)) {
+    case PictureFault::kBlack:
+      return "picture black";
+    case PictureFault::kFrozen:
+      return "picture frozen";
+    case PictureFault::kEyesSwapped:
+      return "eyes changed over";
+    default:
+      return faults.picture_delay_ms > 0 ? format("picture %u ms late", faults.picture_delay_ms) : "";
+  }
 }
 
 std::string bannerText(const Snapshot& snapshot) {

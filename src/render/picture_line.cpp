@@ -6,9 +6,8 @@ namespace raven2_trainer::render {
 
 namespace {
 
-constexpr Tick kLongestDelay = 5000;                               // [1 ms] of kPictureDelay (core/fault_variables.h)
-constexpr std::size_t kMaxKept = 1024;                             // 5 s at 120 Hz are 600
-constexpr std::uint8_t kBlack = 1, kFrozen = 2, kEyesSwapped = 3;  // of kPicture
+constexpr Tick kLongestDelay = 5000;    // [1 ms] of kPictureDelay (core/fault_variables.h)
+constexpr std::size_t kMaxKept = 1024;  // 5 s at 120 Hz are 600
 
 }  // namespace
 
@@ -34,11 +33,16 @@ const Snapshot& PictureLine::newestBefore(Tick tick) const noexcept {
 const Snapshot& PictureLine::pass(const Snapshot& newest) {
   keep(newest);
   const DaemonFaults& faults = newest.model.faults;
-  if (faults.picture == kFrozen && has_seen_) return seen_;
+  const auto fault = static_cast<PictureFault>(faults.picture);
+  if (fault == PictureFault::kFrozen && has_seen_) {
+    seen_.stands_in = newest.stands_in;
+    return seen_;
+  }
   const Tick arriving = newest.model.tick - static_cast<Tick>(faults.picture_delay_ms);
   seen_ = newestBefore(has_seen_ ? std::max(arriving, seen_.model.tick) : arriving);
-  seen_.is_black = faults.picture == kBlack;
-  seen_.are_eyes_swapped = faults.picture == kEyesSwapped;
+  seen_.stands_in = newest.stands_in;
+  seen_.is_black = fault == PictureFault::kBlack;
+  seen_.are_eyes_swapped = fault == PictureFault::kEyesSwapped;
   has_seen_ = true;
   return seen_;
 }

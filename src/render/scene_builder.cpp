@@ -20,9 +20,7 @@ constexpr std::array<float, 4> kGhostColour{0.90F, 0.10F, 0.10F, 0.45F};
 constexpr std::array<float, 4> kPathColour{0.90F, 0.12F, 0.86F, 1.0F};
 constexpr std::array<float, 4> kTravelledColour{0.50F, 0.30F, 0.50F, 1.0F};
 constexpr std::array<float, 4> kGoalColour{0.05F, 0.75F, 0.85F, 0.45F};
-constexpr float kStopRadius = 0.0024F;                                     // [m] twice as thick as the path
-constexpr std::array<float, 4> kForceColour{0.10F, 0.35F, 0.95F, 1.0F};    // what the hand feels
-constexpr std::array<float, 4> kContactColour{0.98F, 0.50F, 0.05F, 1.0F};  // what presses on the tool
+constexpr float kStopRadius = 0.0024F;     // [m] twice as thick as the path
 constexpr double kArrowBase = 0.010;       // [m] length of the arrow of a force that is just felt
 constexpr double kArrowPerNewton = 0.012;  // [m/N] 3.3 N: 50 mm
 constexpr double kLongestArrow = 0.12;     // [m] 9 N: a hard hit of a tool shall not fill the picture
@@ -98,7 +96,7 @@ struct SceneBuilder::Impl {
   void addPath(double place);
   void addPlan(const Snapshot& snapshot);
   void addOverlay(const Snapshot& snapshot);
-  void addArrow(const Snapshot& snapshot, Arm arm, const Vector3& force_W, const std::array<float, 4>& colour);
+  void addArrow(const Snapshot& snapshot, Arm arm, const Vector3& force_W, const std::array<float, 3>& rgb);
   void addForces(const Snapshot& snapshot, Arm arm);
   void addLimits(const Snapshot& snapshot);
   void addTrails();
@@ -233,18 +231,19 @@ void SceneBuilder::Impl::addOverlay(const Snapshot& snapshot) {
 void SceneBuilder::Impl::addArrow(const Snapshot& snapshot,
                                   Arm arm,
                                   const Vector3& force_W,
-                                  const std::array<float, 4>& colour) {
+                                  const std::array<float, 3>& rgb) {
   const double force = force_W.norm();
   if (!(force > kLeastForce) || !std::isfinite(force)) return;
   const Vector3 tip_W = at(raven.X_WB, arm) * toEigen(at(snapshot.model.arms, arm).p_BT);
   const double length = std::min(kArrowBase + kArrowPerNewton * force, kLongestArrow);
   // A mark: along the shaft, which is where a tool is pulled, the arrow would be inside it.
+  const std::array<float, 4> colour{rgb[0], rgb[1], rgb[2], 1.0F};
   scene.drawables.push_back({arrow, arrowPose(tip_W, force_W, length), colour, /*is_mark=*/true});
 }
 
 void SceneBuilder::Impl::addForces(const Snapshot& snapshot, Arm arm) {
-  addArrow(snapshot, arm, toEigen(at(snapshot.contact_W, arm)), kContactColour);
-  addArrow(snapshot, arm, at(raven.X_WB, arm).R * toEigen(at(snapshot.haptic.force_B, arm)), kForceColour);
+  addArrow(snapshot, arm, toEigen(at(snapshot.contact_W, arm)), kContactForceColour);
+  addArrow(snapshot, arm, at(raven.X_WB, arm).R * toEigen(at(snapshot.haptic.force_B, arm)), kHandForceColour);
 }
 
 /** A wall where the tool will be stopped, the plainer the nearer it is, and in words. */

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
@@ -55,20 +56,6 @@ namespace fs = std::filesystem;
 constexpr double kInsetShare = 0.3;  // of the picture's width and height
 constexpr double kLead = 600.0;      // [s] known of what was before: the marks of trails, the picture that stands still
 
-const CameraConfig* findCamera(const RenderConfig& config, const std::string& name) {
-  const auto found = std::find_if(config.cameras.begin(), config.cameras.end(),
-                                  [&name](const CameraConfig& camera) { return camera.name == name; });
-  return found == config.cameras.end() ? nullptr : &*found;
-}
-
-const CameraConfig& requireCamera(const RenderConfig& config, const std::string& name) {
-  if (const CameraConfig* camera = findCamera(config, name)) return *camera;
-  std::string known;
-  for (const CameraConfig& camera : config.cameras)
-    known += " " + camera.name;
-  throw ConfigException("camera " + name + " is not one of:" + known);
-}
-
 /** [ms] of so many frames. */
 std::int64_t lengthOf(std::size_t frames, int fps) {
   return static_cast<std::int64_t>(frames) * 1000 / fps;
@@ -102,7 +89,7 @@ std::string describe(const VideoContents& contents, const SessionRenderOptions& 
   std::array<char, 96> span{};
   std::snprintf(span.data(), span.size(), "; %.2f s to %.2f s of the session", from,
                 from + static_cast<double>(contents.count()) / fps);
-  const bool has_inset = options.inset != contents.camera && findCamera(render, options.inset) != nullptr;
+  const bool has_inset = options.inset != contents.camera && model::findCamera(render, options.inset) != nullptr;
   return "Camera " + contents.camera + (has_inset ? ", in the corner " + options.inset : "") + span.data();
 }
 
@@ -192,8 +179,8 @@ class FrameDrawer {
         raven_(model::loadRavenModel(config)),
         renderer_(config.render.video_width, config.render.video_height),
         builder_(raven_, model::loadSceneModel(config), contents.scene, &renderer_),
-        camera_(requireCamera(config.render, contents.camera)),
-        inset_(inset != contents.camera ? findCamera(config.render, inset) : nullptr) {}
+        camera_(model::requireCamera(config.render, contents.camera)),
+        inset_(inset != contents.camera ? model::findCamera(config.render, inset) : nullptr) {}
 
   /** @param[in] frame of the video. */
   const std::vector<std::uint8_t>& draw(std::size_t frame) {
@@ -299,7 +286,7 @@ VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
   out.scene = SceneOptions(config_, overlaysOf(options));
   out.scene.haptics.tolerance = summary.header.tolerance;
   out.camera = options.camera.empty() ? render.video_camera : options.camera;
-  requireCamera(render, out.camera);
+  model::requireCamera(render, out.camera);
   out.part_frames = static_cast<std::size_t>(kPartSeconds) * static_cast<std::size_t>(render.video_fps);
   return out;
 }

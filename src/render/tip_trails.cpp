@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/control/reach.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::render {
@@ -15,11 +16,6 @@ constexpr Tick kLastTick = Tick{1} << 60;  // damaged logs hold any number; keep
 
 Tick toTicks(double seconds) {
   return std::max<Tick>(1, std::llround(seconds / kTickSeconds));
-}
-
-/** Modes in which q_d is what the masters ask for. */
-bool isUsersHand(Mode mode) noexcept {
-  return mode == Mode::kTeleoperating || mode == Mode::kChoosing || mode == Mode::kSimulating || mode == Mode::kTrial;
 }
 
 bool isPlanFollowed(Mode mode) noexcept {
@@ -37,7 +33,7 @@ TipTrails::Past TipTrails::stateOf(const Snapshot& snapshot, Arm arm) const {
   Past now;
   now.tip_W = X_WB * toEigen(state.p_BT);
   const Mode mode = snapshot.model.mode;
-  if (isUsersHand(mode)) now.wanted.by = Trail::kUser;
+  if (control::isMovedByHand(mode)) now.wanted.by = Trail::kUser;
   if (isPlanFollowed(mode) && snapshot.model.planning.arm == arm) now.wanted.by = Trail::kPlan;
   now.wanted.p_W = now.tip_W;
   if (now.wanted.by != Trail::kTrack) now.wanted.p_W = X_WB * kinematics::forward(geometry_, arm, state.q_d).p;

@@ -1,7 +1,6 @@
 #include "ros/live_camera.h"
 
-#include <sensor_msgs/CompressedImage.h>
-
+#include "ros/compressed_picture.h"
 #include "ros/messages.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -19,17 +18,21 @@ LiveCamera::LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const 
       infos_(node->advertise<sensor_msgs::CameraInfo>("camera/camera_info", kQueue)),
       compressed_(node->advertise<sensor_msgs::CompressedImage>("camera/image_raw/compressed", kQueue)) {}
 
+bool LiveCamera::isWatched() const {
+  return images_.getNumSubscribers() > 0 || infos_.getNumSubscribers() > 0 || compressed_.getNumSubscribers() > 0;
+}
+
 void LiveCamera::show(const runtime::LiveImage& picture, const ros::Time& stamp) {
-  const bool is_view = picture.is_view && view_.isWatched();
-  if (is_view || images_.getNumSubscribers() > 0) {
+  if (images_.getNumSubscribers() > 0 || (picture.is_view && view_.isRawWatched())) {
     const sensor_msgs::Image message = image(picture, frame_, stamp);
     images_.publish(message);
-    if (is_view) view_.show(message);
+    if (picture.is_view) view_.show(message);
   }
-  if (compressed_.getNumSubscribers() > 0) {
-    sensor_msgs::CompressedImage message = compressedImage(frame_, stamp);
-    if (encoder_.encode(picture.rgb, picture.camera.width, picture.camera.height, &message.data))
-      compressed_.publish(message);
+  if (compressed_.getNumSubscribers() > 0 || (picture.is_view && view_.isCompressedWatched())) {
+    sensor_msgs::CompressedImage message;
+    const bool is_good = compress(picture, frame_, stamp, &encoder_, &message);
+    if (is_good) compressed_.publish(message);
+    if (is_good && picture.is_view) view_.show(message);
   }
   infos_.publish(cameraInfo(picture.camera, frame_, stamp));
 }

@@ -15,13 +15,15 @@ namespace raven2_trainer::ros_bridge {
 /**
  * The virtual camera's topics: camera/image_raw, camera/camera_info, and camera/image_raw/compressed as
  * compressed_image_transport names and fills it, so that image_transport's clients find it. What costs (a copy of the
- * pixels, JPEG) is done only while someone listens.
+ * pixels, JPEG) is done only while someone listens, and once for the view, too.
  */
 class LiveCamera {
  public:
   /** @param[in] view that is shown the same pictures; must outlive this. @throw RenderException. */
   LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const CameraView& view);
 
+  /** Whether anybody looks, or asks where the camera is. */
+  bool isWatched() const;
   /** A picture of the live camera. On the render thread; roscpp's publish is thread-safe. */
   void show(const runtime::LiveImage& picture, const ros::Time& stamp);
 

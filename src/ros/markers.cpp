@@ -1,8 +1,10 @@
 #include "ros/markers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "raven2_trainer/core/overlays.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -27,10 +29,10 @@ Marker marker(const char* ns, int id, int type, const ros::Time& stamp) {
   return m;
 }
 
-void paint(float r, float g, float b, Marker* m) {
-  m->color.r = r;
-  m->color.g = g;
-  m->color.b = b;
+void paint(const std::array<float, 3>& rgb, Marker* m) {
+  m->color.r = rgb[0];
+  m->color.g = rgb[1];
+  m->color.b = rgb[2];
   m->color.a = 1.0F;
 }
 
@@ -65,7 +67,7 @@ Marker forceArrow(Arm arm,
                   const ros::Time& stamp) {
   Marker arrow = marker("hand_forces", static_cast<int>(arm), Marker::ARROW, stamp);
   setScale(kShaft, kHead, kHead, &arrow);
-  paint(1.0F, 0.6F, 0.0F, &arrow);
+  paint(kHandForceColour, &arrow);
   const Vector3 tip_W = X_WB * toEigen(at(model.arms, arm).p_BT);
   const Vector3 force_W = X_WB.R * toEigen(at(haptic.force_B, arm));
   if (tip_W.allFinite() && force_W.allFinite() && force_W.norm() >= kSmallest)
@@ -79,10 +81,10 @@ Marker forceArrow(Arm arm,
 visualization_msgs::MarkerArray contactMarkers(const ContactList& contacts, const ros::Time& stamp) {
   Marker places = marker("contact_points", 0, Marker::SPHERE_LIST, stamp);
   setScale(kBall, kBall, kBall, &places);
-  paint(0.9F, 0.1F, 0.1F, &places);
+  paint(kContactForceColour, &places);
   Marker forces = marker("contact_forces", 0, Marker::LINE_LIST, stamp);
   setScale(kLine, 0.0, 0.0, &forces);
-  paint(0.9F, 0.1F, 0.1F, &forces);
+  paint(kContactForceColour, &forces);
   const std::size_t count = std::min<std::size_t>(contacts.count, kMaxContacts);
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3 p_W = toEigen(contacts.contacts[i].p_W), f_W = toEigen(contacts.contacts[i].f_W);

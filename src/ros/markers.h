@@ -7,7 +7,8 @@
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
 
-// Contacts and forces as markers of RViz, in frame world. What is not finite is left out.
+// Contacts and forces as markers of RViz, in frame world and in the picture's colours (core/overlays.h). What is not
+// finite is left out.
 
 namespace raven2_trainer::ros_bridge {
 
@@ -16,7 +17,7 @@ constexpr double kArrowPerNewton = 0.02;
 /** [m] Longer arrows are cut: a grip presses with 45 N. */
 constexpr double kLongestArrow = 0.07;
 
-/** `contact_points`, a red ball each, and `contact_forces` on the first of the two bodies, a line each. */
+/** `contact_points`, a ball each, and `contact_forces` on the first of the two bodies, a line each. */
 visualization_msgs::MarkerArray contactMarkers(const ContactList& contacts, const ros::Time& stamp);
 
 /** `hand_forces`: at the model's tool tip of each arm the force that its master is given; none where there is none. */

@@ -123,7 +123,12 @@ DiagnosticStatus pictureStatus(const LivePicture& picture) {
     s.level = DiagnosticStatus::WARN;
     s.message += ": less than configured, drawing takes too long";
   }
-  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted)};
+  if (picture.failed != 0) {
+    s.level = DiagnosticStatus::ERROR;
+    s.message = "failed; the daemon's stderr says why";
+  }
+  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted),
+              value("watched", static_cast<int>(picture.watched))};
   return s;
 }
 

@@ -53,7 +53,7 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera,
 /** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. */
 diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts);
 
-/** How the live picture goes; WARN while its rate or size is lower than the configured. */
+/** How the live picture goes; WARN while its rate or size is lower than the configured, ERROR once it has failed. */
 diagnostic_msgs::DiagnosticStatus pictureStatus(const LivePicture& picture);
 
 /** `shared`: for what `counts`, which travel in the log, do not hold. `now_ns`: monotonic, for the age of the robot's

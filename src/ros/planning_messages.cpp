@@ -121,6 +121,12 @@ nav_msgs::Path tipPath(const PlanResult& plan, const ArmGeometry& geometry, cons
   return path;
 }
 
+const PlanResult* newestPath(const std::vector<PlanResult>& answers) noexcept {
+  const auto is_path = [](const PlanResult& answer) { return answer.status == PlanStatus::kSuccess; };
+  const auto found = std::find_if(answers.rbegin(), answers.rend(), is_path);
+  return found == answers.rend() ? nullptr : &*found;
+}
+
 bool StatusClock::look(const ModelState& model) {
   const PlanningState& state = model.planning;
   const bool is_new = !has_looked_ || state.status != status_ || state.plan != plan_;

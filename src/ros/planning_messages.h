@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "raven2_trainer/MoveArmResult.h"
 #include "raven2_trainer/PlanExecution.h"
@@ -59,6 +60,10 @@ trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4);
 
 /** Poses of the tool tip along a plan in frame world, 20 a segment. @param[in] X_WB the arm's base. */
 nav_msgs::Path tipPath(const PlanResult& plan, const ArmGeometry& geometry, const Pose& X_WB, const ros::Time& stamp);
+
+/** Of answers that came together, oldest first, the newest that is a path: one that failed leaves the path of before
+ * where it was. Null if none is. */
+const PlanResult* newestPath(const std::vector<PlanResult>& answers) noexcept;
 
 /** Since when planning has one status, by the model's clock: it stands still while the daemon does. One thread. */
 class StatusClock {

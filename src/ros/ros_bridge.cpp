@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/runtime/frame_states.h"
 #include "ros/camera_view.h"
 #include "ros/exposure.h"
 #include "ros/joy_pedals.h"
@@ -32,6 +33,8 @@ constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
 constexpr double kNewsPeriod = 0.05;        // [s] what an operator must hear of at once is told no more often than this
 constexpr std::uint32_t kQueue = 10;
 
+using News = std::array<std::uint64_t, 6>;  // counts and flags of what cannot wait; RosBridge::Impl::isNews
+
 }  // namespace
 
 struct RosBridge::Impl {
@@ -51,7 +54,7 @@ struct RosBridge::Impl {
                 [daemon] { return daemon->planCounts(); }},
                kQueue),
         view(node, daemon->config().render, &daemon->shared()),
-        stereo(node, daemon->config().render.stereo),
+        stereo(node, daemon->config().render),
         camera(&node, daemon->config().render, view),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
@@ -65,11 +68,12 @@ struct RosBridge::Impl {
 
   ~Impl() {
     simulator.setImageSink({});
-    simulator.shared().stereo_watched.store(0);
     planning_services.stop();
     training_services.stop();
     if (move_arm) move_arm->stop();
     publisher.stop();
+    simulator.shared().stereo_watched.store(0);
+    simulator.shared().picture_watched.store(0);
     view.stop();
     spinner.stop();
   }
@@ -84,8 +88,12 @@ struct RosBridge::Impl {
   void publish() {
     const ros::Time stamp = ros::Time::now();
     const SharedState& shared = simulator.shared();
-    const ToldStates states{shared.model.load(), shared.robot.load(), shared.haptic.load()};
+    ToldStates states;
+    runtime::loadModel(shared, &states.model, &states.contacts);
+    states.robot = shared.robot.load();
+    states.haptic = shared.haptic.load();
     topics.publish(states, stamp);
+    tellWhoLooks();
     pedals.idle(net::monotonicNow());
     const double period = simulator.config().runtime.ros_period;
     if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
@@ -98,14 +106,26 @@ struct RosBridge::Impl {
     ++cycle;
   }
 
+  /** In every cycle, so that who comes new waits for the next frame alone. */
+  void tellWhoLooks() {
+    SharedState& shared = simulator.shared();
+    const bool is_stereo = stereo.isWatched();
+    shared.stereo_watched.store(is_stereo ? 1 : 0);
+    shared.picture_watched.store(is_stereo || camera.isWatched() || view.isWatched() ? 1 : 0);
+  }
+
   /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk,
-   * another rate or size of the live picture? */
+   * another rate or size of the live picture, or its end? */
   bool isNews() {
     const SharedState& shared = simulator.shared();
     const LinkCounts master = shared.master_link.load();
-    const std::array<std::uint64_t, 5> news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
-                                            shared.recorder.load().failing, shared.physics_timing.load().late_runs,
-                                            shared.haptic_timing.load().late_runs, shared.live_picture.load().changes};
+    const LivePicture picture = shared.live_picture.load();
+    const News news{master.rejected[static_cast<std::size_t>(Reject::kForeignSource)],
+                    shared.recorder.load().failing,
+                    shared.physics_timing.load().late_runs,
+                    shared.haptic_timing.load().late_runs,
+                    picture.changes,
+                    picture.failed};
     return std::exchange(told, news) != news;
   }
 
@@ -113,7 +133,6 @@ struct RosBridge::Impl {
   void publishImage(const runtime::LiveImage& picture) {
     const ros::Time stamp = picture_stamp.of(picture.time_ns, net::monotonicNow(), ros::Time::now());
     if (picture.eye != runtime::Eye::kMiddle) return stereo.show(picture, stamp);
-    simulator.shared().stereo_watched.store(stereo.isWatched() ? 1 : 0);
     camera.show(picture, stamp);
   }
 
@@ -137,7 +156,7 @@ struct RosBridge::Impl {
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
   int cycle{0};
-  std::array<std::uint64_t, 5> told{};
+  News told{};
 };
 
 RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}

@@ -12,6 +12,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/replay_timeline.h"
 #include "raven2_trainer/session/session_log.h"
+#include "ros/planning_messages.h"
 #include "ros/state_topics.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -100,16 +101,15 @@ struct SessionReplay::Impl {
     return is_set || options.set_sim_time;
   }
 
-  /** The cells, as the daemon's threads would leave them. */
+  /** The cells, as the daemon's threads would leave them; but topics look at each once an instant, whose answers may be
+   * all of before --from: the path among them must not be hidden by a later answer that is none. */
   void store(const session::ReplayInstant& instant) {
-    for (const PlanResult& plan : instant.plans)
-      shared->last_plan.store(plan);
+    if (const PlanResult* path = newestPath(instant.plans)) shared->last_plan.store(*path);
     for (const ExecutionReport& report : instant.executions)
       shared->last_execution.store(report);
     for (const ExerciseRecord& event : instant.events)
       events.add(event);
     shared->exercise_news.store(events);
-    shared->contacts.store(contactList(instant.tick.model.tick, instant.contacts));
   }
 
   void tell(const session::ReplayInstant& instant) {
@@ -118,7 +118,8 @@ struct SessionReplay::Impl {
     now.clock = stamp;
     clock.publish(now);
     store(instant);
-    topics->publish({instant.tick.model, instant.tick.robot, instant.haptic}, stamp);
+    const ModelState& model = instant.tick.model;
+    topics->publish({model, instant.tick.robot, instant.haptic, contactList(model.tick, instant.contacts)}, stamp);
     ++told;
   }
 

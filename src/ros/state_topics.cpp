@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/control/reach.h"
 #include "raven2_trainer/model/camera.h"
 #include "ros/markers.h"
 #include "ros/messages.h"
@@ -21,13 +21,9 @@ constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_sta
 }  // namespace
 
 bool isAtEdge(const ModelState& model, const HapticState& haptic) noexcept {
-  using kinematics::IkStatus;
-  const auto is_held_back = [](const ArmState& arm) {
-    const auto status = static_cast<IkStatus>(arm.ik_status);
-    return status == IkStatus::kClamped || status == IkStatus::kOutOfReach || status == IkStatus::kTooFar;
-  };
+  const auto is_held_back = [&model](Arm arm) { return control::isAtEdge(model, arm); };
   const auto is_felt = [](const Vec3& force) { return force != Vec3{}; };
-  return (model.pedal != 0 && std::any_of(model.arms.begin(), model.arms.end(), is_held_back)) ||
+  return std::any_of(kArms.begin(), kArms.end(), is_held_back) ||
          std::any_of(haptic.edge_B.begin(), haptic.edge_B.end(), is_felt);
 }
 
@@ -74,7 +70,7 @@ void StateTopics::startOver() {
 
 void StateTopics::publishMarkers(const ToldStates& states, const ros::Time& stamp) {
   if (markers_.getNumSubscribers() == 0) return;
-  visualization_msgs::MarkerArray all = contactMarkers(source_.shared.contacts.load(), stamp);
+  visualization_msgs::MarkerArray all = contactMarkers(states.contacts, stamp);
   const auto forces = forceMarkers(states.model, states.haptic, source_.raven.X_WB, stamp);
   all.markers.insert(all.markers.end(), forces.markers.begin(), forces.markers.end());
   markers_.publish(all);
@@ -92,7 +88,8 @@ void StateTopics::publishEdge(const ToldStates& states) {
 
 void StateTopics::publishTransforms(const ToldStates& states, const ros::Time& stamp) {
   tf2_msgs::TFMessage message;
-  const auto& [model, robot, haptic] = states;
+  const ModelState& model = states.model;
+  const RobotState& robot = states.robot;
   addArms("model/", {model.arms[0].q, model.arms[1].q}, stamp, &message.transforms);
   if (robot.frame > 0 && robot.connected != 0)
     addArms("robot/", {robot.arms[0].q, robot.arms[1].q}, stamp, &message.transforms);
@@ -107,7 +104,7 @@ void StateTopics::addCameras(const ModelState& model,
   const RenderConfig& render = source_.config.render;
   std::set<std::string> names{render.live_camera, render.stereo.camera + "_left", render.stereo.camera + "_right"};
   for (const std::string& name : names) {
-    const CameraConfig& config = runtime::findCamera(render, name);
+    const CameraConfig& config = model::requireCamera(render, name);
     const model::Camera camera = model::cameraAt(config, model, source_.raven.X_WB, 2, 2);
     transforms->push_back(transform(camera.X_WC, opticalFrame(name), stamp));
   }

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "raven2_trainer/core/contact.h"
 #include "ros/planning_topics.h"
 #include "ros/topic_source.h"
 #include "ros/training_topics.h"
@@ -17,6 +18,7 @@ struct ToldStates {
   ModelState model{};
   RobotState robot{};
   HapticState haptic{};
+  ContactList contacts{};  ///< of the model's tick
 };
 
 /**
@@ -58,8 +60,8 @@ class StateTopics {
   bool has_told_edge_{false}, told_edge_{false};
 };
 
-/** Is a tool held back by the end of its workspace (its joints' limits, its reach) while the surgeon moves it, or does
- * a hand feel the edge of its master's? */
+/** Is a tool held back by the end of its workspace while a hand moves it (control::isAtEdge), or does a hand feel the
+ * edge of its master's? */
 bool isAtEdge(const ModelState& model, const HapticState& haptic) noexcept;
 
 /** Cycles of `base` seconds in `period` seconds, at least 1. */

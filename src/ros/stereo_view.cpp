@@ -1,5 +1,6 @@
 #include "ros/stereo_view.h"
 
+#include "ros/compressed_picture.h"
 #include "ros/messages.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -10,27 +11,34 @@ constexpr std::array<const char*, 2> kSides{"left", "right"};
 
 }  // namespace
 
-StereoView::StereoView(const ros::NodeHandle& node, const StereoConfig& config) : config_(config), node_(node) {
+StereoView::StereoView(const ros::NodeHandle& node, const RenderConfig& config)
+    : config_(config.stereo), node_(node), encoder_(config.live_jpeg_quality) {
   for (std::size_t i = 0; i < kSides.size(); ++i) {
     const std::string topic = std::string("camera/") + kSides[i];
     images_[i] = node_.advertise<sensor_msgs::Image>(topic + "/image_raw", kQueue);
+    compressed_[i] = node_.advertise<sensor_msgs::CompressedImage>(topic + "/image_raw/compressed", kQueue);
     infos_[i] = node_.advertise<sensor_msgs::CameraInfo>(topic + "/camera_info", kQueue);
   }
 }
 
 bool StereoView::isWatched() const {
   for (std::size_t i = 0; i < kSides.size(); ++i) {
-    if (images_[i].getNumSubscribers() > 0 || infos_[i].getNumSubscribers() > 0) return true;
+    for (const ros::Publisher* topic : {&images_[i], &compressed_[i], &infos_[i]})
+      if (topic->getNumSubscribers() > 0) return true;
   }
   return false;
 }
 
-void StereoView::show(const runtime::LiveImage& picture, const ros::Time& stamp) const {
+void StereoView::show(const runtime::LiveImage& picture, const ros::Time& stamp) {
   if (picture.eye == runtime::Eye::kMiddle) return;
   const bool is_right = picture.eye == runtime::Eye::kRight;
+  const std::size_t side = is_right ? 1 : 0;
   const std::string frame = opticalFrame(config_.camera + "_left");
-  images_[is_right ? 1 : 0].publish(image(picture, frame, stamp));
-  infos_[is_right ? 1 : 0].publish(cameraInfo(picture.camera, frame, stamp, is_right ? config_.baseline : 0.0));
+  if (images_[side].getNumSubscribers() > 0) images_[side].publish(image(picture, frame, stamp));
+  sensor_msgs::CompressedImage jpeg;
+  if (compressed_[side].getNumSubscribers() > 0 && compress(picture, frame, stamp, &encoder_, &jpeg))
+    compressed_[side].publish(jpeg);
+  infos_[side].publish(cameraInfo(picture.camera, frame, stamp, is_right ? config_.baseline : 0.0));
 }
 
 }  // namespace raven2_trainer::ros_bridge

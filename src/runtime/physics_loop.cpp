@@ -395,7 +395,8 @@ void PhysicsLoop::corruptConsole() noexcept {
   }
   const std::int32_t picture = console_faults_.applyInt(FaultVariable::kPicture, Arm::kGold, 0, 0);
   const std::int32_t delay = console_faults_.applyInt(FaultVariable::kPictureDelay, Arm::kGold, 0, 0);
-  state_.faults.picture = static_cast<std::uint8_t>(std::clamp(picture, 0, 3));
+  constexpr auto kLast = static_cast<std::int32_t>(kPictureFaultCount) - 1;
+  state_.faults.picture = static_cast<std::uint8_t>(std::clamp(picture, 0, kLast));
   state_.faults.picture_delay_ms = static_cast<std::uint32_t>(std::clamp(delay, 0, 5000));
 }
 

@@ -5,31 +5,48 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <thread>
 
 #include "raven2_trainer/core/active_fault.h"
-#include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/core/frame_states.h"
 #include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/runtime/frame_states.h"
 
 namespace raven2_trainer::runtime {
 
 namespace {
 
+constexpr auto kUnwatchedNs = static_cast<std::int64_t>(RenderLoop::kUnwatchedPeriod * 1e9);
+
 int scaled(int pixels, double scale) {
   return std::max(1, static_cast<int>(std::lround(pixels * scale)));
 }
 
+void drawAtPace(RenderLoop* loop, const std::function<bool(double)>& wait) {
+  std::int64_t due = net::monotonicNow();
+  for (std::int64_t left = 0; !wait(static_cast<double>(left) * 1e-9);) {
+    loop->frame();
+    due += static_cast<std::int64_t>(loop->period() * 1e9);
+    const std::int64_t now = net::monotonicNow();
+    due = std::max(due, now);  // late: drop frames, never time
+    left = due - now;
+  }
+}
+
 }  // namespace
 
-const CameraConfig& findCamera(const RenderConfig& config, const std::string& name) {
-  std::string known;
-  for (const CameraConfig& camera : config.cameras) {
-    if (camera.name == name) return camera;
-    known += " " + camera.name;
+void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
+                 const std::function<bool(double)>& wait,
+                 SharedState* shared) noexcept {
+  try {
+    drawAtPace(make().get(), wait);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s; going on without a live picture\n", e.what());
+    LivePicture told = shared->live_picture.load();
+    told.failed = 1;
+    shared->live_picture.store(told);
   }
-  throw ConfigException("no camera is called \"" + name + "\"; known:" + known);
 }
 
 RenderLoop::Stage::Stage(const TrainerConfig& config,
@@ -44,16 +61,18 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
                        const model::SceneModel& scene,
                        const std::vector<std::string>& body_names,
                        SharedState* shared,
-                       ImageSink sink)
+                       ImageSink sink,
+                       Clock clock)
     : config_(config),
       raven_(raven),
       scene_(scene),
       shared_(*shared),
       sink_(std::move(sink)),
+      clock_(std::move(clock)),
       contacts_(body_names),
-      cameras_{findCamera(config.render, config.render.live_camera),
-               findCamera(config.render, config.render.stereo.camera + "_left"),
-               findCamera(config.render, config.render.stereo.camera + "_right")},
+      cameras_{model::requireCamera(config.render, config.render.live_camera),
+               model::requireCamera(config.render, config.render.stereo.camera + "_left"),
+               model::requireCamera(config.render, config.render.stereo.camera + "_right")},
       pace_(config.render) {
   stage_.emplace(config_, raven_, scene_, pace_.level().scale);
 }
@@ -71,13 +90,12 @@ void RenderLoop::hearOfPlans() {
 /** By the receipt of its newest picture: clocks of other computers tell nothing here. */
 bool RenderLoop::isCameraSilent() const {
   const auto limit = static_cast<std::int64_t>(config_.render.real_stale_after * 1e9);
-  return net::monotonicNow() - shared_.real_picture_ns.load() > limit;
+  return clock_() - shared_.real_picture_ns.load() > limit;
 }
 
 render::Snapshot RenderLoop::newest() {
   const FrameStates states =
       loadFrameStates(shared_, [] { std::this_thread::sleep_for(std::chrono::microseconds(100)); });
-  if (std::abs(states.model.tick - states.haptic.tick) > 1) ++told_.parted;
   render::Snapshot snapshot;
   snapshot.model = states.model;
   snapshot.robot = states.robot;
@@ -92,37 +110,52 @@ render::Snapshot RenderLoop::newest() {
 }
 
 /** The camera that is told stays the right one if the eyes are changed over: that is the fault. */
-void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye) {
+void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view) {
   const CameraConfig& config = cameras_[static_cast<std::size_t>(eye)];
   render::Renderer& renderer = stage_->renderer;
   const int width = renderer.width(), height = renderer.height();
   const auto& rgb = renderer.draw(scene, render::cameraSeeing(snapshot, config, raven_.X_WB, width, height));
   const model::Camera camera = model::cameraAt(config, snapshot.model, raven_.X_WB, width, height);
-  const bool is_view = snapshot.model.view == 0 || snapshot.stands_in;
   if (sink_) sink_({rgb, camera, snapshot.model.tick, is_view, eye, snapshot.model.time_ns});
 }
 
-void RenderLoop::drawAll() {
-  const render::Snapshot& snapshot = line_.pass(newest());
-  const render::Scene& scene = stage_->builder.build(snapshot);
-  draw(scene, snapshot, Eye::kMiddle);
+void RenderLoop::drawAll(const render::Snapshot& seen, bool is_view) {
+  const render::Scene& scene = stage_->builder.build(seen);
+  draw(scene, seen, Eye::kMiddle, is_view);
   shared_.frames.add();
   if (shared_.stereo_watched.load() == 0) return;
   for (const Eye eye : {Eye::kLeft, Eye::kRight})
-    draw(scene, snapshot, eye);
+    draw(scene, seen, eye, is_view);
 }
 
-/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. */
+bool RenderLoop::isWatched() const noexcept {
+  return shared_.picture_watched.load() != 0 || shared_.stereo_watched.load() != 0;
+}
+
+/** Which picture is the view goes by now, however old what is seen may be: no camera's line decides that. */
 void RenderLoop::frame() {
   if (!stage_) stage_.emplace(config_, raven_, scene_, pace_.level().scale);
-  const std::int64_t begin = net::monotonicNow();
-  drawAll();
-  adapt(static_cast<double>(net::monotonicNow() - begin) * 1e-9);
+  const std::int64_t begin = clock_();
+  const render::Snapshot now = newest();
+  const render::Snapshot& seen = line_.pass(now);
+  told_.watched = isWatched() ? 1 : 0;
+  const bool is_due = told_.watched != 0 || told_.frames == 0 || begin - drawn_ns_ >= kUnwatchedNs;
+  if (!is_due) return stage_->builder.follow(seen);
+  drawn_ns_ = begin;
+  if (std::abs(now.model.tick - now.haptic.tick) > 1) ++told_.parted;
+  drawAll(seen, now.model.view == 0 || now.stands_in);
+  adapt(static_cast<double>(clock_() - begin) * 1e-9, told_.watched != 0 && !seen.is_black);
 }
 
-void RenderLoop::adapt(double busy) {
+/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. One a second tells nothing of
+ * what thirty take, and a black one nothing of those that will be seen again. */
+void RenderLoop::adapt(double busy, bool is_measure) {
   const double scale = pace_.level().scale;
-  const bool has_changed = pace_.add(busy);
+  tell(is_measure && pace_.add(busy));
+  if (pace_.level().scale != scale) stage_.reset();  // one context at a time
+}
+
+void RenderLoop::tell(bool has_changed) {
   told_.fps = pace_.level().fps;
   told_.width = scaled(config_.render.live_width, pace_.level().scale);
   told_.height = scaled(config_.render.live_height, pace_.level().scale);
@@ -134,7 +167,6 @@ void RenderLoop::adapt(double busy) {
                  told_.level > 0 ? "; it takes longer than configured" : "");
   }
   shared_.live_picture.store(told_);
-  if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }
 
 }  // namespace raven2_trainer::runtime

@@ -366,23 +366,15 @@ struct Simulator::Impl {
   }
 
   void renderLoop() {
-    try {
-      RenderLoop loop(config, raven, scene, physics.bodyNames(), shared.get(),
-                      [this](const LiveImage& picture) { show(picture); });
-      std::int64_t due = net::monotonicNow();
-      while (!stopping()) {
-        loop.frame();
-        due += static_cast<std::int64_t>(loop.period() * 1e9);
-        const std::int64_t left = due - net::monotonicNow();
-        if (left > 0) {
-          sleepFor(static_cast<double>(left) * 1e-9);
-        } else {
-          due = net::monotonicNow();  // late: drop frames, never time
-        }
-      }
-    } catch (const Exception& e) {
-      std::fprintf(stderr, "%s; going on without a live picture\n", e.what());
-    }
+    const auto make = [this] {
+      return std::make_unique<RenderLoop>(config, raven, scene, physics.bodyNames(), shared.get(),
+                                          [this](const LiveImage& picture) { show(picture); });
+    };
+    const auto wait = [this](double seconds) {
+      if (seconds > 0.0) sleepFor(seconds);
+      return stopping();
+    };
+    keepDrawing(make, wait, shared.get());
   }
 
   void show(const LiveImage& picture) {

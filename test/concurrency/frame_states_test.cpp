@@ -1,4 +1,4 @@
-#include "raven2_trainer/core/frame_states.h"
+#include "raven2_trainer/runtime/frame_states.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 // Two loops at 1 kHz, as physics and haptic: what a picture is drawn of is of one tick.
 
-namespace raven2_trainer {
+namespace raven2_trainer::runtime {
 namespace {
 
 using raven2_trainer::testing::effort;
@@ -141,10 +141,10 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
   physics.join();
   haptic.join();
   EXPECT_GT(stored.load(), 50) << "the writers hardly ran: the test proved nothing";
-  // The rest are frames beside a haptic thread that the machine kept waiting for three milliseconds.
+  // The rest are frames beside a haptic thread that the machine kept waiting for several milliseconds.
   EXPECT_GT(of_one_tick, frames / 2);
   EXPECT_GT(with_contacts, frames / 2);
 }
 
 }  // namespace
-}  // namespace raven2_trainer
+}  // namespace raven2_trainer::runtime

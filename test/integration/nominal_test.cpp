@@ -121,6 +121,20 @@ TEST(NominalSession, BothEyesHaveOneStampAndOneSize) {
   EXPECT_NE(left.get().data, right.get().data);
 }
 
+TEST(NominalSession, TheRightEyesCameraIsTheLeftOnesAsideByTheBaseline) {
+  constexpr double kBaseline = 0.005;  // [m] config/render.yaml
+  Latest<sensor_msgs::Image> image("camera/right/image_raw");
+  Latest<sensor_msgs::CameraInfo> right("camera/right/camera_info"), left("camera/left/camera_info");
+  ASSERT_TRUE(waitFor([&] { return image.count() > 5 && right.count() > 5 && left.count() > 5; }, kStartDeadline));
+  EXPECT_TRUE(waitFor([&] { return right.get().header.stamp == image.get().header.stamp; }, 5.0));
+  EXPECT_EQ(right.get().header.frame_id, "endoscope_left_optical_frame");
+  EXPECT_EQ(right.get().width, image.get().width);
+  EXPECT_GT(right.get().P[0], 0.0);
+  EXPECT_LT(right.get().P[3], 0.0);
+  EXPECT_NEAR(right.get().P[3], -right.get().P[0] * kBaseline, 1e-9);
+  EXPECT_EQ(left.get().P[3], 0.0);
+}
+
 TEST(NominalSession, ACompressedPictureIsAJpegOfTheLiveCamera) {
   Latest<sensor_msgs::CompressedImage> picture("camera/image_raw/compressed");
   ASSERT_TRUE(waitFor([&] { return picture.count() > 0; }, kStartDeadline));
@@ -130,6 +144,22 @@ TEST(NominalSession, ACompressedPictureIsAJpegOfTheLiveCamera) {
   EXPECT_TRUE(jpeg[jpeg.size() - 2] == 0xFF && jpeg.back() == 0xD9) << "EOI";
   EXPECT_EQ(picture.get().header.frame_id, "endoscope_optical_frame");
   EXPECT_EQ(picture.get().format, "rgb8; jpeg compressed bgr8");
+}
+
+TEST(NominalSession, BothEyesAndTheViewAreThereAsJpegToo) {
+  Latest<sensor_msgs::CompressedImage> left("camera/left/image_raw/compressed"),
+      right("camera/right/image_raw/compressed"), view("view/image_raw/compressed");
+  ASSERT_TRUE(waitFor([&] { return left.count() > 0 && right.count() > 0 && view.count() > 0; }, kStartDeadline));
+  for (const auto* picture : {&left, &right, &view}) {
+    const std::vector<std::uint8_t>& jpeg = picture->get().data;
+    ASSERT_GT(jpeg.size(), 1000U);
+    EXPECT_TRUE(jpeg[0] == 0xFF && jpeg[1] == 0xD8) << "SOI";
+    EXPECT_EQ(picture->get().format, "rgb8; jpeg compressed bgr8");
+  }
+  EXPECT_EQ(left.get().header.frame_id, "endoscope_left_optical_frame");
+  EXPECT_EQ(right.get().header.frame_id, left.get().header.frame_id);
+  EXPECT_EQ(view.get().header.frame_id, "endoscope_optical_frame");
+  EXPECT_NE(left.get().data, right.get().data);
 }
 
 TEST(NominalSession, TheLivePictureIsDiagnosed) {

@@ -14,10 +14,12 @@ WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
 DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
                  "/camera/image_raw", "/camera/image_raw/compressed", "/camera/camera_info", "/camera/left/image_raw",
-                 "/camera/left/camera_info", "/camera/right/image_raw", "/camera/right/camera_info", "/markers",
+                 "/camera/left/image_raw/compressed", "/camera/left/camera_info", "/camera/right/image_raw",
+                 "/camera/right/image_raw/compressed", "/camera/right/camera_info", "/markers",
                  "/workspace_edge", "/tf", "/diagnostics", "/plan/trajectory",
                  "/plan/tip_path", "/plan/progress", "/plan/execution", "/mode", "/exercise/state", "/exercise/events",
-                 "/view/image_raw", "/move_arm/status", "/move_arm/feedback", "/move_arm/result"}
+                 "/view/image_raw", "/view/image_raw/compressed", "/move_arm/status", "/move_arm/feedback",
+                 "/move_arm/result"}
 DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"}
 DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
                    "/cancel_plan", "/emergency_stop", "/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial",

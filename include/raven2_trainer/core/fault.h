@@ -169,6 +169,16 @@ enum class FaultVariable : std::uint8_t {
 };
 constexpr std::size_t kFaultVariableCount = 43;
 
+/** Values of kPicture: what is done to the surgeon's picture. States and logs hold the number, and a damaged log any.
+ */
+enum class PictureFault : std::uint8_t {
+  kNone,
+  kBlack,
+  kFrozen,
+  kEyesSwapped,  ///< each eye of a pair sees what the other should
+};
+constexpr std::size_t kPictureFaultCount = 4;
+
 /** From when a fault's clock runs. */
 enum class FaultTrigger : std::uint8_t {
   kPedalDown,       ///< the first pedal-down cycle its host saw; it then waits for the pedal to be down

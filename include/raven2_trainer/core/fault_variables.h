@@ -117,7 +117,7 @@ constexpr std::array<FaultVariableInfo, kFaultVariableCount> kFaultVariables{{
      "factor on the force before the limits of size and slew; 1 is right"},
     {V::kForceOffset, S::kHaptic, "force_offset", "N", C::kAxes, true, -3.3, 3.3, false,
      "added to the force before these limits, arm base frame; 0 is right"},
-    {V::kPicture, S::kVideo, "picture", "-", C::kOne, false, 0, 3, false,
+    {V::kPicture, S::kVideo, "picture", "-", C::kOne, false, 0, kPictureFaultCount - 1, false,
      "the surgeon's picture: 0 is right, 1 black, 2 frozen, 3 the eyes changed over"},
     {V::kPictureDelay, S::kVideo, "picture_delay", "ms", C::kOne, false, 0, 5000, false,
      "by which the surgeon's picture is late; 0 is right"},

@@ -23,6 +23,10 @@ constexpr std::size_t kOverlayCount = 10;
 constexpr std::array<const char*, kOverlayCount> kOverlayNames{
     "ghost", "force_arrows", "force_bars", "hazard", "plan", "trails", "workspace", "timer", "status", "latency"};
 
+/** Of forces, r g b, in pictures and in RViz alike: what the hand feels is blue, what touches the tool is orange. */
+constexpr std::array<float, 3> kHandForceColour{0.10F, 0.35F, 0.95F};
+constexpr std::array<float, 3> kContactForceColour{0.98F, 0.50F, 0.05F};
+
 /** Some of them. */
 class OverlaySet {
  public:

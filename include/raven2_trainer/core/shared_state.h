@@ -61,7 +61,9 @@ struct SharedState {
   StateCell<ExerciseNews> exercise_news;
   // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest picture; 0 none yet
   StateCell<std::int64_t> real_picture_ns;
-  // written by ros, on the render thread: 1 while somebody looks at the stereo pair
+  // written by ros: 1 while somebody looks at a live picture, or asks where its camera is
+  StateCell<std::uint8_t> picture_watched;
+  // written by ros: 1 while somebody looks at the stereo pair
   StateCell<std::uint8_t> stereo_watched;
   // written by planner: the tip's path of the newest plan that succeeded
   StateCell<GuidePath> guide_path;

@@ -102,7 +102,7 @@ struct DaemonFaults {
   std::uint8_t relay{};                   ///< mask of those on the stream to the robot
   std::uint8_t master{};                  ///< mask of those on the masters' stream
   std::uint8_t console{};                 ///< mask of those on what the surgeon feels and sees
-  std::uint8_t picture{};                 ///< FaultVariable::kPicture
+  std::uint8_t picture{};                 ///< PictureFault, by FaultVariable::kPicture
   std::uint32_t picture_delay_ms{};       ///< [ms] kPictureDelay
   PerArm<double> force_gain{{1.0, 1.0}};  ///< kForceGain
   PerArm<Vec3> force_offset_B{};          ///< [N] kForceOffset

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
@@ -16,6 +18,11 @@ struct Camera {
   /** Pixel of a point in W; false if it lies behind the camera. Pixel centres have integer coordinates. */
   bool project(const Vector3& p_W, double* u, double* v) const noexcept;
 };
+
+/** Camera of the configuration by name; null if it has none of this name. */
+const CameraConfig* findCamera(const RenderConfig& config, const std::string& name) noexcept;
+/** The same. @throw ConfigException listing the known names. */
+const CameraConfig& requireCamera(const RenderConfig& config, const std::string& name);
 
 /** Where the configuration puts it. */
 Camera makeCamera(const CameraConfig& config, int width, int height) noexcept;

@@ -33,7 +33,8 @@ class LivePace {
 
   explicit LivePace(const RenderConfig& config);
 
-  /** After each frame. @param[in] busy [s] that drawing and handing it out took. @return whether the level changed. */
+  /** After each frame that is as costly as those to come: a black one is not. @param[in] busy [s] that drawing and
+   * handing it out took. @return whether the level changed. */
   bool add(double busy) noexcept;
 
   const LiveLevel& level() const noexcept { return levels_[now_]; }

@@ -3,9 +3,9 @@
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 
-#include <algorithm>
 #include <cstdlib>
 
+#include "apps/window/window_pixels.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::apps {
@@ -25,14 +25,6 @@ Display* openDisplay() {
   return display;
 }
 
-/** Where the 8 bits of a colour go in a pixel. */
-int shiftOf(unsigned long mask) {
-  int shift = 0;
-  for (; mask != 0 && (mask & 1) == 0; mask >>= 1)
-    ++shift;
-  return shift;
-}
-
 bool hasLeast(const XWindowAttributes& a) {
   return a.visual->c_class == TrueColor && a.depth >= 24;
 }
@@ -50,9 +42,7 @@ struct X11Window::Impl {
     if (!hasLeast(attributes)) throw Exception("the display has less than 24 bits a pixel");
     visual = attributes.visual;
     depth = attributes.depth;
-    red = shiftOf(visual->red_mask);
-    green = shiftOf(visual->green_mask);
-    blue = shiftOf(visual->blue_mask);
+    layout = {shiftOf(visual->red_mask), shiftOf(visual->green_mask), shiftOf(visual->blue_mask)};
     XStoreName(d, window, title.c_str());
     XSelectInput(d, window, ExposureMask | StructureNotifyMask);
     closed = XInternAtom(d, "WM_DELETE_WINDOW", False);
@@ -61,28 +51,9 @@ struct X11Window::Impl {
     XFlush(d);
   }
 
-  /** Nearest pixels; the rest of the window is black. */
-  void scale() {
-    pixels.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
-    const double share =
-        std::min(static_cast<double>(width) / picture_width, static_cast<double>(height) / picture_height);
-    const int w = std::clamp(static_cast<int>(picture_width * share + 0.5), 1, width);
-    const int h = std::clamp(static_cast<int>(picture_height * share + 0.5), 1, height);
-    const int left = (width - w) / 2, top = (height - h) / 2;
-    for (int v = 0; v < h; ++v) {
-      const std::uint8_t* row = rgb.data() + 3LL * picture_width * (static_cast<long long>(v) * picture_height / h);
-      std::uint32_t* out = pixels.data() + static_cast<std::ptrdiff_t>(top + v) * width + left;
-      for (int u = 0; u < w; ++u) {
-        const std::uint8_t* p = row + 3LL * (static_cast<long long>(u) * picture_width / w);
-        out[u] = static_cast<std::uint32_t>(p[0]) << red | static_cast<std::uint32_t>(p[1]) << green |
-                 static_cast<std::uint32_t>(p[2]) << blue;
-      }
-    }
-  }
-
   void paint() {
     if (rgb.empty() || width < 1 || height < 1) return;
-    scale();
+    drawFitted(rgb, picture_width, picture_height, layout, width, height, &pixels);
     Display* d = display.get();
     XImage* image =
         XCreateImage(d, visual, static_cast<unsigned>(depth), ZPixmap, 0, reinterpret_cast<char*>(pixels.data()),
@@ -110,7 +81,8 @@ struct X11Window::Impl {
   Window window{};
   Visual* visual{};
   Atom closed{};
-  int depth{}, red{}, green{}, blue{};
+  int depth{};
+  PixelLayout layout;
   int width{kFirstWidth}, height{kFirstHeight};  // of the window
   int picture_width{}, picture_height{};
   std::vector<std::uint8_t> rgb;

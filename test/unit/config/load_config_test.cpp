@@ -389,15 +389,18 @@ TEST_F(LoadConfig, TheLivePicturesBoundsAreChecked) {
   EXPECT_DOUBLE_EQ(packaged.render.live_smallest, 0.5);
   EXPECT_DOUBLE_EQ(packaged.render.live_settle, 3.0);
   EXPECT_EQ(packaged.render.live_jpeg_quality, 80);
-  const std::vector<std::array<std::string, 2>> wrong{{"slowest: 10 ", "slowest: 0 "},
-                                                      {"smallest: 0.5 ", "smallest: 1.5 "},
-                                                      {"settle: 3.0 ", "settle: 0.1 "},
-                                                      {"jpeg_quality: 80 ", "jpeg_quality: 101 "}};
+  const std::vector<std::array<std::string, 2>> wrong{
+      {"slowest: 10 ", "slowest: 0 "},      {"slowest: 10 ", "slowest: 31 "},
+      {"smallest: 0.5 ", "smallest: 1.5 "}, {"smallest: 0.5 ", "smallest: 0.49 "},
+      {"settle: 3.0 ", "settle: 0.1 "},     {"jpeg_quality: 80 ", "jpeg_quality: 101 "}};
   for (const auto& [good, bad] : wrong) {
     replace("render.yaml", good, bad);
     EXPECT_NE(message().find(bad.substr(0, bad.find(':'))), std::string::npos) << message();
+    EXPECT_NE(message().find("render.yaml:"), std::string::npos) << message();
     replace("render.yaml", bad, good);
   }
+  replace("render.yaml", "slowest: 10 ", "slowest: 30 ");
+  EXPECT_EQ(loadTrainerConfig(root()).render.live_slowest, 30) << "as fast as fps: it never goes down";
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+
+#include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::model {
 namespace {
@@ -163,6 +166,22 @@ TEST_F(MovingCamera, TwoEyesSeeAPointApartByFocalLengthTimesBaselineOverDepth) {
     ASSERT_TRUE(left.project(p_W, &ul, &vl) && right.project(p_W, &ur, &vr));
     EXPECT_NEAR(ul - ur, left.fx * baseline / depth, 1e-9) << "the left eye sees it farther right";
     EXPECT_NEAR(vl, vr, 1e-9);
+  }
+}
+
+TEST(CameraByName, IsFoundOrTheKnownOnesAreTold) {
+  RenderConfig config;
+  config.cameras.resize(2);
+  config.cameras[0].name = "overview";
+  config.cameras[1].name = "top";
+  EXPECT_EQ(findCamera(config, "top"), &config.cameras[1]);
+  EXPECT_EQ(&requireCamera(config, "overview"), &config.cameras[0]);
+  EXPECT_EQ(findCamera(config, "side"), nullptr);
+  try {
+    requireCamera(config, "side");
+    FAIL() << "there is none";
+  } catch (const ConfigException& e) {
+    EXPECT_NE(std::string(e.what()).find("side is not one of: overview top"), std::string::npos) << e.what();
   }
 }
 

@@ -148,11 +148,16 @@ TEST(OverlayText, EachPartStandsUnderItsName) {
 TEST(OverlayText, TheBannerSaysWhatAFaultDoesToTheTraineesPicture) {
   Snapshot s = teleoperating();
   s.fault = "video_freeze";
-  s.model.faults.picture = 2;
+  const auto set = [&s](PictureFault fault) { s.model.faults.picture = static_cast<std::uint8_t>(fault); };
+  set(PictureFault::kFrozen);
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture frozen");
-  s.model.faults.picture = 1;
+  set(PictureFault::kBlack);
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture black");
-  s.model.faults.picture = 0;
+  set(PictureFault::kEyesSwapped);
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, eyes changed over");
+  set(static_cast<PictureFault>(200));
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze") << "of no log that is whole";
+  set(PictureFault::kNone);
   s.model.faults.picture_delay_ms = 500;
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture 500 ms late");
 }

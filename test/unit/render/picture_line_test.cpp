@@ -5,12 +5,13 @@
 namespace raven2_trainer::render {
 namespace {
 
-constexpr std::uint8_t kBlack = 1, kFrozen = 2, kEyesSwapped = 3;
+constexpr PictureFault kNone = PictureFault::kNone, kBlack = PictureFault::kBlack, kFrozen = PictureFault::kFrozen,
+                       kEyesSwapped = PictureFault::kEyesSwapped;
 
-Snapshot at(Tick tick, std::uint8_t picture = 0, std::uint32_t delay_ms = 0) {
+Snapshot at(Tick tick, PictureFault picture = kNone, std::uint32_t delay_ms = 0) {
   Snapshot s;
   s.model.tick = tick;
-  s.model.faults.picture = picture;
+  s.model.faults.picture = static_cast<std::uint8_t>(picture);
   s.model.faults.picture_delay_ms = delay_ms;
   return s;
 }
@@ -35,6 +36,19 @@ TEST(PictureLine, FrozenItStandsAtTheLastPictureAndGoesOnWithTheNewest) {
   EXPECT_EQ(line.pass(at(5133)).model.tick, 5133);
 }
 
+TEST(PictureLine, WhetherItStandsInIsToldOfNow) {
+  PictureLine line;
+  line.pass(at(100));
+  Snapshot frozen = at(133, kFrozen), late = at(166, kNone, 5000);
+  frozen.stands_in = late.stands_in = true;
+  EXPECT_TRUE(line.pass(frozen).stands_in);
+  EXPECT_EQ(line.pass(frozen).model.tick, 100);
+  frozen.stands_in = false;
+  EXPECT_FALSE(line.pass(frozen).stands_in);
+  EXPECT_TRUE(line.pass(late).stands_in);
+  EXPECT_EQ(line.pass(late).model.tick, 100);
+}
+
 TEST(PictureLine, FrozenFromTheStartItShowsTheFirst) {
   PictureLine line;
   EXPECT_EQ(line.pass(at(100, kFrozen)).model.tick, 100);
@@ -53,7 +67,7 @@ TEST(PictureLine, LateItStandsUntilTheDelayHasGoneByThenRunsBehindAndCatchesUp) 
   PictureLine line;
   std::vector<Tick> seen;
   for (Tick tick = 0; tick <= 1200; tick += 100)
-    seen.push_back(line.pass(at(tick, 0, tick >= 300 && tick < 1100 ? 450 : 0)).model.tick);
+    seen.push_back(line.pass(at(tick, kNone, tick >= 300 && tick < 1100 ? 450 : 0)).model.tick);
   const std::vector<Tick> expected{0, 100, 200, 200, 200, 200, 200, 200, 300, 400, 500, 1100, 1200};
   EXPECT_EQ(seen, expected);
 }
@@ -62,7 +76,7 @@ TEST(PictureLine, TheLongestDelayIsKept) {
   PictureLine line;
   Tick seen = 0;
   for (Tick tick = 0; tick <= 20'000; tick += 10)
-    seen = line.pass(at(tick, 0, 5000)).model.tick;
+    seen = line.pass(at(tick, kNone, 5000)).model.tick;
   EXPECT_EQ(seen, 15'000);
 }
 

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <set>
+#include <vector>
 
 #include "plan_fixture.h"
 #include "raven2_trainer/config/load_config.h"
@@ -465,7 +468,16 @@ TEST_F(SceneBuilderTest, NothingThatIsNotFiniteIsDrawn) {
       EXPECT_EQ(line.find("nan"), std::string::npos) << line;
   }
   const model::Camera camera = model::makeCamera(config_->render.cameras.front(), 320, 180);
-  EXPECT_EQ(renderer_.draw(builder_.build(snapshot_), camera).size(), 320U * 180U * 3U);
+  const Scene scene = builder_.build(snapshot_);
+  Scene rest = scene;
+  const auto is_finite = [](const Drawable& d) { return d.X_WM.p.allFinite() && d.X_WM.R.allFinite(); };
+  rest.drawables.erase(std::stable_partition(rest.drawables.begin(), rest.drawables.end(), is_finite),
+                       rest.drawables.end());
+  ASSERT_FALSE(rest.drawables.empty());
+  ASSERT_LT(rest.drawables.size(), scene.drawables.size());
+  const std::vector<std::uint8_t> picture = renderer_.draw(scene, camera);
+  EXPECT_EQ(picture, renderer_.draw(rest, camera));
+  EXPECT_GT(std::set<std::uint8_t>(picture.begin(), picture.end()).size(), 50U) << "the rest is there";
 }
 
 TEST_F(SceneBuilderTest, EveryConfiguredCameraSeesTheDomeAndTheSceneFitsTheBudget) {

@@ -346,7 +346,7 @@ TEST_F(SessionRendererTest, PicturesOfAnEarlierRenderAreRefusedOrReplaced) {
 
 TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
   const std::map<std::string, OverlayKind> cases{{"marks", OverlayKind::kTrails}, {"status", OverlayKind::kStatus}};
-  constexpr std::uint8_t kFrozen = 2;
+  constexpr auto kFrozen = static_cast<std::uint8_t>(PictureFault::kFrozen);
   record(true, false, kTicks, kFrozen);  // from frame 3 to 8
   for (const auto& [name, overlay] : cases) {
     SessionRenderOptions options = drawnHere();
@@ -398,7 +398,8 @@ TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
 }
 
 TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
-  constexpr std::uint8_t kBlack = 1, kFrozen = 2;
+  constexpr auto kBlack = static_cast<std::uint8_t>(PictureFault::kBlack);
+  constexpr auto kFrozen = static_cast<std::uint8_t>(PictureFault::kFrozen);
   SessionRenderOptions options = drawnHere();
   options.inset = "none";
   options.overlays = OverlaySet();

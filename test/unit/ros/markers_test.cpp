@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 #include "ros/state_topics.h"
@@ -97,6 +98,18 @@ TEST(ForceMarkers, AnArrowAtTheTipOfEachArm) {
   EXPECT_EQ(forceMarkers(model, haptic, X_WB, kStamp).markers[0].action, Marker::DELETE);
 }
 
+/** doc/pictures.md: blue what the hand feels, orange what touches the tool. */
+TEST(Markers, HaveThePicturesColours) {
+  HapticState haptic;
+  haptic.force_B[0] = {1.0, 0.0, 0.0};
+  const auto hand = forceMarkers(ModelState{}, haptic, {}, kStamp).markers[0].color;
+  EXPECT_TRUE(hand.b > 0.8F && hand.r < 0.3F && hand.g < 0.5F);
+  for (const Marker& m : contactMarkers(twoContacts(), kStamp).markers) {
+    const auto& contact = m.color;
+    EXPECT_TRUE(contact.r > 0.8F && contact.g > 0.3F && contact.g < 0.7F && contact.b < 0.3F) << m.ns;
+  }
+}
+
 TEST(WorkspaceEdge, AToolThatIsHeldBackOrAHandThatFeelsIt) {
   ModelState model;
   HapticState haptic;
@@ -105,11 +118,33 @@ TEST(WorkspaceEdge, AToolThatIsHeldBackOrAHandThatFeelsIt) {
   EXPECT_TRUE(isAtEdge(model, haptic));
   haptic = {};
   model.arms[1].ik_status = 1;  // clamped
+  model.mode = Mode::kPedalUp;
   EXPECT_FALSE(isAtEdge(model, haptic)) << "nobody moves it";
-  model.pedal = 1;
+  model.mode = Mode::kTeleoperating;
   EXPECT_TRUE(isAtEdge(model, haptic));
-  model.arms[1].ik_status = 5;  // the wrist's singularity is no edge
-  EXPECT_FALSE(isAtEdge(model, haptic));
+}
+
+/** Only a hand that moves the arm writes the status: what is left of it says nothing of what moves it now. */
+TEST(WorkspaceEdge, IsNotToldByAStatusOfBefore) {
+  ModelState model;
+  model.pedal = 1;
+  model.arms[0].ik_status = 1;  // clamped
+  for (std::size_t i = 0; i < kModeCount; ++i) {
+    model.mode = static_cast<Mode>(i);
+    const bool is_hand = model.mode == Mode::kTeleoperating || model.mode == Mode::kChoosing ||
+                         model.mode == Mode::kSimulating || model.mode == Mode::kTrial;
+    EXPECT_EQ(isAtEdge(model, HapticState{}), is_hand) << kModeNames[i];
+  }
+}
+
+TEST(WorkspaceEdge, IsWhereATipCannotGo) {
+  ModelState model;
+  model.mode = Mode::kTeleoperating;
+  const std::array<bool, 6> expected{false, true, true, true, true, false};  // the wrist's singularity is no edge
+  for (std::uint32_t status = 0; status < expected.size(); ++status) {
+    model.arms[1].ik_status = status;
+    EXPECT_EQ(isAtEdge(model, HapticState{}), expected[status]) << status;
+  }
 }
 
 }  // namespace

@@ -274,5 +274,33 @@ TEST(ExecutionMessages, HoldTheWholeReport) {
   EXPECT_EQ(message.contact_points, 15U);
 }
 
+PlanResult answer(std::uint32_t id, PlanStatus status) {
+  PlanResult result;
+  result.id = id;
+  result.status = status;
+  return result;
+}
+
+TEST(NewestPath, IsNotHiddenByAnAnswerThatIsNone) {
+  const auto good = PlanStatus::kSuccess, bad = PlanStatus::kNoPath, stopped = PlanStatus::kCancelled;
+  const auto idOf = [](const std::vector<PlanResult>& answers) {
+    const PlanResult* path = newestPath(answers);
+    return path == nullptr ? 0U : path->id;
+  };
+  EXPECT_EQ(idOf({answer(1, good), answer(2, bad)}), 1U);
+  EXPECT_EQ(idOf({answer(1, good), answer(2, good), answer(3, bad), answer(4, stopped)}), 2U);
+  EXPECT_EQ(idOf({answer(1, bad), answer(2, good)}), 2U);
+  EXPECT_EQ(idOf({answer(1, bad)}), 0U);
+  EXPECT_EQ(idOf({}), 0U);
+}
+
+/** What takes a path back from who shows it. */
+TEST(PlanMessages, OfNoPlanHaveNoPoints) {
+  EXPECT_TRUE(trajectory(PlanResult{}, kD4).points.empty());
+  const nav_msgs::Path path = tipPath(PlanResult{}, ArmGeometry{}, Pose{}, ros::Time());
+  EXPECT_TRUE(path.poses.empty());
+  EXPECT_EQ(path.header.frame_id, "world");
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

@@ -137,6 +137,26 @@ TEST(LivePace, AnAdverseLoadChangesItSeldom) {
   EXPECT_GE(changes.size(), 10U) << "it does not give up either";
 }
 
+/** A level that has lasted for a minute was right: after the next fall the wait is as short as after the first. */
+TEST(LivePace, AfterAMinuteAboveTheWaitIsShortAgain) {
+  LivePace pace(configured(30, 20, 1.0));
+  const Load adverse = [&pace](const LiveLevel&, double) { return pace.lowered() == 0 ? 0.05 : 0.01; };
+  const Load calm = [](const LiveLevel&, double) { return 0.01; };
+  const Load slow = [](const LiveLevel&, double) { return 0.05; };
+  run(&pace, adverse, 60.0);  // falls soon after four rises
+  ASSERT_EQ(pace.lowered(), 1U);
+  const std::vector<Change> late = run(&pace, calm, 200.0);
+  ASSERT_EQ(late.size(), 1U);
+  EXPECT_GT(late[0].time, 10.0) << "the wait has grown";
+  EXPECT_LT(late[0].time, 200.0 - LivePace::kLongest);
+  ASSERT_EQ(run(&pace, slow, 2.0).size(), 1U);
+  const std::vector<Change> soon = run(&pace, calm, 20.0);
+  ASSERT_EQ(soon.size(), 1U);
+  EXPECT_EQ(soon[0].level, 0U);
+  EXPECT_GT(soon[0].time, 2.4) << "settle, less half a second that was calm before";
+  EXPECT_LT(soon[0].time, 4.5);
+}
+
 TEST(LivePace, AnyFramesKeepItWithinItsLevels) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> exponent(-5.0, 1.0);

@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <functional>
 #include <limits>
 #include <memory>
-#include <thread>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "render/frame_timeline.h"
 #include "unit/render/plan_fixture.h"
 
@@ -27,14 +30,15 @@ class RenderLoopTest : public ::testing::Test {
         raven_(model::loadRavenModel(config_)),
         scene_(model::loadSceneModel(config_)),
         shared_(std::make_unique<SharedState>()),
-        loop_(config_, raven_, scene_, {}, shared_.get(), [this](const LiveImage& image) {
-          if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
-          picture_ = image.rgb;
-          is_view_ = image.is_view;
-          camera_ = image.camera;
-          tick_ = image.tick;
-          time_ns_ = image.time_ns;
-        }) {
+        loop_(
+            config_,
+            raven_,
+            scene_,
+            {},
+            shared_.get(),
+            [this](const LiveImage& image) { take(image); },
+            [this] { return now_ns_; }) {
+    shared_->picture_watched.store(1);
     state_.tick = kTick;
     state_.session_tick = 0;
     for (ArmState& arm : state_.arms)
@@ -49,12 +53,25 @@ class RenderLoopTest : public ::testing::Test {
     model::Camera camera;
   };
 
+  void take(const LiveImage& image) {
+    ++drawn_;
+    now_ns_ += takes_ns_;
+    if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
+    picture_ = image.rgb;
+    is_view_ = image.is_view;
+    camera_ = image.camera;
+    tick_ = image.tick;
+    time_ns_ = image.time_ns;
+  }
+
   Picture frame() {
     eyes_.clear();
     shared_->model.store(state_);
     loop_.frame();
     return picture_;
   }
+
+  void setPicture(PictureFault fault) { state_.faults.picture = static_cast<std::uint8_t>(fault); }
 
   /** As the planner answers: the cell first, then the state of that tick. */
   void answer(const PlanResult& plan, PlanningStatus status) {
@@ -74,6 +91,9 @@ class RenderLoopTest : public ::testing::Test {
   Tick tick_{-1};
   std::int64_t time_ns_{-1};
   std::vector<EyePicture> eyes_;
+  int drawn_{0};                            // pictures, those of the eyes included
+  std::int64_t now_ns_{1'000'000'000'000};  // the loop's clock
+  std::int64_t takes_ns_{0};                // each picture
   RenderLoop loop_;
   ModelState state_;
 };
@@ -152,26 +172,58 @@ TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
   state_.tick += 33;
   state_.time_ns += 33'000'000;
   state_.arms[0].q[kElbow] += 0.2;
-  state_.faults.picture = 2;
+  setPicture(PictureFault::kFrozen);
   EXPECT_EQ(frame(), last);
   EXPECT_EQ(tick_, kTick);
   EXPECT_EQ(time_ns_, 5'000'000'000);
-  state_.faults.picture = 0;
+  setPicture(PictureFault::kNone);
   EXPECT_NE(frame(), last);
   EXPECT_EQ(tick_, kTick + 33);
   EXPECT_EQ(time_ns_, 5'033'000'000);
 }
 
+TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughTheLastOneIsFrozen) {
+  state_.view = 1;
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  const Picture last = frame();
+  EXPECT_FALSE(is_view_);
+  state_.tick += 33;
+  setPicture(PictureFault::kFrozen);
+  state_.view = 0;
+  EXPECT_EQ(frame(), last);
+  EXPECT_TRUE(is_view_) << "it is asked for, as old as it is";
+  EXPECT_EQ(tick_, kTick);
+  state_.view = 1;
+  frame();
+  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  shared_->real_picture_ns.store(0);
+  EXPECT_NE(frame(), last) << "that it is not the one that was asked for is said on a frozen picture, too";
+  EXPECT_TRUE(is_view_);
+  EXPECT_EQ(tick_, kTick);
+}
+
+TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughPicturesAreLate) {
+  state_.view = 1;
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());
+  frame();
+  state_.tick += 33;
+  state_.faults.picture_delay_ms = 2000;
+  state_.view = 0;
+  frame();
+  EXPECT_TRUE(is_view_);
+  EXPECT_EQ(tick_, kTick) << "what is seen is late";
+}
+
 TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
   const Picture seen = frame();
-  state_.faults.picture = 1;
+  setPicture(PictureFault::kBlack);
   shared_->stereo_watched.store(1);
   const Picture black = frame();
   EXPECT_EQ(black, Picture(seen.size(), 0));
   EXPECT_TRUE(is_view_);
   ASSERT_EQ(eyes_.size(), 2U);
   EXPECT_EQ(eyes_[0].rgb, black);
-  state_.faults.picture = 0;
+  setPicture(PictureFault::kNone);
   EXPECT_EQ(frame(), seen);
 }
 
@@ -179,7 +231,7 @@ TEST_F(RenderLoopTest, EyesThatAreChangedOverKeepTheirNamesAndCameras) {
   shared_->stereo_watched.store(1);
   const Picture middle = frame();
   const std::vector<EyePicture> right_way = eyes_;
-  state_.faults.picture = 3;
+  setPicture(PictureFault::kEyesSwapped);
   EXPECT_EQ(frame(), middle);
   ASSERT_EQ(eyes_.size(), 2U);
   EXPECT_EQ(eyes_[0].rgb, right_way[1].rgb);
@@ -208,16 +260,78 @@ TEST_F(RenderLoopTest, APictureHasTheTickAndTheTimeOfTheStateDrawn) {
   EXPECT_EQ(time_ns, 123'456'789);
 }
 
+TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
+  shared_->picture_watched.store(0);
+  const auto run = [this](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      frame();
+      now_ns_ += 40'000'000;
+    }
+  };
+  run(1);
+  EXPECT_EQ(drawn_, 1) << "the first at once";
+  run(249);
+  EXPECT_EQ(drawn_, 10) << "of ten seconds";
+  EXPECT_EQ(shared_->live_picture.load().frames, 10U);
+  EXPECT_EQ(shared_->frames.value(), 10U);
+  EXPECT_EQ(shared_->live_picture.load().watched, 0);
+  run(1);
+  EXPECT_EQ(drawn_, 11);
+  shared_->picture_watched.store(1);
+  run(1);
+  EXPECT_EQ(drawn_, 12) << "the first for who comes, at once";
+  run(25);
+  EXPECT_EQ(drawn_, 37);
+  EXPECT_EQ(shared_->live_picture.load().watched, 1);
+  shared_->picture_watched.store(0);
+  run(1);
+  EXPECT_EQ(drawn_, 37);
+  shared_->stereo_watched.store(1);
+  run(1);
+  EXPECT_EQ(drawn_, 40) << "who looks at both eyes looks";
+}
+
+/** So that what is seen does not depend on who looked before. */
+TEST_F(RenderLoopTest, WhatNobodyLookedAtIsKnownAllTheSame) {
+  frame();
+  shared_->picture_watched.store(0);
+  state_.tick += 400;
+  state_.arms[0].q[kElbow] += 0.1;
+  frame();
+  ASSERT_EQ(drawn_, 1);
+  state_.tick += 33;
+  setPicture(PictureFault::kFrozen);
+  shared_->picture_watched.store(1);
+  frame();
+  EXPECT_EQ(tick_, kTick + 400) << "when it froze";
+}
+
+TEST_F(RenderLoopTest, PicturesThatNobodyLooksAtSayNothingOfTheirPace) {
+  takes_ns_ = 200'000'000;
+  shared_->picture_watched.store(0);
+  for (int i = 0; i < 100; ++i) {
+    frame();
+    now_ns_ += 1'000'000'000;
+  }
+  EXPECT_EQ(drawn_, 100);
+  EXPECT_EQ(shared_->live_picture.load().level, 0U);
+  shared_->picture_watched.store(1);
+  for (int i = 0; i < 5; ++i)
+    frame();
+  EXPECT_EQ(shared_->live_picture.load().level, 1U) << "the same, looked at";
+}
+
 TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWithIt) {
   TrainerConfig config = config_;
   config.render.live_fps = config.render.live_slowest = 120;
   std::vector<model::Camera> cameras;
   std::vector<std::size_t> sizes;
-  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+  const auto show = [&](const LiveImage& image) {
     cameras.push_back(image.camera);
     sizes.push_back(image.rgb.size());
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // longer than the 8 ms that there are
-  });
+    now_ns_ += 20'000'000;  // longer than the 8 ms that there are
+  };
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
   shared_->model.store(state_);
   while (cameras.size() < 500 && shared_->live_picture.load().level < 2)
     loop.frame();
@@ -237,16 +351,35 @@ TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWit
   EXPECT_DOUBLE_EQ(cameras.back().cx, (told.width - 1) / 2.0);
 }
 
+/** They cost nothing: counted, they would raise what has to come down again once there is something to be seen. */
+TEST_F(RenderLoopTest, BlackPicturesSayNothingOfTheirPace) {
+  takes_ns_ = 200'000'000;
+  while (drawn_ < 100 && shared_->live_picture.load().level < 3)
+    frame();
+  ASSERT_EQ(shared_->live_picture.load().level, 3U);
+  takes_ns_ = 0;
+  setPicture(PictureFault::kBlack);
+  constexpr int kFrames = 50;  // 5 s at 10 Hz; it goes up after 3
+  for (int i = 0; i < kFrames; ++i)
+    frame();
+  EXPECT_EQ(shared_->live_picture.load().level, 3U);
+  setPicture(PictureFault::kNone);
+  for (int i = 0; i < kFrames; ++i)
+    frame();
+  EXPECT_LT(shared_->live_picture.load().level, 3U) << "the same, seen";
+}
+
 /** The eyes alone take longer than the period, the live camera's picture by far not. */
 TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   TrainerConfig config = config_;
   config.render.live_fps = config.render.live_slowest = 10;
   std::vector<model::Camera> cameras;
-  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+  const auto show = [&](const LiveImage& image) {
     if (image.eye == Eye::kMiddle) return;
     cameras.push_back(image.camera);
-    std::this_thread::sleep_for(std::chrono::milliseconds(60));
-  });
+    now_ns_ += 60'000'000;
+  };
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
   shared_->stereo_watched.store(1);
   shared_->model.store(state_);
   while (cameras.size() < 100 && shared_->live_picture.load().level < 1)
@@ -261,6 +394,61 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
     EXPECT_EQ(camera.height, told.height);
   }
   EXPECT_LT(told.width, config.render.live_width);
+}
+
+/** On a thread of the daemon's: what leaves it ends the process. */
+TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
+  const std::vector<std::function<void()>> failures{[] { throw std::bad_alloc(); },
+                                                    [] { throw std::runtime_error("of who takes the pictures"); },
+                                                    [] { throw RenderException("ours"); }};
+  for (const auto& fail : failures) {
+    shared_->live_picture.store({});
+    std::uint64_t shown = 0;
+    const auto make = [&] {
+      return std::make_unique<RenderLoop>(config_, raven_, scene_, std::vector<std::string>{}, shared_.get(),
+                                          [&](const LiveImage&) {
+                                            if (++shown > 2) fail();
+                                          });
+    };
+    shared_->model.store(state_);
+    int waits = 0;
+    keepDrawing(
+        make, [&](double) { return ++waits > 100; }, shared_.get());
+    EXPECT_EQ(shown, 3U);
+    EXPECT_EQ(shared_->live_picture.load().failed, 1);
+    EXPECT_EQ(shared_->live_picture.load().frames, 2U) << "what there was before is still told";
+  }
+}
+
+TEST_F(RenderLoopTest, PicturesThatCannotBeBegunAreTold) {
+  const auto make = []() -> std::unique_ptr<RenderLoop> { throw std::runtime_error("no OpenGL"); };
+  keepDrawing(
+      make, [](double) { return false; }, shared_.get());
+  EXPECT_EQ(shared_->live_picture.load().failed, 1);
+  EXPECT_EQ(shared_->live_picture.load().fps, 0);
+}
+
+TEST_F(RenderLoopTest, AnEndThatWasAskedForIsNoFailure) {
+  std::uint64_t shown = 0;
+  const auto make = [&] {
+    return std::make_unique<RenderLoop>(config_, raven_, scene_, std::vector<std::string>{}, shared_.get(),
+                                        [&](const LiveImage&) { ++shown; });
+  };
+  shared_->model.store(state_);
+  std::vector<double> waits;
+  const auto wait = [&](double seconds) {
+    waits.push_back(seconds);
+    return waits.size() > 2;
+  };
+  keepDrawing(make, wait, shared_.get());
+  EXPECT_EQ(shown, 2U);
+  EXPECT_EQ(shared_->live_picture.load().failed, 0);
+  ASSERT_EQ(waits.size(), 3U);
+  EXPECT_EQ(waits[0], 0.0) << "the first at once";
+  for (const double seconds : waits) {
+    EXPECT_GE(seconds, 0.0);
+    EXPECT_LE(seconds, 1.0 / config_.render.live_fps);
+  }
 }
 
 TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
@@ -281,7 +469,7 @@ TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
   ASSERT_EQ(frames.size(), 1U);
   render::Renderer renderer(config_.render.live_width, config_.render.live_height);
   render::SceneBuilder builder(raven_, scene_, render::SceneOptions(config_, config_.render.live_overlays), &renderer);
-  const model::Camera camera = model::makeCamera(findCamera(config_.render, config_.render.live_camera),
+  const model::Camera camera = model::makeCamera(model::requireCamera(config_.render, config_.render.live_camera),
                                                  config_.render.live_width, config_.render.live_height);
   EXPECT_EQ(renderer.draw(builder.build(frames[0]), camera), live);
 }

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
 
+#include <array>
 #include <cstdlib>
 #include <memory>
 #include <vector>
 
+#include "ros/compressed_picture.h"
 #include "ros/jpeg_encoder.h"
 #include "ros/messages.h"
 #include "ros/picture_stamp.h"
@@ -85,6 +87,35 @@ TEST(CompressedImage, SaysItsFormatAsCompressedImageTransportDoes) {
   EXPECT_EQ(message.header.frame_id, "endoscope_optical_frame");
 }
 
+/** As the real camera's come through the view. */
+TEST(CompressedImage, OfAnothersPictureHasItsColoursAndItsHeader) {
+  sensor_msgs::Image picture;
+  picture.header.stamp = ros::Time(7, 8);
+  picture.header.frame_id = "real";
+  picture.width = 64;
+  picture.height = 48;
+  picture.encoding = "bgr8";
+  picture.step = 3 * 64 + 4;  // rows padded
+  for (int i = 0; i < 48; ++i) {
+    for (int u = 0; u < 64; ++u)
+      picture.data.insert(picture.data.end(), {40, 30, 200});
+    picture.data.insert(picture.data.end(), 4, 0);
+  }
+  JpegEncoder encoder(80);
+  sensor_msgs::CompressedImage message;
+  ASSERT_TRUE(compress(picture, &encoder, &message));
+  EXPECT_EQ(message.header.stamp, ros::Time(7, 8));
+  EXPECT_EQ(message.header.frame_id, "real");
+  EXPECT_EQ(message.format, "rgb8; jpeg compressed bgr8");
+  const Bytes back = decoded(message.data, 64, 48);
+  ASSERT_EQ(back.size(), 64U * 48U * 3U);
+  const std::array<int, 3> red{200, 30, 40};
+  for (std::size_t i = 0; i < back.size(); ++i)
+    ASSERT_NEAR(back[i], red[i % 3], 6) << i;
+  picture.encoding = "yuv422";
+  EXPECT_FALSE(compress(picture, &encoder, &message)) << "goes through the view raw alone";
+}
+
 TEST(PictureStamp, PicturesOfOneStateHaveOne) {
   PictureStamp stamp;
   const ros::Time now(1000, 500);
@@ -110,6 +141,18 @@ TEST(PictureStatus, WarnsWhileThePictureIsLessThanConfigured) {
   picture.level = 1;
   EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::WARN);
   EXPECT_NE(pictureStatus(picture).message.find("20 Hz"), std::string::npos);
+}
+
+TEST(PictureStatus, IsAnErrorOnceItHasFailed) {
+  using diagnostic_msgs::DiagnosticStatus;
+  LivePicture picture;
+  picture.failed = 1;
+  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::ERROR) << "before the first frame";
+  EXPECT_NE(pictureStatus(picture).message.find("failed"), std::string::npos);
+  picture.fps = 20;
+  picture.level = 1;
+  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::ERROR) << "and after the last good one";
+  EXPECT_EQ(pictureStatus(picture).message.find("20 Hz"), std::string::npos);
 }
 
 }  // namespace
