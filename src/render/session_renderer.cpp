@@ -348,7 +348,7 @@ std::string SessionRenderer::outputOf(const SessionRenderOptions& options) const
 
 std::string SessionRenderer::settingsOf(const SessionRenderOptions& options) const {
   const std::string camera = options.camera.empty() ? config_.render.video_camera : options.camera;
-  return settingsHash(config_, options, requireCamera(config_.render, camera).name, paths_, build_);
+  return settingsHash(config_, options, model::requireCamera(config_.render, camera).name, paths_, build_);
 }
 
 bool SessionRenderer::hasVideo(const SessionRenderOptions& options) const {
