@@ -15,6 +15,7 @@
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/record_rings.h"
 #include "raven2_trainer/core/replay_frame.h"
+#include "raven2_trainer/core/servo.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/state_cell.h"
@@ -59,6 +60,8 @@ struct SharedState {
   StateCell<ExecutionReport> last_execution;
   // written by physics: the newest events of the exercise
   StateCell<ExerciseNews> exercise_news;
+  // written by physics: how the arms stand to CRTK clients
+  StateCell<ServoState> servo;
   // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest picture; 0 none yet
   StateCell<std::int64_t> real_picture_ns;
   // written by ros: 1 while somebody looks at a live picture, or asks where its camera is
@@ -99,6 +102,10 @@ struct SharedState {
   SpscRing<Request, 32> requests;
   // ingest -> physics: what the pedals and buttons beside the one that engages ask for
   SpscRing<Request, 32> pedal_requests;
+  // ros (crtk) -> physics
+  SpscRing<ServoCommand, 256> servo_commands;
+  // physics -> ros (crtk): those that did nothing
+  SpscRing<ServoRefused, 256> servo_refused;
   // ros -> faults
   SpscRing<FaultRequest, 32> fault_requests;
   // robot_link -> physics
