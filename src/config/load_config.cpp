@@ -1,6 +1,7 @@
 #include "raven2_trainer/config/load_config.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -274,6 +275,36 @@ void readExecution(Section& root, ExecutionConfig* c) {
   c->settle_time = root.number("settle_time", 0, 60);
   c->pedal_timeout = root.number("pedal_timeout", 0.1, 3600);
   c->robot_timeout = root.number("robot_timeout", 0.1, 60);
+}
+
+/** A name that ROS takes below any namespace; the nodes of other programs have theirs beside it. */
+std::string readNamespace(Section& root, const std::string& key) {
+  const std::string name = root.text(key);
+  const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '/'; };
+  const bool begins = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0;
+  const bool ends = !name.empty() && name.back() != '/' && name.find("//") == std::string::npos;
+  if (begins && ends && std::all_of(name.begin(), name.end(), isWord)) return name;
+  throw ConfigException(root.where(key) + " is \"" + name +
+                        "\", expected a ROS name: a letter, then letters, digits, _ and single /");
+}
+
+void readCrtk(Section& root, CrtkConfig* c) {
+  c->enabled = root.boolean("enabled");
+  for (const Arm arm : kArms)
+    at(c->names, arm) = readNamespace(root, name(arm));
+  if (c->names[0] == c->names[1])
+    throw ConfigException(root.where("green") + " is \"" + c->names[1] + "\", as is gold");
+  c->dialect = static_cast<CrtkDialect>(root.choice("dialect", kCrtkDialectNames));
+  c->period = root.number("period", 0.001, 1);
+  c->state_period = root.number("state_period", 0.01, 60);
+  c->max_speed = root.number("max_speed", 0.001, 1);
+  c->max_turn_rate = root.number("max_turn_rate", 0.01, 20);
+  c->max_step = root.number("max_step", 1e-4, 0.2);
+  c->max_step_turn = root.number("max_step_turn", 0.001, 3);
+  c->move_speed = root.number("move_speed", 0.001, c->max_speed);
+  c->move_turn_rate = root.number("move_turn_rate", 0.01, c->max_turn_rate);
+  c->twist_timeout = root.number("twist_timeout", 0.01, 5);
+  c->release_after = root.number("release_after", 0, 3600);
 }
 
 CameraConfig readCamera(Section& camera) {
@@ -594,6 +625,7 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   c.runtime = readFile<RuntimeConfig>(file("runtime"), &c, readRuntime);
   c.planner = readFile<PlannerConfig>(file("planner"), &c, readPlanner);
   c.execution = readFile<ExecutionConfig>(file("execution"), &c, readExecution);
+  c.crtk = readFile<CrtkConfig>(file("crtk"), &c, readCrtk);
   c.render = readFile<RenderConfig>(file("render"), &c, readRender);
   c.console = readFile<ConsoleConfig>(file("console"), &c, readConsole);
   c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);

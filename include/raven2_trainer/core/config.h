@@ -229,6 +229,30 @@ struct ExecutionConfig {
   double robot_timeout{};        ///< [s] that the path stands still because the robot does not follow
 };
 
+/** Which message types CRTK clients are spoken to with. */
+enum class CrtkDialect : std::uint8_t {
+  kModern,  ///< crtk_msgs 1.3
+  kRaven,   ///< the robot's own branch `crtk`: TransformStamped, messages of the retired package
+};
+constexpr std::array<const char*, 2> kCrtkDialectNames{"modern", "raven"};
+
+/** config/crtk.yaml: the arms as CRTK devices (doc/crtk.md). */
+struct CrtkConfig {
+  bool enabled{};
+  PerArm<std::string> names;  ///< namespace of each arm
+  CrtkDialect dialect{};
+  double period{};          ///< [s] between two states that are published
+  double state_period{};    ///< [s] the operating state is repeated, changed or not
+  double max_speed{};       ///< [m/s] of a tip after a servo command
+  double max_turn_rate{};   ///< [rad/s] of it, and of a joint
+  double max_step{};        ///< [m] a servo command may lead from the set point
+  double max_step_turn{};   ///< [rad] the same
+  double move_speed{};      ///< [m/s] highest of a move_*; at most max_speed
+  double move_turn_rate{};  ///< [rad/s] the same
+  double twist_timeout{};   ///< [s] servo_cv without another
+  double release_after{};   ///< [s] of silence after which the pedal goes up; 0 never
+};
+
 /** Whether a camera stays where it is, and if not, what takes it along. */
 enum class CameraMoves : std::uint8_t {
   kNever,
@@ -444,6 +468,7 @@ struct TrainerConfig {
   RuntimeConfig runtime{};
   PlannerConfig planner{};
   ExecutionConfig execution{};
+  CrtkConfig crtk{};
   RenderConfig render{};
   ConsoleConfig console{};
   VirtualRavenConfig virtual_raven{};

@@ -212,6 +212,34 @@ TEST_F(LoadConfig, TheLimitsOfAnExecutionAreChecked) {
   EXPECT_NE(message().find("pedal_time"), std::string::npos) << message();
 }
 
+TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
+  const CrtkConfig crtk = loadTrainerConfig(root()).crtk;
+  EXPECT_TRUE(crtk.enabled);
+  EXPECT_EQ(crtk.names, (PerArm<std::string>{"arm1", "arm2"}));
+  EXPECT_EQ(crtk.dialect, CrtkDialect::kModern);
+  EXPECT_EQ(crtk.period, 0.002);
+  EXPECT_EQ(crtk.twist_timeout, 0.1);
+  const std::vector<std::array<std::string, 3>> wrong{
+      {"max_speed: 0.1 ", "max_speed: 0 ", "max_speed is 0, expected [0.001, 1]"},
+      {"move_speed: 0.04 ", "move_speed: 0.11 ", "move_speed is 0.11, expected [0.001, 0.1]"},
+      {"move_turn_rate: 0.5 ", "move_turn_rate: 2.1 ", "move_turn_rate is 2.1, expected [0.01, 2]"},
+      {"max_step: 0.02 ", "max_step: 20 ", "max_step is 20"},
+      {"release_after: 30.0 ", "release_after: -1 ", "release_after is -1"},
+      {"dialect: modern ", "dialect: old ", "dialect is \"old\", expected one of: modern, raven"},
+      {"green: arm2 ", "green: arm1 ", "green is \"arm1\", as is gold"},
+      {"green: arm2 ", "green: 2nd ", "green is \"2nd\", expected a ROS name"},
+      {"green: arm2 ", "green: a//b ", "green is \"a//b\", expected a ROS name"},
+      {"twist_timeout: ", "twist_time: ", "twist_time"}};
+  for (const auto& [good, bad, said] : wrong) {
+    replace("crtk.yaml", "\n" + good, "\n" + bad);
+    EXPECT_NE(message().find(said), std::string::npos) << bad << ": " << message();
+    EXPECT_NE(message().find("crtk.yaml:"), std::string::npos) << message();
+    replace("crtk.yaml", "\n" + bad, "\n" + good);
+  }
+  replace("crtk.yaml", "\nrelease_after: 30.0 ", "\nrelease_after: 0 ");
+  EXPECT_EQ(loadTrainerConfig(root()).crtk.release_after, 0.0);
+}
+
 TEST_F(LoadConfig, WrongTypesAreRefused) {
   for (const char* value : {"fast", "[1, 2]", ".nan", "{a: 1}"}) {
     SetUp();
