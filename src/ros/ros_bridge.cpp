@@ -12,6 +12,7 @@
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/runtime/frame_states.h"
 #include "ros/camera_view.h"
+#include "ros/crtk_device.h"
 #include "ros/exposure.h"
 #include "ros/joy_pedals.h"
 #include "ros/live_camera.h"
@@ -49,10 +50,7 @@ struct RosBridge::Impl {
             [daemon](const std::string& path) { return daemon->openReplay(path); },
             daemon->paths().directory),
         training_services(&node, &client, isLoopbackOnly() ? &replay : nullptr, may_command),
-        topics(&node,
-               {daemon->config(), daemon->raven(), daemon->shared(), daemon->bodyNames(),
-                [daemon] { return daemon->planCounts(); }},
-               kQueue),
+        topics(&node, source(), kQueue),
         view(node, daemon->config().render, &daemon->shared()),
         stereo(node, daemon->config().render),
         camera(&node, daemon->config().render, view),
@@ -60,6 +58,8 @@ struct RosBridge::Impl {
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
         spinner(1) {
     if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
+    if (daemon->config().crtk.enabled)
+      crtk = std::make_unique<CrtkDevice>(node, source(), &daemon->shared(), may_command);
     listenToPedals(daemon->config().network.joy);
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
@@ -71,11 +71,17 @@ struct RosBridge::Impl {
     planning_services.stop();
     training_services.stop();
     if (move_arm) move_arm->stop();
+    if (crtk) crtk->stop();
     publisher.stop();
     simulator.shared().stereo_watched.store(0);
     simulator.shared().picture_watched.store(0);
     view.stop();
     spinner.stop();
+  }
+
+  TopicSource source() const {
+    return {simulator.config(), simulator.raven(), simulator.shared(), simulator.bodyNames(),
+            [this] { return simulator.planCounts(); }};
   }
 
   void listenToPedals(const JoyConfig& joy) {
@@ -101,6 +107,7 @@ struct RosBridge::Impl {
           diagnostics(simulator.counts(), shared, states.robot, net::monotonicNow(), simulator.realtimeStatus(), stamp);
       array.status.push_back(pictureStatus(shared.live_picture.load()));
       array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
+      if (crtk) array.status.push_back(crtk->status());
       diagnostic_arrays.publish(array);
     }
     ++cycle;
@@ -151,6 +158,7 @@ struct RosBridge::Impl {
   PictureStamp picture_stamp;
   JoyPedals pedals;
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
+  std::unique_ptr<CrtkDevice> crtk;         ///< if the configuration says so
   ros::Subscriber joy_messages;
   ros::Publisher diagnostic_arrays;
   ros::AsyncSpinner spinner;

@@ -1,0 +1,192 @@
+#include "ros/crtk_arm.h"
+
+#include <ros/advertise_options.h>
+
+#include "ros/name_of.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr std::uint32_t kQueue = 10;  // [messages] 20 ms of a subscriber that is slow
+
+/** With the name that the clients of a dialect know the type by; fields and check sum are the same. */
+ros::Publisher advertiseState(ros::NodeHandle* node, const std::string& topic, CrtkDialect dialect) {
+  ros::AdvertiseOptions options;
+  options.init<crtk::OperatingState>(topic, 1);
+  options.latch = true;
+  if (dialect == CrtkDialect::kRaven) options.datatype = crtk::kRetiredOperatingStateType;
+  return node->advertise(options);
+}
+
+bool differs(const crtk::OperatingState& a, const crtk::OperatingState& b) {
+  return a.state != b.state || a.is_homed != b.is_homed || a.is_busy != b.is_busy;
+}
+
+template <typename Message>
+void setHeader(const std::string& frame, const ros::Time& stamp, Message* message) {
+  message->header.frame_id = frame;
+  message->header.stamp = stamp;
+}
+
+/** In the dialect of the robot's own branch measured_cp is in its turned base, setpoint_cp in the base itself. */
+CrtkFrame measuredFrame(CrtkDialect dialect, Arm arm, const Pose& X_WB) {
+  return dialect == CrtkDialect::kRaven ? ravenFrame(arm) : worldFrame(X_WB);
+}
+CrtkFrame setpointFrame(CrtkDialect dialect, Arm arm, const Pose& X_WB) {
+  return dialect == CrtkDialect::kRaven ? baseFrame(arm) : worldFrame(X_WB);
+}
+
+}  // namespace
+
+CrtkArm::CrtkArm(ros::NodeHandle* node,
+                 Arm arm,
+                 const TrainerConfig& config,
+                 const Pose& X_WB,
+                 const std::vector<std::string>& body_names,
+                 CrtkVoice* voice)
+    : arm_(arm),
+      geometry_(config.arms.geometry),
+      X_WB_(X_WB),
+      name_(at(config.crtk.names, arm)),
+      state_period_(config.crtk.state_period),
+      voice_(*voice),
+      contacts_(body_names),
+      operating_state_(advertiseState(node, name_ + "/operating_state", config.crtk.dialect)) {
+  const CrtkDialect dialect = config.crtk.dialect;
+  const bool is_raven = dialect == CrtkDialect::kRaven;
+  const CrtkFrame world = worldFrame(X_WB), base = baseFrame(arm);
+  measured_js_ = jointTopic(node, "measured_js");
+  setpoint_js_ = jointTopic(node, "setpoint_js");
+  jaw_measured_js_ = jointTopic(node, "jaw/measured_js");
+  jaw_setpoint_js_ = jointTopic(node, "jaw/setpoint_js");
+  measured_cp_ = poseTopic(node, "measured_cp", measuredFrame(dialect, arm, X_WB), is_raven);
+  setpoint_cp_ = poseTopic(node, "setpoint_cp", setpointFrame(dialect, arm, X_WB), is_raven);
+  goal_cp_ = poseTopic(node, "goal_cp", world, false);
+  local_measured_cp_ = poseTopic(node, "local/measured_cp", base, false);
+  local_setpoint_cp_ = poseTopic(node, "local/setpoint_cp", base, false);
+  local_goal_cp_ = poseTopic(node, "local/goal_cp", base, false);
+  measured_cv_ = twistTopic(node, "measured_cv", world);
+  local_measured_cv_ = twistTopic(node, "local/measured_cv", base);
+  jacobian_ = jacobianTopic(node, "jacobian", world);
+  local_jacobian_ = jacobianTopic(node, "local/jacobian", base);
+  measured_cf_ = node->advertise<geometry_msgs::WrenchStamped>(name_ + "/measured_cf", kQueue);
+}
+
+CrtkArm::PoseTopic CrtkArm::poseTopic(ros::NodeHandle* node,
+                                      const std::string& name,
+                                      const CrtkFrame& frame,
+                                      bool is_transform) const {
+  PoseTopic topic;
+  topic.frame = frame;
+  topic.is_transform = is_transform;
+  topic.publisher = is_transform ? node->advertise<geometry_msgs::TransformStamped>(name_ + "/" + name, kQueue)
+                                 : node->advertise<geometry_msgs::PoseStamped>(name_ + "/" + name, kQueue);
+  return topic;
+}
+
+CrtkArm::TwistTopic CrtkArm::twistTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame) const {
+  return {node->advertise<geometry_msgs::TwistStamped>(name_ + "/" + name, kQueue), frame, {}};
+}
+
+CrtkArm::JacobianTopic CrtkArm::jacobianTopic(ros::NodeHandle* node,
+                                              const std::string& name,
+                                              const CrtkFrame& frame) const {
+  return {node->advertise<std_msgs::Float64MultiArray>(name_ + "/" + name, kQueue), frame, {}};
+}
+
+CrtkArm::JointTopic CrtkArm::jointTopic(ros::NodeHandle* node, const std::string& name) const {
+  return {node->advertise<sensor_msgs::JointState>(name_ + "/" + name, kQueue), {}};
+}
+
+void CrtkArm::publish(const CrtkCycle& cycle) {
+  publishState(cycle);
+  publishMeasured(cycle);
+  publishSetpoint(cycle);
+}
+
+void CrtkArm::publishState(const CrtkCycle& cycle) {
+  const ServoState& servo = cycle.servo;
+  crtk::OperatingState now;
+  now.header.stamp = cycle.stamp;
+  now.state = nameOf(kOperatingStateNames, servo.state);
+  now.is_homed = servo.is_homed;
+  now.is_busy = at(servo.arms, arm_).is_busy;
+  const bool is_new = !has_told_ || differs(now, told_);
+  const double age = static_cast<double>(servo.tick - told_tick_) * kTickSeconds;
+  if (!is_new && age >= 0.0 && age < state_period_) return;
+  operating_state_.publish(now);
+  if (has_told_ && now.state != told_.state) voice_.say(level(servo.state), sentence(servo.state));
+  told_ = now;
+  told_tick_ = servo.tick;
+  has_told_ = true;
+}
+
+void CrtkArm::publishMeasured(const CrtkCycle& cycle) {
+  const CrtkMeasured m = measured(geometry_, arm_, cycle.model, cycle.robot);
+  if (measured_js_.publisher.getNumSubscribers() > 0) {
+    fill(m.q, m.dq, m.effort, &measured_js_.message);
+    publishJoints(cycle.stamp, &measured_js_);
+  }
+  if (jaw_measured_js_.publisher.getNumSubscribers() > 0) {
+    fill(m.jaw, m.jaw_rate, m.jaw_effort, &jaw_measured_js_.message);
+    publishJoints(cycle.stamp, &jaw_measured_js_);
+  }
+  for (PoseTopic* topic : {&measured_cp_, &local_measured_cp_})
+    publishPose(m.X_BT, cycle.stamp, topic);
+  for (TwistTopic* topic : {&measured_cv_, &local_measured_cv_}) {
+    if (topic->publisher.getNumSubscribers() == 0) continue;
+    setHeader(topic->frame.name, cycle.stamp, &topic->message);
+    fill(topic->frame, m.v_B, m.w_B, &topic->message);
+    topic->publisher.publish(topic->message);
+  }
+  for (JacobianTopic* topic : {&jacobian_, &local_jacobian_}) {
+    if (topic->publisher.getNumSubscribers() == 0) continue;
+    fill(topic->frame, m.J_B, &topic->message);
+    topic->publisher.publish(topic->message);
+  }
+  if (wantsContacts()) publishForce(cycle, m.X_BT);
+}
+
+void CrtkArm::publishForce(const CrtkCycle& cycle, const Pose& X_BT) {
+  setHeader("world", cycle.stamp, &force_);
+  fill(contacts_.on(arm_, cycle.contacts, X_WB_ * X_BT.p), &force_);
+  measured_cf_.publish(force_);
+}
+
+void CrtkArm::publishSetpoint(const CrtkCycle& cycle) {
+  const ServoArmState& arm = at(cycle.servo.arms, arm_);
+  const JointArray& tau = at(cycle.model.arms, arm_).tau;
+  const ServoJoints& rate = setpoint_rate_.of(cycle.servo.tick, arm);
+  if (setpoint_js_.publisher.getNumSubscribers() > 0) {
+    fill(arm.setpoint_q, rate, servoEfforts(tau), &setpoint_js_.message);
+    publishJoints(cycle.stamp, &setpoint_js_);
+  }
+  if (jaw_setpoint_js_.publisher.getNumSubscribers() > 0) {
+    fill(arm.setpoint_jaw, setpoint_rate_.jaw(), jawEffort(tau), &jaw_setpoint_js_.message);
+    publishJoints(cycle.stamp, &jaw_setpoint_js_);
+  }
+  for (PoseTopic* topic : {&setpoint_cp_, &local_setpoint_cp_})
+    publishPose(toEigen(arm.setpoint_B), cycle.stamp, topic);
+  for (PoseTopic* topic : {&goal_cp_, &local_goal_cp_})
+    publishPose(toEigen(arm.goal_B), cycle.stamp, topic);
+}
+
+void CrtkArm::publishPose(const Pose& X_BT, const ros::Time& stamp, PoseTopic* topic) {
+  if (topic->publisher.getNumSubscribers() == 0) return;
+  if (topic->is_transform) {
+    setHeader(topic->frame.name, stamp, &topic->transform);
+    fill(topic->frame, X_BT, &topic->transform);
+    topic->publisher.publish(topic->transform);
+  } else {
+    setHeader(topic->frame.name, stamp, &topic->pose);
+    fill(topic->frame, X_BT, &topic->pose);
+    topic->publisher.publish(topic->pose);
+  }
+}
+
+void CrtkArm::publishJoints(const ros::Time& stamp, JointTopic* topic) {
+  setHeader("world", stamp, &topic->message);
+  topic->publisher.publish(topic->message);
+}
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/kinematics/eigen.h"
+
+// Frames that CRTK clients may speak of poses in (doc/crtk.md).
+
+namespace raven2_trainer::ros_bridge {
+
+/** A frame R that poses, increments and twists of an arm are told and asked for in. */
+struct CrtkFrame {
+  std::string name;                  ///< header.frame_id of what is told; "" has none
+  std::vector<std::string> allowed;  ///< header.frame_id of what is heard; "" always may stand there
+  Pose X_BR{};                       ///< R in the arm's base B
+};
+
+/** `world`, of the topics without a prefix. */
+CrtkFrame worldFrame(const Pose& X_WB);
+
+/** The arm's base B, of the topics under local/: `model/base_link_L` or `_R`, heard as `robot/...` too. */
+CrtkFrame baseFrame(Arm arm);
+
+/** The frame that the robot's own branch `crtk` turns its base to (T_crtk_in_r0 of its crtk_motion_api.cpp): the origin
+ *  of B, gold (-y, -z, x) of B, green (y, z, x). It has no name there. */
+CrtkFrame ravenFrame(Arm arm);
+
+}  // namespace raven2_trainer::ros_bridge

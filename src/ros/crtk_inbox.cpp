@@ -1,0 +1,23 @@
+#include "ros/crtk_inbox.h"
+
+#include "ros/name_of.h"
+
+namespace raven2_trainer::ros_bridge {
+
+std::string CrtkInbox::take(const CrtkAsked& asked) {
+  if (!asked.command) {
+    unread_.fetch_add(1);
+    return asked.refusal;
+  }
+  ServoCommand command = *asked.command;
+  command.id = ++next_id_;
+  if (shared_.servo_commands.tryPush(command)) return "";
+  return std::string(nameOf(kServoKindNames, command.kind)) + ": too many commands at once";
+}
+
+CrtkCounts CrtkInbox::counts() const noexcept {
+  const RingCounts ring = shared_.servo_commands.counts();
+  return {ring.pushed, unread_.load(), ring.dropped};
+}
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "ros/crtk_inbox.h"
+#include "ros/crtk_voice.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** Hears what CRTK clients ask one arm for. What a Raven cannot do has no topic. */
+class CrtkListener {
+ public:
+  /**
+   * @param[in] node its callback queue must be served by one thread, the inbox's.
+   * @param[in] inbox, voice outlive this.
+   * @param[in] may_command without it only hold, and state_command's pause and disable, are listened to.
+   */
+  CrtkListener(const ros::NodeHandle& node,
+               Arm arm,
+               const CrtkConfig& config,
+               const Pose& X_WB,
+               bool may_command,
+               CrtkInbox* inbox,
+               CrtkVoice* voice);
+
+ private:
+  void hearState(bool may_command);
+  void hearMotion();
+  void hearDialect(CrtkDialect dialect);
+  void hearPlain(ServoKind kind);
+  void hearJoints(ServoKind kind);
+  void hearJaw(ServoKind kind);
+  void hearPose(ServoKind kind, const CrtkFrame& frame);
+  void hearTwist(const CrtkFrame& frame);
+
+  template <typename Message>
+  void hear(const std::string& topic, std::uint32_t queue, std::function<CrtkAsked(const Message&)> read);
+  void take(const std::string& topic, const CrtkAsked& asked);
+
+  ros::NodeHandle node_;
+  const Arm arm_;
+  const std::string name_;
+  const CrtkFrame world_, base_;
+  CrtkInbox& inbox_;
+  CrtkVoice& voice_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <geometry_msgs/TwistStamped.h>
+#include <sensor_msgs/JointState.h>
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "raven2_trainer/core/servo.h"
+#include "ros/crtk_frames.h"
+
+// What a CRTK client's message asks for. Lengths, names, frames and numbers are judged here; what the arms may do is
+// judged where they are moved (ServoRefusal).
+
+namespace raven2_trainer::ros_bridge {
+
+/** Names of ServoJoints in CRTK's joint states. */
+constexpr std::array<const char*, kServoJointCount> kServoJointNames{"shoulder",      "elbow", "insertion",
+                                                                     "tool_rotation", "wrist", "jaw_midline"};
+constexpr const char* kJawName = "jaw";
+
+/** A command, or the sentence that says why there is none. */
+struct CrtkAsked {
+  std::optional<ServoCommand> command;
+  std::string refusal;
+};
+
+CrtkAsked readState(Arm arm, const std::string& word);
+/** kHold, kFree. */
+CrtkAsked readPlain(Arm arm, ServoKind kind);
+/** kServoJoints, kServoJointsBy, kMoveJoints. */
+CrtkAsked readJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
+/** kServoJaw, kServoJawBy, kMoveJaw. */
+CrtkAsked readJaw(Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
+/** kServoPose, kServoPoseBy, kMovePose. */
+CrtkAsked readPose(Arm arm, ServoKind kind, const CrtkFrame& frame, const geometry_msgs::PoseStamped& message);
+/** kServoTwist. */
+CrtkAsked readTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TwistStamped& message);
+
+/** The same poses as the robot's own branch has them. */
+CrtkAsked readTransform(Arm arm,
+                        ServoKind kind,
+                        const CrtkFrame& frame,
+                        const geometry_msgs::TransformStamped& message);
+/** Its servo_cv: translation in m/s; the rotation is the turn of one second, up to a whole one. */
+CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message);
+
+}  // namespace raven2_trainer::ros_bridge

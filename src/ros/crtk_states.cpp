@@ -1,0 +1,152 @@
+#include "ros/crtk_states.h"
+
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "ros/crtk_reader.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr Tick kLongestGap = 100;  // [1 ms] over which a rate still says something
+
+/** The column of the mid-line is that of grasper 2 going as grasper 1 comes. */
+ServoJacobian servoJacobian(const kinematics::Jacobian& J) noexcept {
+  ServoJacobian J_B = J.leftCols<6>();
+  J_B.col(5) = J.col(kGrasp2) - J.col(kGrasp1);
+  return J_B;
+}
+
+template <std::size_t N>
+void assign(const std::array<double, N>& numbers, std::vector<double>* values) {
+  values->assign(numbers.begin(), numbers.end());
+}
+
+template <std::size_t N>
+void assignNames(const std::array<const char*, N>& names, std::vector<std::string>* values) {
+  if (values->size() != N) values->assign(names.begin(), names.end());
+}
+
+template <typename Xyz>
+void set(const Vector3& v, Xyz* xyz) {
+  xyz->x = v.x();
+  xyz->y = v.y();
+  xyz->z = v.z();
+}
+
+void set(const Matrix3& R, geometry_msgs::Quaternion* rotation) {
+  const Quaternion q(R);
+  rotation->x = q.x();
+  rotation->y = q.y();
+  rotation->z = q.z();
+  rotation->w = q.w();
+}
+
+Pose inFrame(const CrtkFrame& frame, const Pose& X_BT) {
+  return frame.X_BR.inverse() * X_BT;
+}
+
+/** Once: names and sizes stay. */
+void setLayout(std_msgs::MultiArrayLayout* layout) {
+  if (layout->dim.size() == 2) return;
+  layout->dim.resize(2);
+  layout->dim[0].label = "rows";
+  layout->dim[0].size = 6;
+  layout->dim[0].stride = 36;
+  layout->dim[1].label = "columns";
+  layout->dim[1].size = 6;
+  layout->dim[1].stride = 6;
+}
+
+}  // namespace
+
+ServoJoints servoJoints(const JointArray& q) noexcept {
+  return {q[kShoulder], q[kElbow], q[kInsertion], q[kToolRotation], q[kWrist], kinematics::jawMidline(q)};
+}
+
+/** Graspers are -midline + opening / 2 and midline + opening / 2. */
+ServoJoints servoEfforts(const JointArray& tau) noexcept {
+  ServoJoints effort = servoJoints(tau);
+  effort.back() = tau[kGrasp2] - tau[kGrasp1];
+  return effort;
+}
+
+double jawEffort(const JointArray& tau) noexcept {
+  return (tau[kGrasp1] + tau[kGrasp2]) / 2;
+}
+
+CrtkMeasured measured(const ArmGeometry& geometry, Arm arm, const ModelState& model, const RobotState& robot) noexcept {
+  const ArmState& of_model = at(model.arms, arm);
+  const RobotArmState& of_robot = at(robot.arms, arm);
+  const bool has_robot = model.robot_fresh != 0 && robot.connected != 0 && robot.frame > 0;
+  const JointArray& q = has_robot ? of_robot.q : of_model.q;
+  const JointArray& dq = has_robot ? of_robot.dq : of_model.dq;
+  CrtkMeasured m;
+  m.q = servoJoints(q);
+  m.dq = servoJoints(dq);
+  m.effort = servoEfforts(of_model.tau);
+  m.jaw = kinematics::jawOpening(q);
+  m.jaw_rate = kinematics::jawOpening(dq);
+  m.jaw_effort = jawEffort(of_model.tau);
+  m.X_BT = kinematics::forward(geometry, arm, q);
+  m.J_B = servoJacobian(kinematics::jacobian(geometry, arm, q));
+  const Eigen::Matrix<double, 6, 1> twist = m.J_B * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(m.dq.data());
+  m.v_B = twist.head<3>();
+  m.w_B = twist.tail<3>();
+  return m;
+}
+
+const ServoJoints& SetpointRate::of(Tick tick, const ServoArmState& arm) noexcept {
+  const Tick gap = tick - tick_;
+  if (gap == 0) return rate_;
+  const bool is_known = tick_ >= 0 && gap > 0 && gap <= kLongestGap;
+  const double per_second = is_known ? 1.0 / (static_cast<double>(gap) * kTickSeconds) : 0.0;
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    rate_[j] = (arm.setpoint_q[j] - q_[j]) * per_second;
+  jaw_rate_ = (arm.setpoint_jaw - jaw_) * per_second;
+  q_ = arm.setpoint_q;
+  jaw_ = arm.setpoint_jaw;
+  tick_ = tick;
+  return rate_;
+}
+
+void fill(const ServoJoints& q, const ServoJoints& dq, const ServoJoints& effort, sensor_msgs::JointState* message) {
+  assignNames(kServoJointNames, &message->name);
+  assign(q, &message->position);
+  assign(dq, &message->velocity);
+  assign(effort, &message->effort);
+}
+
+void fill(double q, double dq, double effort, sensor_msgs::JointState* message) {
+  assignNames(std::array<const char*, 1>{kJawName}, &message->name);
+  message->position.assign(1, q);
+  message->velocity.assign(1, dq);
+  message->effort.assign(1, effort);
+}
+
+void fill(const CrtkFrame& frame, const Pose& X_BT, geometry_msgs::PoseStamped* message) {
+  const Pose X_RT = inFrame(frame, X_BT);
+  set(X_RT.p, &message->pose.position);
+  set(X_RT.R, &message->pose.orientation);
+}
+
+void fill(const CrtkFrame& frame, const Pose& X_BT, geometry_msgs::TransformStamped* message) {
+  const Pose X_RT = inFrame(frame, X_BT);
+  set(X_RT.p, &message->transform.translation);
+  set(X_RT.R, &message->transform.rotation);
+}
+
+void fill(const CrtkFrame& frame, const Vector3& v_B, const Vector3& w_B, geometry_msgs::TwistStamped* message) {
+  const Matrix3 R_RB = frame.X_BR.R.transpose();
+  set(R_RB * v_B, &message->twist.linear);
+  set(R_RB * w_B, &message->twist.angular);
+}
+
+void fill(const CrtkFrame& frame, const ServoJacobian& J_B, std_msgs::Float64MultiArray* message) {
+  setLayout(&message->layout);
+  ServoJacobian J_R;
+  J_R.topRows<3>() = frame.X_BR.R.transpose() * J_B.topRows<3>();
+  J_R.bottomRows<3>() = frame.X_BR.R.transpose() * J_B.bottomRows<3>();
+  message->data.resize(36);
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message->data.data()) = J_R;
+}
+
+}  // namespace raven2_trainer::ros_bridge
