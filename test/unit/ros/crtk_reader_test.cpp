@@ -1,0 +1,225 @@
+#include "ros/crtk_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/** B 0.3 m along x of W, turned by 90 degrees about z: x of B is y of W. */
+Pose placed() {
+  Pose X_WB;
+  X_WB.R << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  X_WB.p = Vector3(0.3, 0.0, 0.0);
+  return X_WB;
+}
+
+sensor_msgs::JointState jointsAt(const std::vector<double>& positions) {
+  sensor_msgs::JointState message;
+  message.position = positions;
+  return message;
+}
+
+geometry_msgs::PoseStamped poseAt(double x, double y, double z, const std::string& frame = "") {
+  geometry_msgs::PoseStamped message;
+  message.header.frame_id = frame;
+  message.pose.position.x = x;
+  message.pose.position.y = y;
+  message.pose.position.z = z;
+  message.pose.orientation.w = 1.0;
+  return message;
+}
+
+void expectVector(const Vec3& v, double x, double y, double z) {
+  EXPECT_NEAR(v[0], x, 1e-12);
+  EXPECT_NEAR(v[1], y, 1e-12);
+  EXPECT_NEAR(v[2], z, 1e-12);
+}
+
+/** The same turn, whatever its sign. */
+void expectTurn(const Quat& q, double x, double y, double z, double w) {
+  EXPECT_NEAR(std::abs(q[0] * x + q[1] * y + q[2] * z + q[3] * w), 1.0, 1e-12)
+      << q[0] << ' ' << q[1] << ' ' << q[2] << ' ' << q[3];
+}
+
+const double kHalf = std::sqrt(0.5);
+
+TEST(CrtkReader, EveryStateCommandByItsWordAndNoOther) {
+  const std::vector<std::string> words{"enable", "disable", "pause", "resume", "home", "unhome"};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const CrtkAsked asked = readState(Arm::kGreen, words[i]);
+    ASSERT_TRUE(asked.command) << words[i];
+    EXPECT_EQ(asked.command->kind, ServoKind::kState);
+    EXPECT_EQ(asked.command->state, static_cast<StateCommand>(i));
+    EXPECT_EQ(asked.command->arm, Arm::kGreen);
+  }
+  for (const std::string word : {"", "Enable", "enabled", "go"}) {
+    const CrtkAsked asked = readState(Arm::kGold, word);
+    EXPECT_FALSE(asked.command) << word;
+    EXPECT_NE(asked.refusal.find("\"" + word + "\""), std::string::npos) << asked.refusal;
+    EXPECT_NE(asked.refusal.find("resume"), std::string::npos) << "says what there is";
+  }
+}
+
+TEST(CrtkReader, JointsAreTakenAsTheyStand) {
+  const auto asked = readJoints(Arm::kGold, ServoKind::kMoveJoints, jointsAt({0.1, 1.2, -0.1, 0.4, 0.5, 0.6}));
+  ASSERT_TRUE(asked.command);
+  EXPECT_EQ(asked.command->kind, ServoKind::kMoveJoints);
+  EXPECT_EQ(asked.command->joints, (ServoJoints{0.1, 1.2, -0.1, 0.4, 0.5, 0.6}));
+  const auto jaw = readJaw(Arm::kGold, ServoKind::kServoJawBy, jointsAt({-0.25}));
+  ASSERT_TRUE(jaw.command);
+  EXPECT_EQ(jaw.command->kind, ServoKind::kServoJawBy);
+  EXPECT_EQ(jaw.command->jaw, -0.25);
+}
+
+TEST(CrtkReader, TheWrongNumberOfJointsIsSaid) {
+  for (const std::size_t n : {0U, 1U, 5U, 7U}) {
+    const auto asked = readJoints(Arm::kGold, ServoKind::kServoJoints, jointsAt(std::vector<double>(n, 0.1)));
+    EXPECT_FALSE(asked.command) << n;
+    EXPECT_NE(asked.refusal.find("servo_jp: " + std::to_string(n) + " positions"), std::string::npos) << asked.refusal;
+  }
+  EXPECT_FALSE(readJaw(Arm::kGold, ServoKind::kServoJaw, jointsAt({})).command);
+  EXPECT_FALSE(readJaw(Arm::kGold, ServoKind::kServoJaw, jointsAt({0.1, 0.1})).command);
+}
+
+TEST(CrtkReader, NamesMayBeLeftOutButNotMixedUp) {
+  sensor_msgs::JointState message = jointsAt({0.1, 1.2, -0.1, 0.4, 0.5, 0.6});
+  message.name = {"shoulder", "elbow", "insertion", "tool_rotation", "wrist", "jaw_midline"};
+  EXPECT_TRUE(readJoints(Arm::kGold, ServoKind::kServoJoints, message).command);
+  std::swap(message.name[0], message.name[1]);
+  EXPECT_FALSE(readJoints(Arm::kGold, ServoKind::kServoJoints, message).command);
+  message.name.resize(5);
+  EXPECT_FALSE(readJoints(Arm::kGold, ServoKind::kServoJoints, message).command);
+}
+
+TEST(CrtkReader, WhatIsNotFiniteIsRefused) {
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_FALSE(readJoints(Arm::kGold, ServoKind::kServoJoints, jointsAt({0, 1, 0.4, 0, 0, bad})).command);
+    EXPECT_FALSE(readJaw(Arm::kGold, ServoKind::kMoveJaw, jointsAt({bad})).command);
+    EXPECT_FALSE(readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), poseAt(0, bad, 0)).command);
+    geometry_msgs::PoseStamped turned = poseAt(0, 0, 0);
+    turned.pose.orientation.x = bad;
+    EXPECT_FALSE(readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), turned).command);
+    geometry_msgs::TwistStamped twist;
+    twist.twist.angular.z = bad;
+    EXPECT_FALSE(readTwist(Arm::kGold, worldFrame(placed()), twist).command);
+  }
+}
+
+TEST(CrtkReader, AnOrientationHasLengthOne) {
+  geometry_msgs::PoseStamped message = poseAt(0.3, 0.0, 0.1);
+  message.pose.orientation.w = 0.0;  // what a message has that nobody filled
+  const auto asked = readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message);
+  EXPECT_FALSE(asked.command);
+  EXPECT_NE(asked.refusal.find("quaternion"), std::string::npos) << asked.refusal;
+  message.pose.orientation.w = 1.02;
+  EXPECT_FALSE(readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message).command);
+  message.pose.orientation.w = 0.995;
+  const auto rounded = readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message);
+  ASSERT_TRUE(rounded.command);
+  const Quat& q = rounded.command->pose_B.q;
+  EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0, 1e-12);
+}
+
+TEST(CrtkReader, APoseInTheWorldIsBroughtToTheBase) {
+  // 0.1 m along x of W from B is -0.1 m along y of B; no turn in W is one of -90 degrees about z of B
+  const auto asked =
+      readPose(Arm::kGreen, ServoKind::kMovePose, worldFrame(placed()), poseAt(0.4, 0.02, 0.03, "world"));
+  ASSERT_TRUE(asked.command);
+  EXPECT_EQ(asked.command->kind, ServoKind::kMovePose);
+  EXPECT_EQ(asked.command->arm, Arm::kGreen);
+  expectVector(asked.command->pose_B.p, 0.02, -0.1, 0.03);
+  expectTurn(asked.command->pose_B.q, 0, 0, -kHalf, kHalf);
+}
+
+TEST(CrtkReader, AnIncrementIsTurnedAndNotMoved) {
+  // A turn by 90 degrees about x of W is one about -y of B.
+  geometry_msgs::PoseStamped message = poseAt(0.001, 0.0, 0.002);
+  message.pose.orientation.x = message.pose.orientation.w = kHalf;
+  const auto asked = readPose(Arm::kGold, ServoKind::kServoPoseBy, worldFrame(placed()), message);
+  ASSERT_TRUE(asked.command);
+  expectVector(asked.command->pose_B.p, 0.0, -0.001, 0.002);
+  expectTurn(asked.command->pose_B.q, 0, -kHalf, 0, kHalf);
+}
+
+TEST(CrtkReader, ATwistIsTurned) {
+  geometry_msgs::TwistStamped message;
+  message.header.frame_id = "world";
+  message.twist.linear.x = 0.01;
+  message.twist.angular.y = 0.5;
+  const auto asked = readTwist(Arm::kGold, worldFrame(placed()), message);
+  ASSERT_TRUE(asked.command);
+  EXPECT_EQ(asked.command->kind, ServoKind::kServoTwist);
+  expectVector(asked.command->v_B, 0.0, -0.01, 0.0);
+  expectVector(asked.command->w_B, 0.5, 0.0, 0.0);
+}
+
+TEST(CrtkReader, LocalIsTheBaseItself) {
+  const auto asked = readPose(Arm::kGreen, ServoKind::kServoPose, baseFrame(Arm::kGreen), poseAt(0.1, 0.2, 0.3));
+  ASSERT_TRUE(asked.command);
+  expectVector(asked.command->pose_B.p, 0.1, 0.2, 0.3);
+  expectTurn(asked.command->pose_B.q, 0, 0, 0, 1);
+}
+
+TEST(CrtkReader, AFrameIsTheRightOneOrNone) {
+  const CrtkFrame world = worldFrame(placed()), base = baseFrame(Arm::kGreen);
+  const auto is_taken = [](const CrtkFrame& frame, const std::string& name) {
+    return readPose(Arm::kGreen, ServoKind::kServoPose, frame, poseAt(0, 0, 0, name)).command.has_value();
+  };
+  EXPECT_TRUE(is_taken(world, ""));
+  EXPECT_TRUE(is_taken(world, "world"));
+  EXPECT_FALSE(is_taken(world, "model/base_link_R"));
+  EXPECT_TRUE(is_taken(base, "model/base_link_R"));
+  EXPECT_TRUE(is_taken(base, "robot/base_link_R"));
+  EXPECT_FALSE(is_taken(base, "model/base_link_L")) << "the other arm's";
+  EXPECT_FALSE(is_taken(base, "world"));
+  const auto asked = readPose(Arm::kGreen, ServoKind::kServoPose, world, poseAt(0, 0, 0, "camera"));
+  EXPECT_EQ(asked.refusal, "servo_cp: in frame \"camera\"; it is world or no frame_id");
+}
+
+TEST(CrtkReader, TheRobotsOwnBranchTurnsItsBase) {
+  // T_crtk_in_r0 of its crtk_motion_api.cpp: gold rows (0,-1,0) (0,0,-1) (1,0,0), green (0,1,0) (0,0,1) (1,0,0); what
+  // is asked for is its inverse times the transform.
+  geometry_msgs::TransformStamped message;
+  message.transform.translation.x = 0.1;
+  message.transform.translation.y = 0.2;
+  message.transform.translation.z = 0.3;
+  message.transform.rotation.w = 1.0;
+  const auto gold = readTransform(Arm::kGold, ServoKind::kServoPoseBy, ravenFrame(Arm::kGold), message);
+  ASSERT_TRUE(gold.command);
+  expectVector(gold.command->pose_B.p, 0.3, -0.1, -0.2);
+  expectTurn(gold.command->pose_B.q, 0, 0, 0, 1);
+  const auto green = readTransform(Arm::kGreen, ServoKind::kServoPose, ravenFrame(Arm::kGreen), message);
+  ASSERT_TRUE(green.command);
+  expectVector(green.command->pose_B.p, 0.3, 0.1, 0.2);
+  // the inverse of a cyclic exchange of axes: a turn by 120 degrees about their diagonal
+  expectTurn(green.command->pose_B.q, 0.5, 0.5, 0.5, 0.5);
+}
+
+TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
+  geometry_msgs::TransformStamped message;
+  message.transform.translation.z = 0.01;
+  message.transform.rotation.x = std::sin(0.35);  // 0.7 rad about x: of B gold -y, green y
+  message.transform.rotation.w = std::cos(0.35);
+  const auto gold = readTransformTwist(Arm::kGold, ravenFrame(Arm::kGold), message);
+  ASSERT_TRUE(gold.command);
+  expectVector(gold.command->v_B, 0.01, 0.0, 0.0);
+  expectVector(gold.command->w_B, 0.0, -0.7, 0.0);
+  message.transform.rotation.x = std::sin(2.0);  // 4 rad: more than half a turn
+  message.transform.rotation.w = std::cos(2.0);
+  const auto fast = readTransformTwist(Arm::kGreen, ravenFrame(Arm::kGreen), message);
+  ASSERT_TRUE(fast.command);
+  expectVector(fast.command->w_B, 0.0, 4.0, 0.0);
+  message.transform.rotation.x = 0.0;
+  message.transform.rotation.w = 1.0;
+  const auto still = readTransformTwist(Arm::kGreen, ravenFrame(Arm::kGreen), message);
+  ASSERT_TRUE(still.command);
+  expectVector(still.command->w_B, 0.0, 0.0, 0.0);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,227 @@
+#include "ros/crtk_states.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "ros/crtk_reader.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr double kDegree = kPi / 180.0;
+
+/** The first columns of raven2.md 2.4: shoulder, elbow, insertion, roll, wrist, mid-line; opened by 20 degrees. */
+JointArray joints(double shoulder, double elbow, double insertion, double roll, double wrist, double mid) {
+  JointArray q{shoulder * kDegree, elbow * kDegree, insertion, roll * kDegree, wrist * kDegree, 0.0, 0.0};
+  q[kGrasp1] = (10.0 - mid) * kDegree;
+  q[kGrasp2] = (10.0 + mid) * kDegree;
+  return q;
+}
+
+class CrtkMeasuredTest : public ::testing::Test {
+ protected:
+  CrtkMeasuredTest() {
+    for (ArmState& arm : model.arms)
+      arm.q = joints(60, 120, 0.35, -90, -40, 25);
+    for (RobotArmState& arm : robot.arms)
+      arm.q = joints(45, 100, 0.45, 30, 20, -15);
+    robot.connected = 1;
+    robot.frame = 10;
+    model.robot_fresh = 1;
+  }
+
+  CrtkMeasured of(Arm arm) const { return measured(geometry, arm, model, robot); }
+
+  const ArmGeometry geometry =
+      config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml").arms.geometry;
+  ModelState model;
+  RobotState robot;
+};
+
+void expectNear(const Vector3& v, double x, double y, double z, double tolerance) {
+  EXPECT_NEAR(v.x(), x, tolerance);
+  EXPECT_NEAR(v.y(), y, tolerance);
+  EXPECT_NEAR(v.z(), z, tolerance);
+}
+
+TEST_F(CrtkMeasuredTest, IsTheRobotWhereTheTablesPutIt) {
+  // raven2.md 2.4
+  const CrtkMeasured gold = of(Arm::kGold), green = of(Arm::kGreen);
+  expectNear(gold.X_BT.p, -0.026873, -0.013929, 0.011894, 1e-6);
+  expectNear(green.X_BT.p, -0.028202, 0.014267, 0.007665, 1e-6);
+  EXPECT_NEAR(green.X_BT.R(2, 1), 0.880881, 1e-6);
+  EXPECT_NEAR(gold.q[3], 30 * kDegree, 1e-12);
+  EXPECT_NEAR(gold.q[5], -15 * kDegree, 1e-12) << "the jaws' mid-line";
+  EXPECT_NEAR(gold.jaw, 20 * kDegree, 1e-12);
+}
+
+TEST_F(CrtkMeasuredTest, IsTheModelWhileTheRobotIsAwayOrOld) {
+  const Vector3 of_model(-0.069288, -0.078771, 0.077158);  // raven2.md 2.4
+  model.robot_fresh = 0;
+  EXPECT_NEAR((of(Arm::kGold).X_BT.p - of_model).norm(), 0.0, 2e-6);
+  model.robot_fresh = 1;
+  robot.connected = 0;
+  EXPECT_NEAR((of(Arm::kGold).X_BT.p - of_model).norm(), 0.0, 2e-6);
+  robot.connected = 1;
+  robot.frame = 0;
+  EXPECT_NEAR((of(Arm::kGold).X_BT.p - of_model).norm(), 0.0, 2e-6);
+}
+
+/** Of q + t dq, by differences of the tip's poses. */
+TEST_F(CrtkMeasuredTest, TheTwistIsHowTheTipMoves) {
+  for (const Arm arm : kArms) {
+    const JointArray q = at(robot.arms, arm).q;
+    const JointArray dq{0.2, -0.3, 0.05, 0.7, -0.4, 0.3, 0.5};
+    at(robot.arms, arm).dq = dq;
+    const CrtkMeasured m = of(arm);
+    const double h = 1e-6;
+    JointArray before = q, after = q;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      before[j] -= h * dq[j];
+      after[j] += h * dq[j];
+    }
+    const Pose X = kinematics::forward(geometry, arm, before), Y = kinematics::forward(geometry, arm, after);
+    const Vector3 v = (Y.p - X.p) / (2 * h);
+    const Matrix3 turn = (Y.R - X.R) / (2 * h) * m.X_BT.R.transpose();
+    EXPECT_NEAR((m.v_B - v).norm(), 0.0, 1e-8) << name(arm);
+    EXPECT_NEAR((m.w_B - Vector3(turn(2, 1), turn(0, 2), turn(1, 0))).norm(), 0.0, 1e-7) << name(arm);
+    EXPECT_NEAR(m.jaw_rate, 0.8, 1e-12);
+    EXPECT_NEAR(m.dq[5], 0.1, 1e-12);
+  }
+}
+
+/** Each column alone, by differences; jaws that open do not move the tip. */
+TEST_F(CrtkMeasuredTest, TheJacobiansColumnsAreTheSixJoints) {
+  const CrtkMeasured m = of(Arm::kGreen);
+  const double h = 1e-6;
+  for (std::size_t j = 0; j < kServoJointCount; ++j) {
+    const auto moved = [&](double by) {
+      JointArray q = robot.arms[1].q;
+      if (j < 5) q[j] += by;
+      if (j == 5) q[kGrasp1] -= by;
+      if (j == 5) q[kGrasp2] += by;
+      return kinematics::forward(geometry, Arm::kGreen, q);
+    };
+    const Pose X = moved(-h), Y = moved(h);
+    const auto column = static_cast<Eigen::Index>(j);
+    EXPECT_NEAR((m.J_B.col(column).head<3>() - (Y.p - X.p) / (2 * h)).norm(), 0.0, 1e-8) << j;
+    const Matrix3 turn = (Y.R - X.R) / (2 * h) * m.X_BT.R.transpose();
+    const Vector3 w(turn(2, 1), turn(0, 2), turn(1, 0));
+    EXPECT_NEAR((m.J_B.col(column).tail<3>() - w).norm(), 0.0, 1e-7) << j;
+  }
+}
+
+TEST_F(CrtkMeasuredTest, EffortsDoTheWorkThatTheModelsTorquesDo) {
+  model.arms[0].tau = {1.0, 2.0, 3.0, 0.4, 0.5, 0.06, 0.02};
+  const JointArray dq{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.9};
+  robot.arms[0].dq = dq;
+  const CrtkMeasured m = of(Arm::kGold);
+  double power = 0.0, told = m.jaw_effort * m.jaw_rate;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    power += model.arms[0].tau[j] * dq[j];
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    told += m.effort[j] * m.dq[j];
+  EXPECT_NEAR(told, power, 1e-12);
+  EXPECT_EQ(m.effort[kInsertion], 3.0);
+}
+
+TEST(CrtkSetpointRate, IsHowFarItMovedInTheTicksBetween) {
+  SetpointRate rate;
+  ServoArmState arm;
+  arm.setpoint_q = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
+  EXPECT_EQ(rate.of(10, arm), ServoJoints{}) << "nothing before";
+  arm.setpoint_q[1] += 0.004;
+  arm.setpoint_jaw = 0.001;
+  EXPECT_NEAR(rate.of(12, arm)[1], 2.0, 1e-9);
+  EXPECT_NEAR(rate.jaw(), 0.5, 1e-9);
+  arm.setpoint_q[1] += 1.0;
+  EXPECT_NEAR(rate.of(12, arm)[1], 2.0, 1e-9) << "the same tick";
+  EXPECT_EQ(rate.of(2000, arm), ServoJoints{}) << "a gap";
+  EXPECT_EQ(rate.of(5, arm), ServoJoints{}) << "begun anew";
+}
+
+TEST(CrtkStates, JointsComeWithNamesAndAllThreeOfTheirLengths) {
+  sensor_msgs::JointState message;
+  fill({1, 2, 3, 4, 5, 6}, {7, 8, 9, 10, 11, 12}, {13, 14, 15, 16, 17, 18}, &message);
+  EXPECT_EQ(message.name,
+            (std::vector<std::string>{"shoulder", "elbow", "insertion", "tool_rotation", "wrist", "jaw_midline"}));
+  EXPECT_EQ(message.position, (std::vector<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(message.velocity, (std::vector<double>{7, 8, 9, 10, 11, 12}));
+  EXPECT_EQ(message.effort, (std::vector<double>{13, 14, 15, 16, 17, 18}));
+  fill(0.5, 0.25, 0.125, &message);
+  EXPECT_EQ(message.name, std::vector<std::string>{"jaw"});
+  EXPECT_EQ(message.position, std::vector<double>{0.5});
+  EXPECT_EQ(message.velocity, std::vector<double>{0.25});
+  EXPECT_EQ(message.effort, std::vector<double>{0.125});
+}
+
+/** What is told of a pose asks for that pose. */
+TEST(CrtkStates, APoseGoesOutAndComesBack) {
+  Pose X_WB, X_BT;
+  X_WB.R = Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  X_WB.p = Vector3(0.1, -0.2, 0.3);
+  X_BT.R = Eigen::AngleAxisd(-1.1, Vector3(0, 1, 1).normalized()).toRotationMatrix();
+  X_BT.p = Vector3(-0.07, 0.02, 0.01);
+  for (const CrtkFrame& frame : {worldFrame(X_WB), baseFrame(Arm::kGold), ravenFrame(Arm::kGreen)}) {
+    geometry_msgs::PoseStamped pose;
+    fill(frame, X_BT, &pose);
+    pose.header.frame_id = frame.name;
+    const auto asked = readPose(Arm::kGold, ServoKind::kServoPose, frame, pose);
+    ASSERT_TRUE(asked.command) << asked.refusal;
+    EXPECT_NEAR((toEigen(asked.command->pose_B).p - X_BT.p).norm(), 0.0, 1e-12) << frame.name;
+    EXPECT_NEAR((toEigen(asked.command->pose_B).R - X_BT.R).norm(), 0.0, 1e-12) << frame.name;
+  }
+  geometry_msgs::PoseStamped pose;
+  fill(worldFrame(X_WB), X_BT, &pose);
+  const Vector3 p_W = X_WB * X_BT.p;
+  EXPECT_NEAR(pose.pose.position.x, p_W.x(), 1e-12);
+  EXPECT_NEAR(pose.pose.position.z, p_W.z(), 1e-12);
+  geometry_msgs::TransformStamped transform;
+  fill(ravenFrame(Arm::kGreen), X_BT, &transform);
+  EXPECT_NEAR(transform.transform.translation.x, 0.02, 1e-12) << "y of B";
+  EXPECT_NEAR(transform.transform.translation.y, 0.01, 1e-12) << "z of B";
+  EXPECT_NEAR(transform.transform.translation.z, -0.07, 1e-12) << "x of B";
+}
+
+TEST(CrtkStates, AJacobianIsToldRowByRowInItsFrame) {
+  Pose X_WB;
+  X_WB.R << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // x of B is y of W
+  ServoJacobian J_B;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column)
+      J_B(row, column) = 10 * row + column;
+  }
+  std_msgs::Float64MultiArray message;
+  fill(worldFrame(X_WB), J_B, &message);
+  ASSERT_EQ(message.layout.dim.size(), 2U);
+  EXPECT_EQ(message.layout.dim[0].size, 6U);
+  EXPECT_EQ(message.layout.dim[0].stride, 36U);
+  EXPECT_EQ(message.layout.dim[1].size, 6U);
+  EXPECT_EQ(message.layout.dim[1].stride, 6U);
+  ASSERT_EQ(message.data.size(), 36U);
+  EXPECT_EQ(message.data[0 * 6 + 4], -14.0) << "x of W is -y of B";
+  EXPECT_EQ(message.data[1 * 6 + 4], 4.0);
+  EXPECT_EQ(message.data[2 * 6 + 5], 25.0);
+  EXPECT_EQ(message.data[3 * 6 + 0], -40.0) << "turns as well";
+  EXPECT_EQ(message.data[4 * 6 + 3], 33.0);
+  fill(baseFrame(Arm::kGold), J_B, &message);
+  EXPECT_EQ(message.data[3 * 6 + 1], 31.0);
+}
+
+TEST(CrtkStates, ATwistIsToldInItsFrame) {
+  Pose X_WB;
+  X_WB.R << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  X_WB.p = Vector3(1.0, 2.0, 3.0);
+  geometry_msgs::TwistStamped message;
+  fill(worldFrame(X_WB), Vector3(0.01, 0.02, 0.03), Vector3(0.1, 0.2, 0.3), &message);
+  EXPECT_NEAR(message.twist.linear.x, -0.02, 1e-12);
+  EXPECT_NEAR(message.twist.linear.y, 0.01, 1e-12);
+  EXPECT_NEAR(message.twist.angular.x, -0.2, 1e-12);
+  EXPECT_NEAR(message.twist.angular.z, 0.3, 1e-12);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,161 @@
+#include "ros/crtk_words.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+
+#include "ros/crtk_device.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+ServoRefused refusalOf(ServoKind kind, ServoRefusal reason) {
+  ServoRefused refused;
+  refused.kind = kind;
+  refused.reason = reason;
+  return refused;
+}
+
+TEST(CrtkWords, TooFarTellsValueLimitUnitAndWhatIsLikelyWrong) {
+  ServoRefused refused = refusalOf(ServoKind::kServoPose, ServoRefusal::kTooFar);
+  refused.value = 83.0;
+  refused.limit = 0.02;
+  EXPECT_EQ(sentence(refused), "servo_cp: 83 m from the set point, at most 0.02 m; CRTK is in metres");
+  refused.value = 0.0312;
+  EXPECT_EQ(sentence(refused), "servo_cp: 0.0312 m from the set point, at most 0.02 m; move_* goes farther");
+  refused.is_turn = 1;
+  refused.value = 45.0;
+  refused.limit = 0.4;
+  EXPECT_EQ(sentence(refused), "servo_cp: 45 rad from the set point, at most 0.4 rad; CRTK is in radians");
+}
+
+TEST(CrtkWords, OutOfRangeNamesTheJointAndTheBoundItIsBeyond) {
+  ServoRefused refused = refusalOf(ServoKind::kMoveJoints, ServoRefusal::kOutOfRange);
+  refused.joint = 1;
+  refused.value = 90.0;
+  refused.limit = 2.356;
+  EXPECT_EQ(sentence(refused), "move_jp: elbow at 90 rad, at most 2.356 rad; CRTK is in radians");
+  refused.joint = 2;
+  refused.value = 0.1;
+  refused.limit = 0.23;
+  EXPECT_EQ(sentence(refused), "move_jp: insertion at 0.1 m, at least 0.23 m");
+  refused = refusalOf(ServoKind::kServoJaw, ServoRefusal::kOutOfRange);
+  refused.joint = 6;
+  refused.value = 1.7;
+  refused.limit = 1.57;
+  EXPECT_EQ(sentence(refused), "jaw/servo_jp: jaw at 1.7 rad, at most 1.57 rad");
+}
+
+TEST(CrtkWords, WhatIsRefusedBecauseOfTheStateSaysTheWayOut) {
+  ServoRefused refused = refusalOf(ServoKind::kServoJoints, ServoRefusal::kNotEnabled);
+  refused.in = OperatingState::kPaused;
+  EXPECT_NE(sentence(refused).find("PAUSED"), std::string::npos);
+  EXPECT_NE(sentence(refused).find("resume"), std::string::npos);
+  refused.in = OperatingState::kDisabled;
+  EXPECT_NE(sentence(refused).find("\"enable\""), std::string::npos);
+  refused = refusalOf(ServoKind::kState, ServoRefusal::kInvalid);
+  refused.state = StateCommand::kPause;
+  refused.in = OperatingState::kDisabled;
+  EXPECT_EQ(sentence(refused), "state_command: pause is nothing in DISABLED; there enable goes on");
+}
+
+TEST(CrtkWords, EveryReasonHasASentenceOfItsOwn) {
+  std::set<std::string> sentences;
+  for (std::size_t i = 0; i < kServoRefusalCount; ++i) {
+    const std::string text = sentence(refusalOf(ServoKind::kMovePose, static_cast<ServoRefusal>(i)));
+    EXPECT_EQ(text.rfind("move_cp: ", 0), 0U) << text;
+    sentences.insert(text);
+  }
+  EXPECT_EQ(sentences.size(), kServoRefusalCount);
+  EXPECT_EQ(sentences.count("move_cp: unknown"), 0U);
+}
+
+TEST(CrtkWords, OnlyWhatAPersonMustEndIsAnError) {
+  EXPECT_EQ(level(refusalOf(ServoKind::kState, ServoRefusal::kRobotStop)), CrtkLevel::kError);
+  EXPECT_EQ(level(refusalOf(ServoKind::kServoPose, ServoRefusal::kTooFar)), CrtkLevel::kWarning);
+  EXPECT_EQ(level(OperatingState::kFault), CrtkLevel::kError);
+  EXPECT_EQ(level(OperatingState::kPaused), CrtkLevel::kInfo);
+  for (std::size_t i = 0; i < kOperatingStateCount; ++i)
+    EXPECT_EQ(sentence(static_cast<OperatingState>(i)).rfind(kOperatingStateNames[i], 0), 0U);
+}
+
+TEST(CrtkPatience, AStreamIsToldOnceASecondWithHowManyWereLeftOut) {
+  constexpr std::int64_t kMillisecond = 1000000;
+  CrtkPatience patience;
+  int told = 0;
+  for (int ms = 0; ms < 1000; ms += 5)
+    told += patience.pass("a", "no", ms * kMillisecond) ? 1 : 0;
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(patience.pass("b", "never", 3 * kMillisecond), "never") << "another matter";
+  EXPECT_EQ(patience.pass("a", "no", 1000 * kMillisecond), "no (and 199 more like it)");
+  EXPECT_EQ(patience.pass("a", "no", 1001 * kMillisecond), std::nullopt);
+  EXPECT_EQ(patience.pass("a", "no", 60000 * kMillisecond), "no (and 1 more like it)");
+  EXPECT_EQ(patience.pass("a", "no", 62000 * kMillisecond), "no");
+}
+
+class CrtkInboxTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<SharedState> state{std::make_unique<SharedState>()};  // 11 MiB
+  CrtkInbox inbox{state.get()};
+};
+
+TEST_F(CrtkInboxTest, CommandsGoToTheLoopInOrderEachWithANumberOfItsOwn) {
+  EXPECT_EQ(inbox.take(readPlain(Arm::kGold, ServoKind::kHold)), "");
+  EXPECT_EQ(inbox.take(readState(Arm::kGreen, "enable")), "");
+  EXPECT_NE(inbox.take(readState(Arm::kGreen, "fly")), "") << "never reaches the loop";
+  ServoCommand first, second, none;
+  ASSERT_TRUE(state->servo_commands.tryPop(&first));
+  ASSERT_TRUE(state->servo_commands.tryPop(&second));
+  EXPECT_FALSE(state->servo_commands.tryPop(&none));
+  EXPECT_EQ(first.kind, ServoKind::kHold);
+  EXPECT_EQ(second.kind, ServoKind::kState);
+  EXPECT_NE(first.id, second.id);
+  EXPECT_EQ(inbox.counts().passed_on, 2U);
+  EXPECT_EQ(inbox.counts().unread, 1U);
+  EXPECT_EQ(inbox.counts().lost, 0U);
+}
+
+TEST_F(CrtkInboxTest, WhatFindsNoRoomIsSaidAndCounted) {
+  while (inbox.counts().lost == 0 && inbox.counts().passed_on < 10000)
+    inbox.take(readPlain(Arm::kGold, ServoKind::kHold));
+  EXPECT_NE(inbox.take(readPlain(Arm::kGold, ServoKind::kHold)).find("hold: too many"), std::string::npos);
+  EXPECT_EQ(inbox.counts().lost, 2U);
+}
+
+std::string valueOf(const DiagnosticStatus& status, const std::string& key) {
+  for (const auto& pair : status.values) {
+    if (pair.key == key) return pair.value;
+  }
+  return "none";
+}
+
+TEST(CrtkStatus, WhatWasReceivedWasAppliedRefusedNotReadOrLost) {
+  ServoState servo;
+  servo.state = OperatingState::kEnabled;
+  servo.is_homed = 1;
+  servo.received = 10;
+  servo.applied = 7;
+  servo.refused = 3;
+  const CrtkCounts heard{10, 2, 0};
+  const DiagnosticStatus good = crtkStatus(servo, heard);
+  EXPECT_EQ(good.name, "raven2_trainer: crtk");
+  EXPECT_EQ(good.level, DiagnosticStatus::OK);
+  EXPECT_EQ(good.message, "ENABLED");
+  EXPECT_EQ(valueOf(good, "received"), "12");
+  EXPECT_EQ(valueOf(good, "applied"), "7");
+  EXPECT_EQ(valueOf(good, "refused"), "3");
+  EXPECT_EQ(valueOf(good, "unread"), "2");
+  EXPECT_EQ(crtkStatus(servo, CrtkCounts{10, 0, 1}).level, DiagnosticStatus::WARN) << "lost";
+  EXPECT_EQ(crtkStatus(servo, CrtkCounts{9, 0, 0}).level, DiagnosticStatus::ERROR) << "more than were passed on";
+  servo.refused = 2;
+  EXPECT_EQ(crtkStatus(servo, heard).level, DiagnosticStatus::ERROR);
+  servo.refused = 3;
+  servo.state = OperatingState::kFault;
+  EXPECT_EQ(crtkStatus(servo, heard).level, DiagnosticStatus::WARN);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,60 @@
+#include "ros/crtk_wrench.h"
+
+#include <gtest/gtest.h>
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+/** Bodies: 0 ground, 1 gold jaw, 2 gold wrist, 3 green jaw. */
+ArmContacts contacts() {
+  return ArmContacts({"ground", "grasper1_L", "wrist_L", "grasper1_R"});
+}
+
+Contact contact(std::uint16_t a, std::uint16_t b, const Vec3& p_W, const Vec3& f_W) {
+  Contact c;
+  c.a = a;
+  c.b = b;
+  c.p_W = p_W;
+  c.f_W = f_W;
+  return c;
+}
+
+ContactList listOf(const std::vector<Contact>& contacts) {
+  ContactList list;
+  for (const Contact& c : contacts)
+    list.contacts[list.count++] = c;
+  return list;
+}
+
+TEST(ArmContacts, TheForceOnTheSecondBodyIsTheOpposite) {
+  const auto list = listOf({contact(0, 1, {0, 0, 0}, {0, 0, -2}), contact(1, 3, {0, 0, 0}, {1, 0, 0})});
+  const ArmWrench gold = contacts().on(Arm::kGold, list, Vector3::Zero());
+  EXPECT_EQ(toArray(gold.force_W), (Vec3{1, 0, 2}));
+  const ArmWrench green = contacts().on(Arm::kGreen, list, Vector3::Zero());
+  EXPECT_EQ(toArray(green.force_W), (Vec3{-1, 0, 0}));
+}
+
+TEST(ArmContacts, TorquesAreAboutTheTip) {
+  const auto list = listOf({contact(1, 3, {0.10, 0.02, 0.0}, {0, 0, 5})});
+  const ArmWrench gold = contacts().on(Arm::kGold, list, Vector3(0.09, 0.0, 0.0));
+  // (0.01, 0.02, 0) x (0, 0, 5)
+  EXPECT_NEAR(gold.torque_W.x(), 0.10, 1e-12);
+  EXPECT_NEAR(gold.torque_W.y(), -0.05, 1e-12);
+  EXPECT_NEAR(gold.torque_W.z(), 0.0, 1e-12);
+  geometry_msgs::WrenchStamped message;
+  fill(gold, &message);
+  EXPECT_EQ(message.wrench.force.z, 5.0);
+  EXPECT_NEAR(message.wrench.torque.y, -0.05, 1e-12);
+}
+
+TEST(ArmContacts, WithinAnArmAndOfNobodyNothingCounts) {
+  const auto list = listOf({contact(1, 2, {0, 0, 0}, {9, 0, 0}), contact(0, 77, {0, 0, 0}, {9, 0, 0})});
+  for (const Arm arm : kArms)
+    EXPECT_EQ(toArray(contacts().on(arm, list, Vector3::Zero()).force_W), Vec3{});
+  ContactList broken;
+  broken.count = 1000000;
+  EXPECT_EQ(toArray(contacts().on(Arm::kGold, broken, Vector3::Zero()).force_W), Vec3{});
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
