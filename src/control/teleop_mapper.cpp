@@ -10,9 +10,6 @@ namespace {
 
 using kinematics::IkStatus;
 
-// Grasp clamps of the robot's software: -10 and 90 degrees, in its milliradians (raven2 local_io.cpp).
-constexpr double kMinOpening = -0.174;
-constexpr double kMaxOpening = 1.570;
 constexpr double kGraspResync = 45.0 * kPi / 180.0;  // the wanted opening survives a smaller difference (1.4)
 
 /** Whole micrometres, toward zero, as the robot's mapping does. The nudge undoes the binary error of 1e-6. */

@@ -27,8 +27,8 @@ const char* wrongLink(const SessionCounts& c) noexcept {
       {"daemon to robot: received = applied + rejected, as the robot counted", c.relay.addsUp()},
       {"master to daemon: applied = commands queued", c.master.applied == commands.pushed},
       {"master to daemon: rejected for a full queue = commands dropped", full == commands.dropped},
-      {"master to daemon: used <= commands taken + added by faults",
-       c.master_used <= commands.taken + c.master_faults.added},
+      {"master to daemon: used <= commands taken - overruled + made of clients' + added by faults",
+       c.master_used + c.master_overruled <= commands.taken + c.servo_made + c.master_faults.added},
       {"daemon to robot: sent + failed + lost + held = packets taken + released + added",
        c.relay_sent + c.relay_failed + c.relay_network.lost + c.relay_network.held ==
            relay.taken + c.relay_released + c.relay_network.added},
@@ -46,10 +46,11 @@ const char* wrongRecord(const SessionCounts& c) noexcept {
   }
   return firstWrong(std::array<Sum, 4>{{
       {"records: dropped = sum over their rings", c.records_dropped == dropped},
-      {"commands taken = their records",
-       ring(c, RingId::kMasterCommands).taken == ring(c, RingId::kCommandRecords).offered()},
-      {"requests and pedals' requests taken = their records",
-       ring(c, RingId::kRequests).taken + ring(c, RingId::kPedalRequests).taken ==
+      {"commands taken + made of clients' = overruled + their records",
+       ring(c, RingId::kMasterCommands).taken + c.servo_made ==
+           c.master_overruled + ring(c, RingId::kCommandRecords).offered()},
+      {"requests, pedals' and clients' taken = their records",
+       ring(c, RingId::kRequests).taken + ring(c, RingId::kPedalRequests).taken + c.servo_requests ==
            ring(c, RingId::kRequestRecords).offered()},
       {"plans taken <= their records", ring(c, RingId::kPlanResults).taken <= ring(c, RingId::kPlanRecords).offered()},
   }});

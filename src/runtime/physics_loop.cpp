@@ -70,6 +70,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       return_(config.planner.velocity_limit, config.planner.acceleration_limit),
       camera_(liveCamera(config.render)),
       exercise_(config, scene, liveCamera(config.render), &world_, shared),
+      servo_(config, shared),
       stale_ns_(static_cast<std::int64_t>(config.network.stale_after * kNanoseconds)),
       lost_ns_(static_cast<std::int64_t>(kLostAfter * kNanoseconds)),
       silence_limit_(static_cast<Tick>(std::llround(config.network.itp.pedalTimeout() / kTickSeconds))) {
@@ -129,16 +130,17 @@ void PhysicsLoop::drainCommands() noexcept {
   increments_ = Increments{};
   if (++silent_ticks_ >= silence_limit_) pedal_ = false;
   master_faults_.beginCycle({pedal_, static_cast<int>(robot_.runlevel), state_.faults.signals});
-  MasterCommand command;
-  for (const MasterCommand* next = nullptr; (next = shared_.master_commands.front()) != nullptr && fits(*next);) {
-    shared_.master_commands.tryPop(&command);
-    shared_.command_records.tryPush({state_.tick + 1, command});
-    for (const Arm arm : kArms)  // where the hands really are
-      at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
-    master_faults_.beginPacket(command.pedal != 0);
-    corruptMaster(command);
-  }
+  drainConsole();
+  serveClients();
   takeHeldCommands();
+}
+
+void PhysicsLoop::consume(const MasterCommand& command) noexcept {
+  shared_.command_records.tryPush({state_.tick + 1, command});
+  for (const Arm arm : kArms)  // where the hands really are
+    at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
+  master_faults_.beginPacket(command.pedal != 0);
+  corruptMaster(command);
 }
 
 void PhysicsLoop::corruptMaster(const MasterCommand& command) noexcept {
@@ -236,6 +238,7 @@ void PhysicsLoop::drainRequests() noexcept {
       handleRequest(request);
     }
   }
+  serveClientsRequest();
   PlanResult result;
   while (shared_.plan_results.tryPop(&result))
     handlePlanResult(result);
@@ -424,6 +427,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   if (state_.mode == Mode::kReplaying) state_.bodies = shown_.bodies_W;
   listContacts();
   exercise_.tick(&state_, contacts_, rehearses_);
+  servo_.publish(state_.tick, state_.time_ns, q_d_);
   shared_.model.store(state_);
   publishContacts();
   shared_.tick_records.tryPush({state_, robot_, static_cast<std::uint8_t>(slipped_ ? 1 : 0)});

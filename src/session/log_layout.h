@@ -653,6 +653,10 @@ struct Layout<SessionCounts> {
   static void visit(Visitor& v, Counts& s) {
     v.field("master", s.master, "", "console to daemon");
     v.field("master_used", s.master_used, "packets", "of the applied ones, those that moved the model");
+    v.field("master_overruled", s.master_overruled, "packets",
+            "of the applied ones, not used: a CRTK client held the pedal");
+    v.field("servo_made", s.servo_made, "commands", "that what CRTK clients asked for became");
+    v.field("servo_requests", s.servo_requests, "requests", "that CRTK clients' state commands became");
     v.field("robot_state", s.robot_state, "", "robot to daemon, state frames");
     v.field("relay_sent", s.relay_sent, "packets", "daemon to robot, sent");
     v.field("relay_failed", s.relay_failed, "packets", "daemon to robot, not taken by the system");

@@ -45,6 +45,8 @@ Json describePackets(const SessionCounts& counts) {
            {{"received", counts.master.received},
             {"applied", counts.master.applied},
             {"used", counts.master_used},
+            {"overruled", counts.master_overruled},
+            {"made_of_clients", counts.servo_made},
             {"faults", describeFaulted(counts.master_faults)},
             {"rejected", describeRejected(counts.master)}}},
           {"daemon_to_robot",

@@ -5,6 +5,10 @@
 
 namespace raven2_trainer::control {
 
+// [rad] Grasp clamps of the robot's software: -10 and 90 degrees, in its milliradians (raven2 local_io.cpp).
+constexpr double kMinOpening = -0.174;
+constexpr double kMaxOpening = 1.570;
+
 /**
  * Increments to desired joints for one arm, by the robot's own rules (raven2.md 1.4, 2.3, 2.5), so that the nominal
  * model follows the same commands to the same places: increments are truncated to whole micrometres in frame B and

@@ -171,6 +171,8 @@ enum class RingId : std::uint8_t {
   kPlanResults,
   kRelayPackets,
   kForcePackets,
+  kServoCommands,
+  kServoRefused,
   kTickRecords,
   kHapticRecords,
   kCommandRecords,
@@ -182,13 +184,13 @@ enum class RingId : std::uint8_t {
   kExecutionRecords,
   kExerciseRecords,
 };
-constexpr std::size_t kRingCount = 19;
+constexpr std::size_t kRingCount = 21;
 constexpr std::array<const char*, kRingCount> kRingNames{
-    "master_commands",      "requests",          "pedal_requests",  "fault_requests",
-    "fault_changes",        "plan_requests",     "plan_results",    "relay_packets",
-    "force_packets",        "tick_records",      "haptic_records",  "command_records",
-    "request_records",      "plan_records",      "fault_records",   "contact_records",
-    "fault_change_records", "execution_records", "exercise_records"};
+    "master_commands", "requests",      "pedal_requests",  "fault_requests",       "fault_changes",
+    "plan_requests",   "plan_results",  "relay_packets",   "force_packets",        "servo_commands",
+    "servo_refused",   "tick_records",  "haptic_records",  "command_records",      "request_records",
+    "plan_records",    "fault_records", "contact_records", "fault_change_records", "execution_records",
+    "exercise_records"};
 
 /** The queue of each kind of record. */
 constexpr RingId ringOf(RecordKind kind) noexcept {
@@ -201,12 +203,15 @@ constexpr RingId ringOf(RecordKind kind) noexcept {
 
 /** Counters at the end of a session (and once a second on /diagnostics). */
 struct SessionCounts {
-  LinkCounts master{};          ///< console -> daemon (UDP, ITP)
-  std::uint64_t master_used{};  ///< of the applied ones, those that moved the model
-  LinkCounts robot_state{};     ///< robot -> daemon (TCP frames)
-  std::uint64_t relay_sent{};   ///< daemon -> robot packets sent
-  LinkCounts relay{};           ///< the same link as the robot counted it
-  std::uint64_t force_sent{};   ///< daemon -> console packets sent
+  LinkCounts master{};               ///< console -> daemon (UDP, ITP)
+  std::uint64_t master_used{};       ///< of the applied ones, those that moved the model
+  std::uint64_t master_overruled{};  ///< taken from the queue, but not used: a CRTK client held the pedal
+  std::uint64_t servo_made{};        ///< master commands that what CRTK clients asked for became
+  std::uint64_t servo_requests{};    ///< requests that CRTK clients' state commands became
+  LinkCounts robot_state{};          ///< robot -> daemon (TCP frames)
+  std::uint64_t relay_sent{};        ///< daemon -> robot packets sent
+  LinkCounts relay{};                ///< the same link as the robot counted it
+  std::uint64_t force_sent{};        ///< daemon -> console packets sent
   std::array<LoopTiming, kLoopCount> loops{};
   std::uint64_t records_dropped{};  ///< records that found a ring full
   std::uint64_t frames{};           ///< live camera frames rendered

@@ -137,12 +137,15 @@ struct SharedState {
   RecordRing<ExerciseRecord, 4096>& exercise_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
-  Counter master_used;  // physics
-  Counter ik_clamped;   // physics
-  Counter relay_sent;   // sender
-  Counter force_sent;   // sender
-  Counter frames;       // render
-  Counter sight_sent;   // sight
+  Counter master_used;       // physics
+  Counter master_overruled;  // physics: of the console, while a client held the pedal
+  Counter servo_made;        // physics: commands that what clients ask for became
+  Counter servo_requests;    // physics: requests that clients' state commands became
+  Counter ik_clamped;        // physics
+  Counter relay_sent;        // sender
+  Counter force_sent;        // sender
+  Counter frames;            // render
+  Counter sight_sent;        // sight
 
   Counter contacts_dropped;      // physics: beyond the longest list
   Counter fault_changes_lost;    // robot_link: missing between those that came
@@ -161,18 +164,22 @@ struct SharedState {
 
 /** The counters of all rings, by RingId. Any thread. */
 inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexcept {
-  return {
-      s.master_commands.counts(), s.requests.counts(),          s.pedal_requests.counts(),  s.fault_requests.counts(),
-      s.fault_changes.counts(),   s.plan_requests.counts(),     s.plan_results.counts(),    s.relay_packets.counts(),
-      s.force_packets.counts(),   s.tick_records.counts(),      s.haptic_records.counts(),  s.command_records.counts(),
-      s.request_records.counts(), s.plan_records.counts(),      s.fault_records.counts(),   s.contact_records.counts(),
-      s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
+  return {s.master_commands.counts(), s.requests.counts(),          s.pedal_requests.counts(),
+          s.fault_requests.counts(),  s.fault_changes.counts(),     s.plan_requests.counts(),
+          s.plan_results.counts(),    s.relay_packets.counts(),     s.force_packets.counts(),
+          s.servo_commands.counts(),  s.servo_refused.counts(),     s.tick_records.counts(),
+          s.haptic_records.counts(),  s.command_records.counts(),   s.request_records.counts(),
+          s.plan_records.counts(),    s.fault_records.counts(),     s.contact_records.counts(),
+          s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
 }
 
 /** The counters that live in the shared state; whoever owns links and loops adds theirs. Any thread. */
 inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   SessionCounts c;
   c.master_used = s.master_used.value();
+  c.master_overruled = s.master_overruled.value();
+  c.servo_made = s.servo_made.value();
+  c.servo_requests = s.servo_requests.value();
   c.relay_sent = s.relay_sent.value();
   c.relay_failed = s.relay_failed.value();
   c.relay_released = s.relay_released.value();

@@ -19,6 +19,7 @@
 #include "raven2_trainer/runtime/exercise_desk.h"
 #include "raven2_trainer/runtime/model_driver.h"
 #include "raven2_trainer/runtime/plan_desk.h"
+#include "raven2_trainer/runtime/servo_desk.h"
 #include "raven2_trainer/runtime/trial_desk.h"
 
 namespace raven2_trainer::runtime {
@@ -43,6 +44,9 @@ namespace raven2_trainer::runtime {
  * holds with the pedal up. Before it is linked again it glides back through everything, with the pedal up; a pedal-down
  * waits for that. A trial is repeated as a plan is executed, by both arms. While a recorded session is shown nothing is
  * stepped; whatever ends that puts the arms back to where they stood.
+ *
+ * CRTK clients are one more master (ServoDesk): what they ask for comes as commands beside the console's, and is
+ * recorded, corrupted, taken and relayed as those are.
  */
 class PhysicsLoop {
  public:
@@ -78,6 +82,7 @@ class PhysicsLoop {
   void readInputs(std::int64_t now_ns) noexcept;
   void readFaults() noexcept;
   void drainCommands() noexcept;
+  void consume(const MasterCommand& command) noexcept;
   void takeCommand(const MasterCommand& command) noexcept;
   bool mayInject() const noexcept;
   bool hasRobot() const noexcept { return robot_.connected != 0 && robot_.frame > 0; }
@@ -160,6 +165,12 @@ class PhysicsLoop {
   void showReplay() noexcept;
   void standAgain() noexcept;
 
+  // CRTK clients: physics_servo.cpp
+  void drainConsole() noexcept;
+  void serveClients() noexcept;
+  void serveClientsRequest() noexcept;
+  ServoStand servoStand() const noexcept;
+
   // planning and executing: physics_planning.cpp
   Tick thisTick() const noexcept { return state_.tick + 1; }
   void requestPlan(Request request) noexcept;
@@ -199,6 +210,7 @@ class PhysicsLoop {
   control::ReturnPath return_;
   control::CameraOrbit camera_;
   ExerciseDesk exercise_;
+  ServoDesk servo_;
   faults::FaultEngine relay_faults_{FaultHost::kRelay}, master_faults_{FaultHost::kMaster},
       console_faults_{FaultHost::kConsole};
   faults::CommandStream relay_stream_{FaultVariable::kPacket}, master_stream_{FaultVariable::kPacket};

@@ -53,6 +53,18 @@ TEST(SessionCounts, AddUpWhereEverythingIsAccountedFor) {
   EXPECT_EQ(wrongSum(doubled), nullptr) << "second copies move the model too";
 }
 
+TEST(SessionCounts, AddUpWhereClientsAreMastersToo) {
+  SessionCounts c = rightSums();
+  c.master_overruled = 300;  // of the console
+  c.servo_made = 290;
+  at(c, RingId::kCommandRecords) = {959, 959, 1};
+  c.servo_requests = 2;
+  at(c, RingId::kRequestRecords) = {9, 9, 0};
+  EXPECT_EQ(wrongSum(c), nullptr);
+  c.master_used = 961;
+  EXPECT_NE(wrongSum(c), nullptr) << "more than were recorded";
+}
+
 TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {
   const std::function<void(SessionCounts&)> losses[] = {
       [](SessionCounts& c) { ++c.master.received; },
@@ -62,6 +74,9 @@ TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {
       [](SessionCounts& c) { ++at(c, RingId::kMasterCommands).dropped; },
       [](SessionCounts& c) { ++at(c, RingId::kMasterCommands).taken; },
       [](SessionCounts& c) { c.master_used = 971; },
+      [](SessionCounts& c) { ++c.master_overruled; },
+      [](SessionCounts& c) { ++c.servo_made; },
+      [](SessionCounts& c) { ++c.servo_requests; },
       [](SessionCounts& c) { --c.relay_sent; },
       [](SessionCounts& c) { ++at(c, RingId::kRelayPackets).pushed; },
       [](SessionCounts& c) { --c.force_sent; },

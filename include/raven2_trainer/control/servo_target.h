@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::control {
+
+/** Whether a command was taken, and if not why: the fields of ServoRefused. */
+struct ServoVerdict {
+  ServoRefusal reason{ServoRefusal::kNone};
+  std::uint8_t joint{}, is_turn{};
+  double value{}, limit{};
+};
+
+/** Joints of an arm without its jaws' opening, and back; the opening stays that of `q`. */
+ServoJoints servoJoints(const JointArray& q) noexcept;
+JointArray withServoJoints(const JointArray& q, const ServoJoints& joints) noexcept;
+
+/**
+ * What CRTK clients ask of one arm, stepped once a tick: a set point, the pose of T in B and the jaws' opening, that
+ * goes to what is asked for no faster than CrtkConfig allows. Of servo commands the newest counts, and it ends what
+ * move_* asked for; moves wait for each other. A move goes from rest to rest by a quintic in time, in joints or along
+ * the straight line of the poses. A set point that the arm's own mapping does not take (a limit on the way) stays with
+ * what it took, so that nothing winds up. Pure; real-time safe.
+ */
+class ServoTarget {
+ public:
+  static constexpr std::size_t kMoves = 8;  ///< that wait, the one under way among them
+
+  ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, Arm arm) noexcept;
+
+  /** The set point; what is asked for stays. Moves begin here. @param[in] opening [rad]. */
+  void startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept;
+  /** What became of the set point of the tick before: that stays in force unless this is far from it. */
+  void keepTo(const Pose& X_BT, const JointArray& q, double opening) noexcept;
+
+  /** Any command but kState and kFree. One that is refused changes nothing. */
+  ServoVerdict take(const ServoCommand& command) noexcept;
+  /** Stays where the set point is; what was to come is forgotten. */
+  void hold() noexcept;
+  /** To the set point of the next tick. */
+  void step() noexcept;
+
+  const Pose& pose() const noexcept { return X_; }      ///< of T in B
+  double opening() const noexcept { return opening_; }  ///< [rad]
+  bool isMoving() const noexcept;                       ///< a move_* is not over
+  bool hasGoal() const noexcept;                        ///< something leads somewhere
+  Pose goal() const noexcept;                           ///< where the newest command leads; else the set point
+
+ private:
+  enum class Motion : std::uint8_t { kHold, kJoints, kPose, kTwist, kMove };
+  struct Move {
+    bool in_joints{};
+    JointArray q{};  ///< its end
+    Pose X{};        ///< the same
+  };
+  struct JawMove {
+    double from{}, to{}, duration{};
+    Tick elapsed{};
+  };
+
+  ServoVerdict takeJoints(const ServoJoints& joints) noexcept;
+  ServoVerdict takePose(const Pose& X_BT) noexcept;
+  ServoVerdict takePose(const ServoCommand& command) noexcept;
+  ServoVerdict takeTwist(const ServoCommand& command) noexcept;
+  ServoVerdict takeMove(const ServoCommand& command) noexcept;
+  ServoVerdict takeJaw(double opening, bool is_move) noexcept;
+  ServoVerdict checkJoints(const ServoJoints& joints) const noexcept;
+  ServoVerdict checkStep(const ServoJoints& joints) const noexcept;
+  ServoVerdict checkStep(const Pose& X_BT) const noexcept;
+  bool reaches(const Pose& from, const Pose& to, JointArray* q) const noexcept;
+  void servo(Motion motion) noexcept;
+
+  void stepJaw() noexcept;
+  void stepJoints() noexcept;
+  void stepPose() noexcept;
+  void stepTwist() noexcept;
+  void stepMove() noexcept;
+  void stepTo(const Pose& X_BT) noexcept;
+  void beginMove() noexcept;
+  double duration(const Move& move) const noexcept;
+  Pose poseOf(const JointArray& q) const noexcept { return kinematics::forward(geometry_, arm_, q); }
+
+  CrtkConfig limits_;
+  ArmGeometry geometry_;
+  Arm arm_;
+  Tick twist_ticks_;
+
+  Motion motion_{Motion::kHold};
+  Pose X_{};
+  JointArray q_{};    ///< [rad; m] joints of X_
+  double opening_{};  ///< [rad]
+
+  JointArray goal_q_{};                 ///< kJoints
+  Pose goal_X_{};                       ///< kPose
+  Vector3 v_{Vector3::Zero()}, w_{v_};  ///< [m/s], [rad/s] kTwist
+  Tick twist_left_{0};                  ///< of it
+  std::array<Move, kMoves> moves_{};    ///< kMove: the first is under way
+  std::size_t move_count_{0};
+  Pose from_X_{};
+  JointArray from_q_{};
+  double duration_{};  ///< [s]
+  Tick elapsed_{0};
+  double goal_jaw_{};  ///< [rad] servo
+  bool servos_jaw_{false}, moves_jaw_{false};
+  JawMove jaw_{};
+};
+
+}  // namespace raven2_trainer::control

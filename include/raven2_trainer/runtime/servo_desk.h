@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+
+#include "raven2_trainer/control/servo_target.h"
+#include "raven2_trainer/control/teleop_mapper.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+
+namespace raven2_trainer::runtime {
+
+/** How things stand when a tick begins. */
+struct ServoStand {
+  Mode mode{Mode::kWaiting};
+  bool teleoperates{};   ///< a pedal-down leads to teleoperation, now or once the robot is ready
+  bool robot_there{};    ///< it is heard
+  bool robot_stopped{};  ///< it is in E-STOP
+  bool robot_homed{};
+  bool robot_ready{};  ///< homed was seen
+  bool is_healthy{};   ///< the model has not broken down
+  bool stop_asked{};   ///< by request or pedal
+  bool linked{};       ///< model and robot move from a common pose
+  bool applies{};      ///< whoever shall move takes increments
+  bool keeps_back{};   ///< a fault holds commands on their way to the mapping
+  bool is_taken{};     ///< a command of the console was used in this tick: a press would be lost behind its release
+};
+
+/**
+ * CRTK clients as one more master within the physics loop: what they ask for, their operating state, and who has the
+ * pedal. A client that enables the arms holds it; each tick what it asks for becomes a master's command, for which the
+ * rest of the loop is that of a surgeon. The surgeon's console goes first: its pedal-down takes the pedal, its
+ * pedal-ups do not release that of a client. Whatever else ends teleoperation lets go of it, and nothing that was asked
+ * for is left then. Both arms share pedal and state, as a Raven's run level. One thread; real-time safe.
+ */
+class ServoDesk {
+ public:
+  ServoDesk(const TrainerConfig& config, SharedState* shared);
+
+  /** The console's pedal is up, and a client holds its own: this command of it is not used. */
+  bool overrules(const MasterCommand& command) const noexcept { return holds_pedal_ && command.pedal == 0; }
+  /** A command of the console that is used. */
+  void hear(const MasterCommand& command) noexcept;
+
+  /**
+   * Serves the clients' commands. Once a tick, behind the console's.
+   * @param[in] mappers of both arms, as the tick before left them.
+   * @return whether there is a command of theirs in this tick.
+   */
+  bool next(const ServoStand& stand, const PerArm<control::TeleopMapper>& mappers, MasterCommand* command) noexcept;
+  /** What a client's command asks of the loop in this tick. @return whether there is anything. */
+  bool takeRequest(Request* request) noexcept;
+
+  /** At the end of the tick. @param[in] q_d [rad; m] what the arms' controllers are asked for. */
+  void publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept;
+
+ private:
+  struct Sent {
+    Pose X_BT{};
+    double opening{};
+  };
+
+  void observe(const ServoStand& stand) noexcept;
+  bool isInFault() const noexcept { return stand_.robot_stopped || !stand_.is_healthy; }
+  bool hasLostPedal(const ServoStand& stand) const noexcept;
+  void drain() noexcept;
+  void serve(const ServoCommand& command) noexcept;
+  control::ServoVerdict judge(const ServoCommand& command) noexcept;
+  ServoRefusal takeState(StateCommand command) noexcept;
+  ServoRefusal takePedal() noexcept;
+  ServoRefusal mayMove() const noexcept;
+  void letGo(OperatingState state) noexcept;
+  void forget() noexcept;
+  void releaseIdle() noexcept;
+  void aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept;
+  bool isMoving() const noexcept { return targets_[0].isMoving() || targets_[1].isMoving(); }
+
+  ArmGeometry geometry_;
+  ItpRules rules_;
+  SharedState& shared_;
+  PerArm<control::ServoTarget> targets_;
+  PerArm<Sent> sent_{};  ///< where the commands so far lead
+  Tick console_limit_, idle_limit_;
+
+  ServoStand stand_{};
+  OperatingState state_{OperatingState::kDisabled};
+  bool holds_pedal_{false};    ///< a client
+  bool releases_{false};       ///< it let go, and the loop was not told yet
+  bool presses_{false};        ///< the loop was told that it is down
+  bool clears_stop_{false};    ///< in this tick
+  bool console_pedal_{false};  ///< down
+  Tick console_silence_{0}, idle_{0};
+  std::uint32_t sequence_{0};
+  std::uint64_t received_{0}, refused_{0};
+};
+
+}  // namespace raven2_trainer::runtime

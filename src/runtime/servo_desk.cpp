@@ -1,0 +1,271 @@
+#include "raven2_trainer/runtime/servo_desk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raven2_trainer/control/axis_map.h"
+#include "raven2_trainer/control/operating_state.h"
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using control::ServoVerdict;
+
+// [1 a tick] What is looked at: poses of a move are looked at one by one along its way.
+constexpr int kMostCommands = 32;
+constexpr int kMostMoves = 1;
+
+constexpr double kNoTurn = 1e-9;  // [rad] rounding
+
+/** What a receiver of ITP takes in one packet bounds how fast anybody may move. */
+CrtkConfig withinRules(CrtkConfig crtk, const ItpRules& rules) {
+  crtk.max_speed = std::min(crtk.max_speed, rules.max_increment_um * 1e-6 / kTickSeconds);
+  crtk.max_turn_rate = std::min(crtk.max_turn_rate, rules.max_rotation / kTickSeconds);
+  crtk.move_speed = std::min(crtk.move_speed, crtk.max_speed);
+  crtk.move_turn_rate = std::min(crtk.move_turn_rate, crtk.max_turn_rate);
+  return crtk;
+}
+
+Tick ticksOf(double seconds) noexcept {
+  return static_cast<Tick>(std::llround(seconds / kTickSeconds));
+}
+
+bool isMove(ServoKind kind) noexcept {
+  return kind == ServoKind::kMoveJoints || kind == ServoKind::kMovePose;
+}
+
+/** The pedal is down and does what it does for a surgeon. */
+bool isHeld(Mode mode) noexcept {
+  return mode == Mode::kTeleoperating || mode == Mode::kCameraMoving;
+}
+
+/** [um] In B, whole. */
+Vector3 wholeStep(const Vector3& from, const Vector3& to, double most_um) noexcept {
+  const Vector3 missing = ((to - from) * 1e6).unaryExpr([](double um) { return std::round(um); });
+  return missing.cwiseMin(most_um).cwiseMax(-most_um);
+}
+
+Quaternion turnStep(const Matrix3& from, const Matrix3& to, double most) noexcept {
+  Quaternion turn = Quaternion(to * from.transpose()).normalized();
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const double angle = 2.0 * std::atan2(turn.vec().norm(), turn.w());
+  if (angle < kNoTurn) return Quaternion::Identity();
+  return angle <= most ? turn : Quaternion::Identity().slerp(most / angle, turn);
+}
+
+}  // namespace
+
+ServoDesk::ServoDesk(const TrainerConfig& config, SharedState* shared)
+    : geometry_(config.arms.geometry),
+      rules_(config.network.itp),
+      shared_(*shared),
+      targets_{control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGold),
+               control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGreen)},
+      console_limit_(ticksOf(rules_.pedalTimeout())),
+      idle_limit_(ticksOf(config.crtk.release_after)) {}
+
+// ---- who has the pedal -------------------------------------------------------------------------------------------
+
+void ServoDesk::hear(const MasterCommand& command) noexcept {
+  console_silence_ = 0;
+  const bool was_down = console_pedal_;
+  console_pedal_ = command.pedal != 0;
+  if (console_pedal_ == was_down) return;
+  holds_pedal_ = releases_ = false;  // taken: it stays down
+  forget();
+  state_ = console_pedal_ ? OperatingState::kEnabled : OperatingState::kPaused;
+}
+
+/** What happened to the arms since the tick before, and what that means for their clients. */
+void ServoDesk::observe(const ServoStand& stand) noexcept {
+  if (console_pedal_ && ++console_silence_ >= console_limit_) {
+    console_pedal_ = false;
+    state_ = OperatingState::kPaused;
+  }
+  if (holds_pedal_ && hasLostPedal(stand)) letGo(OperatingState::kPaused);
+  if (holds_pedal_ && stand.mode == Mode::kCameraMoving) forget();
+  stand_ = stand;
+  clears_stop_ = false;
+  if (isInFault()) {
+    if (state_ != OperatingState::kFault) letGo(OperatingState::kFault);
+  } else if (state_ == OperatingState::kFault || stand.mode == Mode::kStopped) {
+    if (state_ != OperatingState::kDisabled) letGo(OperatingState::kDisabled);
+  }
+}
+
+/** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows. */
+bool ServoDesk::hasLostPedal(const ServoStand& stand) const noexcept {
+  if (!presses_ || !isHeld(stand_.mode)) return false;
+  const bool has_parted = stand_.linked && !stand.linked;
+  const bool is_refused = stand_.applies && !stand.applies;
+  return !isHeld(stand.mode) || has_parted || is_refused;
+}
+
+void ServoDesk::letGo(OperatingState state) noexcept {
+  releases_ = releases_ || holds_pedal_;
+  holds_pedal_ = false;
+  state_ = state;
+  forget();
+}
+
+void ServoDesk::forget() noexcept {
+  for (control::ServoTarget& target : targets_)
+    target.hold();
+}
+
+void ServoDesk::releaseIdle() noexcept {
+  idle_ = holds_pedal_ && !isMoving() ? idle_ + 1 : 0;
+  if (idle_limit_ > 0 && idle_ >= idle_limit_) letGo(OperatingState::kPaused);
+}
+
+// ---- commands ----------------------------------------------------------------------------------------------------
+
+void ServoDesk::drain() noexcept {
+  ServoCommand command;
+  for (int commands = 0, moves = 0; commands < kMostCommands && moves < kMostMoves; ++commands) {
+    if (!shared_.servo_commands.tryPop(&command)) return;
+    serve(command);
+    idle_ = 0;
+    if (isMove(command.kind)) ++moves;
+  }
+}
+
+void ServoDesk::serve(const ServoCommand& command) noexcept {
+  const OperatingState before = state_;
+  const ServoVerdict verdict = judge(command);
+  ++received_;
+  if (verdict.reason == ServoRefusal::kNone) return;
+  ++refused_;
+  ServoRefused refused;
+  refused.id = command.id;
+  refused.kind = command.kind;
+  refused.state = command.state;
+  refused.reason = verdict.reason;
+  refused.in = before;
+  refused.arm = command.arm;
+  refused.joint = verdict.joint;
+  refused.is_turn = verdict.is_turn;
+  refused.value = verdict.value;
+  refused.limit = verdict.limit;
+  shared_.servo_refused.tryPush(refused);
+}
+
+ServoVerdict ServoDesk::judge(const ServoCommand& command) noexcept {
+  if (command.kind == ServoKind::kState) return {takeState(command.state)};
+  if (command.kind == ServoKind::kFree) return {takeState(StateCommand::kPause)};  // a Raven's brakes hold it
+  const ServoRefusal reason = mayMove();
+  return reason == ServoRefusal::kNone ? at(targets_, command.arm).take(command) : ServoVerdict{reason};
+}
+
+ServoRefusal ServoDesk::takeState(StateCommand command) noexcept {
+  if (command == StateCommand::kUnhome) return ServoRefusal::kNotOffered;
+  if (command == StateCommand::kHome) return stand_.robot_stopped ? ServoRefusal::kRobotStop : ServoRefusal::kNone;
+  const auto next = control::nextState(state_, command);
+  if (!next) return ServoRefusal::kInvalid;
+  if (isInFault()) return stand_.robot_stopped ? ServoRefusal::kRobotStop : ServoRefusal::kMode;
+  if (console_pedal_) return *next == state_ ? ServoRefusal::kNone : ServoRefusal::kConsole;
+  if (*next != OperatingState::kEnabled) {
+    letGo(*next);
+    return ServoRefusal::kNone;
+  }
+  return holds_pedal_ ? ServoRefusal::kNone : takePedal();
+}
+
+/** A stop that was asked for is cleared with the pedal up: that goes down a tick later. */
+ServoRefusal ServoDesk::takePedal() noexcept {
+  if (stand_.mode == Mode::kStopped) {
+    if (!stand_.stop_asked) return ServoRefusal::kRobotStop;  // it is being started
+    clears_stop_ = true;
+  } else if (!stand_.teleoperates) {
+    return ServoRefusal::kMode;
+  }
+  holds_pedal_ = true;
+  state_ = OperatingState::kEnabled;
+  return ServoRefusal::kNone;
+}
+
+/** What is asked for before the robot takes increments waits for that. */
+ServoRefusal ServoDesk::mayMove() const noexcept {
+  if (console_pedal_) return ServoRefusal::kConsole;
+  if (!holds_pedal_) return ServoRefusal::kNotEnabled;
+  if (stand_.robot_there && !stand_.robot_ready) return ServoRefusal::kNotHomed;
+  return stand_.teleoperates || clears_stop_ ? ServoRefusal::kNone : ServoRefusal::kMode;
+}
+
+bool ServoDesk::takeRequest(Request* request) noexcept {
+  if (!clears_stop_) return false;
+  *request = Request{};
+  request->kind = RequestKind::kClearStop;
+  return true;
+}
+
+// ---- a tick ------------------------------------------------------------------------------------------------------
+
+bool ServoDesk::next(const ServoStand& stand,
+                     const PerArm<control::TeleopMapper>& mappers,
+                     MasterCommand* command) noexcept {
+  observe(stand);
+  releaseIdle();
+  drain();
+  *command = MasterCommand{};
+  command->sequence = sequence_ + 1;
+  const bool releases = releases_;
+  releases_ = false;
+  presses_ =
+      holds_pedal_ && !releases && !clears_stop_ && !stand.is_taken;  // pressed anew: between, it is up for a tick
+  command->pedal = presses_ ? 1 : 0;
+  for (const Arm arm : kArms)
+    aim(arm, at(mappers, arm), command);
+  if (!presses_ && !releases) return false;
+  ++sequence_;
+  return true;
+}
+
+/** From where the commands before led to the arm's set point; nothing until they are taken. */
+void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept {
+  control::ServoTarget& target = at(targets_, arm);
+  Sent& sent = at(sent_, arm);
+  const bool moves = command->pedal != 0 && stand_.mode == Mode::kTeleoperating && stand_.applies;
+  if (!moves || !stand_.keeps_back) sent = {mapper.desiredPose(), mapper.opening()};
+  if (!moves) return target.startFrom(sent.X_BT, mapper.desired(), sent.opening);
+  target.keepTo(sent.X_BT, mapper.desired(), sent.opening);
+  target.step();
+  const Vector3 step_um = wholeStep(sent.X_BT.p, target.pose().p, rules_.max_increment_um);
+  const Quaternion turn = turnStep(sent.X_BT.R, target.pose().R, rules_.max_rotation);
+  const double jaw_mrad = std::round((target.opening() - sent.opening) * 1e3);
+  const Matrix3& C = control::itpToBase(arm);
+  Quaternion dq_I = turn;
+  dq_I.vec() = C.transpose() * turn.vec();  // the axis turns, the angle stays
+  at(command->dp_I, arm) = toArray(Vector3(C.transpose() * step_um * 1e-6));
+  at(command->dq_I, arm) = toArray(dq_I);
+  at(command->dgrasp, arm) = -jaw_mrad * 1e-3;
+  sent.X_BT.p += step_um * 1e-6;
+  sent.X_BT.R = (turn * Quaternion(sent.X_BT.R)).normalized().toRotationMatrix();
+  sent.opening += jaw_mrad * 1e-3;
+}
+
+void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {
+  const bool is_homing = stand_.robot_there && !stand_.robot_homed && !stand_.robot_stopped;
+  ServoState state;
+  state.tick = tick;
+  state.time_ns = time_ns;
+  state.state = state_;
+  state.is_homed = !stand_.robot_there || stand_.robot_homed ? 1 : 0;
+  state.holds_pedal = holds_pedal_ ? 1 : 0;
+  for (const Arm arm : kArms) {
+    ServoArmState& out = at(state.arms, arm);
+    const control::ServoTarget& target = at(targets_, arm);
+    const JointArray& q = at(q_d, arm);
+    out.is_busy = is_homing || target.isMoving() ? 1 : 0;
+    out.setpoint_B = toArray(kinematics::forward(geometry_, arm, q));
+    out.setpoint_q = control::servoJoints(q);
+    out.setpoint_jaw = kinematics::jawOpening(q);
+    out.goal_B = target.hasGoal() ? toArray(target.goal()) : out.setpoint_B;
+  }
+  state.received = received_;
+  state.refused = refused_;
+  state.applied = received_ - refused_;
+  shared_.servo.store(state);
+}
+
+}  // namespace raven2_trainer::runtime

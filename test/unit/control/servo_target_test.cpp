@@ -1,0 +1,441 @@
+#include "raven2_trainer/control/servo_target.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace raven2_trainer::control {
+namespace {
+
+constexpr double kDegree = kPi / 180.0;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+ArmGeometry raven() {
+  ArmGeometry g;
+  g.d4 = -0.47;
+  g.lw = 0.013;
+  g.q_min = {0, 45 * kDegree, 0.23, -182 * kDegree, -70 * kDegree, -105 * kDegree, -105 * kDegree};
+  g.q_max = {90 * kDegree, 135 * kDegree, 0.56, 182 * kDegree, 70 * kDegree, 105 * kDegree, 105 * kDegree};
+  g.home = {30 * kDegree, 90 * kDegree, 0.40, 0, 0, 45 * kDegree, 45 * kDegree};
+  return g;
+}
+
+CrtkConfig limits() {
+  CrtkConfig c;
+  c.max_speed = 0.1;
+  c.max_turn_rate = 2.0;
+  c.max_step = 0.02;
+  c.max_step_turn = 0.4;
+  c.move_speed = 0.04;
+  c.move_turn_rate = 0.5;
+  c.twist_timeout = 0.1;
+  return c;
+}
+
+double turnBetween(const Matrix3& a, const Matrix3& b) {
+  return Eigen::AngleAxisd(Matrix3(a * b.transpose())).angle();
+}
+
+/** An arm whose mapping takes every set point; the test is the client. */
+class ServoTargetTest : public ::testing::Test {
+ protected:
+  explicit ServoTargetTest(const CrtkConfig& config = limits())
+      : geometry(raven()), target(config, geometry, Arm::kGreen) {
+    standAt({0.6, 1.4, 0.42, 0.3, 0.2, 0.5, 0.9});
+  }
+
+  void standAt(const JointArray& joints) {
+    q = joints;
+    target.startFrom(poseOf(q), q, kinematics::jawOpening(q));
+  }
+
+  Pose poseOf(const JointArray& joints) const { return kinematics::forward(geometry, Arm::kGreen, joints); }
+
+  ServoCommand command(ServoKind kind) const {
+    ServoCommand c;
+    c.kind = kind;
+    c.arm = Arm::kGreen;
+    return c;
+  }
+  ServoVerdict joints(ServoKind kind, const ServoJoints& values) {
+    ServoCommand c = command(kind);
+    c.joints = values;
+    return target.take(c);
+  }
+  ServoVerdict pose(ServoKind kind, const Pose& X) {
+    ServoCommand c = command(kind);
+    c.pose_B = toArray(X);
+    return target.take(c);
+  }
+  ServoVerdict twist(const Vec3& v, const Vec3& w) {
+    ServoCommand c = command(ServoKind::kServoTwist);
+    c.v_B = v;
+    c.w_B = w;
+    return target.take(c);
+  }
+  ServoVerdict jaw(ServoKind kind, double opening) {
+    ServoCommand c = command(kind);
+    c.jaw = opening;
+    return target.take(c);
+  }
+
+  /** The set point moved by and turned about z of B. */
+  Pose beside(const Vector3& by, double turn = 0.0) const {
+    return {Eigen::AngleAxisd(turn, Vector3::UnitZ()) * target.pose().R, target.pose().p + by};
+  }
+
+  /** A tick of which the mapping takes everything; watches how fast it was. */
+  void tick() {
+    target.keepTo(target.pose(), q, target.opening());
+    const Pose before = target.pose();
+    target.step();
+    speed = (target.pose().p - before.p).norm() / kTickSeconds;
+    turn_rate = turnBetween(target.pose().R, before.R) / kTickSeconds;
+    top_speed = std::max(top_speed, speed);
+    top_turn_rate = std::max(top_turn_rate, turn_rate);
+    const auto ik = kinematics::inverseWithinLimits(geometry, Arm::kGreen, target.pose(), target.opening(), q);
+    ASSERT_TRUE(kinematics::isUsable(ik.status));
+    q = ik.q;
+  }
+  void tick(int count) {
+    for (int i = 0; i < count; ++i)
+      tick();
+  }
+  /** @return ticks until no move is under way. */
+  int finish() {
+    int ticks = 0;
+    for (; target.isMoving() && ticks < 100000; ++ticks)
+      tick();
+    return ticks;
+  }
+
+  const ArmGeometry geometry;
+  ServoTarget target;
+  JointArray q{};
+  double speed{}, turn_rate{}, top_speed{}, top_turn_rate{};  // [m/s], [rad/s]
+};
+
+TEST_F(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed) {
+  const ServoJoints from = servoJoints(q), to{0.65, 1.36, 0.425, 0.1, 0.3, 0.35};
+  ASSERT_EQ(joints(ServoKind::kServoJoints, to).reason, ServoRefusal::kNone);
+  tick(50);
+  const ServoJoints now = servoJoints(q);
+  const double share = (now[0] - from[0]) / (to[0] - from[0]);
+  EXPECT_GT(share, 0.05);
+  EXPECT_LT(share, 0.95);
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    EXPECT_NEAR((now[j] - from[j]) / (to[j] - from[j]), share, 1e-6) << j;
+  tick(500);
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-9) << j;
+  EXPECT_EQ(speed, 0.0);
+  EXPECT_LT(top_speed, 0.1 * 1.001);
+  EXPECT_LT(top_turn_rate, 2.0 * 1.001);
+  EXPECT_GT(std::max(top_speed / 0.1, top_turn_rate / 2.0), 0.99) << "as fast as it may";
+  EXPECT_FALSE(target.isMoving()) << "only moves are";
+}
+
+TEST_F(ServoTargetTest, ServoCpLeadsAlongTheStraightLineWithTheTurnSpreadOverIt) {
+  const Pose from = target.pose(), to = beside({0.008, -0.006, 0.004}, 0.1);
+  ASSERT_EQ(pose(ServoKind::kServoPose, to).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(target.hasGoal());
+  EXPECT_NEAR((target.goal().p - to.p).norm(), 0.0, 1e-12);
+  const Vector3 way = (to.p - from.p).normalized();
+  for (int i = 0; i < 100; ++i) {
+    tick();
+    const Vector3 gone = target.pose().p - from.p;
+    EXPECT_LT((gone - gone.dot(way) * way).norm(), 1e-9);
+    EXPECT_NEAR(turnBetween(target.pose().R, from.R) / 0.1, gone.norm() / (to.p - from.p).norm(), 1e-6);
+  }
+  tick(50);  // 10.8 mm at 0.1 m/s: 108 ms
+  EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
+  EXPECT_LT(turnBetween(target.pose().R, to.R), 1e-9);
+  EXPECT_NEAR(top_speed, 0.1, 1e-6);
+}
+
+TEST_F(ServoTargetTest, TheNewestServoCommandCounts) {
+  const Pose first = beside({0.015, 0.0, 0.0}), second = beside({0.0, 0.01, 0.0});
+  ASSERT_EQ(pose(ServoKind::kServoPose, first).reason, ServoRefusal::kNone);
+  tick(50);
+  ASSERT_EQ(pose(ServoKind::kServoPose, second).reason, ServoRefusal::kNone);
+  tick(300);
+  EXPECT_LT((target.pose().p - second.p).norm(), 1e-12);
+}
+
+TEST_F(ServoTargetTest, RelativeServoCommandsAddUp) {
+  const Pose from = target.pose();
+  for (int i = 0; i < 5; ++i)
+    ASSERT_EQ(pose(ServoKind::kServoPoseBy, {Matrix3::Identity(), Vector3(0.001, 0.0, -0.002)}).reason,
+              ServoRefusal::kNone);
+  const Matrix3 turn = Eigen::AngleAxisd(0.05, Vector3::UnitX()).toRotationMatrix();
+  ASSERT_EQ(pose(ServoKind::kServoPoseBy, {turn, Vector3::Zero()}).reason, ServoRefusal::kNone);
+  tick(300);
+  EXPECT_LT((target.pose().p - from.p - Vector3(0.005, 0.0, -0.01)).norm(), 1e-9);
+  EXPECT_LT(turnBetween(target.pose().R, turn * from.R), 1e-7);
+  const ServoJoints before = servoJoints(q);
+  for (int i = 0; i < 3; ++i)
+    ASSERT_EQ(joints(ServoKind::kServoJointsBy, {0.01, 0.0, 0.001, 0.0, 0.0, -0.02}).reason, ServoRefusal::kNone);
+  tick(500);
+  EXPECT_NEAR(servoJoints(q)[0], before[0] + 0.03, 1e-7);
+  EXPECT_NEAR(servoJoints(q)[2], before[2] + 0.003, 1e-7);
+  EXPECT_NEAR(servoJoints(q)[5], before[5] - 0.06, 1e-7);
+}
+
+TEST_F(ServoTargetTest, MillimetresForMetresAreTooFar) {
+  const Pose before = target.pose();
+  const ServoVerdict far = pose(ServoKind::kServoPose, beside({5.0, 0.0, 0.0}));
+  EXPECT_EQ(far.reason, ServoRefusal::kTooFar);
+  EXPECT_EQ(far.is_turn, 0);
+  EXPECT_NEAR(far.value, 5.0, 1e-9);
+  EXPECT_EQ(far.limit, 0.02);
+  const ServoVerdict turned = pose(ServoKind::kServoPose, beside({0.0, 0.0, 0.001}, 0.5));
+  EXPECT_EQ(turned.reason, ServoRefusal::kTooFar);
+  EXPECT_EQ(turned.is_turn, 1);
+  EXPECT_NEAR(turned.value, 0.5, 1e-9);
+  EXPECT_EQ(pose(ServoKind::kServoPoseBy, {Matrix3::Identity(), Vector3(0.0, 3.0, 0.0)}).reason, ServoRefusal::kTooFar);
+  ServoJoints to = servoJoints(q);
+  to[kInsertion] += 0.03;
+  const ServoVerdict pushed = joints(ServoKind::kServoJoints, to);
+  EXPECT_EQ(pushed.reason, ServoRefusal::kTooFar);
+  EXPECT_EQ(pushed.joint, kInsertion);
+  EXPECT_EQ(pushed.is_turn, 0);
+  EXPECT_NEAR(pushed.value, 0.03, 1e-12);
+  EXPECT_EQ(joints(ServoKind::kServoJointsBy, {0.0, 0.0, 0.0, 0.5, 0.0, 0.0}).reason, ServoRefusal::kTooFar);
+  tick(100);
+  EXPECT_EQ(target.pose().p, before.p) << "what is refused moves nothing";
+  EXPECT_FALSE(target.hasGoal());
+}
+
+TEST_F(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
+  ServoJoints to = servoJoints(q);
+  to[kWrist] = 71 * kDegree;
+  for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kMoveJoints}) {
+    const ServoVerdict verdict = joints(kind, to);
+    EXPECT_EQ(verdict.reason, ServoRefusal::kOutOfRange);
+    EXPECT_EQ(verdict.joint, kWrist);
+    EXPECT_EQ(verdict.value, to[kWrist]);
+    EXPECT_EQ(verdict.limit, geometry.q_max[kWrist]);
+  }
+  to = servoJoints(q);
+  to[5] = -106 * kDegree;
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, to).joint, 5);
+  to[5] = 0.0;
+  to[kInsertion] = 0.22;
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, to).limit, 0.23);
+  const ServoVerdict wide = jaw(ServoKind::kServoJaw, 90.0);  // degrees
+  EXPECT_EQ(wide.reason, ServoRefusal::kOutOfRange);
+  EXPECT_EQ(wide.joint, 6);
+  EXPECT_EQ(wide.limit, 1.57);
+  EXPECT_EQ(jaw(ServoKind::kMoveJaw, -0.2).reason, ServoRefusal::kOutOfRange);
+}
+
+TEST_F(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
+  ServoJoints bad = servoJoints(q);
+  bad[2] = kNan;
+  EXPECT_EQ(joints(ServoKind::kServoJoints, bad).reason, ServoRefusal::kNotFinite);
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, bad).reason, ServoRefusal::kNotFinite);
+  EXPECT_EQ(jaw(ServoKind::kServoJawBy, kNan).reason, ServoRefusal::kNotFinite);
+  EXPECT_EQ(twist({0.0, kNan, 0.0}, {}).reason, ServoRefusal::kNotFinite);
+  EXPECT_EQ(twist({}, {1.0 / 0.0, 0.0, 0.0}).reason, ServoRefusal::kNotFinite);
+  ServoCommand c = command(ServoKind::kServoPose);
+  c.pose_B = toArray(target.pose());
+  const Quat unit = c.pose_B.q;
+  c.pose_B.q = {0.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(target.take(c).reason, ServoRefusal::kNotFinite);
+  for (std::size_t i = 0; i < 4; ++i)
+    c.pose_B.q[i] = 0.9 * unit[i];
+  EXPECT_EQ(target.take(c).reason, ServoRefusal::kNotFinite);
+  for (std::size_t i = 0; i < 4; ++i)
+    c.pose_B.q[i] = 1.005 * unit[i];
+  EXPECT_EQ(target.take(c).reason, ServoRefusal::kNone) << "rounded to three digits";
+  EXPECT_NEAR(target.goal().R.determinant(), 1.0, 1e-12);
+  c.pose_B.p[1] = kNan;
+  EXPECT_EQ(target.take(c).reason, ServoRefusal::kNotFinite);
+}
+
+TEST_F(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
+  JointArray outside = q;
+  outside[kShoulder] = -0.05;
+  EXPECT_EQ(pose(ServoKind::kMovePose, poseOf(outside)).reason, ServoRefusal::kUnreachable);
+  EXPECT_EQ(pose(ServoKind::kMovePose, beside({0.0, 0.0, 2.0})).reason, ServoRefusal::kUnreachable);
+  EXPECT_FALSE(target.isMoving());
+  JointArray edge = q;
+  edge[kInsertion] = 0.5595;
+  standAt(edge);
+  JointArray past = q;
+  past[kInsertion] = 0.565;
+  EXPECT_EQ(pose(ServoKind::kServoPose, poseOf(past)).reason, ServoRefusal::kUnreachable);
+}
+
+TEST_F(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
+  const ServoJoints from = servoJoints(q), to{1.1, 1.9, 0.36, -1.2, -0.4, 0.0};
+  ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(target.isMoving());
+  tick(2);
+  EXPECT_LT(speed, 1e-3);
+  int ticks = 2;
+  JointArray before = q;
+  double fastest = 0.0;
+  for (; target.isMoving() && ticks < 100000; ++ticks, before = q) {
+    tick();
+    const double share = (servoJoints(q)[0] - from[0]) / (to[0] - from[0]);
+    for (std::size_t j = 1; j < kServoJointCount; ++j)
+      ASSERT_NEAR((servoJoints(q)[j] - from[j]) / (to[j] - from[j]), share, 1e-6) << j;
+    fastest = std::max(fastest, std::abs(q[kToolRotation] - before[kToolRotation]) / kTickSeconds);
+  }
+  EXPECT_LT(speed, 1e-3);
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-9);
+  EXPECT_LT(top_speed, 0.04 * 1.01);
+  EXPECT_LT(top_turn_rate, 0.5 * 1.01);
+  EXPECT_LT(fastest, 0.5 * 1.01);
+  EXPECT_GT(std::max({top_speed / 0.04, top_turn_rate / 0.5, fastest / 0.5}), 0.9) << "no slower than need be";
+}
+
+TEST_F(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
+  const Pose from = target.pose(), to = beside({0.03, 0.0, 0.0});
+  ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone) << "farther than a servo command may";
+  EXPECT_EQ(finish(), 1407) << "15/8 x 30 mm / 40 mm/s = 1.40625 s";
+  EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
+  EXPECT_NEAR(top_speed, 0.04, 1e-4);
+  EXPECT_LT((target.pose().R - from.R).norm(), 1e-12);
+}
+
+TEST_F(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
+  const Vector3 from = target.pose().p;
+  std::vector<Vector3> ends;
+  for (int i = 0; i < 8; ++i) {
+    ends.push_back(from + Vector3(0.004 * (i + 1), i % 2 == 0 ? 0.003 : 0.0, 0.0));
+    ASSERT_EQ(pose(ServoKind::kMovePose, {target.pose().R, ends.back()}).reason, ServoRefusal::kNone);
+  }
+  EXPECT_EQ(pose(ServoKind::kMovePose, {target.pose().R, from}).reason, ServoRefusal::kQueueFull);
+  EXPECT_LT((target.goal().p - ends.back()).norm(), 1e-12) << "the newest";
+  std::size_t reached = 0;
+  for (int i = 0; target.isMoving() && i < 100000; ++i) {
+    tick();
+    if (reached < ends.size() && (target.pose().p - ends[reached]).norm() < 1e-12) ++reached;
+  }
+  EXPECT_EQ(reached, 8U);
+  EXPECT_EQ(pose(ServoKind::kMovePose, {target.pose().R, from}).reason, ServoRefusal::kNone);
+}
+
+TEST_F(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
+  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.0, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  tick(400);
+  const Pose here = beside({0.0, 0.002, 0.0});
+  ASSERT_EQ(pose(ServoKind::kServoPose, here).reason, ServoRefusal::kNone);
+  EXPECT_FALSE(target.isMoving());
+  tick(100);
+  EXPECT_LT((target.pose().p - here.p).norm(), 1e-12);
+  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.2).reason, ServoRefusal::kNone);
+  tick(300);
+  ASSERT_EQ(target.take(command(ServoKind::kHold)).reason, ServoRefusal::kNone);
+  const Vector3 held = target.pose().p;
+  const double opening = target.opening();
+  tick(500);
+  EXPECT_EQ(target.pose().p, held);
+  EXPECT_EQ(target.opening(), opening);
+  EXPECT_FALSE(target.isMoving());
+}
+
+TEST_F(ServoTargetTest, ATwistLastsForItsTime) {
+  const Pose from = target.pose();
+  ASSERT_EQ(twist({0.02, 0.0, -0.01}, {0.0, 0.0, 0.4}).reason, ServoRefusal::kNone);
+  tick(60);
+  ASSERT_EQ(twist({0.02, 0.0, -0.01}, {0.0, 0.0, 0.4}).reason, ServoRefusal::kNone);
+  tick(300);
+  EXPECT_LT((target.pose().p - from.p - 0.16 * Vector3(0.02, 0.0, -0.01)).norm(), 1e-9) << "60 + 100 ms";
+  EXPECT_NEAR(turnBetween(target.pose().R, from.R), 0.16 * 0.4, 1e-7);
+  EXPECT_EQ(speed, 0.0);
+}
+
+TEST_F(ServoTargetTest, ATwistThatIsTooFastIsRefused) {
+  const ServoVerdict fast = twist({0.08, 0.08, 0.0}, {});
+  EXPECT_EQ(fast.reason, ServoRefusal::kTooFast);
+  EXPECT_EQ(fast.is_turn, 0);
+  EXPECT_NEAR(fast.value, 0.08 * std::sqrt(2.0), 1e-12);
+  const ServoVerdict spin = twist({}, {0.0, -2.1, 0.0});
+  EXPECT_EQ(spin.reason, ServoRefusal::kTooFast);
+  EXPECT_EQ(spin.is_turn, 1);
+  EXPECT_EQ(spin.limit, 2.0);
+}
+
+TEST_F(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
+  JointArray edge = q;
+  edge[kInsertion] = 0.5545;
+  standAt(edge);
+  JointArray on = edge;
+  on[kInsertion] += 1e-3;
+  const Vector3 way = (poseOf(on).p - poseOf(edge).p).normalized() * 0.05;  // down the shaft
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(twist(toArray(way), {}).reason, ServoRefusal::kNone);
+    tick(50);
+  }
+  EXPECT_LT(q[kInsertion], 0.56);
+  EXPECT_GT(q[kInsertion], 0.5598) << "5.5 mm further, 12.5 asked for";
+}
+
+TEST_F(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
+  const Pose from = target.pose();
+  ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.015, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  for (int i = 0; i < 100; ++i) {
+    target.keepTo(from, q, target.opening());  // it stays where it was
+    target.step();
+    ASSERT_LT((target.pose().p - from.p).norm(), 3.1e-4);
+  }
+  tick(200);
+  EXPECT_LT((target.pose().p - from.p - Vector3(0.015, 0.0, 0.0)).norm(), 1e-9) << "once it is taken again";
+}
+
+TEST_F(ServoTargetTest, RoundingOfTheMappingDoesNotStopASlowMotion) {
+  const Pose from = target.pose();
+  for (int tenth = 0; tenth < 10; ++tenth) {
+    ASSERT_EQ(twist({1e-4, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);  // 0.1 um a tick
+    for (int i = 0; i < 100; ++i) {
+      Pose rounded = target.pose();
+      rounded.p = (rounded.p * 1e6).unaryExpr([](double um) { return std::round(um); }) * 1e-6;
+      target.keepTo(rounded, q, target.opening());
+      target.step();
+    }
+  }
+  EXPECT_NEAR(target.pose().p.x() - from.p.x(), 1e-4, 2e-6);
+}
+
+TEST_F(ServoTargetTest, AMoveThatWasHeldUpGoesOnFromRest) {
+  const Pose to = beside({0.03, 0.0, 0.0});
+  ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone);
+  tick(700);
+  EXPECT_GT(speed, 0.03);
+  const Pose stuck = beside({-0.001, 0.0, 0.0});
+  target.keepTo(stuck, q, target.opening());
+  target.step();
+  EXPECT_LT((target.pose().p - stuck.p).norm(), 1e-6) << "it does not leap";
+  finish();
+  EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
+  EXPECT_LT(top_speed, 0.0401);
+}
+
+TEST_F(ServoTargetTest, TheJawsGoAtTheirOwnRate) {
+  const double from = target.opening();  // 1.4
+  ASSERT_EQ(jaw(ServoKind::kServoJaw, 0.2).reason, ServoRefusal::kNone) << "any opening within their range";
+  tick(100);
+  EXPECT_NEAR(target.opening(), from - 0.2, 1e-9) << "2 rad/s";
+  tick(600);
+  EXPECT_NEAR(target.opening(), 0.2, 1e-12);
+  ASSERT_EQ(jaw(ServoKind::kServoJawBy, 0.1).reason, ServoRefusal::kNone);
+  ASSERT_EQ(jaw(ServoKind::kServoJawBy, 0.1).reason, ServoRefusal::kNone);
+  tick(300);
+  EXPECT_NEAR(target.opening(), 0.4, 1e-12);
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.8).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(target.isMoving());
+  EXPECT_EQ(finish(), 1500) << "15/8 x 0.4 rad / 0.5 rad/s";
+  EXPECT_NEAR(target.opening(), 0.8, 1e-12);
+  EXPECT_EQ(top_speed, 0.0) << "the arm holds";
+}
+
+}  // namespace
+}  // namespace raven2_trainer::control
