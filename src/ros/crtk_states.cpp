@@ -1,5 +1,6 @@
 #include "ros/crtk_states.h"
 
+#include "raven2_trainer/control/servo_target.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "ros/crtk_reader.h"
 
@@ -58,13 +59,9 @@ void setLayout(std_msgs::MultiArrayLayout* layout) {
 
 }  // namespace
 
-ServoJoints servoJoints(const JointArray& q) noexcept {
-  return {q[kShoulder], q[kElbow], q[kInsertion], q[kToolRotation], q[kWrist], kinematics::jawMidline(q)};
-}
-
 /** Graspers are -midline + opening / 2 and midline + opening / 2. */
 ServoJoints servoEfforts(const JointArray& tau) noexcept {
-  ServoJoints effort = servoJoints(tau);
+  ServoJoints effort = control::servoJoints(tau);
   effort.back() = tau[kGrasp2] - tau[kGrasp1];
   return effort;
 }
@@ -80,8 +77,8 @@ CrtkMeasured measured(const ArmGeometry& geometry, Arm arm, const ModelState& mo
   const JointArray& q = has_robot ? of_robot.q : of_model.q;
   const JointArray& dq = has_robot ? of_robot.dq : of_model.dq;
   CrtkMeasured m;
-  m.q = servoJoints(q);
-  m.dq = servoJoints(dq);
+  m.q = control::servoJoints(q);
+  m.dq = control::servoJoints(dq);
   m.effort = servoEfforts(of_model.tau);
   m.jaw = kinematics::jawOpening(q);
   m.jaw_rate = kinematics::jawOpening(dq);

@@ -28,9 +28,7 @@ struct CrtkMeasured {
   ServoJacobian J_B{ServoJacobian::Zero()};  ///< columns ServoJoints; rows 0 to 2 linear, 3 to 5 angular, both in B
 };
 
-/** Shoulder to wrist and the jaws' mid-line. */
-ServoJoints servoJoints(const JointArray& q) noexcept;
-/** [Nm; N] The same of torques and forces: what does the same work. */
+/** [Nm; N] Torques and forces on the joints of control::servoJoints(): what does the same work. */
 ServoJoints servoEfforts(const JointArray& tau) noexcept;
 /** [Nm] Of the jaws' opening. */
 double jawEffort(const JointArray& tau) noexcept;

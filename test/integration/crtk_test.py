@@ -1,0 +1,440 @@
+#!/usr/bin/python3
+"""A CRTK client against daemon and virtual Raven, without a console.
+
+Written from CRTK's own documents (collaborative-robotics.github.io, crtk_msgs 1.3.0) alone: nothing of the package is
+imported, and the messages of crtk_msgs, which is not in Debian, are made from their published text.
+"""
+import math
+import time
+import unittest
+
+import genmsg
+import genpy.dynamic
+import rosgraph
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty, Float64MultiArray
+from tf2_msgs.msg import TFMessage
+
+TEXTS = {"crtk_msgs/OperatingState": "Header  header\nstring  state\nbool    is_homed\nbool    is_busy\n",
+         "crtk_msgs/StringStamped": "std_msgs/Header header\nstring string\n"}
+ARMS = ("arm1", "arm2")
+RATE = 200  # Hz, of CRTK's example clients
+SETTLE = 1.5  # s
+NEAR, NEAR_TURN = 0.5e-3, math.radians(0.2)  # m, rad: measured from set point, at rest
+STILL, STILL_TURN = 0.1e-3, math.radians(0.1)  # m, rad
+
+
+def message_class(name):
+    context = genmsg.MsgContext.create_default()
+    spec = genmsg.msg_loader.load_msg_from_string(context, TEXTS[name], name)
+    genmsg.msg_loader.load_depends(context, spec, {"std_msgs": ["/usr/share/std_msgs/msg"]})
+    return genpy.dynamic.generate_dynamic(name, genmsg.gentools.compute_full_text(context, spec))[name]
+
+
+OperatingState, StringStamped = (message_class(name) for name in TEXTS)
+
+
+def until(condition, seconds, words):
+    """Polls. @return what `condition` gave, once it is true."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        found = condition()
+        if found:
+            return found
+        time.sleep(0.005)
+    raise AssertionError(f"not within {seconds} s: {words}")
+
+
+def vector(v):
+    return (v.x, v.y, v.z)
+
+
+def distance(a, b):
+    return math.dist(vector(a.pose.position), vector(b.pose.position))
+
+
+def turn(a, b):
+    """Angle between two poses' orientations."""
+    p, q = a.pose.orientation, b.pose.orientation
+    w = abs(p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w)
+    return 2 * math.acos(min(1.0, w))
+
+
+def rotate(q, v):
+    """Vector v turned by quaternion q."""
+    u = (q.x, q.y, q.z)
+    cross = lambda a, b: (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])  # noqa: E731
+    t = [2 * c for c in cross(u, v)]
+    return tuple(v[i] + q.w * t[i] + cross(u, t)[i] for i in range(3))
+
+
+def smooth(share):
+    """0 to 1 from rest to rest."""
+    return 0.5 - 0.5 * math.cos(math.pi * share)
+
+
+class Topic:
+    """Messages of a topic, the newest 20,000."""
+
+    def __init__(self, name, kind):
+        self.messages = []
+        self._subscriber = rospy.Subscriber(name, kind, self._take, queue_size=2000, buff_size=1 << 20, tcp_nodelay=True)
+
+    def _take(self, message):
+        self.messages.append(message)
+        if len(self.messages) > 20000:
+            del self.messages[:10000]
+
+    @property
+    def newest(self):
+        return self.messages[-1] if self.messages else None
+
+    def fresh(self, seconds=5):
+        """The next one that comes."""
+        count = len(self.messages)
+        until(lambda: len(self.messages) != count, seconds, f"a message on {self._subscriber.name}")
+        return self.newest
+
+    def since(self, count, word, seconds=5):
+        """The first after the first `count` whose text has the word."""
+        return until(lambda: next((m.string for m in self.messages[count:] if word in m.string), None), seconds,
+                     f"\"{word}\" on {self._subscriber.name}; there was {[m.string for m in self.messages[count:]]}")
+
+
+class Device:
+    """One arm, by its namespace."""
+
+    HEARD = {"operating_state": OperatingState, "info": StringStamped, "warning": StringStamped, "error": StringStamped,
+             "measured_js": JointState, "setpoint_js": JointState, "measured_cp": PoseStamped, "setpoint_cp": PoseStamped,
+             "goal_cp": PoseStamped, "jaw/measured_js": JointState, "jaw/setpoint_js": JointState,
+             "local/measured_cp": PoseStamped}
+    SAID = {"state_command": StringStamped, "servo_jp": JointState, "servo_jr": JointState, "servo_cp": PoseStamped,
+            "servo_cr": PoseStamped, "servo_cv": TwistStamped, "move_jp": JointState, "move_cp": PoseStamped, "hold": Empty,
+            "free": Empty, "jaw/servo_jp": JointState, "jaw/move_jp": JointState, "local/servo_cp": PoseStamped}
+
+    def __init__(self, name):
+        self.name = name
+        self.topics = {topic: Topic(f"{name}/{topic}", kind) for topic, kind in self.HEARD.items()}
+        self._publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=10, tcp_nodelay=True)
+                            for topic, kind in self.SAID.items()}
+
+    def connected(self):
+        return all(p.get_num_connections() > 0 for p in self._publishers.values()) and all(
+            t.newest for name, t in self.topics.items() if name not in ("info", "warning", "error"))
+
+    def __getitem__(self, topic):
+        return self.topics[topic]
+
+    @property
+    def state(self):
+        return self["operating_state"].newest
+
+    def say(self, topic, message):
+        self._publishers[topic].publish(message)
+
+    def command(self, word):
+        self.say("state_command", StringStamped(string=word))
+
+    def await_state(self, state, seconds=5):
+        until(lambda: self.state.state == state, seconds, f"{self.name} {state}, it is {self.state.state}")
+
+    def count(self, topic):
+        return len(self[topic].messages)
+
+    def joints(self, topic, positions):
+        self.say(topic, JointState(position=positions))
+
+    def position(self, topic="setpoint_js"):
+        return list(self[topic].fresh().position)
+
+    def pose(self, topic="setpoint_cp"):
+        return self[topic].fresh()
+
+
+def moved(pose, by):
+    """The pose, shifted."""
+    message = PoseStamped()
+    message.header.frame_id = pose.header.frame_id
+    message.pose.orientation = pose.pose.orientation
+    p = message.pose.position
+    p.x, p.y, p.z = (a + b for a, b in zip(vector(pose.pose.position), by))
+    return message
+
+
+class Crtk(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("crtk_test", disable_signals=True)
+        cls.arms = [Device(name) for name in ARMS]
+        until(lambda: all(arm.connected() for arm in cls.arms), 40, "all topics of both arms")
+        cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
+
+    def stream(self, seconds, send):
+        """send(share) for each arm's goals, 200 times a second, smoothly from 0 to 1; then the arms settle."""
+        rate = rospy.Rate(RATE)
+        steps = int(seconds * RATE)
+        for i in range(steps + 1):
+            send(smooth(i / steps))
+            rate.sleep()
+        time.sleep(SETTLE)
+
+    def stream_joints(self, goals, topic="servo_jp", seconds=2.0):
+        """Both arms from their set points to the goals."""
+        source = "setpoint_js" if topic == "servo_jp" else "jaw/setpoint_js"
+        starts = [arm.position(source) for arm in self.arms]
+
+        def send(share):
+            for arm, start, goal in zip(self.arms, starts, goals):
+                arm.joints(topic, [a + share * (b - a) for a, b in zip(start, goal)])
+
+        self.stream(seconds, send)
+
+    def check_settled(self, what):
+        """Measured is where the set point is, in joints and as a pose."""
+        for arm in self.arms:
+            wanted, found = arm.pose(), arm.pose("measured_cp")
+            off, off_turn = distance(wanted, found), turn(wanted, found)
+            joints = [a - b for a, b in zip(arm.position("measured_js"), arm.position())]
+            print(f"{what}, {arm.name}: {1e3 * off:.3f} mm, {math.degrees(off_turn):.3f} degrees from the set point; joints "
+                  + ", ".join(f"{1e3 * j:.2f}" for j in joints) + " mrad, mm")
+            self.assertLess(off, NEAR, f"{what}, {arm.name}")
+            self.assertLess(off_turn, NEAR_TURN, f"{what}, {arm.name}")
+
+    def assert_stands(self, seconds, act):
+        """act() and that long after it neither arm has moved."""
+        before = [arm.pose("measured_cp") for arm in self.arms]
+        act()
+        time.sleep(seconds)
+        for arm, pose in zip(self.arms, before):
+            now = arm.pose("measured_cp")
+            self.assertLess(distance(pose, now), STILL, arm.name)
+            self.assertLess(turn(pose, now), STILL_TURN, arm.name)
+
+    def test_01_each_arm_has_crtks_topics_and_none_for_what_it_cannot_do(self):
+        publishers, subscribers, _ = rosgraph.Master("/crtk_test").getSystemState()
+        types = dict(rospy.get_published_topics())
+        told = {name for name, nodes in publishers if "/raven2_simulator" in nodes}
+        heard = {name for name, nodes in subscribers if "/raven2_simulator" in nodes}
+        wanted = {**Device.HEARD, "measured_cv": TwistStamped, "measured_cf": WrenchStamped, "jacobian": Float64MultiArray,
+                  "local/setpoint_cp": PoseStamped, "local/measured_cv": TwistStamped}
+        for arm in ARMS:
+            for name, kind in wanted.items():
+                self.assertIn(f"/{arm}/{name}", told)
+                self.assertEqual(types[f"/{arm}/{name}"], kind._type)
+            for name in [*Device.SAID, "local/servo_cr", "local/servo_cv", "local/move_cp", "jaw/servo_jr"]:
+                self.assertIn(f"/{arm}/{name}", heard)
+            for name in ("servo_jf", "servo_jv", "servo_cf", "move_jr", "move_cr", "interpolate_jp", "body/servo_cf"):
+                self.assertNotIn(f"/{arm}/{name}", heard)
+
+    def test_02_before_enable_it_is_disabled_and_says_why_it_does_not_move(self):
+        arm = self.arms[0]
+        self.assertEqual([a.state.state for a in self.arms], ["DISABLED"] * 2)
+        count = arm.count("warning")
+        arm.joints("servo_jp", arm.position())
+        self.assertIn("servo_jp", arm["warning"].since(count, "DISABLED"))
+        count = arm.count("warning")
+        arm.command("pause")
+        arm["warning"].since(count, "pause")
+        self.assertEqual(arm.state.state, "DISABLED")
+
+    def test_03_enable_leads_to_enabled_and_homed_on_both_arms(self):
+        self.arms[0].command("enable")
+        for arm in self.arms:
+            until(lambda: arm.state.state == "ENABLED" and arm.state.is_homed and not arm.state.is_busy, 40,
+                  f"{arm.name} enabled and homed: {arm.state}")
+        time.sleep(SETTLE)
+        self.check_settled("after homing")
+
+    def test_04_states_come_with_what_crtk_wants_in_them(self):
+        arm = self.arms[1]
+        js, cp, jaw = arm["measured_js"].fresh(), arm["measured_cp"].fresh(), arm["jaw/measured_js"].fresh()
+        self.assertEqual([len(js.name), len(js.position), len(js.velocity), len(js.effort)], [6] * 4)
+        self.assertEqual([len(jaw.name), len(jaw.position), len(jaw.velocity), len(jaw.effort)], [1] * 4)
+        self.assertEqual((js.header.frame_id, cp.header.frame_id), ("world", "world"))
+        time.sleep(1.0)
+        stamps = {m.header.stamp for m in arm["measured_js"].messages[-400:-100]}
+        for topic in ("measured_cp", "setpoint_js", "setpoint_cp", "jaw/measured_js"):
+            others = {m.header.stamp for m in arm[topic].messages[-500:]}
+            self.assertGreater(len(stamps & others), 0.9 * len(stamps), topic)
+        age = (rospy.Time.now() - arm["measured_js"].fresh().header.stamp).to_sec()
+        self.assertLess(abs(age), 0.5, "stamps are the time of the tick")
+
+    def test_05_measured_js_comes_500_times_a_second(self):
+        topic = self.arms[0]["measured_js"]
+        begin, count = topic.fresh(), len(topic.messages)
+        time.sleep(3.0)
+        end = topic.fresh()
+        seconds = (end.header.stamp - begin.header.stamp).to_sec()
+        # roscpp numbers what it publishes: what this process is too slow for counts, too
+        published, taken = (end.header.seq - begin.header.seq) / seconds, (len(topic.messages) - count) / seconds
+        print(f"measured_js: {published:.0f} Hz published, {taken:.0f} Hz received by Python")
+        self.assertGreater(published, 300)
+        self.assertLess(published, 510)
+
+    def test_06_local_is_the_world_seen_from_the_arms_base(self):
+        tf = Topic("/tf", TFMessage)
+        for arm in self.arms:
+            local = arm.pose("local/measured_cp")
+            base = local.header.frame_id
+            X = until(lambda: next((t.transform for m in tf.messages for t in m.transforms if t.child_frame_id == base), None), 5,
+                      f"{base} on /tf")
+            world = arm.pose("measured_cp")
+            expected = [a + b for a, b in zip(rotate(X.rotation, vector(local.pose.position)), vector(X.translation))]
+            self.assertLess(math.dist(expected, vector(world.pose.position)), 2e-4, "it stands, but for the robot's own noise")
+
+    def test_07_a_stream_in_joint_space_moves_both_arms(self):
+        starts = [arm.position() for arm in self.arms]
+        for by in ((0.15, 0.1, 0.02, 0.3, 0.2, 0.2), (-0.1, 0.15, 0.03, -0.3, -0.2, 0.1), (0.0,) * 6):
+            goals = [[a + b for a, b in zip(start, by)] for start in starts]
+            self.stream_joints(goals)
+            for arm, goal in zip(self.arms, goals):
+                for j, (a, b) in enumerate(zip(arm.position(), goal)):
+                    self.assertAlmostEqual(a, b, delta=2e-4, msg=f"set point of joint {j} of {arm.name}")
+            self.check_settled(f"joints by {by}")
+
+    def test_08_a_stream_of_poses_moves_both_tips(self):
+        starts = [arm.pose() for arm in self.arms]
+        for by in ((0.015, 0.0, -0.01), (-0.01, 0.01, 0.0), (0.0, 0.0, 0.0)):
+            froms = [arm.pose() for arm in self.arms]
+            goals = [moved(start, by) for start in starts]
+
+            def send(share):
+                for arm, begin, goal in zip(self.arms, froms, goals):
+                    way = [share * (b - a) for a, b in zip(vector(begin.pose.position), vector(goal.pose.position))]
+                    arm.say("servo_cp", moved(begin, way))
+
+            self.stream(2.0, send)
+            for arm, goal in zip(self.arms, goals):
+                self.assertLess(distance(arm.pose(), goal), 5e-5, "the set point is where it was asked to be")
+            self.check_settled(f"poses by {by}")
+
+    def test_09_increments_add_up(self):
+        arm = self.arms[0]
+        start = arm.pose()
+        by = PoseStamped()
+        by.pose.position.z, by.pose.orientation.w = 2e-5, 1.0
+        rate = rospy.Rate(RATE)
+        for _ in range(250):
+            arm.say("servo_cr", by)
+            rate.sleep()
+        time.sleep(SETTLE)
+        end = arm.pose()
+        self.assertAlmostEqual(end.pose.position.z - start.pose.position.z, 5e-3, delta=5e-5)
+        self.assertLess(abs(end.pose.position.x - start.pose.position.x), 5e-5)
+        self.check_settled("increments")
+        back = TwistStamped()
+        back.twist.linear.z = -0.01
+        for _ in range(100):
+            arm.say("servo_cv", back)
+            rate.sleep()
+        time.sleep(SETTLE)
+        # half a second of it, and until the last has run out
+        self.assertAlmostEqual(end.pose.position.z - arm.pose().pose.position.z, 5.5e-3, delta=1.5e-3)
+        self.check_settled("a twist")
+
+    def test_10_the_jaws_open_and_close(self):
+        for opening in (0.4, 1.2, 0.8):
+            self.stream_joints([[opening], [opening]], "jaw/servo_jp", 1.5)
+            for arm in self.arms:
+                wanted, found = arm.position("jaw/setpoint_js")[0], arm.position("jaw/measured_js")[0]
+                print(f"jaw of {arm.name} at {opening}: set point {wanted:.4f}, measured {found:.4f} rad")
+                self.assertAlmostEqual(wanted, opening, delta=2e-3)
+                self.assertAlmostEqual(found, wanted, delta=math.radians(0.5))
+
+    def test_11_a_move_is_busy_until_it_is_there(self):
+        arm, other = self.arms
+        goal = moved(arm.pose(), (0.0, 0.0, 0.03))  # farther than a servo command may lead
+        count = arm.count("operating_state")
+        arm.say("move_cp", goal)
+        until(lambda: any(m.is_busy for m in arm["operating_state"].messages[count:]), 2, "is_busy")
+        self.assertLess(distance(arm["goal_cp"].fresh(), goal), 1e-5)
+        until(lambda: not arm.state.is_busy, 10, "not busy any more")
+        self.assertLess(distance(arm.pose(), goal), 5e-5)
+        self.assertFalse(other.state.is_busy)
+        time.sleep(SETTLE)
+        self.check_settled("move_cp")
+        # WHEN it is held on its way back
+        start = moved(goal, (0.0, 0.0, -0.03))
+        arm.say("move_cp", start)
+        until(lambda: distance(arm.pose(), goal) > 0.01, 5, "a third of the way")
+        arm.say("hold", Empty())
+        until(lambda: not arm.state.is_busy, 2, "not busy any more")
+        time.sleep(SETTLE)
+        self.assertGreater(distance(arm.pose(), start), 0.005, "it did not go on")
+        arm.joints("move_jp", arm.position())
+        arm.say("move_cp", start)
+        until(lambda: distance(arm.pose(), start) < 5e-5, 10, "there after all")
+
+    def test_12_what_makes_no_sense_is_refused_in_words_and_moves_nothing(self):
+        arm = self.arms[1]
+        here, joints = arm.pose(), arm.position()
+        millimetres = moved(here, (83.0, 0.0, 0.0))
+        elsewhere = moved(here, (0.001, 0.0, 0.0))
+        elsewhere.header.frame_id = "camera"
+        unfilled = PoseStamped(header=here.header)
+        for topic, message, words in (
+                ("servo_cp", millimetres, ("83", "0.02 m", "metres")),
+                ("servo_cp", elsewhere, ("camera", "world")),
+                ("move_cp", unfilled, ("quaternion",)),
+                ("servo_jp", JointState(position=joints[:5]), ("5 positions",)),
+                ("servo_jr", JointState(position=[float("nan")] * 6), ("finite",)),
+                ("move_jp", JointState(position=[math.degrees(q) for q in joints]), ("rad", "radians")),
+                ("state_command", StringStamped(string="go"), ("go", "enable"))):
+            with self.subTest(f"{topic} {words}"):
+                time.sleep(1.1)  # a sentence of a kind is said once a second
+                count = arm.count("warning")
+                self.assert_stands(0.3, lambda: arm.say(topic, message))
+                said = arm["warning"].since(count, words[0])
+                self.assertIn(topic, said)
+                for word in words:
+                    self.assertIn(word, said)
+        self.assertEqual(arm.state.state, "ENABLED")
+
+    def test_13_paused_it_refuses_to_move_and_resumed_it_moves(self):
+        self.arms[1].command("pause")
+        for arm in self.arms:
+            arm.await_state("PAUSED")
+        time.sleep(SETTLE)  # the brakes
+        count = self.arms[0].count("warning")
+        froms = [arm.position() for arm in self.arms]
+
+        def ask():
+            rate = rospy.Rate(RATE)
+            for _ in range(100):
+                for arm, start in zip(self.arms, froms):
+                    arm.joints("servo_jp", [start[0] + 0.05] + start[1:])
+                rate.sleep()
+
+        self.assert_stands(0.5, ask)
+        self.assertIn("resume", self.arms[0]["warning"].since(count, "PAUSED"))
+        self.assertLess(self.arms[0].count("warning") - count, 10, "a stream is not answered by a stream")
+        self.arms[0].command("resume")
+        for arm in self.arms:
+            arm.await_state("ENABLED")
+        time.sleep(SETTLE)
+        self.stream_joints([[start[0] + 0.05] + start[1:] for start in froms], seconds=1.0)
+        self.check_settled("resumed")
+
+    def test_14_disabled_it_stands(self):
+        self.arms[0].command("disable")
+        for arm in self.arms:
+            arm.await_state("DISABLED")
+        self.assertTrue(self.arms[0].state.is_homed)
+        time.sleep(SETTLE)
+        self.assert_stands(0.5, lambda: self.arms[0].joints("servo_jr", [0.05] * 6))
+        status = until(lambda: next((s for m in self.diagnostics.messages[-20:] for s in m.status
+                                     if s.name.endswith(": crtk") and s.message == "DISABLED"), None), 5, "a status crtk")
+        numbers = {pair.key: int(pair.value) for pair in status.values}
+        self.assertEqual(status.level, 0, status)
+        self.assertEqual(numbers["received"], sum(numbers[key] for key in ("applied", "refused", "unread", "lost")))
+        self.assertEqual(numbers["lost"], 0)
+        self.assertGreater(numbers["applied"], 1000)
+        self.assertGreater(numbers["refused"], 100)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("raven2_trainer", "crtk", Crtk)
