@@ -10,6 +10,7 @@ from stack import Stack, wait_until
 
 LOOPBACK = "127.0.0.1"
 NODES = {"simulator": "/raven2_simulator", "virtual_raven": "/virtual_raven", "raven_state_bridge": "/raven_state_bridge"}
+SAFER_CRTK = {f"/{arm}/{topic}" for arm in ("arm1", "arm2") for topic in ("state_command", "hold")}
 SAFER = {"/stop_hazard", "/disengage", "/cancel_plan", "/emergency_stop"}
 TRAINING = {"/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial", "/discard_trial", "/repeat_trial",
             "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
@@ -71,6 +72,9 @@ def test_a_network_gets_no_commands_unless_the_configuration_says_so(master):
             assert services == wanted
             assert "/pedals" in master.known_of(node)["subscribed"], "the stop is heard from everybody"
             assert ("/move_arm/goal" in master.known_of(node)["subscribed"]) == key
+            heard = {name for name in master.known_of(node)["subscribed"] if name.startswith("/arm")}
+            assert SAFER_CRTK <= heard
+            assert (heard == SAFER_CRTK) != key
             assert "ROS serves the network" in stack.log_text("simulator")
             assert stack.stop("simulator")[0] == 0
         stack, node = start(master, "virtual_raven", open_to_all, {"runtime": {"enable_remote_control": key}})
