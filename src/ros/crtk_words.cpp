@@ -76,7 +76,8 @@ std::string reason(const ServoRefused& r) {
     case ServoRefusal::kConsole:
       return "the surgeon's console has the pedal down";
     case ServoRefusal::kMode:
-      return "planning, a trial, a replay or the camera comes first (topic mode)";
+      return r.in == OperatingState::kFault ? "the model broke down: the daemon must be started anew"
+                                            : "planning, a trial, a replay or the camera comes first (topic mode)";
     case ServoRefusal::kRobotStop:
       return "the robot is in E-STOP, which is ended at the robot";
     case ServoRefusal::kNotFinite:
@@ -116,7 +117,7 @@ std::string sentence(OperatingState state) {
     case OperatingState::kPaused:
       return "PAUSED: the brakes hold the robot";
     case OperatingState::kFault:
-      return "FAULT: the robot is in E-STOP, or was stopped by an operator";
+      return "FAULT: the robot is in E-STOP, which is ended at the robot, or the model broke down";
   }
   return "unknown";
 }

@@ -23,18 +23,21 @@ HapticLoop::HapticLoop(const TrainerConfig& config, SharedState* shared)
       limiters_{haptics::ForceLimiter(gains_), haptics::ForceLimiter(gains_)},
       fixture_limiters_(limiters_),
       guards_{haptics::PassivityGuard(gains_.passivity), haptics::PassivityGuard(gains_.passivity)},
-      cue_guards_(guards_) {}
+      cue_guards_(guards_),
+      console_limiters_(limiters_) {}
 
 void HapticLoop::tick(std::int64_t now_ns) noexcept {
   readCells();
   observe(model_.master_I);
+  const double seconds = static_cast<double>(now_ns - last_.time_ns) * 1e-9;
   account(compute(model_, robot_, path_, now_ns));
-  send();
+  send(seconds);
 }
 
 void HapticLoop::readCells() noexcept {
   if (!shared_.model.tryLoad(&model_)) ++stale_reads_;
   if (!shared_.robot.tryLoad(&robot_)) ++stale_reads_;
+  if (!shared_.servo.tryLoad(&servo_)) ++stale_reads_;
   if (!gains_.guidance.enabled) return;
   const std::uint64_t version = shared_.guide_path.version();  // 6 KiB: only when there is another
   if (version == path_version_) return;
@@ -45,15 +48,30 @@ void HapticLoop::readCells() noexcept {
   }
 }
 
-void HapticLoop::send() noexcept {
+void HapticLoop::send(double seconds) noexcept {
   shared_.haptic.store(last_);
   shared_.haptic_records.tryPush({last_});
   ForcePacket packet;
   packet.sequence = static_cast<std::uint32_t>(last_.count);
   packet.last_sequence = robot_.last_sequence;
   packet.runlevel = static_cast<std::uint8_t>(robot_.frame > 0 ? robot_.runlevel : RunLevel::kEStop);
-  packet.force_I = last_.force_I;
+  for (const Arm arm : kArms)
+    at(packet.force_I, arm) = forConsole(arm, seconds);
   shared_.force_packets.tryPush(packet);
+}
+
+/** [N] From the one to the other no faster than any force. */
+Vec3 HapticLoop::forConsole(Arm arm, double seconds) noexcept {
+  haptics::ForceLimiter& limiter = at(console_limiters_, arm);
+  const Vector3 force_I = toEigen(at(last_.force_I, arm));
+  const bool is_clients = servo_.holds_pedal != 0;
+  if (!is_clients && !at(is_spared_, arm)) {
+    limiter.resume(force_I);
+    return at(last_.force_I, arm);
+  }
+  const Vector3 given_I = limiter.step(is_clients ? Vector3(Vector3::Zero()) : force_I, seconds);
+  at(is_spared_, arm) = is_clients || given_I != force_I;
+  return toArray(given_I);
 }
 
 void HapticLoop::observe(const PerArm<Vec3>& master_I) noexcept {
@@ -168,9 +186,9 @@ const haptics::PassivityGuard& HapticLoop::cueGuard(Arm arm) const noexcept {
 Vector3 HapticLoop::fixtures(Arm arm, const HapticState& asked, double seconds) const noexcept {
   const haptics::PassivityGuard& guard = at(guards_, arm);
   haptics::ForceLimiter limiter = at(fixture_limiters_, arm);
-  return limiter.step(guard.yieldingGain() * toEigen(at(asked.guidance_B, arm)) +
-                          guard.gain() * toEigen(at(asked.edge_B, arm)),
-                      seconds);
+  return limiter.step(
+      guard.yieldingGain() * toEigen(at(asked.guidance_B, arm)) + guard.gain() * toEigen(at(asked.edge_B, arm)),
+      seconds);
 }
 
 /** [m] The masters send increments alone: where the middle is, is an assumption (WorkspaceOrigin). */

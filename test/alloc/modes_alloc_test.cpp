@@ -2,6 +2,7 @@
 
 #include "support/allocation_counter.h"
 #include "support/mode_driver.h"
+#include "support/servo_client.h"
 
 #ifdef RAVEN2_COUNTS_ALLOCATIONS
 
@@ -11,6 +12,7 @@ namespace {
 using raven2_trainer::testing::allocatorCalls;
 using raven2_trainer::testing::ModeDriver;
 using raven2_trainer::testing::mutexLocks;
+using raven2_trainer::testing::ServoClient;
 
 /** Simulation and back, the camera, a stop, a trial repeated on model and robot, a trial given up, and two sessions
  *  shown, one to its end. @return ticks of
@@ -57,6 +59,52 @@ int allModes(ModeDriver* d) {
   d->beginReplay(20, /*ends=*/true);
   d->rest(false, 50);
   return repeated;
+}
+
+/** CRTK clients: every kind of command, refused ones too, the console in between, and a stop cleared by enabling. */
+void allCommands(ModeDriver* d, ServoClient* client) {
+  client->send(StateCommand::kUnhome);
+  client->enable();
+  for (const Arm arm : kArms) {
+    for (std::size_t kind = 0; kind < kServoKindCount; ++kind) {
+      ServoCommand command;
+      command.kind = static_cast<ServoKind>(kind);
+      if (command.kind == ServoKind::kFree) continue;
+      command.arm = arm;
+      const ServoArmState now = client->arm(arm);
+      const bool is_relative = command.kind == ServoKind::kServoJointsBy || command.kind == ServoKind::kServoPoseBy;
+      command.joints = is_relative ? ServoJoints{} : now.setpoint_q;
+      command.joints[kElbow] += 0.01;
+      command.pose_B = is_relative ? RigidPose{} : now.setpoint_B;
+      command.pose_B.p[0] += 0.003;
+      command.v_B = {0.0, 0.02, 0.0};
+      command.jaw = command.kind == ServoKind::kServoJawBy ? -0.1 : 1.0;
+      client->send(command);
+      client->rest(150);
+      command.joints[kWrist] = command.jaw = command.v_B[0] = 100.0;
+      command.pose_B.p[0] += 1.0;
+      client->send(command);
+      client->rest(5);
+    }
+  }
+  client->rest(20, /*console_pedal=*/true);
+  client->rest(20);
+  d->ask(RequestKind::kEmergencyStop);
+  client->enable();
+  client->send(StateCommand::kDisable);
+  client->rest(50);
+}
+
+TEST(ModesAlloc, ServingClientsDoesNotTouchTheHeap) {
+  raven2_trainer::testing::useOde();
+  ModeDriver driver;
+  ServoClient client(&driver.rig);
+  ASSERT_TRUE(driver.begin());
+  allCommands(&driver, &client);  // warm
+  EXPECT_EQ(allocatorCalls([&] { allCommands(&driver, &client); }), 0);
+  EXPECT_EQ(mutexLocks(), 0);
+  EXPECT_GT(client.refusals, 40U);
+  EXPECT_GT(client.state().applied, 40U);
 }
 
 TEST(ModesAlloc, SimulatingTryingRepeatingAndReturningDoNotTouchTheHeap) {

@@ -20,12 +20,15 @@
 #include "raven2_trainer/runtime/recorder.h"
 #include "support/made_up_session.h"
 #include "support/rig.h"
+#include "support/servo_client.h"
 
 namespace raven2_trainer::runtime {
 namespace {
 
+using raven2_trainer::testing::beside;
 using raven2_trainer::testing::packagedConfig;
 using raven2_trainer::testing::Rig;
+using raven2_trainer::testing::ServoClient;
 
 /** A session in which everything happens that physics can be given, recorded as the daemon records it. */
 class EventfulSession {
@@ -43,6 +46,7 @@ class EventfulSession {
     ASSERT_TRUE(rig.home());
     strokesAndClutches();
     training();
+    clients();
     replays();
     executions();
     plans();
@@ -210,6 +214,37 @@ class EventfulSession {
     request(RequestKind::kDiscardTrial, 74);
     rest(false, 1);
     until(Mode::kPedalUp, false);
+  }
+
+  /** CRTK clients: servos and moves of both arms, the console that takes over, a stop that is cleared by enabling. */
+  void clients() {
+    ServoClient client(&rig);
+    ASSERT_TRUE(client.enable());
+    for (const Arm arm : kArms) {
+      ServoJoints q = client.arm(arm).setpoint_q;
+      q[kElbow] -= 0.02;
+      q[kToolRotation] += 0.2;
+      client.send(ServoKind::kServoPose, arm, beside(client.arm(arm).setpoint_B, {0.004, -0.003, 0.005}, 0.1));
+      client.rest(80);
+      client.send(ServoKind::kMoveJoints, arm, q);
+      client.sendJaw(ServoKind::kServoJaw, arm, 0.9);
+      client.rest(300);
+    }
+    client.rest(40, /*console_pedal=*/true);
+    stroke(60, 1.0);
+    rest(false, 30);
+    ASSERT_EQ(client.ask(StateCommand::kResume), ServoRefusal::kNone);
+    client.rest(30);
+    request(RequestKind::kEmergencyStop, 76);
+    client.rest(5);
+    ASSERT_TRUE(client.enable());
+    client.send(ServoKind::kServoPoseBy, Arm::kGold, RigidPose{{0.002, 0.0, 0.001}, kIdentityQuat});
+    client.rest(100);
+    ASSERT_EQ(client.ask(StateCommand::kDisable), ServoRefusal::kNone);
+    ASSERT_EQ(client.refusals, 0U);
+    until(Mode::kPedalUp, false);
+    ASSERT_GT(rig.counts().master_overruled, 500U);
+    ASSERT_GT(rig.counts().servo_made, 500U);
   }
 
   void replay(std::uint32_t number, int ticks, bool ends) {

@@ -20,6 +20,9 @@ namespace raven2_trainer::runtime {
  * of what is given less those two, which shortens the cue. So the cue never pays for what the others gave, and they do
  * not give where the cue has used up what the hand can take. doc/haptics.md has the bound for the whole.
  *
+ * While a CRTK client holds the pedal (ServoState) the force is its own: the console's hand, which moves nothing, is
+ * given none.
+ *
  * A tick is observe(), compute(), account(). Everything that one tick hands on to the next stands in its HapticState,
  * so that re-simulation computes a recorded tick from the records before it, with the same three functions.
  */
@@ -56,7 +59,8 @@ class HapticLoop {
   };
 
   void readCells() noexcept;
-  void send() noexcept;
+  void send(double seconds) noexcept;
+  Vec3 forConsole(Arm arm, double seconds) noexcept;
   bool isFresh(const Inputs& in, std::int64_t now_ns) const noexcept;
   void computeArm(Arm arm, const Inputs& in, HapticState* out) const noexcept;
   Vector3 handFromMiddle(Arm arm, const ModelState& model) const noexcept;
@@ -82,6 +86,9 @@ class HapticLoop {
   PerArm<haptics::ForceLimiter> fixture_limiters_;  ///< of guidance and edge, before the whole is limited
   PerArm<haptics::PassivityGuard> guards_;          ///< of all that is given
   PerArm<haptics::PassivityGuard> cue_guards_;      ///< of that less guidance and edge; idle without them
+  PerArm<haptics::ForceLimiter> console_limiters_;  ///< of what the console is given, in I; idle without clients
+  PerArm<bool> is_spared_{};                        ///< the console is given less than what there is
+  ServoState servo_{};
   bool forgotten_{false};
   std::uint64_t stale_reads_{0};
 };

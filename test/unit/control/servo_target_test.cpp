@@ -43,7 +43,7 @@ class ServoTargetTest : public ::testing::Test {
  protected:
   explicit ServoTargetTest(const CrtkConfig& config = limits())
       : geometry(raven()), target(config, geometry, Arm::kGreen) {
-    standAt({0.6, 1.4, 0.42, 0.3, 0.2, 0.5, 0.9});
+    standAt({0.6, 1.4, 0.35, 0.3, 0.2, 0.5, 0.9});
   }
 
   void standAt(const JointArray& joints) {
@@ -118,7 +118,7 @@ class ServoTargetTest : public ::testing::Test {
 };
 
 TEST_F(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed) {
-  const ServoJoints from = servoJoints(q), to{0.65, 1.36, 0.425, 0.1, 0.3, 0.35};
+  const ServoJoints from = servoJoints(q), to{0.65, 1.36, 0.355, 0.1, 0.3, 0.35};
   ASSERT_EQ(joints(ServoKind::kServoJoints, to).reason, ServoRefusal::kNone);
   tick(50);
   const ServoJoints now = servoJoints(q);
@@ -129,8 +129,8 @@ TEST_F(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed
     EXPECT_NEAR((now[j] - from[j]) / (to[j] - from[j]), share, 1e-6) << j;
   tick(500);
   for (std::size_t j = 0; j < kServoJointCount; ++j)
-    EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-9) << j;
-  EXPECT_EQ(speed, 0.0);
+    EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-7) << j;
+  EXPECT_LT(speed, 1e-9);
   EXPECT_LT(top_speed, 0.1 * 1.001);
   EXPECT_LT(top_turn_rate, 2.0 * 1.001);
   EXPECT_GT(std::max(top_speed / 0.1, top_turn_rate / 2.0), 0.99) << "as fast as it may";
@@ -238,7 +238,7 @@ TEST_F(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
   EXPECT_EQ(joints(ServoKind::kMoveJoints, bad).reason, ServoRefusal::kNotFinite);
   EXPECT_EQ(jaw(ServoKind::kServoJawBy, kNan).reason, ServoRefusal::kNotFinite);
   EXPECT_EQ(twist({0.0, kNan, 0.0}, {}).reason, ServoRefusal::kNotFinite);
-  EXPECT_EQ(twist({}, {1.0 / 0.0, 0.0, 0.0}).reason, ServoRefusal::kNotFinite);
+  EXPECT_EQ(twist({}, {std::numeric_limits<double>::infinity(), 0.0, 0.0}).reason, ServoRefusal::kNotFinite);
   ServoCommand c = command(ServoKind::kServoPose);
   c.pose_B = toArray(target.pose());
   const Quat unit = c.pose_B.q;
@@ -270,7 +270,7 @@ TEST_F(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
 }
 
 TEST_F(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
-  const ServoJoints from = servoJoints(q), to{1.1, 1.9, 0.36, -1.2, -0.4, 0.0};
+  const ServoJoints from = servoJoints(q), to{1.1, 1.9, 0.31, -1.2, -0.4, 0.0};
   ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone);
   EXPECT_TRUE(target.isMoving());
   tick(2);
@@ -287,7 +287,7 @@ TEST_F(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
   }
   EXPECT_LT(speed, 1e-3);
   for (std::size_t j = 0; j < kServoJointCount; ++j)
-    EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-9);
+    EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-7);
   EXPECT_LT(top_speed, 0.04 * 1.01);
   EXPECT_LT(top_turn_rate, 0.5 * 1.01);
   EXPECT_LT(fastest, 0.5 * 1.01);
@@ -307,7 +307,7 @@ TEST_F(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
   const Vector3 from = target.pose().p;
   std::vector<Vector3> ends;
   for (int i = 0; i < 8; ++i) {
-    ends.push_back(from + Vector3(0.004 * (i + 1), i % 2 == 0 ? 0.003 : 0.0, 0.0));
+    ends.push_back(from + Vector3(0.002 * (i + 1), i % 2 == 0 ? 0.003 : 0.0, 0.0));
     ASSERT_EQ(pose(ServoKind::kMovePose, {target.pose().R, ends.back()}).reason, ServoRefusal::kNone);
   }
   EXPECT_EQ(pose(ServoKind::kMovePose, {target.pose().R, from}).reason, ServoRefusal::kQueueFull);
@@ -366,7 +366,7 @@ TEST_F(ServoTargetTest, ATwistThatIsTooFastIsRefused) {
 
 TEST_F(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
   JointArray edge = q;
-  edge[kInsertion] = 0.5545;
+  edge[kInsertion] = 0.55452;
   standAt(edge);
   JointArray on = edge;
   on[kInsertion] += 1e-3;
@@ -376,7 +376,7 @@ TEST_F(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
     tick(50);
   }
   EXPECT_LT(q[kInsertion], 0.56);
-  EXPECT_GT(q[kInsertion], 0.5598) << "5.5 mm further, 12.5 asked for";
+  EXPECT_GT(q[kInsertion], 0.5599) << "5.5 mm further, 12.5 asked for";
 }
 
 TEST_F(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
@@ -432,7 +432,7 @@ TEST_F(ServoTargetTest, TheJawsGoAtTheirOwnRate) {
   EXPECT_NEAR(target.opening(), 0.4, 1e-12);
   ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.8).reason, ServoRefusal::kNone);
   EXPECT_TRUE(target.isMoving());
-  EXPECT_EQ(finish(), 1500) << "15/8 x 0.4 rad / 0.5 rad/s";
+  EXPECT_NEAR(finish(), 1500, 1) << "15/8 x 0.4 rad / 0.5 rad/s";
   EXPECT_NEAR(target.opening(), 0.8, 1e-12);
   EXPECT_EQ(top_speed, 0.0) << "the arm holds";
 }

@@ -116,7 +116,7 @@ TEST(CrtkReader, AnOrientationHasLengthOne) {
   const auto asked = readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message);
   EXPECT_FALSE(asked.command);
   EXPECT_NE(asked.refusal.find("quaternion"), std::string::npos) << asked.refusal;
-  message.pose.orientation.w = 1.02;
+  message.pose.orientation.w = 1.03;
   EXPECT_FALSE(readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message).command);
   message.pose.orientation.w = 0.995;
   const auto rounded = readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message);

@@ -28,9 +28,7 @@ class HapticSafety : public ::testing::Test {
   }
 
   explicit HapticSafety(const TrainerConfig& configuration = packaged())
-      : config(configuration),
-        shared(std::make_unique<SharedState>()),
-        loop(config, shared.get()) {}
+      : config(configuration), shared(std::make_unique<SharedState>()), loop(config, shared.get()) {}
 
   /** Mostly metres of a workspace, at times anything that a double can be. */
   double number() {
@@ -139,6 +137,42 @@ void HapticSafety::checkForces(std::int64_t states) {
 TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
   checkForces(effort(150'000, 1'000'000));
   EXPECT_EQ(guided + at_edge, 0) << "both are off";
+}
+
+TEST_F(HapticSafety, TheConsoleIsGivenNothingWhileAClientMovesTheArms) {
+  model.linked = robot.connected = 1;
+  robot.frame = 1;
+  model.arms[0].p_BT = {0.012, 0.0, 0.0};
+  Vec3 before{};
+  const auto given = [&](bool is_clients) {
+    now_ns += kTickNanoseconds;
+    model.time_ns = robot.received_ns = now_ns;
+    shared->model.store(model);
+    shared->robot.store(robot);
+    ServoState servo;
+    servo.holds_pedal = is_clients ? 1 : 0;
+    shared->servo.store(servo);
+    loop.tick(now_ns);
+    ForcePacket packet;
+    EXPECT_TRUE(shared->force_packets.tryPop(&packet));
+    const double change = (toEigen(packet.force_I[0]) - toEigen(before)).norm();
+    EXPECT_LE(change, config.haptics.max_slew * kTickSeconds + kRounding);
+    before = packet.force_I[0];
+    return toEigen(before).norm();
+  };
+  for (int i = 0; i < 100; ++i)
+    given(false);
+  const Vec3 all = shared->haptic.load().force_I[0];
+  ASSERT_GT(toEigen(all).norm(), 0.5);
+  EXPECT_EQ(before, all);
+  for (int i = 0; i < 25; ++i)  // from 3.3 N in 24 ms at most
+    given(true);
+  EXPECT_EQ(given(true), 0.0);
+  EXPECT_GT(toEigen(shared->haptic.load().force_I[0]).norm(), 0.5) << "which the client may have";
+  for (int i = 0; i < 25; ++i)
+    given(false);
+  given(false);
+  EXPECT_EQ(before, shared->haptic.load().force_I[0]);
 }
 
 /** Guidance and the workspace's edge as well. */
