@@ -119,7 +119,7 @@ class Device:
     def __init__(self, name):
         self.name = name
         self.topics = {topic: Topic(f"{name}/{topic}", kind) for topic, kind in self.HEARD.items()}
-        self._publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=10, tcp_nodelay=True)
+        self._publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=200, tcp_nodelay=True)
                             for topic, kind in self.SAID.items()}
 
     def connected(self):

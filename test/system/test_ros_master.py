@@ -12,6 +12,13 @@ from surgeon import LatestState, Surgeon
 PEDAL_UP, PEDAL_DOWN = 2, 3
 WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
+ARMS = ("/arm1/", "/arm2/")
+CRTK_TOPICS = {"operating_state", "info", "warning", "error", "measured_js", "setpoint_js", "jaw/measured_js", "jaw/setpoint_js",
+               "measured_cp", "setpoint_cp", "goal_cp", "local/measured_cp", "local/setpoint_cp", "local/goal_cp", "measured_cv",
+               "local/measured_cv", "measured_cf", "jacobian", "local/jacobian"}
+CRTK_HEARS = {"state_command", "hold", "free", "servo_jp", "servo_jr", "move_jp", "jaw/servo_jp", "jaw/servo_jr", "jaw/move_jp",
+              "servo_cp", "servo_cr", "servo_cv", "move_cp", "local/servo_cp", "local/servo_cr", "local/servo_cv",
+              "local/move_cp"}
 DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
                  "/camera/image_raw", "/camera/image_raw/compressed", "/camera/camera_info", "/camera/left/image_raw",
                  "/camera/left/image_raw/compressed", "/camera/left/camera_info", "/camera/right/image_raw",
@@ -19,8 +26,9 @@ DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/for
                  "/workspace_edge", "/tf", "/diagnostics", "/plan/trajectory",
                  "/plan/tip_path", "/plan/progress", "/plan/execution", "/mode", "/exercise/state", "/exercise/events",
                  "/view/image_raw", "/view/image_raw/compressed", "/move_arm/status", "/move_arm/feedback",
-                 "/move_arm/result"}
-DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"}
+                 "/move_arm/result"} | {arm + topic for arm in ARMS for topic in CRTK_TOPICS}
+DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"} | {
+    arm + topic for arm in ARMS for topic in CRTK_HEARS}
 DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
                    "/cancel_plan", "/emergency_stop", "/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial",
                    "/discard_trial", "/repeat_trial", "/begin_replay", "/end_replay", "/clear_stop", "/set_view",
