@@ -49,18 +49,18 @@ CrtkArm::CrtkArm(ros::NodeHandle* node,
       X_WB_(X_WB),
       name_(at(config.crtk.names, arm)),
       state_period_(config.crtk.state_period),
+      is_raven_(config.crtk.dialect == CrtkDialect::kRaven),
       voice_(*voice),
       contacts_(body_names),
       operating_state_(advertiseState(node, name_ + "/operating_state", config.crtk.dialect)) {
   const CrtkDialect dialect = config.crtk.dialect;
-  const bool is_raven = dialect == CrtkDialect::kRaven;
   const CrtkFrame world = worldFrame(X_WB), base = baseFrame(arm);
-  measured_js_ = jointTopic(node, "measured_js");
-  setpoint_js_ = jointTopic(node, "setpoint_js");
-  jaw_measured_js_ = jointTopic(node, "jaw/measured_js");
-  jaw_setpoint_js_ = jointTopic(node, "jaw/setpoint_js");
-  measured_cp_ = poseTopic(node, "measured_cp", measuredFrame(dialect, arm, X_WB), is_raven);
-  setpoint_cp_ = poseTopic(node, "setpoint_cp", setpointFrame(dialect, arm, X_WB), is_raven);
+  measured_js_ = jointTopic(node, name_ + "/measured_js");
+  setpoint_js_ = jointTopic(node, name_ + "/setpoint_js");
+  jaw_measured_js_ = jointTopic(node, jawNamespace(config.crtk, arm) + "/measured_js");
+  jaw_setpoint_js_ = jointTopic(node, jawNamespace(config.crtk, arm) + "/setpoint_js");
+  measured_cp_ = poseTopic(node, "measured_cp", measuredFrame(dialect, arm, X_WB), is_raven_);
+  setpoint_cp_ = poseTopic(node, "setpoint_cp", setpointFrame(dialect, arm, X_WB), is_raven_);
   goal_cp_ = poseTopic(node, "goal_cp", world, false);
   local_measured_cp_ = poseTopic(node, "local/measured_cp", base, false);
   local_setpoint_cp_ = poseTopic(node, "local/setpoint_cp", base, false);
@@ -94,8 +94,8 @@ CrtkArm::JacobianTopic CrtkArm::jacobianTopic(ros::NodeHandle* node,
   return {node->advertise<std_msgs::Float64MultiArray>(name_ + "/" + name, kQueue), frame, {}};
 }
 
-CrtkArm::JointTopic CrtkArm::jointTopic(ros::NodeHandle* node, const std::string& name) const {
-  return {node->advertise<sensor_msgs::JointState>(name_ + "/" + name, kQueue), {}};
+CrtkArm::JointTopic CrtkArm::jointTopic(ros::NodeHandle* node, const std::string& topic) {
+  return {node->advertise<sensor_msgs::JointState>(topic, kQueue), {}};
 }
 
 void CrtkArm::publish(const CrtkCycle& cycle) {
@@ -123,14 +123,7 @@ void CrtkArm::publishState(const CrtkCycle& cycle) {
 
 void CrtkArm::publishMeasured(const CrtkCycle& cycle) {
   const CrtkMeasured m = measured(geometry_, arm_, cycle.model, cycle.robot);
-  if (measured_js_.publisher.getNumSubscribers() > 0) {
-    fill(m.q, m.dq, m.effort, &measured_js_.message);
-    publishJoints(cycle.stamp, &measured_js_);
-  }
-  if (jaw_measured_js_.publisher.getNumSubscribers() > 0) {
-    fill(m.jaw, m.jaw_rate, m.jaw_effort, &jaw_measured_js_.message);
-    publishJoints(cycle.stamp, &jaw_measured_js_);
-  }
+  publishJoints(m, cycle.stamp, &measured_js_, &jaw_measured_js_);
   for (PoseTopic* topic : {&measured_cp_, &local_measured_cp_})
     publishPose(m.X_BT, cycle.stamp, topic);
   for (TwistTopic* topic : {&measured_cv_, &local_measured_cv_}) {
@@ -156,15 +149,14 @@ void CrtkArm::publishForce(const CrtkCycle& cycle, const Pose& X_BT) {
 void CrtkArm::publishSetpoint(const CrtkCycle& cycle) {
   const ServoArmState& arm = at(cycle.servo.arms, arm_);
   const JointArray& tau = at(cycle.model.arms, arm_).tau;
-  const ServoJoints& rate = setpoint_rate_.of(cycle.servo.tick, arm);
-  if (setpoint_js_.publisher.getNumSubscribers() > 0) {
-    fill(arm.setpoint_q, rate, servoEfforts(tau), &setpoint_js_.message);
-    publishJoints(cycle.stamp, &setpoint_js_);
-  }
-  if (jaw_setpoint_js_.publisher.getNumSubscribers() > 0) {
-    fill(arm.setpoint_jaw, setpoint_rate_.jaw(), jawEffort(tau), &jaw_setpoint_js_.message);
-    publishJoints(cycle.stamp, &jaw_setpoint_js_);
-  }
+  CrtkJoints joints;
+  joints.q = arm.setpoint_q;
+  joints.dq = setpoint_rate_.of(cycle.servo.tick, arm);
+  joints.effort = servoEfforts(tau);
+  joints.jaw = arm.setpoint_jaw;
+  joints.jaw_rate = setpoint_rate_.jaw();
+  joints.jaw_effort = jawEffort(tau);
+  publishJoints(joints, cycle.stamp, &setpoint_js_, &jaw_setpoint_js_);
   for (PoseTopic* topic : {&setpoint_cp_, &local_setpoint_cp_})
     publishPose(toEigen(arm.setpoint_B), cycle.stamp, topic);
   for (PoseTopic* topic : {&goal_cp_, &local_goal_cp_})
@@ -184,9 +176,17 @@ void CrtkArm::publishPose(const Pose& X_BT, const ros::Time& stamp, PoseTopic* t
   }
 }
 
-void CrtkArm::publishJoints(const ros::Time& stamp, JointTopic* topic) {
-  setHeader("world", stamp, &topic->message);
-  topic->publisher.publish(topic->message);
+void CrtkArm::publishJoints(const CrtkJoints& joints, const ros::Time& stamp, JointTopic* all, JointTopic* jaw) {
+  if (all->publisher.getNumSubscribers() > 0) {
+    is_raven_ ? fillRaven(arm_, joints, &all->message) : fill(joints, &all->message);
+    setHeader("world", stamp, &all->message);
+    all->publisher.publish(all->message);
+  }
+  if (jaw->publisher.getNumSubscribers() > 0) {
+    is_raven_ ? fillRavenGrasp(arm_, joints, &jaw->message) : fillJaw(joints, &jaw->message);
+    setHeader("world", stamp, &jaw->message);
+    jaw->publisher.publish(jaw->message);
+  }
 }
 
 }  // namespace raven2_trainer::ros_bridge

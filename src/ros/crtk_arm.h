@@ -65,20 +65,21 @@ class CrtkArm {
   PoseTopic poseTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame, bool is_transform) const;
   TwistTopic twistTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame) const;
   JacobianTopic jacobianTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame) const;
-  JointTopic jointTopic(ros::NodeHandle* node, const std::string& name) const;
+  static JointTopic jointTopic(ros::NodeHandle* node, const std::string& topic);
 
   void publishState(const CrtkCycle& cycle);
   void publishMeasured(const CrtkCycle& cycle);
+  void publishJoints(const CrtkJoints& joints, const ros::Time& stamp, JointTopic* all, JointTopic* jaw);
   void publishForce(const CrtkCycle& cycle, const Pose& X_BT);
   void publishSetpoint(const CrtkCycle& cycle);
   static void publishPose(const Pose& X_BT, const ros::Time& stamp, PoseTopic* topic);
-  static void publishJoints(const ros::Time& stamp, JointTopic* topic);
 
   const Arm arm_;
   const ArmGeometry geometry_;
   const Pose X_WB_;
   const std::string name_;
   const double state_period_;
+  const bool is_raven_;  ///< the robot's own dialect
   CrtkVoice& voice_;
   ArmContacts contacts_;
   SetpointRate setpoint_rate_;

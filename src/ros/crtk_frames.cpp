@@ -18,4 +18,9 @@ CrtkFrame ravenFrame(Arm arm) {
   return {"", {}, Pose{R_RB.transpose(), Vector3::Zero()}};
 }
 
+std::string jawNamespace(const CrtkConfig& config, Arm arm) {
+  if (config.dialect == CrtkDialect::kRaven) return arm == Arm::kGold ? "grasp1" : "grasp2";
+  return at(config.names, arm) + "/jaw";
+}
+
 }  // namespace raven2_trainer::ros_bridge

@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// Frames that CRTK clients may speak of poses in (doc/crtk.md).
+// Frames that CRTK clients may speak of poses in, and where jaws are called (doc/crtk.md).
 
 namespace raven2_trainer::ros_bridge {
 
@@ -25,5 +26,8 @@ CrtkFrame baseFrame(Arm arm);
 /** The frame that the robot's own branch `crtk` turns its base to (T_crtk_in_r0 of its crtk_motion_api.cpp): the origin
  *  of B, gold (-y, -z, x) of B, green (y, z, x). It has no name there. */
 CrtkFrame ravenFrame(Arm arm);
+
+/** Namespace of an arm's jaws: below the arm's; in the robot's own dialect `grasp1` gold, `grasp2` green. */
+std::string jawNamespace(const CrtkConfig& config, Arm arm);
 
 }  // namespace raven2_trainer::ros_bridge

@@ -9,7 +9,11 @@ std::string CrtkInbox::take(const CrtkAsked& asked) {
     unread_.fetch_add(1);
     return asked.refusal;
   }
-  ServoCommand command = *asked.command;
+  const std::string refusal = pass(*asked.command);
+  return refusal.empty() && asked.jaw ? pass(*asked.jaw) : refusal;
+}
+
+std::string CrtkInbox::pass(ServoCommand command) {
   command.id = ++next_id_;
   if (shared_.servo_commands.tryPush(command)) return "";
   return std::string(nameOf(kServoKindNames, command.kind)) + ": too many commands at once";

@@ -29,6 +29,8 @@ class CrtkInbox {
   CrtkCounts counts() const noexcept;
 
  private:
+  std::string pass(ServoCommand command);
+
   SharedState& shared_;
   std::uint32_t next_id_{0};
   std::atomic<std::uint64_t> unread_{0};

@@ -2,6 +2,8 @@
 
 #include <std_msgs/Empty.h>
 
+#include <utility>
+
 #include "raven2_trainer/net/clock.h"
 #include "ros/crtk_messages.h"
 
@@ -49,6 +51,7 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
     : node_(node),
       arm_(arm),
       name_(at(config.names, arm)),
+      jaw_name_(jawNamespace(config, arm)),
       world_(worldFrame(X_WB)),
       base_(baseFrame(arm)),
       inbox_(*inbox),
@@ -57,11 +60,11 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
   hearPlain(ServoKind::kHold);
   if (!may_command) return;
   hearMotion();
-  hearDialect(config.dialect);
+  config.dialect == CrtkDialect::kRaven ? hearRaven() : hearModern();
 }
 
 void CrtkListener::hearState(bool may_command) {
-  hear<crtk::StringStamped>("state_command", kOrdered, [this, may_command](const crtk::StringStamped& message) {
+  hear<crtk::StringStamped>(inArm("state_command"), kOrdered, [this, may_command](const crtk::StringStamped& message) {
     if (may_command || isSafer(message.string)) return readState(arm_, message.string);
     return CrtkAsked{std::nullopt, "state_command: a network may pause and disable, no more (enable_remote_control)"};
   });
@@ -69,48 +72,54 @@ void CrtkListener::hearState(bool may_command) {
 
 void CrtkListener::hearMotion() {
   hearPlain(ServoKind::kFree);
-  for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kServoJointsBy, ServoKind::kMoveJoints})
-    hearJoints(kind);
-  for (const ServoKind kind : {ServoKind::kServoJaw, ServoKind::kServoJawBy, ServoKind::kMoveJaw})
-    hearJaw(kind);
+  hearJoints(ServoKind::kMoveJoints);
   hearPose(ServoKind::kMovePose, world_);
   for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoPoseBy, ServoKind::kMovePose})
     hearPose(kind, base_);
   hearTwist(base_);
+  hearJaw(jaw_name_ + "/servo_jp", ServoKind::kServoJaw);
+  hearJaw(jaw_name_ + "/servo_jr", ServoKind::kServoJawBy);
+  hearJaw(jaw_name_ + "/move_jp", ServoKind::kMoveJaw);
 }
 
-/** The three that the robot's own branch has otherwise. */
-void CrtkListener::hearDialect(CrtkDialect dialect) {
-  if (dialect == CrtkDialect::kModern) {
-    for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoPoseBy})
-      hearPose(kind, world_);
-    hearTwist(world_);
-    return;
-  }
-  using geometry_msgs::TransformStamped;
-  const CrtkFrame frame = ravenFrame(arm_);
+void CrtkListener::hearModern() {
+  for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kServoJointsBy})
+    hearJoints(kind);
   for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoPoseBy})
-    hear<TransformStamped>(topicOf(kind), queueOf(kind), [this, kind, frame](const TransformStamped& message) {
+    hearPose(kind, world_);
+  hearTwist(world_);
+}
+
+/** The five that the robot's own branch has otherwise. */
+void CrtkListener::hearRaven() {
+  using geometry_msgs::TransformStamped;
+  using sensor_msgs::JointState;
+  const CrtkFrame frame = ravenFrame(arm_);
+  for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kServoJointsBy})
+    hear<JointState>(inArm(topicOf(kind)), queueOf(kind),
+                     [this, kind](const JointState& message) { return readRavenJoints(arm_, kind, message); });
+  for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoPoseBy})
+    hear<TransformStamped>(inArm(topicOf(kind)), queueOf(kind), [this, kind, frame](const TransformStamped& message) {
       return readTransform(arm_, kind, frame, message);
     });
-  hear<TransformStamped>(topicOf(ServoKind::kServoTwist), kNewest, [this, frame](const TransformStamped& message) {
-    return readTransformTwist(arm_, frame, message);
-  });
+  hear<TransformStamped>(
+      inArm(topicOf(ServoKind::kServoTwist)), kNewest,
+      [this, frame](const TransformStamped& message) { return readTransformTwist(arm_, frame, message); });
 }
 
 void CrtkListener::hearPlain(ServoKind kind) {
-  hear<std_msgs::Empty>(topicOf(kind), kOrdered,
+  hear<std_msgs::Empty>(inArm(topicOf(kind)), kOrdered,
                         [this, kind](const std_msgs::Empty&) { return readPlain(arm_, kind); });
 }
 
 void CrtkListener::hearJoints(ServoKind kind) {
-  hear<sensor_msgs::JointState>(topicOf(kind), queueOf(kind), [this, kind](const sensor_msgs::JointState& message) {
-    return readJoints(arm_, kind, message);
-  });
+  hear<sensor_msgs::JointState>(
+      inArm(topicOf(kind)), queueOf(kind),
+      [this, kind](const sensor_msgs::JointState& message) { return readJoints(arm_, kind, message); });
 }
 
-void CrtkListener::hearJaw(ServoKind kind) {
-  hear<sensor_msgs::JointState>(topicOf(kind), queueOf(kind), [this, kind](const sensor_msgs::JointState& message) {
+void CrtkListener::hearJaw(const std::string& topic, ServoKind kind) {
+  hear<sensor_msgs::JointState>(topic, queueOf(kind), [this, kind](const sensor_msgs::JointState& message) {
     return readJaw(arm_, kind, message);
   });
 }
@@ -118,14 +127,14 @@ void CrtkListener::hearJaw(ServoKind kind) {
 void CrtkListener::hearPose(ServoKind kind, const CrtkFrame& frame) {
   const std::string prefix = frame.name == base_.name ? "local/" : "";
   using geometry_msgs::PoseStamped;
-  hear<PoseStamped>(prefix + topicOf(kind), queueOf(kind),
+  hear<PoseStamped>(inArm(prefix + topicOf(kind)), queueOf(kind),
                     [this, kind, frame](const PoseStamped& message) { return readPose(arm_, kind, frame, message); });
 }
 
 void CrtkListener::hearTwist(const CrtkFrame& frame) {
   const std::string prefix = frame.name == base_.name ? "local/" : "";
   using geometry_msgs::TwistStamped;
-  hear<TwistStamped>(prefix + topicOf(ServoKind::kServoTwist), kNewest,
+  hear<TwistStamped>(inArm(prefix + topicOf(ServoKind::kServoTwist)), kNewest,
                      [this, frame](const TwistStamped& message) { return readTwist(arm_, frame, message); });
 }
 
@@ -135,7 +144,7 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
     take(topic, read(*message));
   };
   const auto at_once = ros::TransportHints().tcpNoDelay();
-  subscribers_.push_back(node_.subscribe<Message>(name_ + "/" + topic, queue, callback, ros::VoidConstPtr(), at_once));
+  subscribers_.push_back(node_.subscribe<Message>(topic, queue, callback, ros::VoidConstPtr(), at_once));
 }
 
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {

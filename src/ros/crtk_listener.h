@@ -32,20 +32,22 @@ class CrtkListener {
  private:
   void hearState(bool may_command);
   void hearMotion();
-  void hearDialect(CrtkDialect dialect);
+  void hearModern();
+  void hearRaven();
   void hearPlain(ServoKind kind);
   void hearJoints(ServoKind kind);
-  void hearJaw(ServoKind kind);
+  void hearJaw(const std::string& topic, ServoKind kind);
   void hearPose(ServoKind kind, const CrtkFrame& frame);
   void hearTwist(const CrtkFrame& frame);
 
+  std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
   template <typename Message>
   void hear(const std::string& topic, std::uint32_t queue, std::function<CrtkAsked(const Message&)> read);
   void take(const std::string& topic, const CrtkAsked& asked);
 
   ros::NodeHandle node_;
   const Arm arm_;
-  const std::string name_;
+  const std::string name_, jaw_name_;
   const CrtkFrame world_, base_;
   CrtkInbox& inbox_;
   CrtkVoice& voice_;

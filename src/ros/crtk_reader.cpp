@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "raven2_trainer/control/servo_target.h"
+
 namespace raven2_trainer::ros_bridge {
 namespace {
 
@@ -169,6 +171,21 @@ CrtkAsked readTransform(Arm arm,
                         const geometry_msgs::TransformStamped& message) {
   const geometry_msgs::Transform& X = message.transform;
   return poseIn(arm, kind, frame, message.header, vectorOf(X.translation), X.rotation);
+}
+
+CrtkAsked readRavenJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState& message) {
+  const bool is_by = kind == ServoKind::kServoJointsBy;
+  const std::size_t count = message.position.size();
+  if (count < kJointCount || (count > kJointCount && !is_by))
+    return refuse(kind, std::to_string(count) + " positions where there are 7 joints: " + listed(kJointNames));
+  if (!areFinite(message.position)) return notFinite(kind);
+  JointArray q{};
+  std::copy_n(message.position.begin(), kJointCount, q.begin());
+  CrtkAsked asked{commandOf(arm, kind), ""};
+  asked.command->joints = control::servoJoints(q);
+  asked.jaw = commandOf(arm, is_by ? ServoKind::kServoJawBy : ServoKind::kServoJaw);
+  asked.jaw->jaw = kinematics::jawOpening(q);
+  return asked;
 }
 
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message) {

@@ -26,6 +26,7 @@ constexpr const char* kJawName = "jaw";
 struct CrtkAsked {
   std::optional<ServoCommand> command;
   std::string refusal;
+  std::optional<ServoCommand> jaw{};  ///< what the same message asks of the jaws
 };
 
 CrtkAsked readState(Arm arm, const std::string& word);
@@ -45,6 +46,9 @@ CrtkAsked readTransform(Arm arm,
                         ServoKind kind,
                         const CrtkFrame& frame,
                         const geometry_msgs::TransformStamped& message);
+/** Its servo_jp and servo_jr: seven positions, shoulder to wrist and both graspers. What servo_jr has beyond them
+ * counts for nothing, as there; names do not either. */
+CrtkAsked readRavenJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
 /** Its servo_cv: translation in m/s; the rotation is the turn of one second, up to a whole one. */
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message);
 

@@ -16,6 +16,19 @@ ServoJacobian servoJacobian(const kinematics::Jacobian& J) noexcept {
   return J_B;
 }
 
+constexpr PerArm<std::array<const char*, kJointCount>> kRavenNames{
+    {{"gold_shoulder", "gold_elbow", "gold_ins", "gold_roll", "gold_wrist", "gold_jaw1", "gold_jaw2"},
+     {"green_shoulder", "green_elbow", "green_ins", "green_roll", "green_wrist", "green_jaw1", "green_jaw2"}}};
+constexpr PerArm<std::array<const char*, 3>> kRavenGraspNames{
+    {{"gold_grasp", "gold_jaw1", "gold_jaw2"}, {"green_grasp", "green_jaw1", "green_jaw2"}}};
+
+/** Positions or rates of all seven. */
+JointArray allJoints(const ServoJoints& joints, double jaw) noexcept {
+  JointArray q{};
+  kinematics::setJaws(0.0, jaw, &q);
+  return control::withServoJoints(q, joints);
+}
+
 template <std::size_t N>
 void assign(const std::array<double, N>& numbers, std::vector<double>* values) {
   values->assign(numbers.begin(), numbers.end());
@@ -105,18 +118,39 @@ const ServoJoints& SetpointRate::of(Tick tick, const ServoArmState& arm) noexcep
   return rate_;
 }
 
-void fill(const ServoJoints& q, const ServoJoints& dq, const ServoJoints& effort, sensor_msgs::JointState* message) {
+void fill(const CrtkJoints& joints, sensor_msgs::JointState* message) {
   assignNames(kServoJointNames, &message->name);
-  assign(q, &message->position);
-  assign(dq, &message->velocity);
-  assign(effort, &message->effort);
+  assign(joints.q, &message->position);
+  assign(joints.dq, &message->velocity);
+  assign(joints.effort, &message->effort);
 }
 
-void fill(double q, double dq, double effort, sensor_msgs::JointState* message) {
+void fillJaw(const CrtkJoints& joints, sensor_msgs::JointState* message) {
   assignNames(std::array<const char*, 1>{kJawName}, &message->name);
-  message->position.assign(1, q);
-  message->velocity.assign(1, dq);
-  message->effort.assign(1, effort);
+  message->position.assign(1, joints.jaw);
+  message->velocity.assign(1, joints.jaw_rate);
+  message->effort.assign(1, joints.jaw_effort);
+}
+
+void fillRaven(Arm arm, const CrtkJoints& joints, sensor_msgs::JointState* message) {
+  assignNames(at(kRavenNames, arm), &message->name);
+  assign(allJoints(joints.q, joints.jaw), &message->position);
+  assign(allJoints(joints.dq, joints.jaw_rate), &message->velocity);
+  assign(allJoints(joints.effort, 0.0), &message->effort);
+  const double midline = joints.effort.back() / 2;  // jawEffort(), servoEfforts() backwards
+  message->effort[kGrasp1] = joints.jaw_effort - midline;
+  message->effort[kGrasp2] = joints.jaw_effort + midline;
+}
+
+void fillRavenGrasp(Arm arm, const CrtkJoints& joints, sensor_msgs::JointState* message) {
+  fillRaven(arm, joints, message);
+  assignNames(at(kRavenGraspNames, arm), &message->name);
+  const auto keep = [](double opening, std::vector<double>* values) {
+    *values = {opening, (*values)[5], (*values)[6]};
+  };
+  keep(joints.jaw, &message->position);
+  keep(joints.jaw_rate, &message->velocity);
+  keep(joints.jaw_effort, &message->effort);
 }
 
 void fill(const CrtkFrame& frame, const Pose& X_BT, geometry_msgs::PoseStamped* message) {

@@ -18,10 +18,14 @@ namespace raven2_trainer::ros_bridge {
 
 using ServoJacobian = Eigen::Matrix<double, 6, 6>;
 
+/** An arm's joints and its jaws' opening. */
+struct CrtkJoints {
+  ServoJoints q{}, dq{}, effort{};         ///< [rad; m], [rad/s; m/s], [Nm; N] the model's
+  double jaw{}, jaw_rate{}, jaw_effort{};  ///< [rad], [rad/s], [Nm]
+};
+
 /** An arm as measured: the robot's joints while it is there and fresh, else the model's; the rest follows from them. */
-struct CrtkMeasured {
-  ServoJoints q{}, dq{}, effort{};           ///< [rad; m], [rad/s; m/s], [Nm; N] the model's
-  double jaw{}, jaw_rate{}, jaw_effort{};    ///< [rad], [rad/s], [Nm]
+struct CrtkMeasured : CrtkJoints {
   Pose X_BT{};                               ///< of the tool tip, by forward kinematics of q
   Vector3 v_B{Vector3::Zero()};              ///< [m/s] of it, J dq
   Vector3 w_B{Vector3::Zero()};              ///< [rad/s]
@@ -48,9 +52,12 @@ class SetpointRate {
   double jaw_{}, jaw_rate_{};
 };
 
-void fill(const ServoJoints& q, const ServoJoints& dq, const ServoJoints& effort, sensor_msgs::JointState* message);
+void fill(const CrtkJoints& joints, sensor_msgs::JointState* message);
 /** The jaws' one joint. */
-void fill(double q, double dq, double effort, sensor_msgs::JointState* message);
+void fillJaw(const CrtkJoints& joints, sensor_msgs::JointState* message);
+/** As the robot's own branch has them: seven joints; the opening and both graspers. */
+void fillRaven(Arm arm, const CrtkJoints& joints, sensor_msgs::JointState* message);
+void fillRavenGrasp(Arm arm, const CrtkJoints& joints, sensor_msgs::JointState* message);
 
 // In frame R, whose name is in the header already.
 void fill(const CrtkFrame& frame, const Pose& X_BT, geometry_msgs::PoseStamped* message);

@@ -200,6 +200,31 @@ TEST(CrtkReader, TheRobotsOwnBranchTurnsItsBase) {
   expectTurn(green.command->pose_B.q, 0.5, 0.5, 0.5, 0.5);
 }
 
+TEST(CrtkReader, TheRobotsOwnBranchAsksForSevenJoints) {
+  const auto asked =
+      readRavenJoints(Arm::kGreen, ServoKind::kServoJoints, jointsAt({0.1, 1.2, 0.4, 0.3, 0.2, 0.25, 0.75}));
+  ASSERT_TRUE(asked.command && asked.jaw);
+  EXPECT_EQ(asked.command->kind, ServoKind::kServoJoints);
+  EXPECT_EQ(asked.command->joints, (ServoJoints{0.1, 1.2, 0.4, 0.3, 0.2, 0.25}))
+      << "the mid-line is half their difference";
+  EXPECT_EQ(asked.jaw->kind, ServoKind::kServoJaw);
+  EXPECT_EQ(asked.jaw->arm, Arm::kGreen);
+  EXPECT_EQ(asked.jaw->jaw, 1.0);
+  std::vector<double> steps(15, 0.0);  // as raven2_CRTK_Python_controller sends
+  steps[1] = 0.001;
+  steps[6] = 0.002;
+  const auto by = readRavenJoints(Arm::kGold, ServoKind::kServoJointsBy, jointsAt(steps));
+  ASSERT_TRUE(by.command && by.jaw);
+  EXPECT_EQ(by.command->joints, (ServoJoints{0, 0.001, 0, 0, 0, 0.001}));
+  EXPECT_EQ(by.jaw->kind, ServoKind::kServoJawBy);
+  EXPECT_EQ(by.jaw->jaw, 0.002);
+  EXPECT_FALSE(readRavenJoints(Arm::kGold, ServoKind::kServoJoints, jointsAt(steps)).command);
+  steps.resize(6);
+  EXPECT_FALSE(readRavenJoints(Arm::kGold, ServoKind::kServoJointsBy, jointsAt(steps)).command);
+  steps.assign(7, kNan);
+  EXPECT_FALSE(readRavenJoints(Arm::kGold, ServoKind::kServoJointsBy, jointsAt(steps)).command);
+}
+
 TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
   geometry_msgs::TransformStamped message;
   message.transform.translation.z = 0.01;

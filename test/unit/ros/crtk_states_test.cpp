@@ -143,19 +143,49 @@ TEST(CrtkSetpointRate, IsHowFarItMovedInTheTicksBetween) {
   EXPECT_EQ(rate.of(5, arm), ServoJoints{}) << "begun anew";
 }
 
+CrtkJoints someJoints() {
+  CrtkJoints joints;
+  joints.q = {1, 2, 3, 4, 5, 0.25};
+  joints.dq = {7, 8, 9, 10, 11, 0.5};
+  joints.effort = {13, 14, 15, 16, 17, 0.125};
+  joints.jaw = 1.0;
+  joints.jaw_rate = 2.0;
+  joints.jaw_effort = 4.0;
+  return joints;
+}
+
 TEST(CrtkStates, JointsComeWithNamesAndAllThreeOfTheirLengths) {
   sensor_msgs::JointState message;
-  fill({1, 2, 3, 4, 5, 6}, {7, 8, 9, 10, 11, 12}, {13, 14, 15, 16, 17, 18}, &message);
+  fill(someJoints(), &message);
   EXPECT_EQ(message.name,
             (std::vector<std::string>{"shoulder", "elbow", "insertion", "tool_rotation", "wrist", "jaw_midline"}));
-  EXPECT_EQ(message.position, (std::vector<double>{1, 2, 3, 4, 5, 6}));
-  EXPECT_EQ(message.velocity, (std::vector<double>{7, 8, 9, 10, 11, 12}));
-  EXPECT_EQ(message.effort, (std::vector<double>{13, 14, 15, 16, 17, 18}));
-  fill(0.5, 0.25, 0.125, &message);
+  EXPECT_EQ(message.position, (std::vector<double>{1, 2, 3, 4, 5, 0.25}));
+  EXPECT_EQ(message.velocity, (std::vector<double>{7, 8, 9, 10, 11, 0.5}));
+  EXPECT_EQ(message.effort, (std::vector<double>{13, 14, 15, 16, 17, 0.125}));
+  fillJaw(someJoints(), &message);
   EXPECT_EQ(message.name, std::vector<std::string>{"jaw"});
-  EXPECT_EQ(message.position, std::vector<double>{0.5});
-  EXPECT_EQ(message.velocity, std::vector<double>{0.25});
-  EXPECT_EQ(message.effort, std::vector<double>{0.125});
+  EXPECT_EQ(message.position, std::vector<double>{1.0});
+  EXPECT_EQ(message.velocity, std::vector<double>{2.0});
+  EXPECT_EQ(message.effort, std::vector<double>{4.0});
+}
+
+/** Graspers are half the opening less and more the mid-line; torques on them do the same work. */
+TEST(CrtkStates, TheRobotsOwnBranchHasSevenJoints) {
+  sensor_msgs::JointState message;
+  fillRaven(Arm::kGreen, someJoints(), &message);
+  EXPECT_EQ(message.name, (std::vector<std::string>{"green_shoulder", "green_elbow", "green_ins", "green_roll",
+                                                    "green_wrist", "green_jaw1", "green_jaw2"}));
+  EXPECT_EQ(message.position, (std::vector<double>{1, 2, 3, 4, 5, 0.25, 0.75}));
+  EXPECT_EQ(message.velocity, (std::vector<double>{7, 8, 9, 10, 11, 0.5, 1.5}));
+  ASSERT_EQ(message.effort.size(), 7U);
+  EXPECT_EQ(message.effort[2], 15.0);
+  EXPECT_EQ(message.effort[5] * 0.5 + message.effort[6] * 1.5, 0.125 * 0.5 + 4.0 * 2.0);
+  EXPECT_EQ(message.effort[6] - message.effort[5], 0.125);
+  fillRavenGrasp(Arm::kGold, someJoints(), &message);
+  EXPECT_EQ(message.name, (std::vector<std::string>{"gold_grasp", "gold_jaw1", "gold_jaw2"}));
+  EXPECT_EQ(message.position, (std::vector<double>{1.0, 0.25, 0.75}));
+  EXPECT_EQ(message.velocity, (std::vector<double>{2.0, 0.5, 1.5}));
+  EXPECT_EQ(message.effort.size(), 3U);
 }
 
 /** What is told of a pose asks for that pose. */

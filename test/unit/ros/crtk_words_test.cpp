@@ -118,6 +118,18 @@ TEST_F(CrtkInboxTest, CommandsGoToTheLoopInOrderEachWithANumberOfItsOwn) {
   EXPECT_EQ(inbox.counts().lost, 0U);
 }
 
+TEST_F(CrtkInboxTest, AMessageOfArmAndJawsIsTwoCommands) {
+  CrtkAsked asked = readPlain(Arm::kGold, ServoKind::kServoJoints);
+  asked.jaw = readPlain(Arm::kGold, ServoKind::kServoJaw).command;
+  EXPECT_EQ(inbox.take(asked), "");
+  ServoCommand first, second;
+  ASSERT_TRUE(state->servo_commands.tryPop(&first));
+  ASSERT_TRUE(state->servo_commands.tryPop(&second));
+  EXPECT_EQ(first.kind, ServoKind::kServoJoints);
+  EXPECT_EQ(second.kind, ServoKind::kServoJaw);
+  EXPECT_NE(first.id, second.id);
+}
+
 TEST_F(CrtkInboxTest, WhatFindsNoRoomIsSaidAndCounted) {
   while (inbox.counts().lost == 0 && inbox.counts().passed_on < 10000)
     inbox.take(readPlain(Arm::kGold, ServoKind::kHold));
