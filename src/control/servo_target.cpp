@@ -122,10 +122,10 @@ ServoTarget::ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, 
 void ServoTarget::startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept {
   X_ = X_BT;
   q_ = q;
-  opening_ = opening;
+  opening_ = std::clamp(opening, kMinOpening, kMaxOpening);
   if (motion_ == Motion::kMove) beginMove();
   if (!moves_jaw_) return;
-  jaw_.from = opening;
+  jaw_.from = opening_;
   jaw_.elapsed = 0;
 }
 
@@ -139,7 +139,7 @@ void ServoTarget::keepTo(const Pose& X_BT, const JointArray& q, double opening) 
     if (motion_ == Motion::kMove) beginMove();
   }
   if (std::abs(opening_ - opening) <= kLeashJaw) return;
-  opening_ = opening;
+  opening_ = std::clamp(opening, kMinOpening, kMaxOpening);
   moves_jaw_ = false;
 }
 

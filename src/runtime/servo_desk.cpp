@@ -93,8 +93,10 @@ void ServoDesk::observe(const ServoStand& stand) noexcept {
   }
 }
 
-/** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows. */
+/** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows. Or it
+ * never began, and would be something else now: a request of the same tick came first. */
 bool ServoDesk::hasLostPedal(const ServoStand& stand) const noexcept {
+  if (!isHeld(stand.mode) && !stand.teleoperates) return true;
   if (!presses_ || !isHeld(stand_.mode)) return false;
   const bool has_parted = stand_.linked && !stand.linked;
   const bool is_refused = stand_.applies && !stand.applies;

@@ -90,6 +90,7 @@ void allCommands(ModeDriver* d, ServoClient* client) {
   client->rest(20, /*console_pedal=*/true);
   client->rest(20);
   d->ask(RequestKind::kEmergencyStop);
+  client->rest(2);
   client->enable();
   client->send(StateCommand::kDisable);
   client->rest(50);

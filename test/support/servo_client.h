@@ -63,9 +63,9 @@ class ServoClient {
     while (rig.shared->servo_refused.tryPop(&last))
       ++refusals;
   }
-  /** Until the set point may move. @return whether it may. */
+  /** Until the set point may move; after a pause goes on. @return whether it may. */
   bool enable() {
-    send(StateCommand::kEnable);
+    send(state().state == OperatingState::kPaused ? StateCommand::kResume : StateCommand::kEnable);
     for (int i = 0; i < 3000; ++i) {
       rest(1);
       const ModelState model = rig.model();

@@ -570,6 +570,8 @@ SessionMetrics makeResult() {
   result.counts.master.applied = 97;
   result.counts.master.rejected[static_cast<std::size_t>(Reject::kDuplicate)] = 3;
   result.counts.master_used = 90;
+  result.counts.master_overruled = 5;
+  result.counts.servo_made = 12;
   result.counts.relay_sent = 88;
   result.counts.relay.received = 87;
   result.counts.relay.applied = 87;
@@ -602,6 +604,8 @@ TEST(MetricsFile, HoldsEveryFigure) {
   EXPECT_EQ(master.at("received"), 100);
   EXPECT_EQ(master.at("applied"), 97);
   EXPECT_EQ(master.at("used"), 90);
+  EXPECT_EQ(master.at("overruled"), 5);
+  EXPECT_EQ(master.at("made_of_clients"), 12);
   EXPECT_EQ(master.at("rejected").at("duplicate"), 3);
   EXPECT_EQ(master.at("rejected").size(), kRejectCount - 1) << "all reasons but none";
   EXPECT_EQ(json.at("packets").at("daemon_to_robot").at("sent"), 88);
