@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""A client of the Raven's own branch `crtk`, with the types, frames and lengths that raven2_CRTK_Python_controller has."""
+import math
+import unittest
+
+import rospy
+import rostest
+from crtk_test import OperatingState, StringStamped, until, vector
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import JointState
+
+OperatingState._type = "crtk_msgs/operating_state"  # the retired name of the same fields: rospy compares names
+RATE = 200  # Hz
+
+
+def turned(name, v):
+    """From the arm's base to the branch's frame: T_crtk_in_r0 of its crtk_motion_api.cpp."""
+    x, y, z = v
+    return (-y, -z, x) if name == "arm1" else (y, z, x)
+
+
+def transform_of(pose):
+    return pose.transform.translation
+
+
+class CrtkRaven(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("crtk_raven_test", disable_signals=True)
+        cls.states = []
+        cls.subscriber = rospy.Subscriber("/arm1/operating_state", OperatingState, cls.states.append)
+        kinds = {"/arm1/state_command": StringStamped, "/arm1/servo_cp": TransformStamped, "/arm1/servo_cr": TransformStamped,
+                 "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/grasp1/servo_jr": JointState}
+        cls.say = {topic: rospy.Publisher(topic, kind, queue_size=100) for topic, kind in kinds.items()}
+        until(lambda: all(p.get_num_connections() for p in cls.say.values()) and cls.states, 40, "all topics")
+        cls.say["/arm1/state_command"].publish(StringStamped(string="enable"))
+        until(lambda: cls.states[-1].state == "ENABLED" and cls.states[-1].is_homed and not cls.states[-1].is_busy, 40, "homed")
+        rospy.sleep(1.5)
+
+    def next(self, topic, kind):
+        return rospy.wait_for_message(topic, kind, 5)
+
+    def stream(self, topic, message, count):
+        rate = rospy.Rate(RATE)
+        for _ in range(count):
+            self.say[topic].publish(message)
+            rate.sleep()
+        rospy.sleep(1.5)
+
+    def test_1_increments_go_along_the_axes_of_the_turned_base(self):
+        by = TransformStamped()
+        by.transform.translation.z, by.transform.rotation.w = 2e-5, 1.0  # x of the base: up
+        for arm in ("arm1", "arm2"):
+            measured = self.next(f"/{arm}/measured_cp", TransformStamped)
+            wanted = self.next(f"/{arm}/setpoint_cp", TransformStamped)
+            off = math.dist(turned(arm, vector(transform_of(wanted))), vector(transform_of(measured)))
+            self.assertLess(off, 5e-4, "setpoint_cp is in the base itself")
+            self.stream(f"/{arm}/servo_cr", by, 200)
+            now = self.next(f"/{arm}/measured_cp", TransformStamped)
+            moved = [b - a for a, b in zip(vector(transform_of(measured)), vector(transform_of(now)))]
+            print(f"{arm}: 4 mm asked for, moved by", ", ".join(f"{1e3 * m:.3f}" for m in moved), "mm")
+            self.assertLess(math.dist(moved, (0.0, 0.0, 4e-3)), 1e-3)
+
+    def test_2_a_pose_that_was_told_can_be_asked_for(self):
+        goal = self.next("/arm1/measured_cp", TransformStamped)
+        goal.transform.translation.z -= 2e-3
+        self.stream("/arm1/servo_cp", goal, 50)
+        now = self.next("/arm1/measured_cp", TransformStamped)
+        self.assertLess(math.dist(vector(transform_of(goal)), vector(transform_of(now))), 7e-4)
+
+    def test_3_joints_are_seven_and_more_of_an_increment_count_for_nothing(self):
+        before = self.next("/arm1/measured_js", JointState)
+        self.assertEqual((before.name[0], before.name[6], len(before.position)), ("gold_shoulder", "gold_jaw2", 7))
+        steps = [0.0] * 15
+        steps[0], steps[5], steps[6] = 0.0005, -0.001, -0.001  # graspers both: the jaws close by 0.002
+        self.stream("/arm1/servo_jr", JointState(position=steps), 100)
+        after = self.next("/arm1/measured_js", JointState)
+        self.assertAlmostEqual(after.position[0] - before.position[0], 0.05, delta=5e-3)
+        opening = [sum(m.position[5:7]) for m in (before, after)]
+        self.assertAlmostEqual(opening[1] - opening[0], -0.2, delta=0.02)
+        self.stream("/grasp1/servo_jr", JointState(position=[0.002]), 100)
+        grasp = self.next("/grasp1/measured_js", JointState)
+        self.assertEqual(list(grasp.name), ["gold_grasp", "gold_jaw1", "gold_jaw2"])
+        self.assertAlmostEqual(grasp.position[0], opening[0], delta=0.03)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("raven2_trainer", "crtk_raven", CrtkRaven)
