@@ -19,9 +19,9 @@ Contact contact(std::uint16_t a, std::uint16_t b, const Vec3& p_W, const Vec3& f
   return c;
 }
 
-ContactList listOf(const std::vector<Contact>& contacts) {
+ContactList listOf(const std::vector<Contact>& all) {
   ContactList list;
-  for (const Contact& c : contacts)
+  for (const Contact& c : all)
     list.contacts[list.count++] = c;
   return list;
 }
