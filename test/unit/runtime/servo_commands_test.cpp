@@ -195,7 +195,7 @@ TEST_F(ServoCommands, LeadTheMappingToTheJointsThatWereAskedFor) {
     ServoCommand command;
     command.kind = ServoKind::kServoJoints;
     command.arm = arm;
-    const ServoJoints& q = at(state().arms, arm).setpoint_q;
+    const ServoJoints q = at(state().arms, arm).setpoint_q;
     command.joints = {q[0] + 0.03, q[1] - 0.04, q[2] - 0.005, q[3] + 0.2, q[4] - 0.15, q[5] + 0.1};
     at(to, arm) = command.joints;
     EXPECT_EQ(ask(command), ServoRefusal::kNone);
