@@ -1,0 +1,414 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <memory>
+
+#include "raven2_trainer/control/axis_map.h"
+#include "raven2_trainer/control/mode_table.h"
+#include "raven2_trainer/runtime/servo_desk.h"
+
+// What the desk of CRTK clients gives to a loop that has nothing but the arms' mapping and the mode table.
+
+namespace raven2_trainer::runtime {
+namespace {
+
+using control::Event;
+
+constexpr double kDegree = kPi / 180.0;
+
+TrainerConfig configuration() {
+  TrainerConfig c;
+  ArmGeometry& g = c.arms.geometry;
+  g.d4 = -0.47;
+  g.lw = 0.013;
+  g.q_min = {0, 45 * kDegree, 0.23, -182 * kDegree, -70 * kDegree, -105 * kDegree, -105 * kDegree};
+  g.q_max = {90 * kDegree, 135 * kDegree, 0.56, 182 * kDegree, 70 * kDegree, 105 * kDegree, 105 * kDegree};
+  g.home = {30 * kDegree, 90 * kDegree, 0.36, 0.2, 0.1, 35 * kDegree, 45 * kDegree};
+  c.network.itp.max_increment_um = 2000;
+  c.network.itp.max_rotation = 0.1;
+  c.network.itp.master_timeout = 0.2;
+  c.crtk.max_speed = 0.1;
+  c.crtk.max_turn_rate = 2.0;
+  c.crtk.max_step = 0.02;
+  c.crtk.max_step_turn = 0.4;
+  c.crtk.move_speed = 0.04;
+  c.crtk.move_turn_rate = 0.5;
+  c.crtk.twist_timeout = 0.1;
+  c.crtk.release_after = 1.0;
+  return c;
+}
+
+double apart(const Vec3& a, const Vec3& b) {
+  return (toEigen(a) - toEigen(b)).norm();
+}
+
+class ServoCommands : public ::testing::Test {
+ protected:
+  ServoCommands() {
+    stand.is_healthy = stand.applies = true;
+    tick();
+  }
+
+  /** One millisecond; the console's pedal is up, down, or nothing is heard of it. */
+  enum class Heard { kUp, kDown, kNothing };
+  void tick(Heard console = Heard::kUp) {
+    stand.mode = mode;
+    stand.teleoperates =
+        mode == Mode::kTeleoperating || control::nextMode(mode, Event::kPedalPressed) == Mode::kTeleoperating;
+    stand.is_taken = false;
+    MasterCommand command;
+    command.pedal = console == Heard::kDown ? 1 : 0;
+    if (console != Heard::kNothing && desk.overrules(command)) {
+      ++overruled;
+    } else if (console != Heard::kNothing) {
+      desk.hear(command);
+      pedal = command.pedal != 0;
+      stand.is_taken = true;
+    }
+    increments = MasterCommand{};
+    made = desk.next(stand, mappers, &command);
+    if (made) {
+      EXPECT_FALSE(stand.is_taken && command.pedal != 0) << "a press behind a release of the same tick is lost";
+      pedal = command.pedal != 0;
+      under_way.push_back(command);
+    }
+    while (under_way.size() > delay) {
+      take(under_way.front());
+      under_way.pop_front();
+    }
+    while (desk.takeRequest(&asked) && asked.kind == RequestKind::kClearStop && mode == Mode::kStopped)
+      mode = Mode::kPedalUp;
+    if (in_tick) in_tick();
+    press();
+    for (const Arm arm : kArms) {
+      const bool moves = mode == Mode::kTeleoperating && stand.applies;
+      if (moves)
+        at(mappers, arm)
+            .add(at(increments.dp_I, arm), at(increments.dq_I, arm), at(increments.dgrasp, arm),
+                 at(mappers, arm).desired());
+    }
+    desk.publish(++ticks, 0, {mappers[0].desired(), mappers[1].desired()});
+    while (shared->servo_refused.tryPop(&refused)) {
+    }
+  }
+  void tick(int count, Heard console = Heard::kUp) {
+    for (int i = 0; i < count; ++i)
+      tick(console);
+  }
+
+  void take(const MasterCommand& command) {
+    increments = command;
+    for (const Arm arm : kArms) {
+      for (const double d : at(command.dp_I, arm))
+        EXPECT_NEAR(d * 1e6, std::round(d * 1e6), 1e-6) << "whole micrometres";
+      EXPECT_NEAR(at(command.dgrasp, arm) * 1e3, std::round(at(command.dgrasp, arm) * 1e3), 1e-9);
+    }
+  }
+
+  void press() {
+    if (pedal && !pedal_before) mode = control::nextMode(mode, Event::kPedalPressed);
+    if (!pedal && pedal_before) mode = control::nextMode(mode, Event::kPedalReleased);
+    pedal_before = pedal;
+  }
+
+  ServoRefusal ask(ServoCommand command) {
+    command.id = ++id;
+    EXPECT_TRUE(shared->servo_commands.tryPush(command));
+    tick();
+    return refused.id == id ? refused.reason : ServoRefusal::kNone;
+  }
+  ServoRefusal ask(StateCommand state) {
+    ServoCommand command;
+    command.kind = ServoKind::kState;
+    command.state = state;
+    return ask(command);
+  }
+  ServoRefusal askPose(ServoKind kind, const Vec3& by, Arm arm = Arm::kGold) {
+    ServoCommand command;
+    command.kind = kind;
+    command.arm = arm;
+    command.pose_B = at(state().arms, arm).setpoint_B;
+    for (std::size_t i = 0; i < 3; ++i)
+      command.pose_B.p[i] += by[i];
+    goal = command.pose_B;
+    return ask(command);
+  }
+  void enable() {
+    ASSERT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
+    tick(2);
+    ASSERT_EQ(mode, Mode::kTeleoperating);
+  }
+
+  ServoState state() const { return shared->servo.load(); }
+  Vec3 tip() const { return state().arms[0].setpoint_B.p; }
+
+  const TrainerConfig config = configuration();
+  std::unique_ptr<SharedState> shared = std::make_unique<SharedState>();
+  ServoDesk desk{config, shared.get()};
+  PerArm<control::TeleopMapper> mappers{control::TeleopMapper(config.arms.geometry, Arm::kGold),
+                                        control::TeleopMapper(config.arms.geometry, Arm::kGreen)};
+  ServoStand stand;
+  Mode mode{Mode::kPedalUp};
+  bool pedal{false}, pedal_before{false}, made{false};
+  MasterCommand increments;
+  std::deque<MasterCommand> under_way;
+  std::size_t delay{0};  ///< [ticks] that commands take to the mapping
+  std::function<void()> in_tick;
+  Request asked;
+  RigidPose goal;
+  ServoRefused refused;
+  std::uint32_t id{0};
+  int overruled{0};
+  Tick ticks{0};
+};
+
+TEST_F(ServoCommands, FollowTheStates) {
+  EXPECT_EQ(state().state, OperatingState::kDisabled);
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNotEnabled);
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kInvalid);
+  enable();
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  EXPECT_EQ(state().holds_pedal, 1);
+  EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kNone);
+  EXPECT_FALSE(pedal);
+  EXPECT_EQ(mode, Mode::kPedalUp);
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kInvalid);
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+  tick(2);
+  EXPECT_TRUE(pedal);
+  EXPECT_EQ(ask(StateCommand::kDisable), ServoRefusal::kNone);
+  EXPECT_EQ(state().state, OperatingState::kDisabled);
+  EXPECT_FALSE(pedal);
+  EXPECT_EQ(ask(StateCommand::kUnhome), ServoRefusal::kNotOffered);
+  EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kNone);
+  EXPECT_EQ(state().received, 9U);
+  EXPECT_EQ(state().refused, 4U);
+  EXPECT_EQ(state().applied, 5U);
+}
+
+TEST_F(ServoCommands, LeadTheMappingToTheJointsThatWereAskedFor) {
+  enable();
+  PerArm<ServoJoints> to{};
+  for (const Arm arm : kArms) {
+    ServoCommand command;
+    command.kind = ServoKind::kServoJoints;
+    command.arm = arm;
+    const ServoJoints q = at(state().arms, arm).setpoint_q;
+    command.joints = {q[0] + 0.03, q[1] - 0.04, q[2] - 0.005, q[3] + 0.2, q[4] - 0.15, q[5] + 0.1};
+    at(to, arm) = command.joints;
+    EXPECT_EQ(ask(command), ServoRefusal::kNone);
+  }
+  tick(500);
+  for (const Arm arm : kArms) {
+    for (std::size_t j = 0; j < kServoJointCount; ++j)
+      EXPECT_NEAR(at(state().arms, arm).setpoint_q[j], at(to, arm)[j], 1e-4) << j;
+  }
+}
+
+TEST_F(ServoCommands, MoveTheTipStraightAndMeetTheGoalToAMicrometre) {
+  enable();
+  const Vector3 from = toEigen(tip());
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.01, 0.015, -0.02}), ServoRefusal::kNone);
+  const Vector3 way = (toEigen(goal.p) - from).normalized();
+  double fastest = 0.0;
+  int busy = 0;
+  for (; state().arms[0].is_busy != 0 && busy < 10000; ++busy) {
+    const Vec3 before = tip();
+    tick();
+    fastest = std::max(fastest, apart(tip(), before));
+    const Vector3 gone = toEigen(tip()) - from;
+    ASSERT_LT((gone - gone.dot(way) * way).norm(), 2e-6);
+  }
+  EXPECT_NEAR(busy, 1262, 3) << "15/8 x 26.93 mm / 40 mm/s";
+  EXPECT_LT(apart(tip(), goal.p), 1e-6);
+  EXPECT_LT(fastest, 43e-6);
+  EXPECT_EQ(apart(state().arms[1].goal_B.p, state().arms[1].setpoint_B.p), 0.0);
+}
+
+TEST_F(ServoCommands, OfTheJawsAreWholeMilliradians) {
+  enable();
+  ServoCommand command;
+  command.kind = ServoKind::kMoveJaw;
+  command.jaw = 0.6504;
+  EXPECT_EQ(ask(command), ServoRefusal::kNone);
+  tick(3200);
+  EXPECT_NEAR(state().arms[0].setpoint_jaw, 0.6504, 0.5e-3 + 1e-9);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
+  const double there = state().arms[0].setpoint_jaw;
+  tick(100);
+  EXPECT_EQ(state().arms[0].setpoint_jaw, there) << "and it rests";
+}
+
+TEST_F(ServoCommands, GiveWayToTheConsole) {
+  enable();
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone);
+  tick(200);
+  EXPECT_GT(overruled, 200);
+  const int before = overruled;
+  tick(Heard::kDown);
+  EXPECT_FALSE(made);
+  EXPECT_EQ(mode, Mode::kTeleoperating) << "without a break";
+  const Vec3 taken = tip();
+  tick(50, Heard::kDown);
+  EXPECT_LT(apart(tip(), taken), 1e-9);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  EXPECT_EQ(state().holds_pedal, 0);
+  ServoCommand command;
+  command.kind = ServoKind::kState;
+  command.state = StateCommand::kDisable;
+  command.id = ++id;
+  shared->servo_commands.tryPush(command);
+  tick(Heard::kDown);
+  EXPECT_EQ(refused.id, id);
+  EXPECT_EQ(refused.reason, ServoRefusal::kConsole);
+  tick(3, Heard::kUp);
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_EQ(overruled, before);
+  tick(50, Heard::kDown);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  tick(198, Heard::kNothing);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  tick(2, Heard::kNothing);
+  EXPECT_EQ(state().state, OperatingState::kPaused) << "0.2 s of silence";
+}
+
+TEST_F(ServoCommands, EndWhenTheRobotNoLongerFollows) {
+  stand.linked = true;
+  enable();
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone);
+  tick(100);
+  stand.applies = false;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_FALSE(pedal);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
+  stand.applies = true;
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+  tick(2);
+  const Vec3 here = tip();
+  tick(100);
+  EXPECT_LT(apart(tip(), here), 1e-9) << "what was asked for is forgotten";
+  stand.linked = false;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused) << "it is gone, or disengaged";
+}
+
+TEST_F(ServoCommands, WaitForARobotThatDoesNotTakeThemYet) {
+  stand.applies = false;
+  enable();
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.004, 0.0, 0.0}), ServoRefusal::kNone);
+  const Vec3 here = tip();
+  tick(300);
+  EXPECT_LT(apart(tip(), here), 1e-9);
+  stand.applies = true;
+  tick(250);
+  EXPECT_LT(apart(tip(), goal.p), 1e-6);
+}
+
+TEST_F(ServoCommands, AreRefusedWithTheReasonThatHolds) {
+  stand.robot_there = true;
+  stand.robot_stopped = true;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kFault);
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
+  EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kRobotStop);
+  EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kInvalid);
+  EXPECT_EQ(refused.in, OperatingState::kFault);
+  stand.robot_stopped = false;  // it homes
+  EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kNone);
+  EXPECT_EQ(state().state, OperatingState::kDisabled);
+  EXPECT_EQ(state().is_homed, 0);
+  EXPECT_EQ(state().arms[1].is_busy, 1);
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNotHomed);
+  stand.robot_homed = stand.robot_ready = true;
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNone);
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {1.0, 0.0, 0.0}), ServoRefusal::kTooFar);
+  EXPECT_EQ(refused.arm, Arm::kGold);
+  EXPECT_EQ(refused.limit, 0.02);
+  mode = Mode::kCameraMoving;
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kMode);
+  mode = Mode::kTrialHeld;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kMode);
+  stand.is_healthy = false;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kFault);
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kMode);
+}
+
+TEST_F(ServoCommands, ClearAStopThatWasAskedFor) {
+  enable();
+  mode = Mode::kStopped;
+  stand.stop_asked = true;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kDisabled);
+  EXPECT_FALSE(pedal);
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
+  EXPECT_FALSE(pedal) << "it is cleared with the pedal up";
+  EXPECT_EQ(mode, Mode::kPedalUp);
+  stand.stop_asked = false;
+  tick(2);
+  EXPECT_EQ(mode, Mode::kTeleoperating);
+  mode = Mode::kStopped;  // by the robot, which starts again
+  tick();
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
+}
+
+TEST_F(ServoCommands, DoNotPressWhereAnotherModeBeganInTheSameTick) {
+  in_tick = [this] { mode = Mode::kTrialHeld; };
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
+  in_tick = nullptr;
+  tick(3);
+  EXPECT_FALSE(pedal);
+  EXPECT_EQ(mode, Mode::kTrialHeld);
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+}
+
+TEST_F(ServoCommands, LetGoOfThePedalAfterTheirSilence) {
+  enable();
+  tick(900);
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone) << "1.41 s";
+  tick(1300);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  tick(1000);
+  EXPECT_EQ(state().state, OperatingState::kEnabled) << "a second after its end";
+  tick(200);
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_FALSE(pedal);
+}
+
+TEST_F(ServoCommands, ThatAreKeptBackAreNotSentTwice) {
+  enable();
+  delay = 20;
+  stand.keeps_back = true;
+  tick(25);
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {0.01, 0.0, 0.0}), ServoRefusal::kNone);
+  double farthest = 0.0;
+  const Vec3 from = tip();
+  for (int i = 0; i < 400; ++i) {
+    tick();
+    farthest = std::max(farthest, apart(tip(), from));
+  }
+  EXPECT_NEAR(farthest, 0.01, 1e-6) << "or it would go past";
+  EXPECT_LT(apart(tip(), goal.p), 1e-6);
+}
+
+TEST_F(ServoCommands, AreServedInOrderHoweverManyCome) {
+  enable();
+  ServoCommand command;
+  command.kind = ServoKind::kServoPoseBy;
+  command.pose_B.p = {5e-5, 0.0, 0.0};
+  const double from = tip()[0];
+  for (int i = 0; i < 100; ++i)
+    ASSERT_TRUE(shared->servo_commands.tryPush(command));
+  tick(300);
+  EXPECT_NEAR(tip()[0] - from, 100 * 5e-5, 1e-6) << "every one counts";
+  EXPECT_EQ(state().refused, 0U);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::runtime
