@@ -179,8 +179,7 @@ void checkInputs(const Section& root, const MasterConfig& c) {
     throw ConfigException(root.where("gripper") + ": family joy has no joint");
   const bool left_is_asked = c.pedal_from == PedalFrom::kLeft && !c.devices[0].is_used;
   const bool right_is_asked = c.pedal_from == PedalFrom::kRight && !c.devices[1].is_used;
-  if (left_is_asked || right_is_asked)
-    throw ConfigException(root.where("pedal") + " is of a device that is not there");
+  if (left_is_asked || right_is_asked) throw ConfigException(root.where("pedal") + " is of a device that is not there");
 }
 
 }  // namespace

@@ -178,7 +178,15 @@ class DeviceHands : public MotionSource {
       const bool is_connecting = found.trouble == DeviceTrouble::kNeverHeard && now_ < kConnecting;
       const bool is_late_news = found.trouble == DeviceTrouble::kNeverHeard && now_ == kConnecting;
       if ((found.trouble != before.trouble && !is_connecting) || is_late_news) note(arm, found);
+      noteLock(arm);
     }
+  }
+
+  /** Told, but nothing to stop for: not all drivers that say so hold the device. */
+  void noteLock(Arm arm) noexcept {
+    const bool is_locked = at(samples_, arm).is_locked != 0;
+    if (is_locked && !at(locked_, arm)) note(arm, {DeviceTrouble::kLocked, 0.0});
+    at(locked_, arm) = is_locked;
   }
 
   void note(Arm arm, const DeviceFinding& finding) noexcept {
@@ -244,6 +252,7 @@ class DeviceHands : public MotionSource {
   MasterReport report_;
   Tick now_{0};
   bool engaged_{false}, refused_{false};
+  PerArm<bool> locked_{};
 };
 
 }  // namespace

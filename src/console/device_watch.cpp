@@ -7,9 +7,9 @@ namespace raven2_trainer::console {
 namespace {
 
 constexpr double kThousand = 1000.0;
-constexpr double kTiny = 1.0 / 500.0;     ///< of reach and workspace: less than a hand ever shows, unless it is of metres
-constexpr double kWidest = 5.0;           ///< workspaces: the mechanics go beyond the nominal one, but not as far
-constexpr double kUnitTolerance = 0.02;   ///< as for the quaternions of ITP
+constexpr double kTiny = 1.0 / 500.0;  ///< of reach and workspace: less than a hand ever shows, unless it is of metres
+constexpr double kWidest = 5.0;        ///< workspaces: the mechanics go beyond the nominal one, but not as far
+constexpr double kUnitTolerance = 0.02;  ///< as for the quaternions of ITP
 
 bool isFinite(const DeviceSample& sample, bool orientation) noexcept {
   return toEigen(sample.position).allFinite() && (!orientation || std::isfinite(toEigen(sample.orientation).norm()));
@@ -33,7 +33,6 @@ DeviceFinding DeviceWatch::look(const DeviceSample& sample, bool engaged) noexce
   if (poses_ == 0) return {DeviceTrouble::kNeverHeard, 0.0};
   if (age_ > config_.silent_after) return {DeviceTrouble::kSilent, age_};
   if (sample.is_ready == 0) return {DeviceTrouble::kNotReady, 0.0};
-  if (sample.is_locked != 0) return {DeviceTrouble::kLocked, 0.0};
   if (found_.trouble != DeviceTrouble::kNone) return found_;
   if (has_pose_ && config_.frozen_after > 0.0 && unchanged_ > config_.frozen_after)
     return {DeviceTrouble::kFrozen, unchanged_};
@@ -42,7 +41,8 @@ DeviceFinding DeviceWatch::look(const DeviceSample& sample, bool engaged) noexce
 
 DeviceFinding DeviceWatch::judge(const DeviceSample& sample) const noexcept {
   if (!has_pose_) {
-    const bool is_finite = std::all_of(sample.axes.begin(), sample.axes.end(), [](double a) { return std::isfinite(a); });
+    const bool is_finite =
+        std::all_of(sample.axes.begin(), sample.axes.end(), [](double a) { return std::isfinite(a); });
     return {is_finite ? DeviceTrouble::kNone : DeviceTrouble::kNotFinite, 0.0};
   }
   if (!isFinite(sample, config_.orientation)) return {DeviceTrouble::kNotFinite, 0.0};

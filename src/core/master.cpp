@@ -50,7 +50,9 @@ std::string wordsOfStates(const DeviceTopics& topics, const DeviceFinding& findi
     case DeviceTrouble::kNotReady:
       return topics.operating_state + " is not ENABLED and homed: enable and home the device";
     case DeviceTrouble::kLocked:
-      return "its driver holds it locked (the white button of omni_msgs drivers): no force will be felt";
+      return "its driver says that it is locked (the white button of omni_msgs drivers): where it then holds the "
+             "device, no "
+             "other force is felt";
     case DeviceTrouble::kNeverMoved:
       return "its pose has not changed since the start: calibrate it (inkwell), or its driver hangs";
     case DeviceTrouble::kFrozen:

@@ -54,27 +54,27 @@ struct DeviceTopics {
   std::string gripper;               ///< sensor_msgs/JointState, its first joint
   std::string operating_state;       ///< crtk_msgs/OperatingState
   std::string force;
-  std::string force_absolute;         ///< std_msgs/Bool: told true, once, for forces in the axes of the base
-  std::array<int, 3> sticks{};        ///< axes of a Joy that are velocities along x, y, z
-  int gripper_input{-1};              ///< number of the button or of the Joy's axis; -1 none
+  std::string force_absolute;   ///< std_msgs/Bool: told true, once, for forces in the axes of the base
+  std::array<int, 3> sticks{};  ///< axes of a Joy that are velocities along x, y, z
+  int gripper_input{-1};        ///< number of the button or of the Joy's axis; -1 none
 };
 
 /** A file of config/masters. */
 struct MasterConfig {
   std::string name;
   DeviceFamily family{DeviceFamily::kOmni};
-  PerArm<DeviceTopics> devices;  ///< left is gold, right is green
-  double scale{};                ///< [-] motion of the tool to that of the device
-  double metres_per_unit{1.0};   ///< [m] of the positions that the driver publishes
-  AxisMap axes{};                ///< of positions and forces
-  bool orientation{false};       ///< turns count, too
-  AxisMap turn_axes{};           ///< of orientations
-  Vec3 workspace{};              ///< [m] size of the device's workspace along its x, y, z
-  double reach{};                ///< [m] no position is farther from the device's origin
-  double max_speed{}, max_jump{};  ///< [m/s], [m] more than both together from one pose to the next is a jump
-  double watch{};                  ///< [s] poses are looked at before the first pedal-down counts
-  double silent_after{};           ///< [s]
-  double frozen_after{};           ///< [s] with the same pose, engaged; 0 never
+  PerArm<DeviceTopics> devices;       ///< left is gold, right is green
+  double scale{};                     ///< [-] motion of the tool to that of the device
+  double metres_per_unit{1.0};        ///< [m] of the positions that the driver publishes
+  AxisMap axes{};                     ///< of positions and forces
+  bool orientation{false};            ///< turns count, too
+  AxisMap turn_axes{};                ///< of orientations
+  Vec3 workspace{};                   ///< [m] size of the device's workspace along its x, y, z
+  double reach{};                     ///< [m] no position is farther from the device's origin
+  double max_speed{}, max_jump{};     ///< [m/s], [m] more than both together from one pose to the next is a jump
+  double watch{};                     ///< [s] poses are looked at before the first pedal-down counts
+  double silent_after{};              ///< [s]
+  double frozen_after{};              ///< [s] with the same pose, engaged; 0 never
   double stick_speed{}, dead_band{};  ///< [m/s] of the hand at an axis' end, [-] of an axis
   PedalFrom pedal_from{PedalFrom::kAny};
   int pedal_button{};
@@ -93,13 +93,13 @@ struct DeviceSample {
   std::uint32_t poses{};  ///< messages so far
   Vec3 position{};        ///< the device's units and axes
   Quat orientation{kIdentityQuat};
-  std::uint32_t buttons{};        ///< bit i: button i is held
-  std::uint32_t axis_count{};     ///< of a Joy
-  std::array<double, 8> axes{};   ///< of a Joy
-  double gripper{};               ///< reading of the gripper's joint
-  std::uint8_t has_gripper{};     ///< 1: one has come
-  std::uint8_t is_ready{1};       ///< 0: its operating state says that it is not enabled and homed
-  std::uint8_t is_locked{};       ///< 1: the driver holds it where it is
+  std::uint32_t buttons{};       ///< bit i: button i is held
+  std::uint32_t axis_count{};    ///< of a Joy
+  std::array<double, 8> axes{};  ///< of a Joy
+  double gripper{};              ///< reading of the gripper's joint
+  std::uint8_t has_gripper{};    ///< 1: one has come
+  std::uint8_t is_ready{1};      ///< 0: its operating state says that it is not enabled and homed
+  std::uint8_t is_locked{};      ///< 1: the driver holds it where it is
 };
 
 /** The pedal of a topic of its own. */
@@ -118,7 +118,7 @@ enum class DeviceTrouble : std::uint8_t {
   kNeverHeard,     ///< no pose has come
   kSilent,         ///< [s] none comes any more
   kNotReady,       ///< the operating state is not enabled and homed
-  kLocked,         ///< the driver holds the device
+  kLocked,         ///< the driver says that it holds the device; told, and nothing more
   kNotFinite,      ///< a number of the pose is none
   kNotUnit,        ///< [-] norm of the quaternion
   kMillimetres,    ///< [m] positions so large that they must be millimetres
@@ -140,12 +140,12 @@ struct DeviceFinding {
 
 /** What the hands on the devices have to tell. */
 struct MasterReport {
-  std::uint8_t pedal{};             ///< 1: it is held
-  std::uint8_t engaged{};           ///< 1: and it counts
-  PerArm<std::uint32_t> found{};    ///< findings so far that were none a tick before, or that a pedal-down met
-  PerArm<DeviceFinding> newest{};   ///< of these
+  std::uint8_t pedal{};            ///< 1: it is held
+  std::uint8_t engaged{};          ///< 1: and it counts
+  PerArm<std::uint32_t> found{};   ///< findings so far that were none a tick before, or that a pedal-down met
+  PerArm<DeviceFinding> newest{};  ///< of these
   PerArm<DeviceFinding> now{};
-  PerArm<double> hand_force{};      ///< [N] that each device is told
+  PerArm<double> hand_force{};  ///< [N] that each device is told
 };
 static_assert(std::is_trivially_copyable<DeviceSample>::value && std::is_trivially_copyable<MasterReport>::value,
               "cross threads");
