@@ -211,7 +211,7 @@ class DeviceHands : public MotionSource {
 
   bool isWrong() const noexcept {
     return std::any_of(report_.now.begin(), report_.now.end(),
-                       [](const DeviceFinding& found) { return found.trouble != DeviceTrouble::kNone; });
+                       [](const DeviceFinding& found) { return liftsPedal(found.trouble); });
   }
 
   bool isGoodToStart(bool may_move) noexcept {
@@ -229,7 +229,7 @@ class DeviceHands : public MotionSource {
 
   void move(Arm arm, Intent* intent) noexcept {
     DeviceHand& hand = at(hands_, arm);
-    if (isUsed(arm) && at(report_.now, arm).trouble == DeviceTrouble::kNone) hand.follow(at(samples_, arm), engaged_);
+    if (isUsed(arm) && !liftsPedal(at(report_.now, arm).trouble)) hand.follow(at(samples_, arm), engaged_);
     at(intent->hand_I, arm) = toArray(hand.hand());
     at(intent->turn_I, arm) = hand.turn();
     at(intent->grasp, arm) = hand.jaws();

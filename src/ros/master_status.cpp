@@ -34,7 +34,7 @@ DiagnosticStatus masterStatus(const MasterConfig& config,
     s.message = "nobody reads " + topic + ": no force will be felt";
   }
   if (now.trouble != DeviceTrouble::kNone) {
-    s.level = DiagnosticStatus::ERROR;
+    s.level = liftsPedal(now.trouble) ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
     s.message = words(config, arm, now);
   }
   s.values = {value("poses_per_second", traffic.pose_rate),

@@ -12,7 +12,8 @@ struct DeviceTraffic {
   std::uint32_t readers{};  ///< of its force
 };
 
-/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if nobody reads its force. */
+/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if they stand still or nobody
+ * reads its force. */
 diagnostic_msgs::DiagnosticStatus masterStatus(const MasterConfig& config,
                                                Arm arm,
                                                const MasterReport& report,

@@ -25,7 +25,7 @@ class DeviceWatch {
  public:
   explicit DeviceWatch(const MasterConfig& config) noexcept;
 
-  /** @return what forbids to use the device in this tick. */
+  /** @return what was found in this tick; liftsPedal() of it forbids to use the device. */
   DeviceFinding look(const DeviceSample& sample, bool engaged) noexcept;
 
   /** What forbids to engage though look() has found nothing. */
@@ -51,7 +51,7 @@ class DeviceWatch {
 
 /**
  * Hands on one or two real devices, or on a gamepad. The pedal counts from a press on that meets nothing wrong: a
- * device that goes silent, jumps, freezes or leaves its workspace lifts it, and it has to be released and pressed anew.
+ * device that goes silent, jumps or leaves its workspace lifts it, and it has to be released and pressed anew.
  * Jaws move, at config.jaw_speed, only while engaged; what a finger does meanwhile they catch up with.
  * `link` must outlive it. Its tick() is real-time safe.
  * @param[in] jaws [rad] opening of each arm's jaws at the start.

@@ -126,10 +126,15 @@ enum class DeviceTrouble : std::uint8_t {
   kMetres,         ///< [m] positions so small that they must be metres
   kJump,           ///< [m] from one pose to the next
   kNeverMoved,     ///< the pose has not changed since the start
-  kFrozen,         ///< [s] it has not while engaged
+  kFrozen,         ///< [s] it has not while engaged; told, and nothing more: one of two devices may rest
   kTooSoon,        ///< poses were not looked at for long enough
   kRobotNotReady,  ///< nobody to move
 };
+
+/** Whether the pedal counts as up with it. */
+constexpr bool liftsPedal(DeviceTrouble trouble) noexcept {
+  return trouble != DeviceTrouble::kNone && trouble != DeviceTrouble::kLocked && trouble != DeviceTrouble::kFrozen;
+}
 
 /** What was found, and the figure that goes with it. */
 struct DeviceFinding {

@@ -31,10 +31,9 @@ class ReportTeller {
  private:
   void tellDevice(Arm arm, const MasterReport& report) {
     const DeviceFinding& newest = at(report.newest, arm);
-    const bool lifts_pedal = newest.trouble != DeviceTrouble::kLocked;
     if (at(report.found, arm) != at(told_.found, arm)) {
       std::fprintf(stderr, "%s%s\n", words(config_, arm, newest).c_str(),
-                   lifts_pedal ? "; the pedal counts as up" : "");
+                   liftsPedal(newest.trouble) ? "; the pedal counts as up" : "");
     }
     const bool was_wrong = at(told_.now, arm).trouble != DeviceTrouble::kNone;
     if (was_wrong && at(report.now, arm).trouble == DeviceTrouble::kNone && at(report.found, arm) > 0)
