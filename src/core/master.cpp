@@ -44,7 +44,7 @@ std::string wordsOfPlaces(const MasterConfig& config, const DeviceFinding& findi
 std::string wordsOfStates(const DeviceTopics& topics, const DeviceFinding& finding) {
   switch (finding.trouble) {
     case DeviceTrouble::kNeverHeard:
-      return "nothing has come on " + topics.pose + ": does its driver run, and under this name?";
+      return "nothing has come on " + topics.pose + " (does its driver run, and under this name?)";
     case DeviceTrouble::kSilent:
       return print("nothing came on %s for %.0f ms", topics.pose.c_str(), 1e3 * finding.value);
     case DeviceTrouble::kNotReady:

@@ -14,7 +14,8 @@
 namespace raven2_trainer::apps {
 namespace {
 
-constexpr double kPoll = 0.05;  // [s]
+constexpr double kPoll = 0.05;     // [s]
+constexpr double kPatience = 2.0;  // [s] for a ROS master, before it is said that there is none
 
 /** Tells what was found since the last look, and when hands engage and let go. */
 class ReportTeller {
@@ -66,6 +67,8 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
     if (waitForSignal(kPoll)) break;
     teller.look(link.report.load());
+    if (time < kPatience && time + kPoll >= kPatience && !ros.met())
+      std::fprintf(stderr, "no ROS master yet: without one there are no devices; waiting\n");
   }
   console.stop();
   ros.end();
