@@ -6,7 +6,9 @@
 namespace raven2_trainer::console {
 namespace {
 
-constexpr Tick kConnecting = 2000;  ///< [ticks] a start in which silence is no news: ROS needs a moment
+constexpr int kLongestSpread = 20;   ///< [ticks] slower drivers than 50 Hz are felt as steps, rather than late
+constexpr double kMaxStep = 0.0019;  ///< [m] of the tool in one packet: less than network.yaml's max_increment_um
+constexpr Tick kConnecting = 2000;   ///< [ticks] a start in which silence is no news: ROS needs a moment
 
 bool isHeld(const DeviceSample& sample, int button) noexcept {
   return button >= 0 && button < 32 && ((sample.buttons >> static_cast<unsigned>(button)) & 1U) != 0;
@@ -25,14 +27,15 @@ class DeviceHand {
         topics_(topics),
         axes_(axisMatrix(config.axes)),
         turn_axes_(axisMatrix(config.turn_axes)),
+        max_step_(kMaxStep / config.scale),
         jaws_(jaws),
         toggled_(jaws) {}
 
   void follow(const DeviceSample& sample, bool engaged) noexcept {
     if (config_.family == DeviceFamily::kJoy) {
       hand_ += axes_ * velocity(sample) * kTickSeconds;
-    } else if (sample.poses != poses_) {
-      followPose(sample);
+    } else {
+      followPoses(sample);
     }
     if (engaged) moveJaws(sample);
     was_held_ = isHeld(sample, topics_.gripper_input);
@@ -43,7 +46,24 @@ class DeviceHand {
   double jaws() const noexcept { return jaws_; }
 
  private:
-  void followPose(const DeviceSample& sample) noexcept {
+  /** A pose is gone to within the time since the one before: a driver of 100 Hz makes no steps of 10 ms. */
+  void followPoses(const DeviceSample& sample) noexcept {
+    ++since_pose_;
+    if (sample.poses != poses_) {
+      aimAt(sample);
+      ticks_left_ = std::clamp(since_pose_, 1, kLongestSpread);
+      since_pose_ = 0;
+    }
+    const double share = 1.0 / ticks_left_;
+    Vector3 step = share * (target_ - hand_);
+    const double largest = step.cwiseAbs().maxCoeff();
+    if (largest > max_step_) step *= max_step_ / largest;
+    hand_ += step;
+    turn_ = ticks_left_ == 1 ? target_turn_ : toArray(toEigen(turn_).slerp(share, toEigen(target_turn_)));
+    ticks_left_ = std::max(ticks_left_ - 1, 1);
+  }
+
+  void aimAt(const DeviceSample& sample) noexcept {
     const Quaternion q_now = config_.orientation ? toEigen(sample.orientation).normalized() : Quaternion::Identity();
     const Vector3 p = config_.metres_per_unit * toEigen(sample.position);
     if (poses_ == 0) {
@@ -51,10 +71,10 @@ class DeviceHand {
       q_start_ = q_now;
     }
     poses_ = sample.poses;
-    hand_ = axes_ * (p - start_);
+    target_ = axes_ * (p - start_);
     Quaternion turn = q_now * q_start_.conjugate();
     turn.vec() = (turn_axes_ * turn.vec()).eval();
-    turn_ = toArray(turn);
+    target_turn_ = toArray(turn);
   }
 
   Vector3 velocity(const DeviceSample& sample) const noexcept {
@@ -106,10 +126,14 @@ class DeviceHand {
   const MasterConfig& config_;
   const DeviceTopics& topics_;
   const Eigen::Matrix3d axes_, turn_axes_;
+  const double max_step_;  ///< [m] of the hand in a tick, along each axis; what is beyond follows
   std::uint32_t poses_{0};
+  int since_pose_{0}, ticks_left_{1};
   Vector3 start_{0, 0, 0};  ///< [m] first position, the device's axes
   Quaternion q_start_{Quaternion::Identity()};
-  Vector3 hand_{0, 0, 0};  ///< [m] [@frame I] from there
+  Vector3 target_{0, 0, 0};  ///< [m] [@frame I] from there: the newest pose
+  Quat target_turn_{kIdentityQuat};
+  Vector3 hand_{0, 0, 0};  ///< [m] [@frame I] on the way to it
   Quat turn_{kIdentityQuat};
   double jaws_, toggled_;  ///< [rad]
   bool was_held_{false};

@@ -53,8 +53,9 @@ PerArm<double> jawsAtHome(const TrainerConfig& config) {
 }  // namespace
 
 int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char** argv) {
-  const MasterConfig master = config::findMaster(shareFolder() + "/config/masters", options.master);
-  config.console.scale = options.scale > 0.0 ? options.scale : master.scale;
+  MasterConfig master = config::findMaster(shareFolder() + "/config/masters", options.master);
+  if (options.scale > 0.0) master.scale = options.scale;
+  config.console.scale = master.scale;
   config.network.sight = false;  // the eyes are the surgeon's own
   MasterLink link;
   runtime::ConsoleRunner console(config, console::makeDeviceHands(master, jawsAtHome(config), &link));

@@ -10,6 +10,7 @@
 #include "console_support.h"
 #include "device_bench.h"
 #include "raven2_trainer/config/load_master.h"
+#include "raven2_trainer/core/random.h"
 
 namespace raven2_trainer::console {
 namespace {
@@ -205,6 +206,32 @@ TEST(DeviceHands, AFastHandIsNoJump) {
   }
 }
 
+TEST(DeviceHands, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
+  MasterConfig config = testMaster();
+  config.orientation = true;
+  DeviceBench bench(config);
+  bench.warmUp();
+  double before = 0.0;
+  Quat turned = kIdentityQuat;
+  for (int i = 0; i < 200; ++i) {
+    bench.publishes = i % 10 == 9;
+    if (bench.publishes) {
+      bench.samples[0].position[1] += 0.002;
+      const double angle = 0.01 * (i / 10 + 1);
+      bench.samples[0].orientation = {std::sin(angle / 2), 0.0, 0.0, std::cos(angle / 2)};
+    }
+    const Intent intent = bench.tick();
+    if (i >= 20) {
+      EXPECT_NEAR(intent.hand_I[0][1] - before, 0.0002, 1e-12) << i;
+      EXPECT_NEAR(2.0 * (std::asin(intent.turn_I[0][0]) - std::asin(turned[0])), 0.001, 1e-9) << i;
+    }
+    before = intent.hand_I[0][1];
+    turned = intent.turn_I[0];
+  }
+  bench.publishes = false;
+  EXPECT_NEAR(bench.tick(10).hand_I[0][1], 0.04, 1e-12) << "all of it, 10 ms late";
+}
+
 TEST(DeviceHands, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
   DeviceBench bench(testMaster());
   bench.warmUp();
@@ -398,16 +425,24 @@ TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
 
 /** A console with such hands on a robot that is ready. */
 struct RealConsole {
-  RealConsole() {
+  explicit RealConsole(double scale = 0.1, bool orientation = false) : bench(master(scale, orientation)) {
     ConsoleConfig at_once = testConfig();
     at_once.start_delay = 0.0;
+    at_once.scale = scale;
     console = std::make_unique<Console>(at_once, std::move(bench.source));
     console->setReady(true);
   }
 
+  static MasterConfig master(double scale, bool orientation) {
+    MasterConfig config = testMaster();
+    config.scale = scale;
+    config.orientation = orientation;
+    return config;
+  }
+
   wire::ItpPacket tick() {
     for (const Arm arm : kArms) {
-      ++at(bench.samples, arm).poses;
+      if (!is_silent) ++at(bench.samples, arm).poses;
       at(bench.link.samples, arm).store(at(bench.samples, arm));
     }
     return console->tick();
@@ -421,8 +456,9 @@ struct RealConsole {
     }
   }
 
-  DeviceBench bench{testMaster()};
+  DeviceBench bench;
   std::unique_ptr<Console> console;
+  bool is_silent{false};
 };
 
 TEST(RealHands, AForceMovesNoHandOfTheConsoles) {
@@ -456,6 +492,35 @@ TEST(RealHands, AreLookedAtBeforeTheRobotIsReadyAndMoveNothing) {
   for (int i = 0; i < 10; ++i)
     ASSERT_EQ(real.tick().surgeon_mode, 0);
   EXPECT_EQ(real.bench.newest(), DeviceTrouble::kRobotNotReady);
+}
+
+TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::array<double, 6> odd{inf, -inf, std::nan(""), 1e300, 83.0, -0.4};
+  Random random(5);
+  RealConsole real(1.0, /*orientation=*/true);
+  real.warmUp();
+  int engaged = 0, moved = 0;
+  for (int i = 0; i < 60000; ++i) {
+    DeviceSample& left = real.bench.samples[0];
+    const auto axis = static_cast<std::size_t>(random.uniform(0.0, 2.999));
+    left.position[axis] += random.uniform(-0.004, 0.004);
+    left.orientation = {random.uniform(-1, 1), random.uniform(-1, 1), 0.0, 1.0};
+    const double norm = toEigen(left.orientation).norm();
+    for (double& element : left.orientation)
+      element /= norm;
+    if (i % 97 == 0) left.position[axis] = odd[static_cast<std::size_t>(random.uniform(0.0, 5.999))];
+    if (i % 97 == 1) left.position = {};
+    if (i % 389 == 0) left.orientation[2] = odd[static_cast<std::size_t>(random.uniform(0.0, 5.999))];
+    if (i % 11 == 0) real.bench.press(random.uniform(0.0, 1.0) < 0.7 ? 1 : 0);
+    real.is_silent = i % 800 > 680;
+    const wire::ItpPacket packet = real.tick();
+    ASSERT_EQ(wire::checkItp(packet, {2000, 0.1}), Reject::kNone) << i;
+    engaged += packet.surgeon_mode;
+    moved += packet.delx_um[0] != 0 ? 1 : 0;
+  }
+  EXPECT_GT(engaged, 5000);
+  EXPECT_GT(moved, 1000);
 }
 
 TEST(RealHands, TheSumOfTheIncrementsIsTheScaledMotion) {
