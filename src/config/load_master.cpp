@@ -116,7 +116,8 @@ std::vector<std::string> readButtons(Section& s) {
     if (!isTopic(name))
       throw ConfigException(s.where("buttons") + " holds \"" + name + "\", expected the name of a topic");
   }
-  if (topics.size() > static_cast<std::size_t>(kMostButtons)) throw ConfigException(s.where("buttons") + " holds more than 32 topics");
+  if (topics.size() > static_cast<std::size_t>(kMostButtons))
+    throw ConfigException(s.where("buttons") + " holds more than 32 topics");
   return topics;
 }
 

@@ -56,8 +56,9 @@ std::string wordsOfStates(const DeviceTopics& topics, const DeviceFinding& findi
     case DeviceTrouble::kNeverMoved:
       return "its pose has not changed since the start: calibrate it (inkwell), or its driver hangs";
     case DeviceTrouble::kFrozen:
-      return print("its pose has not changed for %.1f s with the pedal down: its driver hangs, or the device lies still",
-                   finding.value);
+      return print(
+          "its pose has not changed for %.1f s with the pedal down: its driver hangs, or the device lies still",
+          finding.value);
     case DeviceTrouble::kTooSoon:
       return "its poses have not been looked at for long enough yet";
     case DeviceTrouble::kRobotNotReady:
