@@ -1,4 +1,5 @@
-// The surgeon's hands: both masters' ITP packets at 1 kHz from a script or a recording, moved by the force cue.
+// The surgeon's hands: both masters' ITP packets at 1 kHz from a script or a recording, moved by the force cue, or from
+// haptic devices, which feel it.
 
 #include <CLI/CLI.hpp>
 #include <limits>
@@ -6,6 +7,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/motion_options.h"
 #include "apps/common/signals.h"
+#include "apps/master/run_master.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/runtime/console_runner.h"
 #include "raven2_trainer/runtime/motion.h"
@@ -16,8 +18,7 @@ namespace {
 struct Options {
   apps::CommonOptions common;
   apps::MotionOptions motion;
-  double scale{0.0};
-  double duration{0.0};
+  apps::MasterOptions real;  ///< scale and duration are the scripted hands', too
 };
 
 void tellCounts(const char* what, const LinkCounts& counts) {
@@ -32,7 +33,7 @@ constexpr double kAfterwards = 1.0;  // [s] what was let go falls and comes to r
 /** @throw ConfigException for hands that have to see, and would not. */
 TrainerConfig load(const Options& options) {
   TrainerConfig config = options.common.load();
-  if (options.scale > 0.0) config.console.scale = options.scale;
+  if (options.real.scale > 0.0) config.console.scale = options.real.scale;
   if (runtime::doesExercise(options.motion.motion) && !config.network.sight)
     throw ConfigException("motion is \"" + options.motion.motion + "\", which needs sight: true in network.yaml");
   return config;
@@ -42,7 +43,7 @@ TrainerConfig load(const Options& options) {
 void watch(const Options& options, const runtime::ConsoleRunner& console) {
   double rest = runtime::doesExercise(options.motion.motion) ? kAfterwards : std::numeric_limits<double>::infinity();
   bool told = false, told_signing = false, told_pedals = false;
-  for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
+  for (double time = 0.0; options.real.duration <= 0.0 || time < options.real.duration; time += kPoll) {
     if (apps::waitForSignal(kPoll)) break;
     if (console.finished() && !told) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
     told = console.finished();
@@ -55,7 +56,8 @@ void watch(const Options& options, const runtime::ConsoleRunner& console) {
   }
 }
 
-int run(const Options& options) {
+int run(const Options& options, int argc, char** argv) {
+  if (!options.real.master.empty()) return apps::runMaster(options.common.load(), options.real, argc, argv);
   const TrainerConfig config = load(options);
   apps::TruthFile truth(options.motion.truth);
   runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
@@ -75,14 +77,17 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   Options options;
-  CLI::App app{"The surgeon's hands: ITP packets at 1 kHz, force cue applied to a hand model."};
+  CLI::App app{"The surgeon's hands: ITP packets at 1 kHz, force cue applied to a hand model, or to haptic devices."};
   options.common.add(&app, /*with_ports=*/true);
   options.motion.add(&app);
-  app.add_option("--scale", options.scale, "Motion scale (default: the configuration's)")
+  app.add_option("--master", options.real.master,
+                 "Haptic devices in place of --motion: a name in config/masters or a file ending in .yaml")
+      ->excludes("--motion");
+  app.add_option("--scale", options.real.scale, "Motion scale (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
-  app.add_option("--duration", options.duration,
+  app.add_option("--duration", options.real.duration,
                  "End after this long [s]; 0: until stopped, or a second after an expert or clumsy hand is finished")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
-  return apps::runProgram(&app, argc, argv, [&] { return run(options); });
+  return apps::runProgram(&app, argc, argv, [&] { return run(options, argc, argv); });
 }

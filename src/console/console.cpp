@@ -54,16 +54,21 @@ struct Console::Impl {
   };
 
   Impl(const ConsoleConfig& console_config, std::unique_ptr<MotionSource> motion)
-      : config(console_config), source(std::move(motion)), masters{Master(config), Master(config)} {}
+      : config(console_config),
+        source(std::move(motion)),
+        is_real(source->isReal()),
+        masters{Master(config), Master(config)} {}
 
   bool mayMove() noexcept;
   Vector3 forceOn(Arm arm) const noexcept;
   void feel() noexcept;
+  void move(wire::ItpPacket* packet);
   void moveMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept;
   void turnMaster(Arm arm, bool counts, wire::ItpPacket* packet) noexcept;
 
   const ConsoleConfig config;
   std::unique_ptr<MotionSource> source;
+  const bool is_real;
   PerArm<Master> masters;
   Intent intent;
   Senses senses;
@@ -118,21 +123,29 @@ PerArm<Vec3> Console::deflection() const noexcept {
 wire::ItpPacket Console::tick() {
   wire::ItpPacket packet;
   packet.sequence = ++impl_->sequence;
-  if (impl_->mayMove()) {
-    const bool is_first = !impl_->started;
-    impl_->started = true;
-    impl_->feel();
-    impl_->intent = impl_->source->tick(impl_->senses);
-    packet.surgeon_mode = impl_->intent.pedal ? 1 : 0;
-    for (const Arm arm : kArms) {
-      impl_->moveMaster(arm, impl_->intent.pedal && !is_first, &packet);
-      impl_->turnMaster(arm, impl_->intent.pedal && !is_first, &packet);
-    }
+  const bool may_move = impl_->mayMove();
+  impl_->senses.may_move = may_move;
+  if (may_move) {
+    impl_->move(&packet);
+  } else if (impl_->is_real) {
+    impl_->source->tick(impl_->senses);
   }
   impl_->force_age = std::min(impl_->force_age + 1, kForceLifetime);
   impl_->sight_age = std::min(impl_->sight_age + 1, kSightLifetime);
   packet.checksum = wire::itpChecksum(packet);
   return packet;
+}
+
+void Console::Impl::move(wire::ItpPacket* packet) {
+  const bool is_first = !started;
+  started = true;
+  feel();
+  intent = source->tick(senses);
+  packet->surgeon_mode = intent.pedal ? 1 : 0;
+  for (const Arm arm : kArms) {
+    moveMaster(arm, intent.pedal && !is_first, packet);
+    turnMaster(arm, intent.pedal && !is_first, packet);
+  }
 }
 
 bool Console::Impl::mayMove() noexcept {
@@ -151,7 +164,7 @@ void Console::Impl::feel() noexcept {
 }
 
 Vector3 Console::Impl::forceOn(Arm arm) const noexcept {
-  const bool acts = intent.pedal && force_age < kForceLifetime;
+  const bool acts = !is_real && intent.pedal && force_age < kForceLifetime;
   return acts ? toEigen(at(force.force_I, arm)) : Vector3(0.0, 0.0, 0.0);
 }
 

@@ -46,6 +46,14 @@ def test_what_is_asked_for_counts():
         assert chosen(of) == ["peg_transfer", "own", "joint_drift"]
 
 
+def test_a_master_takes_the_place_of_the_motion():
+    seen = options("master:=omni_pair")
+    assert seen["master_console"]["--master"] == "omni_pair"
+    assert "--motion" not in seen["master_console"]
+    assert seen["simulator"]["--motion-label"] == "master:omni_pair"
+    assert "--master" not in options()["master_console"]
+
+
 RVIZ = os.path.join(os.path.dirname(os.path.dirname(LAUNCH)), "config", "rviz", "raven2_trainer.rviz")
 
 

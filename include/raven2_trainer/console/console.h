@@ -47,6 +47,7 @@ struct Senses {
   ForcePacket force{};         ///< the newest force; none once it is 50 ms old
   PerArm<Vec3> deflection{};   ///< [m] [@frame I] how far it pushes each hand now
   bool was_interrupted{};      ///< since the last tick the pedal was up, by somebody else's will, and is down again
+  bool may_move{true};         ///< the robot was ready, once; before that only real hands are asked, and none moves
 };
 
 /** A source of motion, stepped once a millisecond. */
@@ -54,6 +55,9 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
   virtual Intent tick(const Senses& senses) = 0;
+  /** Real hands on real devices: their motion holds the force's effect already, so none is added to it, and they are
+   * there before the robot is. */
+  virtual bool isReal() const noexcept { return false; }
 };
 
 /** Seeded, human-like two-arm ring task: minimum-jerk strokes between targets, pauses, 8 to 12 Hz tremor, clutching. */
@@ -63,9 +67,9 @@ std::unique_ptr<MotionSource> makeScripted(const ConsoleConfig& config, const Ar
 std::unique_ptr<MotionSource> makeRecorded(const ConsoleConfig& config, const ArmsConfig& arms, Recording recording);
 
 /**
- * The surgeon's hands on two masters: intent plus a mass-spring-damper that the force pushes, differenced into ITP
- * increments with the rounding remainder carried; turns of the hands in increments of at most 0.099 rad, which follow
- * until the whole turn is done. No sockets, no clock.
+ * The surgeon's hands on two masters: intent plus, unless the hands are real, a mass-spring-damper that the force
+ * pushes, differenced into ITP increments with the rounding remainder carried; turns of the hands in increments of at
+ * most 0.099 rad, which follow until the whole turn is done. No sockets, no clock.
  */
 class Console {
  public:

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/core/master.h"
+#include "raven2_trainer/kinematics/eigen.h"
+
+namespace raven2_trainer::console {
+
+/** The rows of a map as a matrix: v_I = axisMatrix(map) * v_device. */
+Eigen::Matrix3d axisMatrix(const AxisMap& map) noexcept;
+
+/**
+ * Force for a device: `force_I` in the device's axes, at most config.max_force, in what its driver takes for newtons.
+ * Nothing for one that is not finite. Real-time safe.
+ */
+Vec3 toDevice(const MasterConfig& config, const Vec3& force_I) noexcept;
+
+/**
+ * Looks at what a device publishes: units, reach, jumps, silence, poses that do not change. Called once a millisecond;
+ * knows the time by that alone. Real-time safe.
+ */
+class DeviceWatch {
+ public:
+  explicit DeviceWatch(const MasterConfig& config) noexcept;
+
+  /** @return what was found in this tick; liftsPedal() of it forbids to use the device. */
+  DeviceFinding look(const DeviceSample& sample, bool engaged) noexcept;
+
+  /** What forbids to engage though look() has found nothing. */
+  DeviceFinding beforeStart() const noexcept;
+
+ private:
+  DeviceFinding judge(const DeviceSample& sample) const noexcept;
+  DeviceFinding judgePlace(const Vector3& p, double elapsed) const noexcept;
+  void keep(const DeviceSample& sample) noexcept;
+
+  const MasterConfig& config_;
+  const bool has_pose_;
+  std::uint32_t poses_{0};  ///< seen
+  double age_{0.0};         ///< [s] of the newest
+  double watched_{0.0};     ///< [s] since the first
+  double unchanged_{0.0};   ///< [s] engaged, with the same pose
+  bool has_place_{false}, has_moved_{false};
+  Vector3 p_{0, 0, 0};  ///< [m] newest good position, the device's axes
+  Quat q_{kIdentityQuat};
+  Vector3 lowest_{0, 0, 0}, highest_{0, 0, 0};  ///< [m] of all good positions
+  DeviceFinding found_;                         ///< in the newest pose
+};
+
+/**
+ * Hands on one or two real devices, or on a gamepad. The pedal counts from a press on that meets nothing wrong: a
+ * device that goes silent, jumps or leaves its workspace lifts it, and it has to be released and pressed anew.
+ * Poses that come slower than 1 kHz are gone to within the time between them, at most 20 ms, and in steps of which each
+ * fits into a packet at config.scale. Jaws move, at config.jaw_speed, only while engaged; what a finger does meanwhile
+ * they catch up with. `link` must outlive it. Its tick() is real-time safe.
+ * @param[in] jaws [rad] opening of each arm's jaws at the start.
+ */
+std::unique_ptr<MotionSource> makeDeviceHands(const MasterConfig& config, const PerArm<double>& jaws, MasterLink* link);
+
+}  // namespace raven2_trainer::console

@@ -1,0 +1,83 @@
+#include "apps/master/run_master.h"
+
+#include <cstdio>
+
+#include "apps/common/paths.h"
+#include "apps/common/signals.h"
+#include "raven2_trainer/config/load_master.h"
+#include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/ros/master_devices.h"
+#include "raven2_trainer/ros/supervisor.h"
+#include "raven2_trainer/runtime/console_runner.h"
+
+namespace raven2_trainer::apps {
+namespace {
+
+constexpr double kPoll = 0.05;     // [s]
+constexpr double kPatience = 2.0;  // [s] for a ROS master, before it is said that there is none
+
+/** Tells what was found since the last look, and when hands engage and let go. */
+class ReportTeller {
+ public:
+  explicit ReportTeller(const MasterConfig& config) : config_(config) {}
+
+  void look(const MasterReport& report) {
+    for (const Arm arm : kArms)
+      tellDevice(arm, report);
+    if (report.engaged != told_.engaged) std::fprintf(stderr, "%s\n", report.engaged != 0 ? "engaged" : "let go");
+    told_ = report;
+  }
+
+ private:
+  void tellDevice(Arm arm, const MasterReport& report) {
+    const DeviceFinding& newest = at(report.newest, arm);
+    if (at(report.found, arm) != at(told_.found, arm)) {
+      std::fprintf(stderr, "%s%s\n", words(config_, arm, newest).c_str(),
+                   liftsPedal(newest.trouble) ? "; the pedal counts as up" : "");
+    }
+    const bool was_wrong = at(told_.now, arm).trouble != DeviceTrouble::kNone;
+    if (was_wrong && at(report.now, arm).trouble == DeviceTrouble::kNone && at(report.found, arm) > 0)
+      std::fprintf(stderr, "%s: in order again\n", deviceName(arm));
+  }
+
+  const MasterConfig& config_;
+  MasterReport told_;
+};
+
+PerArm<double> jawsAtHome(const TrainerConfig& config) {
+  const double opening = kinematics::jawOpening(config.arms.geometry.home);
+  return {opening, opening};
+}
+
+}  // namespace
+
+int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char** argv) {
+  MasterConfig master = config::findMaster(shareFolder() + "/config/masters", options.master);
+  if (options.scale > 0.0) master.scale = options.scale;
+  config.console.scale = master.scale;
+  config.network.sight = false;  // the eyes are the surgeon's own
+  MasterLink link;
+  runtime::ConsoleRunner console(config, console::makeDeviceHands(master, jawsAtHome(config), &link));
+  ros_bridge::MasterDevices devices(master, &link);
+  ros_bridge::Supervisor ros(argc, argv, "master_console", &devices);
+  console.start();
+  ros.start();
+  std::fprintf(stderr, "master %s: scale %.3g\n", master.name.c_str(), config.console.scale);
+  ReportTeller teller(master);
+  for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
+    if (waitForSignal(kPoll)) break;
+    teller.look(link.report.load());
+    if (time < kPatience && time + kPoll >= kPatience && !ros.met())
+      std::fprintf(stderr, "no ROS master yet: without one there are no devices; waiting\n");
+  }
+  console.stop();
+  ros.end();
+  const LinkCounts forces = console.forceCounts();
+  std::fprintf(stderr, "forces: %llu received = %llu applied + %llu rejected\n",
+               static_cast<unsigned long long>(forces.received), static_cast<unsigned long long>(forces.applied),
+               static_cast<unsigned long long>(forces.rejectedTotal()));
+  return ros.leave(0);
+}
+
+}  // namespace raven2_trainer::apps

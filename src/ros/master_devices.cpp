@@ -1,0 +1,338 @@
+#include "raven2_trainer/ros/master_devices.h"
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <std_msgs/Bool.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "ros/force_readers.h"
+#include "ros/master_device_messages.h"
+#include "ros/master_device_reader.h"
+#include "ros/master_status.h"
+#include "ros/periodic_thread.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Message = topic_tools::ShapeShifter;
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t kNewest = 1;        // [messages] poses: an old one is worth nothing
+constexpr std::uint32_t kEvents = 100;      // [messages] each press of a button counts
+constexpr double kSettle = 2.0;             // [s] connections are made in
+constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
+constexpr auto kForceLifetime = 50ms;       // a force not renewed is gone, as at the console (reliability.md 2.2)
+constexpr int kGoodbyes = 5;                // messages of no force at the end
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+geometry_msgs::Vector3 toMessage(const Vec3& v) {
+  geometry_msgs::Vector3 m;
+  m.x = v[0];
+  m.y = v[1];
+  m.z = v[2];
+  return m;
+}
+
+ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const std::string& topic) {
+  if (topic.empty()) return {};
+  switch (family) {
+    case DeviceFamily::kOmni:
+      return node->advertise<devices::OmniFeedback>(topic, kNewest);
+    case DeviceFamily::kGeomagic:
+      return node->advertise<devices::DeviceFeedback>(topic, kNewest);
+    case DeviceFamily::kCrtk:
+      return node->advertise<geometry_msgs::WrenchStamped>(topic, kNewest);
+    case DeviceFamily::kJoy:
+      break;
+  }
+  return {};
+}
+
+/** `position`: a driver that locks the device locks it where it is, and does not pull. */
+void publishForce(const ros::Publisher& publisher,
+                  DeviceFamily family,
+                  const DeviceForce& out,
+                  const std::string& frame) {
+  if (family == DeviceFamily::kOmni) {
+    devices::OmniFeedback message;
+    message.force = toMessage(out.force);
+    message.position = toMessage(out.position);
+    publisher.publish(message);
+  } else if (family == DeviceFamily::kGeomagic) {
+    devices::DeviceFeedback message;
+    message.force = toMessage(out.force);
+    message.position = toMessage(out.position);
+    message.lock.assign(3, 0);
+    publisher.publish(message);
+  } else if (family == DeviceFamily::kCrtk) {
+    geometry_msgs::WrenchStamped message;
+    message.header.stamp = ros::Time::now();
+    message.header.frame_id = frame;
+    message.wrench.force = toMessage(out.force);
+    publisher.publish(message);
+  }
+}
+
+/** The newest force of the console, until it is too old. */
+class FreshForce {
+ public:
+  explicit FreshForce(const StateCell<DeviceForce>& cell) : cell_(cell) {}
+
+  DeviceForce take() {
+    const Clock::time_point now = Clock::now();
+    const std::uint64_t version = cell_.version();
+    if (version != version_) told_ = now;
+    version_ = version;
+    DeviceForce out = cell_.load();
+    if (now - told_ > kForceLifetime) out.force = {};
+    return out;
+  }
+
+ private:
+  const StateCell<DeviceForce>& cell_;
+  std::uint64_t version_{0};
+  Clock::time_point told_{};
+};
+
+/** One device's topics. Messages come on the spinner's thread, forces go on the publisher's. */
+class Device {
+ public:
+  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node)
+      : config_(config),
+        arm_(arm),
+        topics_(at(config.devices, arm)),
+        cell_(at(link->samples, arm)),
+        reader_(config, topics_),
+        force_(at(link->forces, arm)),
+        readers_(deviceName(arm), topics_.force, kSettle),
+        publisher_(advertiseForce(node, config.family, topics_.force)) {
+    const bool has_absolute = !topics_.force_absolute.empty();
+    if (has_absolute) absolute_ = node->advertise<std_msgs::Bool>(topics_.force_absolute, 1, /*latch=*/true);
+    if (has_absolute) absolute_.publish(absolutely());
+    listen(node);
+  }
+
+  Arm arm() const noexcept { return arm_; }
+  std::uint32_t readerCount() const { return publisher_ ? publisher_.getNumSubscribers() : 0; }
+
+  void press() {
+    if (!publisher_) return;
+    publishForce(publisher_, config_.family, force_.take(), frame());
+  }
+
+  void letGo() {
+    if (publisher_) publishForce(publisher_, config_.family, DeviceForce{}, frame());
+  }
+
+  void tellReaders(double time) {
+    if (!publisher_) return;
+    const std::string line = readers_.look(readerCount(), time);
+    if (!line.empty()) std::fprintf(stderr, "%s\n", line.c_str());
+  }
+
+  /** [1/s] poses since the last call, `elapsed` [s] ago. */
+  double poseRate(double elapsed) {
+    const std::uint32_t poses = cell_.load().poses;
+    const double rate = (poses - counted_) / elapsed;
+    counted_ = poses;
+    return rate;
+  }
+
+ private:
+  static std_msgs::Bool absolutely() {
+    std_msgs::Bool message;
+    message.data = 1;
+    return message;
+  }
+
+  void listen(ros::NodeHandle* node) {
+    hear(node, topics_.pose, kNewest, [this](const Message& m) { return reader_.pose(m); });
+    for (std::size_t i = 0; i < topics_.buttons.size(); ++i)
+      hear(node, topics_.buttons[i], kEvents, [this, i](const Message& m) { return reader_.buttons(m, i); });
+    hear(node, topics_.gripper, kNewest, [this](const Message& m) { return reader_.gripper(m); });
+    hear(node, topics_.operating_state, kEvents, [this](const Message& m) { return reader_.operatingState(m); });
+  }
+
+  void hear(ros::NodeHandle* node,
+            const std::string& topic,
+            std::uint32_t queue,
+            std::function<bool(const Message&)> read) {
+    if (topic.empty()) return;
+    const boost::function<void(const Message::ConstPtr&)> callback =
+        [this, read = std::move(read)](const Message::ConstPtr& message) { take(*message, read); };
+    subscribers_.push_back(
+        node->subscribe<Message>(topic, queue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  }
+
+  void take(const Message& message, const std::function<bool(const Message&)>& read) {
+    if (!read(message)) {
+      const std::string line = reader_.refusal();
+      if (!line.empty()) std::fprintf(stderr, "%s: %s\n", deviceName(arm_), line.c_str());
+      return;
+    }
+    cell_.store(reader_.sample());
+    const std::lock_guard<std::mutex> lock(mutex_);
+    frame_ = reader_.frame();
+  }
+
+  std::string frame() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return frame_;
+  }
+
+  const MasterConfig& config_;
+  const Arm arm_;
+  const DeviceTopics& topics_;
+  StateCell<DeviceSample>& cell_;
+  MasterDeviceReader reader_;
+  FreshForce force_;
+  ForceReaders readers_;
+  ros::Publisher publisher_, absolute_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::mutex mutex_;
+  std::string frame_;  ///< guarded by it
+  std::uint32_t counted_{0};
+};
+
+/** A pedal that is a sensor_msgs/Joy: held as long as somebody is there who could say that it was let go. */
+class PedalTopic {
+ public:
+  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node)
+      : config_(config), cell_(link->pedal) {
+    if (config.pedal_from != PedalFrom::kTopic) return;
+    const boost::function<void(const Message::ConstPtr&)> hear = [this](const Message::ConstPtr& m) { take(*m); };
+    subscriber_ = node->subscribe<Message>(config.pedal_topic, kEvents, hear, ros::VoidConstPtr(),
+                                           ros::TransportHints().tcpNoDelay());
+  }
+
+  /** On the publisher's thread. */
+  void tell(double time) {
+    if (!subscriber_) return;
+    const bool is_there = subscriber_.getNumPublishers() > 0;
+    const bool is_news = was_there_ ? !is_there : !told_missing_ && !is_there && time > kSettle;
+    if (is_news) {
+      std::fprintf(stderr, "pedal: nobody publishes %s: it counts as up\n", config_.pedal_topic.c_str());
+      told_missing_ = true;
+    }
+    if (!is_there) is_held_.store(false);
+    was_there_ = is_there;
+    cell_.store(FootPedal{static_cast<std::uint8_t>(is_held_.load() ? 1 : 0)});
+  }
+
+ private:
+  void take(const Message& message) {
+    bool held = false;
+    if (readJoyButton(message, config_.pedal_button, &held)) return is_held_.store(held);
+    is_held_.store(false);
+    if (!std::exchange(told_refused_, true))
+      std::fprintf(stderr, "pedal: refused: %s is of type %s, or has no button %d; a sensor_msgs/Joy is wanted\n",
+                   config_.pedal_topic.c_str(), message.getDataType().c_str(), config_.pedal_button);
+  }
+
+  const MasterConfig& config_;
+  StateCell<FootPedal>& cell_;
+  ros::Subscriber subscriber_;
+  std::atomic<bool> is_held_{false};
+  bool was_there_{false}, told_missing_{false};  // of the publisher's thread
+  bool told_refused_{false};                     // of the spinner's
+};
+
+}  // namespace
+
+struct MasterDevices::Impl {
+  Impl(const MasterConfig& master, MasterLink* master_link) : config(master), link(*master_link) {}
+
+  /** What needs ROS: between start() and stop(). */
+  struct Session {
+    explicit Session(Impl* owner) : config(owner->config), link(owner->link) {
+      node.setCallbackQueue(&queue);
+      for (const Arm arm : kArms) {
+        if (at(config.devices, arm).is_used) devices.push_back(std::make_unique<Device>(config, arm, &link, &node));
+      }
+      pedal = std::make_unique<PedalTopic>(config, &link, &node);
+      diagnostics = node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
+      spinner = std::make_unique<ros::AsyncSpinner>(1, &queue);
+      spinner->start();
+      publisher.start(1.0 / config.force_rate, [this] { cycle(); });
+    }
+
+    ~Session() {
+      publisher.stop();
+      for (int i = 0; i < kGoodbyes; ++i) {
+        for (const auto& device : devices)
+          device->letGo();
+        std::this_thread::sleep_for(5ms);
+      }
+      spinner->stop();
+    }
+
+    void cycle() {
+      const double time = secondsSince(started);
+      pedal->tell(time);
+      for (const auto& device : devices) {
+        device->press();
+        device->tellReaders(time);
+      }
+      if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
+    }
+
+    void diagnose(double time) {
+      diagnostic_msgs::DiagnosticArray array;
+      array.header.stamp = ros::Time::now();
+      const MasterReport report = link.report.load();
+      for (const auto& device : devices) {
+        const DeviceTraffic traffic{device->poseRate(time - diagnosed), device->readerCount()};
+        array.status.push_back(masterStatus(config, device->arm(), report, traffic));
+      }
+      diagnostics.publish(array);
+      diagnosed = time;
+    }
+
+    const MasterConfig& config;
+    MasterLink& link;
+    ros::CallbackQueue queue;
+    ros::NodeHandle node;
+    std::vector<std::unique_ptr<Device>> devices;
+    std::unique_ptr<PedalTopic> pedal;
+    ros::Publisher diagnostics;
+    std::unique_ptr<ros::AsyncSpinner> spinner;
+    const Clock::time_point started{Clock::now()};
+    double diagnosed{0.0};
+    PeriodicThread publisher;
+  };
+
+  const MasterConfig config;
+  MasterLink& link;
+  std::unique_ptr<Session> session;
+};
+
+MasterDevices::MasterDevices(const MasterConfig& config, MasterLink* link)
+    : impl_(std::make_unique<Impl>(config, link)) {}
+
+MasterDevices::~MasterDevices() {
+  stop();
+}
+
+void MasterDevices::start() {
+  impl_->session = std::make_unique<Impl::Session>(impl_.get());
+}
+
+void MasterDevices::stop() {
+  impl_->session.reset();
+}
+
+}  // namespace raven2_trainer::ros_bridge

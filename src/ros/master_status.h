@@ -1,0 +1,22 @@
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+#include "raven2_trainer/core/master.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** What is known of one device beside the report. */
+struct DeviceTraffic {
+  double pose_rate{};       ///< [1/s]
+  std::uint32_t readers{};  ///< of its force
+};
+
+/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if they stand still or nobody
+ * reads its force. */
+diagnostic_msgs::DiagnosticStatus masterStatus(const MasterConfig& config,
+                                               Arm arm,
+                                               const MasterReport& report,
+                                               const DeviceTraffic& traffic);
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,131 @@
+#include "raven2_trainer/config/load_master.h"
+
+#include <gtest/gtest.h>
+
+#include "support/yaml_file.h"
+
+namespace raven2_trainer::config {
+namespace {
+
+using testing::expectEachRefused;
+using testing::expectRefused;
+using testing::replaced;
+
+const std::string kFolder = RAVEN2_TRAINER_SOURCE_DIR "/config/masters";
+
+void load(const std::string& text) {
+  const testing::TemporaryFile file("master.yaml", text);
+  loadMaster(file.path());
+}
+
+/** Line n of a text has n as its number. */
+const std::string kGood = R"(meaning: a test
+family: crtk
+scale: 0.2
+units: mm
+axes:
+  forward: [0, 0, -1]
+  right: [1, 0, 0]
+  down: [0, -1, 0]
+orientation: true
+turn_axes: {forward: [1, 0, 0], right: [0, 1, 0], down: [0, 0, 1]}
+workspace: [0.16, 0.12, 0.07]
+reach: 0.5
+max_speed: 3.0
+max_jump: 0.005
+watch: 0.5
+silent_after: 0.1
+frozen_after: 2.0
+force: {max: 3.3, per_newton: 1.0, rate: 500}
+pedal: {from: any, button: 0, topic: ""}
+gripper: {from: button_toggles, open: 0.6, closed: 0.0, speed: 3.0, reading_open: 1.0, reading_closed: 0.0}
+devices:
+  right:
+    pose: /right/measured_cp
+    buttons: [/right/button1, /right/button2]
+    gripper: ""
+    operating_state: ""
+    force: /right/servo_cf
+    force_absolute: ""
+    gripper_input: 1
+)";
+
+TEST(LoadMaster, EveryShippedFileIsGood) {
+  const std::vector<std::string> names = masterNames(kFolder);
+  EXPECT_EQ(names, (std::vector<std::string>{"crtk_pair", "gamepad", "mtm", "omni", "omni_pair", "touch_geomagic"}));
+  for (const std::string& name : names) {
+    const MasterConfig master = findMaster(kFolder, name);
+    EXPECT_EQ(master.name, name);
+    EXPECT_EQ(master.devices[0].is_used, true) << name;
+    EXPECT_EQ(master.devices[1].is_used, name != "omni" && name != "touch_geomagic") << name;
+  }
+}
+
+TEST(LoadMaster, ValuesArriveInMetresAndArms) {
+  const testing::TemporaryFile file("mine.yaml", kGood);
+  const MasterConfig master = findMaster(kFolder, file.path());
+  EXPECT_EQ(master.name, "mine");
+  EXPECT_EQ(master.family, DeviceFamily::kCrtk);
+  EXPECT_EQ(master.metres_per_unit, 1e-3);
+  EXPECT_EQ(master.axes[0], (Vec3{0, 0, -1}));
+  EXPECT_EQ(master.axes[2], (Vec3{0, -1, 0}));
+  EXPECT_FALSE(master.devices[0].is_used);
+  const DeviceTopics& right = master.devices[1];
+  EXPECT_EQ(right.pose, "/right/measured_cp");
+  EXPECT_EQ(right.buttons.size(), 2U);
+  EXPECT_EQ(right.force, "/right/servo_cf");
+  EXPECT_EQ(right.gripper_input, 1);
+  EXPECT_EQ(master.max_force, 3.3);
+  EXPECT_EQ(master.force_rate, 500.0);
+  EXPECT_EQ(master.gripper_from, GripperFrom::kToggles);
+  EXPECT_EQ(findMaster(kFolder, "gamepad").devices[1].sticks, (std::array<int, 3>{3, 4, 6}));
+}
+
+TEST(LoadMaster, WhatIsWrongIsNamedWithItsLine) {
+  ASSERT_NO_THROW(load(kGood));
+  expectEachRefused(load, kGood,
+                    {{"family: crtk", "family: falcon", 2},
+                     {"scale: 0.2", "scale: 2.0", 3},
+                     {"units: mm", "units: cm", 4},
+                     {"forward: [0, 0, -1]", "forward: [0, 0, 0]", 6},
+                     {"forward: [0, 0, -1]", "forward: [1, 0, 0]", 6},
+                     {"forward: [0, 0, -1]", "forward: [0, 0, -0.5]", 6},
+                     {"forward: [0, 0, -1]", "forward: [0, 0, 1]", 6},
+                     {"orientation: true", "orientation: maybe", 9},
+                     {"reach: 0.5", "reach: 500", 12},
+                     {"rate: 500", "rate: 5000", 18},
+                     {"from: any", "from: foot", 19},
+                     {"from: any", "from: left", 19},
+                     {"from: any", "from: topic", 19},
+                     {"from: button_toggles", "from: axis", 20},
+                     {"from: button_toggles", "from: joint", 25},
+                     {"open: 0.6", "open: -0.1", 20},
+                     {"reading_open: 1.0", "reading_open: 0.0", 20},
+                     {"pose: /right/measured_cp", "pose: \"\"", 23},
+                     {"pose: /right/measured_cp", "pose: /right//measured_cp", 23},
+                     {"pose: /right/measured_cp", "pose: ~measured_cp", 23},
+                     {"/right/button2]", "right button]", 24},
+                     {"force: /right/servo_cf", "force: 9", 27},
+                     {"gripper_input: 1", "gripper_input: 99", 29},
+                     {"  right:\n    pose", "  middle:\n    pose", 22}});
+}
+
+TEST(LoadMaster, KeysOfAnotherFamilyAndMissingOnesAreRefused) {
+  expectRefused(load, replaced(kGood, "family: crtk", "family: joy"), 1, "stick_speed is missing");
+  expectRefused(load, replaced(kGood, "watch: 0.5\n", ""), 1, "watch is missing");
+  expectRefused(load, kGood + "stick_speed: 0.1\n", 30, "unknown key");
+  expectRefused(load, replaced(kGood, "buttons: [/right/button1, /right/button2]", "buttons: []"), 22, "no buttons");
+  expectRefused(load, replaced(kGood, "gripper_input: 1", "gripper_input: -1"), 22, "no gripper_input");
+}
+
+TEST(LoadMaster, AnUnknownNameListsTheKnownOnes) {
+  try {
+    findMaster(kFolder, "falcon");
+    FAIL();
+  } catch (const ConfigException& e) {
+    EXPECT_NE(std::string(e.what()).find("omni_pair"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer::config

@@ -1,0 +1,547 @@
+#include "raven2_trainer/console/device_hands.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "console_support.h"
+#include "device_bench.h"
+#include "raven2_trainer/config/load_master.h"
+#include "raven2_trainer/core/random.h"
+
+namespace raven2_trainer::console {
+namespace {
+
+// ITP: x forward, y right, z down (core/frames.h)
+const Vec3 kForward{1, 0, 0}, kBack{-1, 0, 0}, kRight{0, 1, 0}, kLeft{0, -1, 0}, kUp{0, 0, -1};
+
+/** Where a family's x, y and z point, as its documentation says, and how many of its units are a metre. */
+struct Published {
+  const char* file;
+  std::array<Vec3, 3> axes;
+  double units_per_metre;
+};
+
+/** OpenHaptics: x right, y up, z to the user. phantom_omni turns that to (x, -z, y). dVRK: x left, y up, z away. */
+const std::array<Published, 5> kPublished{{{"omni", {kRight, kForward, kUp}, 1000.0},
+                                           {"omni_pair", {kRight, kForward, kUp}, 1000.0},
+                                           {"touch_geomagic", {kRight, kUp, kBack}, 1000.0},
+                                           {"crtk_pair", {kRight, kUp, kBack}, 1.0},
+                                           {"mtm", {kLeft, kUp, kForward}, 1.0}}};
+
+MasterConfig shipped(const char* name) {
+  return config::findMaster(RAVEN2_TRAINER_SOURCE_DIR "/config/masters", name);
+}
+
+void expectNear(const Vec3& value, const Vec3& expected, double tolerance, const std::string& what) {
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(value[k], expected[k], tolerance) << what << ", axis " << k;
+}
+
+Vec3 times(double factor, const Vec3& v) {
+  return {factor * v[0], factor * v[1], factor * v[2]};
+}
+
+TEST(ShippedMasters, EachAxisOfTheDeviceMovesTheHandWhereItsDocumentationSaysItPoints) {
+  for (const Published& family : kPublished) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      DeviceBench bench(shipped(family.file));
+      bench.warmUp(1e-3 * family.units_per_metre);
+      Vec3 p{};
+      p[axis] = 0.012 * family.units_per_metre;
+      expectNear(bench.moveTo(p).hand_I[0], times(0.012, family.axes[axis]), 1e-12,
+                 std::string(family.file) + " along " + std::to_string(axis));
+    }
+  }
+}
+
+TEST(ShippedMasters, ForcesComeBackAlongTheSameAxes) {
+  for (const Published& family : kPublished) {
+    const MasterConfig master = shipped(family.file);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Vec3 expected{};
+      expected[axis] = 1.5;
+      expectNear(toDevice(master, times(1.5, family.axes[axis])), expected, 1e-12, family.file);
+    }
+  }
+}
+
+TEST(ShippedMasters, TurnsOfTheDeviceTurnTheHandAboutTheSameAxes) {
+  for (const char* file : {"touch_geomagic", "crtk_pair", "mtm"}) {
+    const Published& family = *std::find_if(kPublished.begin(), kPublished.end(),
+                                            [&](const Published& p) { return std::string(p.file) == file; });
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      DeviceBench bench(shipped(file));
+      // GIVEN a device that is turned somehow already
+      const Eigen::Quaterniond before(Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 3).normalized()));
+      bench.samples[0].orientation = toArray(before);
+      bench.warmUp(1e-3 * family.units_per_metre);
+      // WHEN it turns by 0.3 rad about one of its base's axes
+      Eigen::Vector3d about(0, 0, 0);
+      about[static_cast<Eigen::Index>(axis)] = 1.0;
+      bench.samples[0].orientation = toArray(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, about)) * before);
+      const Quat turn = bench.tick().turn_I[0];
+      expectNear({turn[0], turn[1], turn[2]}, times(std::sin(0.15), family.axes[axis]), 1e-12, file);
+      EXPECT_NEAR(turn[3], std::cos(0.15), 1e-12);
+    }
+  }
+}
+
+TEST(DeviceHands, WithoutOrientationTurnsDoNotCount) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.samples[0].orientation = {1.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(bench.tick().turn_I[0], kIdentityQuat);
+}
+
+TEST(DeviceHands, ThePedalEngagesOnlyWhatWasWatchedAndMoved) {
+  DeviceBench bench(testMaster());
+  bench.samples[0].position = {0.05, 0.0, 0.0};
+  bench.tick(300);
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kTooSoon);
+  // held on: it does not engage by itself later
+  EXPECT_FALSE(bench.tick(600).pedal);
+  bench.press(0);
+  bench.tick();
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNeverMoved);
+  EXPECT_NE(bench.said().find("calibrate"), std::string::npos);
+  bench.press(0);
+  bench.warmUp();
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal);
+  EXPECT_EQ(bench.report().engaged, 1);
+}
+
+TEST(DeviceHands, ARobotThatIsNotReadyIsNotMovedByAPedalThatWasDownBefore) {
+  DeviceBench bench(testMaster());
+  bench.senses.may_move = false;
+  bench.warmUp();
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kRobotNotReady);
+  bench.senses.may_move = true;
+  EXPECT_FALSE(bench.tick(100).pedal);
+  bench.press(0);
+  bench.tick();
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal);
+}
+
+TEST(DeviceHands, MillimetresTakenForMetresAreRefusedByName) {
+  DeviceBench bench(testMaster());
+  bench.samples[0].position = {0.0, -65.5, 51.0};
+  bench.warmUp(1.0);
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kMillimetres);
+  EXPECT_EQ(bench.said(), "left: positions of 83 m: the driver publishes millimetres; units: mm");
+}
+
+TEST(DeviceHands, MetresTakenForMillimetresAreRefusedByName) {
+  MasterConfig config = testMaster();
+  config.metres_per_unit = 1e-3;
+  DeviceBench bench(config);
+  bench.samples[0].position = {0.0, -0.0655, 0.051};
+  bench.warmUp(0.001);
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kMetres);
+  EXPECT_EQ(bench.said().find("left: positions of 0.083 mm: the driver publishes metres; units: m"), 0U)
+      << bench.said();
+}
+
+TEST(DeviceHands, WhatIsNoPoseLiftsThePedal) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    Vec3 position;
+    Quat orientation;
+    DeviceTrouble trouble;
+  };
+  const std::array<Case, 5> cases{{{{nan, 0, 0}, kIdentityQuat, DeviceTrouble::kNotFinite},
+                                   {{0, 0, 0}, {0, 0, nan, 1}, DeviceTrouble::kNotFinite},
+                                   {{0, 0, 0}, {0, 0, 0, 0}, DeviceTrouble::kNotUnit},
+                                   {{0, 0, 0.7}, kIdentityQuat, DeviceTrouble::kOutOfReach},
+                                   {{0, 0.02, 0}, kIdentityQuat, DeviceTrouble::kJump}}};
+  for (const Case& c : cases) {
+    MasterConfig config = testMaster();
+    config.orientation = true;
+    DeviceBench bench(config);
+    bench.warmUp();
+    bench.press();
+    ASSERT_TRUE(bench.tick().pedal);
+    bench.samples[0].position = c.position;
+    bench.samples[0].orientation = c.orientation;
+    EXPECT_FALSE(bench.tick().pedal);
+    EXPECT_EQ(bench.newest(), c.trouble);
+    EXPECT_FALSE(bench.said().empty());
+    // good again: not before the pedal was up
+    bench.samples[0].position = {0, 0, 0};
+    bench.samples[0].orientation = kIdentityQuat;
+    bench.tick();
+    EXPECT_FALSE(bench.tick(50).pedal);
+    bench.press(0);
+    bench.tick();
+    bench.press();
+    EXPECT_TRUE(bench.tick().pedal);
+  }
+}
+
+TEST(DeviceHands, AFastHandIsNoJump) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  // 2 m/s, a pose every 10 ms
+  for (int i = 0; i < 100; ++i) {
+    bench.publishes = i % 10 == 9;
+    if (bench.publishes) bench.samples[0].position[0] += 0.02;
+    ASSERT_TRUE(bench.tick().pedal) << i;
+  }
+}
+
+TEST(DeviceHands, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
+  MasterConfig config = testMaster();
+  config.orientation = true;
+  DeviceBench bench(config);
+  bench.warmUp();
+  double before = 0.0;
+  Quat turned = kIdentityQuat;
+  for (int i = 0; i < 200; ++i) {
+    bench.publishes = i % 10 == 9;
+    if (bench.publishes) {
+      bench.samples[0].position[1] += 0.002;
+      const double angle = 0.01 * (i / 10 + 1);
+      bench.samples[0].orientation = {std::sin(angle / 2), 0.0, 0.0, std::cos(angle / 2)};
+    }
+    const Intent intent = bench.tick();
+    if (i >= 20) {
+      EXPECT_NEAR(intent.hand_I[0][1] - before, 0.0002, 1e-12) << i;
+      EXPECT_NEAR(2.0 * (std::asin(intent.turn_I[0][0]) - std::asin(turned[0])), 0.001, 1e-9) << i;
+    }
+    before = intent.hand_I[0][1];
+    turned = intent.turn_I[0];
+  }
+  bench.publishes = false;
+  EXPECT_NEAR(bench.tick(10).hand_I[0][1], 0.04, 1e-12) << "all of it, 10 ms late";
+}
+
+TEST(DeviceHands, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.publishes = false;
+  EXPECT_TRUE(bench.tick(99).pedal);
+  EXPECT_FALSE(bench.tick(3).pedal);
+  EXPECT_EQ(bench.newest(Arm::kGreen), DeviceTrouble::kSilent);
+  EXPECT_NE(bench.said().find("/pose"), std::string::npos);
+  const std::uint32_t told = bench.report().found[0];
+  bench.tick(1000);
+  EXPECT_EQ(bench.report().found[0], told) << "once";
+}
+
+TEST(DeviceHands, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {
+  DeviceBench bench(testMaster());
+  bench.publishes = false;
+  bench.tick(1900);
+  EXPECT_EQ(bench.report().found[0], 0U);
+  bench.tick(200);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNeverHeard);
+  EXPECT_EQ(bench.report().found[0], 1U);
+}
+
+TEST(DeviceHands, APoseThatDoesNotChangeWhileEngagedIsToldAndLetBe) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.tick(5000);  // may rest with the pedal up
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.tick(1990);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNone);
+  EXPECT_TRUE(bench.tick(20).pedal) << "one of two devices may rest";
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kFrozen);
+  EXPECT_EQ(bench.report().found[0], 1U) << "once";
+  // it was the driver that hung: what it missed comes at once
+  bench.samples[0].position[0] += 0.05;
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kJump);
+}
+
+TEST(DeviceHands, AnOperatingStateThatIsNotEnabledForbidsAndALockIsToldAlone) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.samples[0].is_locked = 1;
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kLocked);
+  bench.samples[1].is_ready = 0;
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(Arm::kGreen), DeviceTrouble::kNotReady);
+}
+
+TEST(DeviceHands, ThePedalIsWhereTheFileSays) {
+  struct Case {
+    PedalFrom from;
+    std::uint32_t left, right;
+    std::uint8_t foot;
+    bool held;
+  };
+  const std::array<Case, 10> cases{{{PedalFrom::kLeft, 1, 0, 0, true},
+                                    {PedalFrom::kLeft, 0, 1, 1, false},
+                                    {PedalFrom::kRight, 0, 1, 0, true},
+                                    {PedalFrom::kRight, 1, 0, 1, false},
+                                    {PedalFrom::kAny, 0, 1, 0, true},
+                                    {PedalFrom::kAny, 2, 2, 1, false},
+                                    {PedalFrom::kAll, 1, 0, 1, false},
+                                    {PedalFrom::kAll, 1, 1, 0, true},
+                                    {PedalFrom::kTopic, 1, 1, 0, false},
+                                    {PedalFrom::kTopic, 0, 0, 1, true}}};
+  for (const Case& c : cases) {
+    MasterConfig config = testMaster();
+    config.pedal_from = c.from;
+    DeviceBench bench(config);
+    bench.warmUp();
+    bench.samples[0].buttons = c.left;
+    bench.samples[1].buttons = c.right;
+    bench.foot.is_held = c.foot;
+    EXPECT_EQ(bench.tick().pedal, c.held) << static_cast<int>(c.from);
+  }
+}
+
+TEST(DeviceHands, AllMeansAllThatAreThere) {
+  MasterConfig config = testMaster();
+  config.pedal_from = PedalFrom::kAll;
+  config.devices[1].is_used = false;
+  DeviceBench bench(config);
+  bench.warmUp();
+  EXPECT_FALSE(bench.tick().pedal);
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal);
+}
+
+TEST(DeviceHands, AButtonTogglesTheJawsAtTheirSpeedWhileEngaged) {
+  MasterConfig config = testMaster();
+  config.gripper_from = GripperFrom::kToggles;
+  DeviceBench bench(config, 0.5);
+  bench.warmUp();
+  bench.press(2);  // without the pedal: nothing
+  EXPECT_EQ(bench.tick(300).grasp[0], 0.5);
+  bench.press(1);
+  EXPECT_EQ(bench.tick(300).grasp[0], 0.5);
+  bench.press(3);
+  EXPECT_NEAR(bench.tick(100).grasp[0], 0.5 - 0.1 * 3.0, 1e-9);
+  bench.press(1);
+  EXPECT_NEAR(bench.tick(200).grasp[0], 0.0, 1e-12);
+  bench.press(3);
+  EXPECT_NEAR(bench.tick(300).grasp[0], 0.6, 1e-12);
+}
+
+TEST(DeviceHands, AHeldButtonClosesAndAJointLeadsTheJaws) {
+  MasterConfig config = testMaster();
+  config.gripper_from = GripperFrom::kHolds;
+  DeviceBench holding(config);
+  holding.warmUp();
+  holding.press(1);
+  EXPECT_NEAR(holding.tick(300).grasp[0], 0.6, 1e-12);
+  holding.press(3);
+  EXPECT_NEAR(holding.tick(300).grasp[0], 0.0, 1e-12);
+
+  config.gripper_from = GripperFrom::kJoint;
+  config.reading_closed = -0.1;
+  config.reading_open = 0.9;
+  DeviceBench jointed(config);
+  jointed.warmUp();
+  jointed.press(1);
+  EXPECT_EQ(jointed.tick(300).grasp[0], 0.3) << "no reading yet";
+  jointed.samples[0].has_gripper = 1;
+  jointed.samples[0].gripper = 0.4;
+  EXPECT_NEAR(jointed.tick(300).grasp[0], 0.3, 1e-12);
+  jointed.samples[0].gripper = 5.0;
+  EXPECT_NEAR(jointed.tick(300).grasp[0], 0.6, 1e-12);
+  jointed.samples[0].gripper = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(jointed.tick(300).grasp[0], 0.6, 1e-12);
+}
+
+TEST(DeviceHands, AGamepadsSticksAreVelocitiesBeyondTheirDeadBand) {
+  const MasterConfig config = shipped("gamepad");
+  DeviceBench bench(config);
+  bench.tick(600);
+  bench.samples[0].axis_count = bench.samples[1].axis_count = 8;
+  bench.press(1U << 5U);
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.samples[0].axes[0] = 0.09;  // within the dead band
+  expectNear(bench.tick(1000).hand_I[0], {0, 0, 0}, 1e-12, "dead band");
+  bench.samples[0].axes = {0.0, 1.0};  // forward, at its end
+  expectNear(bench.tick(1000).hand_I[0], {0.08, 0, 0}, 1e-9, "forward");
+  bench.samples[0].axes = {-0.55};  // right, half of what is left
+  expectNear(bench.tick(1000).hand_I[0], {0.08, 0.04, 0}, 1e-9, "right");
+  bench.samples[0].axes = {};
+  bench.samples[1].axes = {0, 0, 0, 0, 0, 0, 1.0};  // of the right hand: up
+  const Intent intent = bench.tick(500);
+  expectNear(intent.hand_I[0], {0.08, 0.04, 0}, 1e-9, "rests");
+  expectNear(intent.hand_I[1], {0, 0, -0.04}, 1e-9, "up");
+}
+
+TEST(DeviceHands, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
+  MasterConfig config = testMaster();
+  config.force_per_newton = 2.0;
+  DeviceBench bench(config);
+  bench.warmUp();
+  bench.senses.force.force_I[0] = {0.5, -1.0, 0.25};
+  bench.tick();
+  EXPECT_EQ(bench.force(), (Vec3{0, 0, 0}));
+  bench.press();
+  bench.tick();
+  expectNear(bench.force(), {1.0, -2.0, 0.5}, 1e-12, "twice the newtons");
+  EXPECT_NEAR(bench.report().hand_force[0], std::sqrt(0.25 + 1.0 + 0.0625), 1e-12);
+  bench.senses.force.force_I[0] = {0.0, 0.0, -33.0};
+  bench.tick();
+  expectNear(bench.force(), {0, 0, -6.6}, 1e-9, "3.3 N");
+  bench.senses.force.force_I[0] = {0.0, std::numeric_limits<double>::infinity(), 0.0};
+  bench.tick();
+  EXPECT_EQ(bench.force(), (Vec3{0, 0, 0}));
+  bench.senses.force.force_I[0] = {1.0, 0.0, 0.0};
+  bench.press(0);
+  bench.tick();
+  EXPECT_EQ(bench.force(), (Vec3{0, 0, 0}));
+  EXPECT_EQ(bench.force(Arm::kGreen), (Vec3{0, 0, 0}));
+}
+
+TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
+  for (const Published& family : kPublished) {
+    const MasterConfig master = shipped(family.file);
+    const Vec3 force{0.3, -0.7, 1.1};
+    const Vec3 back = toArray(Vector3(axisMatrix(master.axes) * toEigen(toDevice(master, force))));
+    expectNear(back, force, 1e-12, family.file);
+  }
+}
+
+/** A console with such hands on a robot that is ready. */
+struct RealConsole {
+  explicit RealConsole(double scale = 0.1, bool orientation = false) : bench(master(scale, orientation)) {
+    ConsoleConfig at_once = testConfig();
+    at_once.start_delay = 0.0;
+    at_once.scale = scale;
+    console = std::make_unique<Console>(at_once, std::move(bench.source));
+    console->setReady(true);
+  }
+
+  static MasterConfig master(double scale, bool orientation) {
+    MasterConfig config = testMaster();
+    config.scale = scale;
+    config.orientation = orientation;
+    return config;
+  }
+
+  wire::ItpPacket tick() {
+    for (const Arm arm : kArms) {
+      if (!is_silent) ++at(bench.samples, arm).poses;
+      at(bench.link.samples, arm).store(at(bench.samples, arm));
+    }
+    return console->tick();
+  }
+
+  void warmUp() {
+    for (int i = 0; i < 600; ++i) {
+      for (DeviceSample& sample : bench.samples)
+        sample.position[0] = 1e-3 * std::sin(0.05 * i);
+      tick();
+    }
+  }
+
+  DeviceBench bench;
+  std::unique_ptr<Console> console;
+  bool is_silent{false};
+};
+
+TEST(RealHands, AForceMovesNoHandOfTheConsoles) {
+  RealConsole real;
+  real.warmUp();
+  real.bench.press();
+  ASSERT_EQ(real.tick().surgeon_mode, 1);
+  ForcePacket force;
+  force.runlevel = 3;
+  force.force_I[0] = {2.0, 1.0, -1.0};
+  for (int i = 0; i < 500; ++i) {
+    ++force.sequence;
+    ASSERT_EQ(real.console->applyForce(force), Reject::kNone);
+    const wire::ItpPacket packet = real.tick();
+    ASSERT_EQ(packet.delx_um[0], 0) << "the device is the hand, and it has not moved";
+    ASSERT_EQ(packet.dely_um[0], 0);
+  }
+  expectNear(real.bench.force(), {2.0, 1.0, -1.0}, 1e-12, "felt");
+  EXPECT_EQ(real.console->deflection()[0], (Vec3{0, 0, 0}));
+  // the daemon falls silent
+  for (int i = 0; i < 51; ++i)
+    real.tick();
+  EXPECT_EQ(real.bench.force(), (Vec3{0, 0, 0}));
+}
+
+TEST(RealHands, AreLookedAtBeforeTheRobotIsReadyAndMoveNothing) {
+  RealConsole real;
+  real.console->setReady(false);
+  real.warmUp();
+  real.bench.press();
+  for (int i = 0; i < 10; ++i)
+    ASSERT_EQ(real.tick().surgeon_mode, 0);
+  EXPECT_EQ(real.bench.newest(), DeviceTrouble::kRobotNotReady);
+}
+
+TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::array<double, 6> odd{inf, -inf, std::nan(""), 1e300, 83.0, -0.4};
+  Random random(5);
+  RealConsole real(1.0, /*orientation=*/true);
+  real.warmUp();
+  int engaged = 0, moved = 0;
+  for (int i = 0; i < 60000; ++i) {
+    DeviceSample& left = real.bench.samples[0];
+    const auto axis = static_cast<std::size_t>(random.uniform(0.0, 2.999));
+    left.position[axis] += random.uniform(-0.004, 0.004);
+    left.orientation = {random.uniform(-1, 1), random.uniform(-1, 1), 0.0, 1.0};
+    const double norm = toEigen(left.orientation).norm();
+    for (double& element : left.orientation)
+      element /= norm;
+    if (i % 97 == 0) left.position[axis] = odd[static_cast<std::size_t>(random.uniform(0.0, 5.999))];
+    if (i % 97 == 1) left.position = {};
+    if (i % 389 == 0) left.orientation[2] = odd[static_cast<std::size_t>(random.uniform(0.0, 5.999))];
+    if (i % 11 == 0) real.bench.press(random.uniform(0.0, 1.0) < 0.7 ? 1 : 0);
+    real.is_silent = i % 800 > 680;
+    const wire::ItpPacket packet = real.tick();
+    ASSERT_EQ(wire::checkItp(packet, {2000, 0.1}), Reject::kNone) << i;
+    engaged += packet.surgeon_mode;
+    moved += packet.delx_um[0] != 0 ? 1 : 0;
+  }
+  EXPECT_GT(engaged, 5000);
+  EXPECT_GT(moved, 1000);
+}
+
+TEST(RealHands, TheSumOfTheIncrementsIsTheScaledMotion) {
+  RealConsole real;
+  real.warmUp();
+  real.bench.press();
+  Vec3& p = real.bench.samples[0].position;
+  real.tick();
+  const Vec3 start = p;
+  std::array<std::int64_t, 3> sum{};
+  for (int i = 0; i < 3000; ++i) {
+    p = {start[0] + 0.03 * std::sin(1e-3 * i), start[1] + 1e-5 * i, start[2] - 0.5e-5 * i};
+    const wire::ItpPacket packet = real.tick();
+    ASSERT_EQ(packet.surgeon_mode, 1) << i;
+    sum[0] += packet.delx_um[0];
+    sum[1] += packet.dely_um[0];
+    sum[2] += packet.delz_um[0];
+  }
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(static_cast<double>(sum[k]), 1e5 * (p[k] - start[k]), 0.51);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::console

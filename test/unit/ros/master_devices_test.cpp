@@ -1,0 +1,258 @@
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <sensor_msgs/JointState.h>
+#include <sensor_msgs/Joy.h>
+#include <std_msgs/String.h>
+
+#include <cstring>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "raven2_trainer/config/load_master.h"
+#include "ros/force_readers.h"
+#include "ros/master_device_messages.h"
+#include "ros/master_device_reader.h"
+#include "ros/master_status.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+template <typename Message>
+std::vector<std::uint8_t> bytesOf(const Message& message) {
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
+}
+
+/** What comes on a topic of that type with those bytes. */
+topic_tools::ShapeShifter received(const char* type, const char* md5, std::vector<std::uint8_t> bytes) {
+  topic_tools::ShapeShifter message;
+  message.morph(md5, type, "", "");
+  ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  message.read(stream);
+  return message;
+}
+
+template <typename Message>
+topic_tools::ShapeShifter receivedAs(const char* type, const Message& message) {
+  return received(type, Message::md5(), bytesOf(message));
+}
+
+template <typename Message>
+topic_tools::ShapeShifter received(const Message& message) {
+  return received(ros::message_traits::DataType<Message>::value(), ros::message_traits::MD5Sum<Message>::value(),
+                  bytesOf(message));
+}
+
+double doubleAt(const std::vector<std::uint8_t>& bytes, std::size_t offset) {
+  double value = 0.0;
+  std::memcpy(&value, bytes.data() + offset, sizeof(value));
+  return value;
+}
+
+MasterConfig shipped(const char* name) {
+  return config::findMaster(RAVEN2_TRAINER_SOURCE_DIR "/config/masters", name);
+}
+
+sensor_msgs::Joy joyOf(const std::vector<int>& buttons, const std::vector<float>& axes = {}) {
+  sensor_msgs::Joy joy;
+  joy.buttons = buttons;
+  joy.axes = axes;
+  return joy;
+}
+
+TEST(DeviceMessages, HaveTheCheckSumsOfTheDriversPackages) {
+  // genmsg's of the texts of omni_msgs, geomagic_control and crtk_msgs; the first, second and fourth also as those
+  // packages' generated code has them
+  EXPECT_STREQ(devices::OmniState::md5(), "89c2a741de66e9e904f59a02b171dd6e");
+  EXPECT_STREQ(devices::ButtonEvent::md5(), "fb77877e6b639935c3360838062f05f0");
+  EXPECT_STREQ(devices::OmniFeedback::md5(), "e9083ac4fd95494e94fbb0c0f90b6c00");
+  EXPECT_STREQ(devices::DeviceFeedback::md5(), "94755b031db27fe99c2c235c0da9b072");
+  EXPECT_STREQ(devices::OperatingState::md5(), "b1bd4021639d9d9c5fbfff78d6ff3158");
+}
+
+TEST(DeviceMessages, FieldsStandWhereTheDriversHaveThem) {
+  // offsets counted by hand along the .msg texts, frame_id empty
+  devices::OmniState state;
+  state.locked = 1;
+  state.close_gripper = 2;
+  state.pose.position.z = 1.5;
+  state.pose.orientation.w = 0.25;
+  state.current.y = 7.0;
+  state.velocity.z = -3.5;
+  const std::vector<std::uint8_t> bytes = bytesOf(state);
+  ASSERT_EQ(bytes.size(), 16U + 2U + 56U + 24U + 24U);
+  EXPECT_EQ(bytes[16], 1);
+  EXPECT_EQ(bytes[17], 2);
+  EXPECT_EQ(doubleAt(bytes, 18 + 16), 1.5);
+  EXPECT_EQ(doubleAt(bytes, 18 + 48), 0.25);
+  EXPECT_EQ(doubleAt(bytes, 74 + 8), 7.0);
+  EXPECT_EQ(doubleAt(bytes, 98 + 16), -3.5);
+
+  devices::DeviceFeedback feedback;
+  feedback.force.y = 2.5;
+  feedback.position.x = 4.5;
+  feedback.lock = {0, 1, 0};
+  const std::vector<std::uint8_t> told = bytesOf(feedback);
+  ASSERT_EQ(told.size(), 24U + 24U + 4U + 3U);
+  EXPECT_EQ(doubleAt(told, 8), 2.5);
+  EXPECT_EQ(doubleAt(told, 24), 4.5);
+  EXPECT_EQ(told[48], 3);
+  EXPECT_EQ(told[53], 1);
+  EXPECT_EQ(bytesOf(devices::OmniFeedback()).size(), 48U);
+  EXPECT_EQ(bytesOf(devices::ButtonEvent()).size(), 8U);
+}
+
+TEST(DeviceMessages, APublishersHeaderCarriesTheWholeText) {
+  const std::string text = ros::message_traits::Definition<devices::DeviceFeedback>::value();
+  EXPECT_EQ(text.find("geometry_msgs/Vector3  force\n"), 0U);
+  EXPECT_NE(text.find("\nMSG: geometry_msgs/Vector3\n"), std::string::npos);
+  EXPECT_NE(text.find("float64 z"), std::string::npos);
+}
+
+TEST(DeviceReader, ReadsAnOmnisStateAndButtonsUnderAnyPackagesName) {
+  const MasterConfig config = shipped("omni");
+  MasterDeviceReader reader(config, config.devices[0]);
+  devices::OmniState state;
+  state.pose.position.x = -12.5;
+  state.pose.orientation.w = 1.0;
+  state.locked = 1;
+  state.header.frame_id = "/map";
+  ASSERT_TRUE(reader.pose(receivedAs("omni_msgs/OmniState", state)));
+  EXPECT_EQ(reader.sample().poses, 1U);
+  EXPECT_EQ(reader.sample().position, (Vec3{-12.5, 0.0, 0.0}));
+  EXPECT_EQ(reader.sample().is_locked, 1);
+  EXPECT_EQ(reader.frame(), "/map");
+  devices::ButtonEvent event;
+  event.white_button = 1;
+  for (const char* type : {"omni_msgs/OmniButtonEvent", "geomagic_control/DeviceButtonEvent"}) {
+    ASSERT_TRUE(reader.buttons(receivedAs(type, event), 0));
+    EXPECT_EQ(reader.sample().buttons, 2U);
+  }
+  event = {};
+  event.grey_button = 1;
+  ASSERT_TRUE(reader.buttons(receivedAs("phantom_omni/PhantomButtonEvent", event), 0));
+  EXPECT_EQ(reader.sample().buttons, 1U);
+}
+
+TEST(DeviceReader, ReadsCrtkPosesWithATimeAndButtonsOfSeveralTopics) {
+  const MasterConfig config = shipped("crtk_pair");
+  MasterDeviceReader reader(config, config.devices[1]);
+  geometry_msgs::PoseStamped pose;
+  pose.pose.position.y = 0.03;
+  pose.pose.orientation.z = 1.0;
+  ASSERT_TRUE(reader.pose(received(pose)));
+  EXPECT_EQ(reader.sample().poses, 0U) << "no stamp: not valid";
+  pose.header.stamp = ros::Time(5.0);
+  ASSERT_TRUE(reader.pose(received(pose)));
+  EXPECT_EQ(reader.sample().poses, 1U);
+  EXPECT_EQ(reader.sample().position, (Vec3{0.0, 0.03, 0.0}));
+  EXPECT_EQ(reader.sample().orientation, (Quat{0.0, 0.0, 1.0, 0.0}));
+  ASSERT_TRUE(reader.buttons(received(joyOf({1})), 1));
+  EXPECT_EQ(reader.sample().buttons, 2U);
+  ASSERT_TRUE(reader.buttons(received(joyOf({1})), 0));
+  EXPECT_EQ(reader.sample().buttons, 3U);
+  ASSERT_TRUE(reader.buttons(received(joyOf({2})), 1));  // a click that is over
+  EXPECT_EQ(reader.sample().buttons, 1U);
+}
+
+TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
+  const MasterConfig config = shipped("mtm");
+  MasterDeviceReader reader(config, config.devices[0]);
+  devices::OperatingState state;
+  for (const auto& [name, homed, ready] : {std::tuple("ENABLED", 1, 1), std::tuple("ENABLED", 0, 0),
+                                           std::tuple("DISABLED", 1, 0), std::tuple("FAULT", 1, 0)}) {
+    state.state = name;
+    state.is_homed = static_cast<std::uint8_t>(homed);
+    ASSERT_TRUE(reader.operatingState(receivedAs("crtk_msgs/OperatingState", state)));
+    EXPECT_EQ(reader.sample().is_ready, ready) << name << homed;
+  }
+  sensor_msgs::JointState joints;
+  ASSERT_TRUE(reader.gripper(received(joints)));
+  EXPECT_EQ(reader.sample().has_gripper, 0);
+  joints.position = {0.4, 9.0};
+  ASSERT_TRUE(reader.gripper(received(joints)));
+  EXPECT_EQ(reader.sample().has_gripper, 1);
+  EXPECT_EQ(reader.sample().gripper, 0.4);
+}
+
+TEST(DeviceReader, ReadsAGamepad) {
+  const MasterConfig config = shipped("gamepad");
+  MasterDeviceReader reader(config, config.devices[0]);
+  ASSERT_TRUE(reader.pose(received(joyOf({0, 0, 0, 0, 0, 1}, {0.5F, -1.0F}))));
+  EXPECT_EQ(reader.sample().buttons, 32U);
+  EXPECT_EQ(reader.sample().axis_count, 2U);
+  EXPECT_EQ(reader.sample().axes[1], -1.0);
+  ASSERT_TRUE(reader.pose(received(joyOf({}, std::vector<float>(20, 0.25F)))));
+  EXPECT_EQ(reader.sample().buttons, 0U);
+  EXPECT_EQ(reader.sample().axis_count, 8U);
+}
+
+TEST(DeviceReader, RefusesOtherTypesByNameAndOnce) {
+  const MasterConfig config = shipped("omni");
+  MasterDeviceReader reader(config, config.devices[0]);
+  const auto wrong = received(std_msgs::String());
+  EXPECT_FALSE(reader.pose(wrong));
+  const std::string line = reader.refusal();
+  EXPECT_NE(line.find("/phantom/state is of type std_msgs/String"), std::string::npos) << line;
+  EXPECT_NE(line.find("omni_msgs/OmniState"), std::string::npos) << line;
+  EXPECT_FALSE(reader.pose(wrong));
+  EXPECT_EQ(reader.refusal(), "");
+  EXPECT_FALSE(reader.buttons(wrong, 0));
+  EXPECT_NE(reader.refusal().find("/phantom/button"), std::string::npos);
+  EXPECT_EQ(reader.sample().poses, 0U);
+}
+
+TEST(DeviceReader, TakesNothingOfAMessageThatIsCutShort) {
+  const MasterConfig config = shipped("omni");
+  MasterDeviceReader reader(config, config.devices[0]);
+  std::vector<std::uint8_t> bytes = bytesOf(devices::OmniState());
+  bytes.resize(bytes.size() - 60);
+  EXPECT_FALSE(reader.pose(received("omni_msgs/OmniState", devices::OmniState::md5(), bytes)));
+  EXPECT_EQ(reader.sample().poses, 0U);
+}
+
+TEST(PedalTopic, IsAButtonOfAJoy) {
+  bool held = false;
+  EXPECT_TRUE(readJoyButton(received(joyOf({0, 1})), 1, &held));
+  EXPECT_TRUE(held);
+  EXPECT_TRUE(readJoyButton(received(joyOf({1, 0})), 1, &held));
+  EXPECT_FALSE(held);
+  EXPECT_FALSE(readJoyButton(received(joyOf({1, 0})), 2, &held));
+  EXPECT_FALSE(readJoyButton(received(std_msgs::String()), 0, &held));
+}
+
+TEST(ForceReadersTest, AreToldOnceAndWhenTheyChange) {
+  ForceReaders readers("left", "/left/servo_cf", 2.0);
+  EXPECT_EQ(readers.look(0, 0.5), "");
+  EXPECT_EQ(readers.look(1, 0.6), "left: force on /left/servo_cf, read by 1");
+  EXPECT_EQ(readers.look(1, 5.0), "");
+  EXPECT_NE(readers.look(0, 6.0).find("NOBODY any more"), std::string::npos);
+  EXPECT_EQ(readers.look(0, 7.0), "");
+  EXPECT_EQ(readers.look(2, 8.0), "left: force on /left/servo_cf, read by 2");
+  ForceReaders nobody("right", "/f", 2.0);
+  EXPECT_EQ(nobody.look(0, 1.9), "");
+  EXPECT_EQ(nobody.look(0, 2.1), "right: force on /f, read by NOBODY: no force will be felt");
+}
+
+TEST(MasterStatus, SaysWhatIsWrong) {
+  const MasterConfig config = shipped("omni_pair");
+  MasterReport report;
+  diagnostic_msgs::DiagnosticStatus status = masterStatus(config, Arm::kGreen, report, {998.0, 1});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK);
+  EXPECT_EQ(status.name, "raven2_trainer: master right");
+  EXPECT_EQ(status.values[0].value, "998");
+  status = masterStatus(config, Arm::kGreen, report, {998.0, 0});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_NE(status.message.find("/right/force_feedback"), std::string::npos);
+  report.now[1] = {DeviceTrouble::kSilent, 0.4};
+  status = masterStatus(config, Arm::kGreen, report, {0.0, 0});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);
+  EXPECT_EQ(status.message, "right: nothing came on /right/state for 400 ms");
+  EXPECT_EQ(masterStatus(config, Arm::kGold, report, {998.0, 1}).level, diagnostic_msgs::DiagnosticStatus::OK);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
