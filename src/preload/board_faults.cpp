@@ -96,7 +96,7 @@ BoardFaults::Order BoardFaults::write(Arm arm, const raven::UsbOutBytes& bytes, 
   *out = bytes;
   raven::UsbOut packet;
   if (!raven::decodeOut(bytes, &packet)) return {true, arm};  // a reset of the encoders
-  run_level_ = packet.pins & raven::pins::kLevelMask;
+  run_level_ = static_cast<std::uint8_t>(packet.pins & raven::pins::kLevelMask);
   has_written_ = true;
   if (!has_begun_ || !engine_.isArmed()) return {true, arm};
   const auto own = static_cast<std::int32_t>(index(arm));
