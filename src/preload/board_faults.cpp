@@ -41,8 +41,8 @@ void BoardFaults::beginCycle(std::int64_t now_ns) noexcept {
   boards_written_ = engine_.applyInt(FaultVariable::kPutBoardCount, Arm::kGold, 0, kBoards);
 }
 
-/** A board that the program would not have read, or looked for in vain, is one that says ENODEV: the program keeps its old
- *  counts and does not try again. */
+/** A board that the program would not have read, or looked for in vain, is one that says ENODEV: the program keeps its
+ * old counts and does not try again. */
 std::int32_t BoardFaults::readResult(Arm arm, std::int32_t result, raven::UsbInBytes* bytes) noexcept {
   if (result == UsbRead::kComplete) at(newest_, arm) = *bytes;
   const auto own = static_cast<std::int32_t>(index(arm));
@@ -72,10 +72,7 @@ void BoardFaults::corrupt(Arm arm, raven::UsbInBytes* bytes) noexcept {
   *bytes = raven::encodeIn(packet);
 }
 
-std::int32_t BoardFaults::read(Arm arm,
-                               std::int32_t result,
-                               raven::UsbInBytes* bytes,
-                               std::int64_t now_ns) noexcept {
+std::int32_t BoardFaults::read(Arm arm, std::int32_t result, raven::UsbInBytes* bytes, std::int64_t now_ns) noexcept {
   if (!has_begun_ || has_written_) beginCycle(now_ns);
   if (!engine_.isArmed()) return result;
   const std::int32_t told = readResult(arm, result, bytes);

@@ -55,8 +55,9 @@ std::string describeTruth(const Order& order, const Truth& truth) {
   const Json all{{"scenario", order.scenario.name},
                  {"seed", order.seed},
                  {"clocks",
-                  {{"cycle", "the program's control cycles, counted from 1: each begins with the first read of a board behind a "
-                             "write to one"},
+                  {{"cycle",
+                    "the program's control cycles, counted from 1: each begins with the first read of a board behind a "
+                    "write to one"},
                    {"time_ns", "ns since 1970, clock of the robot's computer"}}},
                  {"cycles", truth.cycles},
                  {"packets", truth.packets},

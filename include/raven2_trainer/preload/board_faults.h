@@ -37,7 +37,8 @@ class BoardFaults {
     bool is_written{true};  ///< false: the program is told that it was, and no board gets it
     Arm board{};            ///< which board gets it
   };
-  /** The program writes to a board. @param[out] out what goes there; alike where nothing acts or it is no DAC packet. */
+  /** The program writes to a board. @param[out] out what goes there; alike where nothing acts or it is no DAC packet.
+   */
   Order write(Arm arm, const raven::UsbOutBytes& bytes, raven::UsbOutBytes* out) noexcept;
 
   const ChangeLog& log() const noexcept { return log_; }

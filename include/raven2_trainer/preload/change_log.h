@@ -15,7 +15,8 @@ struct LoggedChange {
   std::int64_t time_ns{};  ///< [ns] whatever clock the caller reads
 };
 
-/** Room for all beginnings and ends of one thread's faults: one writer, read at the end. Real-time safe after construction.
+/** Room for all beginnings and ends of one thread's faults: one writer, read at the end. Real-time safe after
+ * construction.
  */
 class ChangeLog {
  public:

@@ -13,8 +13,8 @@ namespace raven2_trainer::preload {
  * Faults between a control program and its socket: the site network_layer on plain ITP packets as recvfrom gave them,
  * before any check of the program's.
  *
- * For one thread, the program's network thread. It learns of cycles when packets come: a fault acts from the cycle that it
- * should, but a packet that is held back comes out with a later call. Real-time safe after construction.
+ * For one thread, the program's network thread. It learns of cycles when packets come: a fault acts from the cycle that
+ * it should, but a packet that is held back comes out with a later call. Real-time safe after construction.
  */
 class NetworkFaults {
  public:

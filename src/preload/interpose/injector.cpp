@@ -120,10 +120,11 @@ bool isItpPort(std::uint16_t port) noexcept {
 void warnOfBoard(const char* path) noexcept {
   const char* name = std::strrchr(path, '/');
   if (std::strncmp(name == nullptr ? path : name + 1, "brl_usb", 7) != 0) return;
-  std::fprintf(stderr,
-               "raven2_usb_faults: %s is neither RAVEN2_USB_FAULTS_GOLD (%s) nor RAVEN2_USB_FAULTS_GREEN (%s): it passes "
-               "through\n",
-               path, settings().gold.c_str(), settings().green.c_str());
+  std::fprintf(
+      stderr,
+      "raven2_usb_faults: %s is neither RAVEN2_USB_FAULTS_GOLD (%s) nor RAVEN2_USB_FAULTS_GREEN (%s): it passes "
+      "through\n",
+      path, settings().gold.c_str(), settings().green.c_str());
 }
 
 void writeTruth(const Injector& made) {

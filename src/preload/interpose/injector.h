@@ -1,8 +1,8 @@
 #pragma once
 
+#include <sys/types.h>
 #include <cstddef>
 #include <cstdint>
-#include <sys/types.h>
 
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/raven/usb_packets.h"

@@ -1,5 +1,6 @@
-// The C library's calls, as a program with LD_PRELOAD=libraven2_usb_faults.so finds them first. Each makes the real call
-// itself, outside of any noexcept function: a thread that is cancelled while it waits there unwinds through this frame.
+// The C library's calls, as a program with LD_PRELOAD=libraven2_usb_faults.so finds them first. Each makes the real
+// call itself, outside of any noexcept function: a thread that is cancelled while it waits there unwinds through this
+// frame.
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -88,8 +89,8 @@ bool waits(int descriptor, int flags) {
   return status < 0 || (status & O_NONBLOCK) == 0;
 }
 
-/** As the socket would have it without the packets that are lost: who waits waits for the next, who does not is told that there
- *  is none (select() said otherwise, as it may when a datagram's check sum is wrong). */
+/** As the socket would have it without the packets that are lost: who waits waits for the next, who does not is told
+ * that there is none (select() said otherwise, as it may when a datagram's check sum is wrong). */
 ssize_t receiveNext(int descriptor, void* buffer, size_t size, int flags, sockaddr* from, socklen_t* from_size) {
   static thread_local Source source;
   wire::ItpBytes packet;
@@ -209,12 +210,18 @@ RAVEN2_EXPORT ssize_t write(int descriptor, const void* buffer, size_t size) {
   return next().write(delivery.descriptor, delivery.bytes.data(), size);
 }
 
-RAVEN2_EXPORT ssize_t recvfrom(int descriptor, void* buffer, size_t size, int flags, sockaddr* from, socklen_t* from_size) {
+RAVEN2_EXPORT ssize_t
+recvfrom(int descriptor, void* buffer, size_t size, int flags, sockaddr* from, socklen_t* from_size) {
   return receiveFrom(descriptor, buffer, size, flags, from, from_size);
 }
 
-RAVEN2_EXPORT ssize_t
-__recvfrom_chk(int descriptor, void* buffer, size_t size, size_t room, int flags, sockaddr* from, socklen_t* from_size) {
+RAVEN2_EXPORT ssize_t __recvfrom_chk(int descriptor,
+                                     void* buffer,
+                                     size_t size,
+                                     size_t room,
+                                     int flags,
+                                     sockaddr* from,
+                                     socklen_t* from_size) {
   return receiveFrom(descriptor, buffer, std::min(size, room), flags, from, from_size);
 }
 
