@@ -30,7 +30,8 @@ void NetworkFaults::offer(const wire::ItpBytes& bytes, std::int64_t now_ns) noex
   history_.countPacket(packet.surgeon_mode != 0);
   engine_.beginPacket(packet.surgeon_mode != 0);
   log_.note(&engine_, cycles_, now_ns);
-  if (!engine_.isArmed() && held_.isEmpty()) {
+  const bool passes = cycles_ == 0 || (!engine_.isArmed() && held_.isEmpty());  // before the first cycle nothing acts
+  if (passes) {
     held_.pass(packet);
     untouched_ = bytes;
     has_untouched_ = true;

@@ -7,6 +7,7 @@ import os
 import pathlib
 import pty
 import random
+import signal
 import socket
 import struct
 import subprocess
@@ -131,6 +132,27 @@ class Bench:
     def leave(self):
         self.tell("quit")
         assert self.program.wait(timeout=60) == 0
+
+
+@pytest.fixture(autouse=True)
+def fixture_patience():
+    """A program that waits for ever is a failed test."""
+    def give_up(*_):
+        raise TimeoutError("the program under test waits")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(300)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def test_before_the_first_cycle_packets_pass(tmp_path, keys):
+    row = f"site: network_layer, variable: packet, kind: drop, value: 1.0, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        bench.send(packet_itp(1))
+        bench.tell("wait")
+        assert bytes.fromhex(bench.program.stdout.readline().split()[1]) == packet_itp(1)
 
 
 @pytest.fixture(name="keys")
@@ -332,6 +354,7 @@ def test_who_waits_for_a_packet_waits_for_the_first_that_is_not_lost(tmp_path, k
     row = ("site: network_layer, variable: packet, kind: drop, value: 1.0, start: {trigger: packet, first_tick: 2}, "
            "duration_ticks: 3")
     with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        one(bench, 0)
         for number in range(1, 8):
             bench.send(packet_itp(number))
         for expected in (1, 2, 6, 7):

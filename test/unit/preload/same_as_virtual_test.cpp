@@ -14,7 +14,6 @@
 namespace raven2_trainer::preload {
 namespace {
 
-using raven::RunLevel;
 using raven::UsbIn;
 using raven::UsbInBytes;
 using raven::UsbOutBytes;
