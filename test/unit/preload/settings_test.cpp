@@ -136,7 +136,6 @@ TEST_F(SettingsTest, NumbersAreWholeAndInRange) {
 
 TEST_F(SettingsTest, TheTruthHasEachActivationOnce) {
   const Order made = order();
-  CycleHistory history;
   faults::FaultEngine engine(FaultHost::kRobot);
   engine.setPlan(made.plan);
   ChangeLog log, none;
