@@ -22,7 +22,23 @@
 #include <iostream>
 #include <string>
 
+#include "support/allocation_counter.h"
+
 namespace {
+
+#ifdef RAVEN2_COUNTS_ALLOCATIONS
+void watch(bool is_watched) {
+  raven2_trainer::testing::counting = is_watched;
+}
+int watched() {
+  return raven2_trainer::testing::calls + raven2_trainer::testing::locks;
+}
+#else
+void watch(bool) {}
+int watched() {
+  return 0;
+}
+#endif
 
 constexpr std::size_t kIn = 27, kOut = 19, kItp = 124;
 constexpr int kChannels = 8;
@@ -80,6 +96,7 @@ std::size_t atRunTime(std::size_t size) {
 }
 
 void cycle(Board* gold, Board* green, int socket) {
+  watch(true);
   const long read_gold = orError(read(gold->descriptor, gold->in.data(), kIn));
   take(gold, read_gold);
   std::array<std::uint8_t, kIn> buffer{};
@@ -93,6 +110,7 @@ void cycle(Board* gold, Board* green, int socket) {
   command(green, level);
   const long wrote_gold = orError(write(gold->descriptor, gold->out.data(), kOut));
   const long wrote_green = orError(write(green->descriptor, green->out.data(), kOut));
+  watch(false);
   std::printf("%ld %s %ld %s %ld %s %ld %s %ld %s\n", read_gold, hex(gold->in.data(), read_gold > 0 ? kIn : 0).c_str(),
               read_green, hex(green->in.data(), read_green > 0 ? kIn : 0).c_str(), received,
               hex(packet.data(), received > 0 ? kItp : 0).c_str(), wrote_gold, hex(gold->out.data(), kOut).c_str(),
@@ -160,5 +178,6 @@ int main(int argc, char** argv) {
   }
   close(gold.descriptor);
   close(green.descriptor);
+  std::printf("%d allocations or locks\n", watched());
   return 0;
 }

@@ -131,6 +131,7 @@ class Bench:
 
     def leave(self):
         self.tell("quit")
+        assert self.program.stdout.readline() == "0 allocations or locks\n"
         assert self.program.wait(timeout=60) == 0
 
 

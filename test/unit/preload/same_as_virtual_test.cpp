@@ -67,14 +67,14 @@ std::uint8_t pinsAt(int cycle) {
   return static_cast<std::uint8_t>(static_cast<unsigned>(level) << raven::pins::kLevelShift);
 }
 
-/** Motors that swing by a few counts, so that every command differs from the one before. */
+/** Motors that swing slowly by a few counts, so that commands differ from cycle to cycle. */
 PerArm<UsbInBytes> boardsAt(int cycle) {
   PerArm<UsbInBytes> boards;
   for (const Arm arm : kArms) {
     UsbIn in;
     in.pins = pinsAt(cycle);
     for (std::size_t k = 0; k < in.encoder.size(); ++k)
-      in.encoder[k] = static_cast<std::int32_t>((cycle * (3 + k) + 5 * index(arm)) % 17U) - 8;
+      in.encoder[k] = std::abs((cycle / 4 + static_cast<int>(3 * k + 5 * index(arm))) % 16 - 8);
     at(boards, arm) = raven::encodeIn(in);
   }
   return boards;
@@ -149,6 +149,18 @@ int compare(const std::vector<Row>& rows) {
     corrupted += expected != untouched ? 1 : 0;
   }
   return corrupted;
+}
+
+TEST(SameAsVirtual, TheCleanRobotTeleoperates) {
+  Robot robot;
+  for (int cycle = 0; cycle < kCycles; ++cycle) {
+    robot.receive(packetAt(cycle));
+    robot.software.cycle(boardsAt(cycle));
+  }
+  EXPECT_EQ(robot.software.state().runlevel, RunLevel::kPedalDown);
+  EXPECT_EQ(robot.software.state().homed, 1);
+  EXPECT_EQ(robot.software.state().soft_estopped, 0);
+  EXPECT_NE(robot.software.state().arms[0].dac[0], 0);
 }
 
 TEST(SameAsVirtual, WithNothingToDoAllIsAsItWas) {
