@@ -21,8 +21,8 @@ using raven::UsbRead;
 using raven::test::quickHoming;
 using raven::test::trainerConfig;
 
-constexpr int kCycles = 1050;
-constexpr int kEngaged = 400;  // from here on the PLC says pedal down
+constexpr int kCycles = 700;
+constexpr int kEngaged = 50;  // from here on the PLC says pedal down
 
 struct Row {
   FaultVariable variable;
@@ -60,10 +60,7 @@ FaultPlan planOf(const std::vector<Row>& rows) {
 }
 
 std::uint8_t pinsAt(int cycle) {
-  const RunLevel level = cycle < 10         ? RunLevel::kEStop
-                         : cycle < 350      ? RunLevel::kInit
-                         : cycle < kEngaged ? RunLevel::kPedalUp
-                                            : RunLevel::kPedalDown;
+  const RunLevel level = cycle < kEngaged ? RunLevel::kPedalUp : RunLevel::kPedalDown;
   return static_cast<std::uint8_t>(static_cast<unsigned>(level) << raven::pins::kLevelShift);
 }
 
@@ -91,7 +88,7 @@ wire::ItpBytes packetAt(int cycle) {
 }
 
 struct Robot {
-  Robot() : software(trainerConfig().arms, quickHoming()) {}
+  Robot() : software(trainerConfig().arms, quickHoming()) { software.startAtHome(); }
   void receive(const wire::ItpBytes& bytes) { software.receive(bytes.data(), bytes.size()); }
   raven::ControlSoftware software;
 };
