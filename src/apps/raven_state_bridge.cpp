@@ -34,8 +34,13 @@ class StaleWatch {
   bool is_stale_{true};
 };
 
-int run(const apps::CommonOptions& common, const std::string& topic, int argc, char** argv) {
-  const TrainerConfig config = common.load();
+int run(const apps::CommonOptions& common,
+        const std::string& address,
+        const std::string& topic,
+        int argc,
+        char** argv) {
+  TrainerConfig config = common.load();
+  if (!address.empty()) config.network.bind_address = address;  // of the frames: no ITP is taken here
   runtime::StateServer server(config.network.bind_address, config.network.state_port, /*is_virtual=*/false);
   ros_bridge::RavenStateBridge bridge(config, topic, &server);
   ros_bridge::Supervisor ros(argc, argv, "raven_state_bridge", &bridge);
@@ -48,11 +53,12 @@ int run(const apps::CommonOptions& common, const std::string& topic, int argc, c
   ros.end();
   server.stop();
   const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-  std::fprintf(stderr,
-               "%llu messages, %llu of them refused; %llu states lost on the way to the sender, %llu frames lost by slow "
-               "readers; %llu fault plans refused\n",
-               n(bridge.received()), n(bridge.refused()), n(server.statesDropped()), n(server.framesDropped()),
-               n(server.plansRefused()));
+  std::fprintf(
+      stderr,
+      "%llu messages, %llu of them refused; %llu states lost on the way to the sender, %llu frames lost by slow "
+      "readers; %llu fault plans refused\n",
+      n(bridge.received()), n(bridge.refused()), n(server.statesDropped()), n(server.framesDropped()),
+      n(server.plansRefused()));
   return ros.leave(0);
 }
 
@@ -66,7 +72,11 @@ int main(int argc, char** argv) {
   std::string topic = "/ravenstate";
   CLI::App app{"A real Raven's /ravenstate in, state frames out on TCP (--state-port). Fault plans are refused."};
   common.add(&app, /*with_ports=*/true);
+  std::string address;
+  app.add_option("--bind-address", address,
+                 "IPv4 address of this computer to serve the frames on (default: the configuration's)")
+      ->check(CLI::ValidIPV4);
   app.add_option("--topic", topic, "Topic of type raven_2/raven_state, raven2's or the fork raven2_sim's")
       ->capture_default_str();
-  return apps::runProgram(&app, argc, argv, [&] { return run(common, topic, argc, argv); });
+  return apps::runProgram(&app, argc, argv, [&] { return run(common, address, topic, argc, argv); });
 }

@@ -1,6 +1,7 @@
 // The daemon on the surgeon's console host: nominal model, haptic cue, relay, faults, planner, pictures, record, ROS.
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
@@ -36,8 +37,14 @@ bool watch(const Simulator& simulator, double duration) {
   }
 }
 
-int run(const apps::CommonOptions& common, const runtime::SimulatorOptions& options, int argc, char** argv) {
-  Simulator simulator(common.load(), options);
+int run(const apps::CommonOptions& common,
+        const std::string& robot_host,
+        const runtime::SimulatorOptions& options,
+        int argc,
+        char** argv) {
+  TrainerConfig config = common.load();
+  if (!robot_host.empty()) config.network.robot_host = robot_host;
+  Simulator simulator(config, options);
   ros_bridge::RosBridge bridge(&simulator);
   ros_bridge::Supervisor ros(argc, argv, "raven2_simulator", &bridge);
   ros.start();
@@ -62,6 +69,9 @@ int main(int argc, char** argv) {
   options.version = apps::version();
   CLI::App app{"The training daemon: model, haptic cue, relay, faults, planner, pictures, record, ROS."};
   common.add(&app, /*with_ports=*/true);
+  std::string robot_host;
+  app.add_option("--robot-host", robot_host, "IPv4 address of the robot (default: the configuration's)")
+      ->check(CLI::ValidIPV4);
   app.add_option("--duration", options.duration, "Session time from the first pedal down [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
@@ -69,5 +79,5 @@ int main(int argc, char** argv) {
   app.add_option("--motion-label", options.motion, "What the console plays, for the record only");
   app.add_flag("--strict", options.strict, "Refuse to start where real time or the files cannot be trusted");
   app.add_flag("!--no-render", options.render, "No live picture");
-  return apps::runProgram(&app, argc, argv, [&] { return run(common, options, argc, argv); });
+  return apps::runProgram(&app, argc, argv, [&] { return run(common, robot_host, options, argc, argv); });
 }

@@ -53,16 +53,6 @@ struct Mechanism {
   DacArray dac{};
 };
 
-/** What 16 bits of a wider command say, as the boards get them (raven2 put_USB_packet.cpp:76-99). */
-std::int16_t low16(std::int32_t command) noexcept {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(static_cast<std::uint32_t>(command)));
-}
-
-/** 24-bit counts. */
-std::int32_t clampCount(std::int32_t count) noexcept {
-  return std::clamp(count, -8388608, 8388607);
-}
-
 constexpr std::int32_t kBoards = 2;  // activeAtStart
 
 /** State frames: only the time is their own. */

@@ -5,18 +5,11 @@
 
 #include "raven/master_target.h"
 #include "raven2_trainer/core/counters.h"
-#include "raven2_trainer/faults/packet_stream.h"
+#include "raven2_trainer/raven/itp_faults.h"
 #include "raven2_trainer/wire/itp_gate.h"
 #include "raven2_trainer/wire/sequence_rule.h"
 
 namespace raven2_trainer::raven {
-
-/** What faults on a stream of packets must know of one. */
-struct ItpTraits {
-  static std::uint32_t& sequence(wire::ItpPacket& packet) noexcept { return packet.sequence; }
-  static void takeMotion(wire::ItpPacket* to, const wire::ItpPacket& from) noexcept;
-  static void forge(wire::ItpPacket* packet, Arm arm, std::size_t axis, double um) noexcept;
-};
 
 /** The robot's receiver of ITP packets: fault site network_layer, size, order, accumulation (raven2.md 1.4, 1.5); or,
  *  hardened, what the daemon's own ingest demands in their place. Real-time safe. */
@@ -62,7 +55,7 @@ class NetworkLayer {
   bool hardened_;
   wire::SequenceRule rule_;
   wire::ItpGate gate_;
-  faults::PacketStream<wire::ItpPacket, ItpTraits> held_{FaultVariable::kPacket};
+  ItpStream held_{FaultVariable::kPacket};
   PerArm<MasterTarget> targets_{};
   LinkCounts counts_{};
   std::int64_t timeout_;

@@ -54,6 +54,49 @@ def test_a_master_takes_the_place_of_the_motion():
     assert "--master" not in options()["master_console"]
 
 
+HARDWARE = os.path.join(os.path.dirname(LAUNCH), "hardware.launch")
+
+
+def hardware(*arguments):
+    """{type: node} and the configuration."""
+    loaded = roslaunch_config.load_config_default([(HARDWARE, list(arguments))], None, verbose=False)
+    assert not loaded.config_errors
+    return {node.type: node for node in loaded.nodes}, loaded
+
+
+def test_a_real_robot_gets_the_daemon_alone_strict_and_without_a_hazard():
+    nodes, _ = hardware("robot_host:=192.168.7.2")
+    assert set(nodes) == {"simulator"}
+    words = nodes["simulator"].args.split()
+    of = dict(zip(words[::2], words[1::2]))
+    assert of["--robot-host"] == "192.168.7.2"
+    assert chosen(of) == ["none", "none", "none"]
+    assert words[-1] == "--strict"
+    assert "--strict" not in hardware("robot_host:=192.168.7.2", "strict:=false")[0]["simulator"].args
+
+
+def test_the_robots_address_must_be_said():
+    with pytest.raises(Exception, match="robot_host"):
+        hardware()
+
+
+def test_scripted_hands_at_a_real_robot_are_slow():
+    nodes, _ = hardware("robot_host:=192.168.7.2", "console:=true", "master_port:=4711")
+    words = nodes["master_console"].args.split()
+    assert float(words[words.index("--scale") + 1]) == 0.05
+    for node in nodes.values():
+        assert "--master-port 4711" in " ".join(node.args.split())
+
+
+def test_the_bridge_runs_on_the_robots_computer_and_serves_its_network():
+    nodes, loaded = hardware("robot_host:=192.168.7.2", "bridge:=true", "robot_env:=/ws/devel/env.sh")
+    bridge = nodes["raven_state_bridge"]
+    assert loaded.machines[bridge.machine_name].address == "192.168.7.2"
+    assert loaded.machines[bridge.machine_name].env_loader == "/ws/devel/env.sh"
+    assert bridge.args.split()[:2] == ["--bind-address", "192.168.7.2"]
+    assert nodes["simulator"].machine_name != bridge.machine_name
+
+
 RVIZ = os.path.join(os.path.dirname(os.path.dirname(LAUNCH)), "config", "rviz", "raven2_trainer.rviz")
 
 

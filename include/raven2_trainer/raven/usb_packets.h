@@ -32,6 +32,16 @@ struct UsbOut {
   std::uint8_t pins{};                        ///< run level echo, FP, READY, watchdog
 };
 
+/** What 16 bits of a wider command say, as the boards get them (raven2 put_USB_packet.cpp:76-99). */
+constexpr std::int16_t low16(std::int32_t command) noexcept {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(static_cast<std::uint32_t>(command)));
+}
+
+/** 24-bit counts. */
+constexpr std::int32_t clampCount(std::int32_t count) noexcept {
+  return count < -8388608 ? -8388608 : count > 8388607 ? 8388607 : count;
+}
+
 using UsbInBytes = std::array<std::uint8_t, 27>;
 using UsbOutBytes = std::array<std::uint8_t, 19>;
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -212,6 +214,30 @@ TEST(FaultRuns, ARealRobotsStreamStaysCleanWithoutTheSecondKey) {
     for (int i = 0; i < 5; ++i)
       rig.tick(false);
     EXPECT_EQ(rig.last_relay.command.pedal != 0, key);
+  }
+}
+
+TEST(FaultRuns, AScenarioReachesARealRobotOnlyWithBothKeys) {
+  for (const bool enable : {false, true}) {
+    for (const bool real_robot : {false, true}) {
+      TrainerConfig config = faultConfig();
+      config.injection = {enable, real_robot};
+      config.hazard = "surgeon_cmd_clean_sim";
+      Fault& fault = raven2_trainer::testing::onlyFaultOf(&config, config.hazard);
+      fault.first_tick = 20;
+      const double wanted = enable && real_robot ? fault.value * 1e-6 : 0.0;
+      raven2_trainer::testing::Rig rig(config);
+      ASSERT_TRUE(rig.home());
+      rig.link.disconnected();
+      rig.link.connected();
+      std::array<std::uint8_t, wire::kMaxFrame> hello{};
+      rig.link.receive(hello.data(), wire::encodeHello(1, /*is_virtual=*/false, hello.data()), 0);
+      for (int i = 0; i < 100; ++i)
+        rig.tick(false);
+      for (int i = 0; i < 100; ++i)
+        rig.tick(true);
+      EXPECT_NEAR(rig.last_relay.command.dp_I[0][1], wanted, 1e-12) << enable << real_robot;
+    }
   }
 }
 

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "raven2_trainer/preload/change_log.h"
+#include "raven2_trainer/preload/settings.h"
+
+namespace raven2_trainer::preload {
+
+/** What the two logs and the counters say at the end. */
+struct Truth {
+  const ChangeLog& boards;
+  const ChangeLog& network;
+  std::uint64_t cycles{};   ///< begun
+  std::uint64_t packets{};  ///< from the first with the pedal down on
+};
+
+/** As `injections` of a session's faults.json, one entry each time a row began to act. JSON text. */
+std::string describeTruth(const Order& order, const Truth& truth);
+
+}  // namespace raven2_trainer::preload

@@ -1,0 +1,193 @@
+#include "raven2_trainer/preload/board_faults.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "raven2_trainer/core/fault_variables.h"
+#include "raven2_trainer/preload/network_faults.h"
+
+namespace raven2_trainer::preload {
+namespace {
+
+using raven::UsbIn;
+using raven::UsbInBytes;
+using raven::UsbOut;
+using raven::UsbOutBytes;
+using raven::UsbRead;
+
+Fault fault(FaultVariable variable, FaultKind kind, double value) {
+  Fault f;
+  f.id = 1;
+  f.site = infoOf(variable).site;
+  f.variable = variable;
+  f.kind = kind;
+  f.trigger = FaultTrigger::kPowerOn;
+  f.arm = infoOf(variable).per_arm ? 0 : -1;
+  f.value = value;
+  return f;
+}
+
+FaultPlan planOf(const Fault& only) {
+  FaultPlan plan;
+  plan.generation = 1;
+  plan.session = 1;
+  plan.count = 1;
+  plan.faults[0] = only;
+  return plan;
+}
+
+const UsbInBytes kGoldIn = raven::encodeIn({0xC0, {1, 2, 3, 4, 5, 6, 7, 8}});
+const UsbInBytes kGreenIn = raven::encodeIn({0xC0, {11, 12, 13, 14, 15, 16, 17, 18}});
+
+/** Both boards, stepped by hand. */
+struct Boards {
+  explicit Boards(const Fault& only) : faults(planOf(only), &history) {}
+
+  std::int32_t read(Arm arm, std::int32_t result = UsbRead::kComplete) {
+    got = arm == Arm::kGold ? kGoldIn : kGreenIn;
+    return faults.read(arm, result, &got, 5);
+  }
+  BoardFaults::Order write(Arm arm, std::uint8_t level = 0) {
+    return faults.write(arm, raven::encodeOut({{100, 200, 300, 400, 500, 600, 700, 800}, level}), &out);
+  }
+  void cycle(std::uint8_t level = 0) {
+    read(Arm::kGold);
+    read(Arm::kGreen);
+    write(Arm::kGold, level);
+    write(Arm::kGreen, level);
+  }
+
+  CycleHistory history;
+  BoardFaults faults;
+  UsbInBytes got{};
+  UsbOutBytes out{};
+};
+
+TEST(BoardFaults, ACycleBeginsWithTheFirstReadBehindAWrite) {
+  Boards boards(fault(FaultVariable::kDac, FaultKind::kStuckAt, 1));
+  boards.write(Arm::kGold);  // start-up
+  EXPECT_EQ(boards.history.begun(), 0U);
+  for (int retry = 0; retry < 10; ++retry)
+    boards.read(Arm::kGold, UsbRead::kBusy);
+  boards.read(Arm::kGreen);
+  EXPECT_EQ(boards.history.begun(), 1U);
+  boards.write(Arm::kGold);
+  boards.write(Arm::kGreen);
+  EXPECT_EQ(boards.history.begun(), 1U);
+  boards.read(Arm::kGreen);
+  boards.read(Arm::kGold);
+  EXPECT_EQ(boards.history.begun(), 2U);
+}
+
+TEST(BoardFaults, StartUpWritesAndOtherPacketsPass) {
+  Boards boards(fault(FaultVariable::kDac, FaultKind::kStuckAt, 1));
+  boards.faults.write(Arm::kGold, raven::startUpWrite(), &boards.out);
+  EXPECT_EQ(boards.out, raven::startUpWrite());
+  boards.cycle();
+  UsbOutBytes reset;
+  reset.fill(0x07);  // raven2 USB_init.cpp: usb_reset_encoders
+  boards.faults.write(Arm::kGold, reset, &boards.out);
+  EXPECT_EQ(boards.out, reset);
+}
+
+TEST(BoardFaults, ThePedalIsTheRunLevelThatTheProgramWroteLast) {
+  Fault dac = fault(FaultVariable::kDac, FaultKind::kStuckAt, 1);
+  dac.trigger = FaultTrigger::kPedalDown;
+  dac.first_tick = 2;
+  dac.duration_ticks = 3;
+  Boards boards(dac);
+  boards.cycle(2);
+  for (int cycle = 1; cycle < 12; ++cycle) {
+    boards.read(Arm::kGold);
+    boards.read(Arm::kGreen);
+    boards.write(Arm::kGold, 3);
+    UsbOut out;
+    ASSERT_TRUE(raven::decodeOut(boards.out, &out));
+    const bool acts = cycle >= 2 + 2 && cycle < 2 + 2 + 3;  // the first cycle that saw level 3 is the second
+    EXPECT_EQ(out.dac[0], acts ? 1 : 100) << cycle;
+    EXPECT_EQ(out.dac[3], 400) << "the channel that is not connected is nobody's";
+    boards.write(Arm::kGreen, 3);
+    EXPECT_EQ(boards.out, raven::encodeOut({{100, 200, 300, 400, 500, 600, 700, 800}, 3}));
+  }
+  ASSERT_EQ(boards.faults.log().size(), 2U);
+  EXPECT_EQ(boards.faults.log()[0].change.cycle, 5U);  // counted from 1
+  EXPECT_EQ(boards.faults.log()[1].change.cycle, 8U);
+  EXPECT_EQ(boards.faults.log()[0].time_ns, 5);
+}
+
+TEST(BoardFaults, AReadThatFailsKeepsItsErrorWhateverAFaultSays) {
+  Boards boards(fault(FaultVariable::kReadResult, FaultKind::kStuckAt, UsbRead::kComplete));
+  EXPECT_EQ(boards.read(Arm::kGold, UsbRead::kBusy), UsbRead::kBusy);
+  EXPECT_EQ(boards.read(Arm::kGold, 5), 5);
+  EXPECT_EQ(boards.read(Arm::kGold), UsbRead::kComplete);
+  EXPECT_EQ(boards.got, kGoldIn);
+}
+
+TEST(BoardFaults, TheOtherBoardsNewestPacketIsTakenForGolds) {
+  Boards boards(fault(FaultVariable::kGetBoardIndex, FaultKind::kStuckAt, 1));
+  boards.cycle();
+  EXPECT_EQ(boards.read(Arm::kGold), UsbRead::kComplete);
+  EXPECT_EQ(boards.got, kGreenIn);
+  EXPECT_EQ(boards.read(Arm::kGreen), UsbRead::kComplete);
+  EXPECT_EQ(boards.got, kGreenIn);
+}
+
+TEST(BoardFaults, GoldsCommandGoesToTheOtherBoard) {
+  Boards boards(fault(FaultVariable::kPutBoardIndex, FaultKind::kStuckAt, 1));
+  boards.cycle();
+  boards.read(Arm::kGold);
+  EXPECT_EQ(boards.write(Arm::kGold).board, Arm::kGreen);
+  EXPECT_EQ(boards.write(Arm::kGreen).board, Arm::kGreen);
+}
+
+wire::ItpBytes packet(std::uint32_t sequence) {
+  wire::ItpPacket itp;
+  itp.sequence = sequence;
+  itp.surgeon_mode = 1;
+  return wire::encodeItp(itp);
+}
+
+/** As they run in a control program: neither waits for the other. Under ThreadSanitizer this is the test. */
+TEST(BoardFaults, TwoThreadsCountTheSameCyclesAndPackets) {
+  constexpr std::uint32_t kPackets = 20000;
+  FaultPlan plan = planOf(fault(FaultVariable::kPacket, FaultKind::kDrop, 1.0));
+  plan.faults[0].trigger = FaultTrigger::kPacket;
+  plan.faults[0].first_tick = 100;
+  plan.faults[0].duration_ticks = 50;
+  plan.faults[plan.count] = fault(FaultVariable::kDac, FaultKind::kStuckAt, 1);
+  plan.faults[plan.count].trigger = FaultTrigger::kPacket;
+  plan.faults[plan.count].first_tick = 1000;
+  plan.faults[plan.count].row = 1;
+  ++plan.count;
+  CycleHistory history;
+  BoardFaults boards(plan, &history);
+  NetworkFaults network(plan, &history);
+  std::uint32_t taken = 0;
+  std::thread receiver([&] {
+    wire::ItpBytes bytes;
+    for (std::uint32_t i = 1; i <= kPackets; ++i) {
+      network.offer(packet(i), 0);
+      while (network.take(&bytes, 0))
+        ++taken;
+    }
+  });
+  UsbOutBytes out;
+  UsbInBytes in = kGoldIn;
+  const auto cycle = [&] {
+    boards.read(Arm::kGold, UsbRead::kComplete, &in, 0);
+    boards.write(Arm::kGold, raven::encodeOut({}), &out);
+  };
+  for (int i = 0; i < 20000; ++i)
+    cycle();
+  receiver.join();
+  for (int i = 0; i < 100; ++i)  // 256 packets a cycle are counted
+    cycle();
+  EXPECT_EQ(taken, kPackets - 50U);
+  EXPECT_EQ(history.begun(), 20100U);
+  EXPECT_EQ(history.packets(), kPackets);
+  ASSERT_EQ(boards.log().size(), 1U) << "a thousand packets have come";
+}
+
+}  // namespace
+}  // namespace raven2_trainer::preload
