@@ -100,7 +100,7 @@ def write_junit(file, count, found):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--junit", help="write the result as JUnit XML")
+    parser.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
     args = parser.parse_args()
     files = list(sources())
     found = [line for module, path in files for line in violations(module, path)]
