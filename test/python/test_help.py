@@ -19,6 +19,7 @@ SCRIPTS = sorted(path for path in (ROOT / "scripts").iterdir()
 VERDICTS = ["campaign_report", "check_layering.py", "check_package", "check_fresh_debian", "check_slurm", "compare_replay",
             "describe_hazards", "doctor", "fuzz", "generate_description", "make_bands", "measure_hazards", "run",
             "session_report", "soak", "stress", "summarise_tests", "test"]  # what their status says is a result
+CLI11_COLUMN = 30  # where descriptions begin, after one blank where a name reaches so far
 COMPLETION = pathlib.Path("/usr/share/bash-completion/completions/rosrun")
 
 
@@ -47,14 +48,16 @@ def purpose(text):
 def entries(text):
     """Options and arguments of the lists that argparse and CLI11 make: name, description."""
     found, current = [], None
-    is_list = False
+    is_list = is_cli11 = False
     for line in text.splitlines():
         if re.match(r"^(options|positional arguments|Options|Positionals|Subcommands):$", line):
-            is_list = True
+            is_list, is_cli11 = True, line[0].isupper()
         elif line and not line.startswith(" "):
             is_list = False
         elif is_list and re.match(r"^  \S", line):
             name, _, rest = line.strip().partition("  ")
+            if is_cli11 and line[CLI11_COLUMN - 1:CLI11_COLUMN] == " ":
+                name, rest = line[:CLI11_COLUMN].strip(), line[CLI11_COLUMN:]
             current = [name, rest.strip()]
             found.append(current)
         elif is_list and current and line.strip():
@@ -107,6 +110,8 @@ def test_options_are_found_in_sources_and_in_lists():
     text = "usage: x\n\nDoes it all.\n\noptions:\n  --one   first\n  --two\n          second\n  --three X\n\nlast words\n"
     assert entries(text) == [("--one", "first"), ("--two", "second"), ("--three X", "")]
     assert purpose(text) == "Does it all."
+    text = "Does it all.\nUsage: x\n\nOptions:\n" + "  --friction TEXT:{on,off}=on What it is\n" + "  --no-words TEXT\n"
+    assert entries(text) == [("--friction TEXT:{on,off}=on", "What it is"), ("--no-words TEXT", "")]
 
 
 def test_scripts_with_a_verdict_are_there():
