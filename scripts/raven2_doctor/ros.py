@@ -8,6 +8,7 @@ import xmlrpc.client
 from .findings import fail, last_line, ok, warn
 
 TIMEOUT = 2.0  # [s] for a master to answer
+INSTALLED = pathlib.Path(__file__).resolve().parents[3] / "share/raven2_trainer"  # where this is lib/raven2_trainer/...
 DEFAULT_MASTER = "http://localhost:11311"
 
 
@@ -20,7 +21,7 @@ def environment(machine):
     if status != 0:
         return [warn("rosrun and roslaunch do not find raven2_trainer: the environment is not sourced", setup)]
     found = pathlib.Path(last_line(text)).resolve()
-    expected = machine.build / "devel/share/raven2_trainer" if machine.build else machine.config.parent.parent
+    expected = machine.build / "devel/share/raven2_trainer" if machine.build else INSTALLED
     if found != expected.resolve():
         return [warn(f"rosrun finds another raven2_trainer: {found}", setup + ", in a new shell")]
     return [ok(f"rosrun finds {found}")]

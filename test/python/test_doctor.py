@@ -162,6 +162,15 @@ def test_the_environment_is_sourced_and_of_this_build(here, place):
     assert only(ros.environment(here), FAIL)
 
 
+def test_an_installed_package_is_found_beside_its_programs(here, place, monkeypatch):
+    here.root = here.build = None
+    monkeypatch.setattr(ros, "INSTALLED", place / "share/raven2_trainer")
+    script(place / "bin/rospack", f"echo {place}/share/raven2_trainer\n")
+    assert only(ros.environment(here), OK), "wherever the configuration is"
+    script(place / "bin/rospack", "echo /home/somebody/raven2_trainer\n")
+    assert "/home/somebody" in only(ros.environment(here), WARN).what
+
+
 def test_addresses_must_be_this_computers(here):
     here.environ["ROS_IP"] = "127.0.0.1"
     assert only(ros.addresses(here), OK)
