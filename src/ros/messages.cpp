@@ -86,6 +86,14 @@ DiagnosticStatus robotStatus(const RobotState& robot,
   return s;
 }
 
+/** To the console: what the sender sent, zero forces of its own among them. */
+DiagnosticStatus forceStatus(const SessionCounts& counts) {
+  DiagnosticStatus s = status("forces to console", true, std::to_string(counts.force_sent) + " sent");
+  s.values = {value("sent", counts.force_sent), value("failed", counts.force_failed),
+              value("silent", counts.force_silent)};
+  return s;
+}
+
 /** Queues between the threads; whatever one dropped is lost. */
 DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& shared) {
   std::uint64_t dropped = counts.contacts_dropped;
@@ -129,6 +137,23 @@ DiagnosticStatus pictureStatus(const LivePicture& picture) {
   }
   s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted),
               value("watched", static_cast<int>(picture.watched))};
+  return s;
+}
+
+DiagnosticStatus realCameraStatus(const RenderConfig& render,
+                                  std::int64_t newest_ns,
+                                  bool is_asked_for,
+                                  std::int64_t now_ns) {
+  if (render.real_camera_topic.empty()) return status("real camera", true, "none configured");
+  const std::int64_t age_ns = std::max<std::int64_t>(0, now_ns - newest_ns);
+  const bool is_silent = newest_ns == 0 || static_cast<double>(age_ns) * 1e-9 > render.real_stale_after;
+  DiagnosticStatus s = status("real camera", true, is_silent ? "silent" : "heard");
+  if (is_silent && is_asked_for) {
+    s.level = DiagnosticStatus::WARN;
+    s.message += ": the view shows the virtual scene";
+  }
+  s.values = {value("asked_for", static_cast<int>(is_asked_for))};
+  if (newest_ns != 0) s.values.push_back(value("age_ms", age_ns / 1000000));
   return s;
 }
 
@@ -241,7 +266,9 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
     array.status.push_back(loopStatus(kLoopNames[i], counts.loops[i]));
   array.status.push_back(linkStatus("master to daemon", counts.master));
   array.status.push_back(linkStatus("daemon to robot", counts.relay));
+  array.status.back().values.push_back(value("sent", counts.relay_sent));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
+  array.status.push_back(forceStatus(counts));
   array.status.push_back(
       robotStatus(robot, now_ns, shared.robot_version_refused.load(), shared.plan_refused.load() != 0));
   array.status.push_back(status("real time", true, realtime));

@@ -56,6 +56,13 @@ diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const Link
 /** How the live picture goes; WARN while its rate or size is lower than the configured, ERROR once it has failed. */
 diagnostic_msgs::DiagnosticStatus pictureStatus(const LivePicture& picture);
 
+/** Of `newest_ns` [ns, monotonic, 0 never] the real camera's picture is; WARN if the view asks for it and it is silent.
+ */
+diagnostic_msgs::DiagnosticStatus realCameraStatus(const RenderConfig& render,
+                                                   std::int64_t newest_ns,
+                                                   bool is_asked_for,
+                                                   std::int64_t now_ns);
+
 /** `shared`: for what `counts`, which travel in the log, do not hold. `now_ns`: monotonic, for the age of the robot's
  * state. One status a loop, a link and the recorder; ERROR where counters do not add up or a link is down. */
 diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,

@@ -22,7 +22,9 @@
 #include "ros/picture_stamp.h"
 #include "ros/planning_client.h"
 #include "ros/planning_services.h"
+#include "ros/rates.h"
 #include "ros/services.h"
+#include "ros/session_topic.h"
 #include "ros/state_topics.h"
 #include "ros/stereo_view.h"
 #include "ros/training_services.h"
@@ -33,13 +35,14 @@ namespace {
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
 constexpr double kNewsPeriod = 0.05;        // [s] what an operator must hear of at once is told no more often than this
 constexpr std::uint32_t kQueue = 10;
+constexpr bool kLatched = true;
 
 using News = std::array<std::uint64_t, 6>;  // counts and flags of what cannot wait; RosBridge::Impl::isNews
 
 }  // namespace
 
 struct RosBridge::Impl {
-  explicit Impl(runtime::Simulator* daemon)
+  Impl(runtime::Simulator* daemon, const FileHashes& hashes)
       : simulator(*daemon),
         may_command(mayCommand(daemon->config().runtime.enable_remote_control)),
         client(&daemon->shared()),
@@ -55,12 +58,14 @@ struct RosBridge::Impl {
         stereo(node, daemon->config().render),
         camera(&node, daemon->config().render, view),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
+        configuration(node.advertise<SessionConfiguration>("session/configuration", 1, kLatched)),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
         spinner(1) {
     if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
     if (daemon->config().crtk.enabled)
       crtk = std::make_unique<CrtkDevice>(node, source(), &daemon->shared(), may_command);
     listenToPedals(daemon->config().network.joy);
+    configuration.publish(sessionConfiguration(daemon->config(), daemon->paths().directory, hashes, ros::Time::now()));
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
     simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
@@ -108,6 +113,9 @@ struct RosBridge::Impl {
       array.status.push_back(pictureStatus(shared.live_picture.load()));
       array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
       if (crtk) array.status.push_back(crtk->status());
+      array.status.push_back(realCameraStatus(simulator.config().render, shared.real_picture_ns.load(),
+                                              states.model.view != 0, net::monotonicNow()));
+      rates.addTo(&array, net::monotonicNow());
       diagnostic_arrays.publish(array);
     }
     ++cycle;
@@ -160,21 +168,23 @@ struct RosBridge::Impl {
   std::unique_ptr<MoveArmServer> move_arm;  ///< if commands may be given
   std::unique_ptr<CrtkDevice> crtk;         ///< if the configuration says so
   ros::Subscriber joy_messages;
-  ros::Publisher diagnostic_arrays;
+  ros::Publisher configuration, diagnostic_arrays;
+  Rates rates;
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
   int cycle{0};
   News told{};
 };
 
-RosBridge::RosBridge(runtime::Simulator* simulator) : simulator_(*simulator) {}
+RosBridge::RosBridge(runtime::Simulator* simulator)
+    : simulator_(*simulator), hashes_(hashConfiguration(simulator->config())) {}
 
 RosBridge::~RosBridge() {
   stop();
 }
 
 void RosBridge::start() {
-  impl_ = std::make_unique<Impl>(&simulator_);
+  impl_ = std::make_unique<Impl>(&simulator_, hashes_);
 }
 
 void RosBridge::stop() {

@@ -4,11 +4,11 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
-#include <set>
 #include <string>
 
 #include "raven2_trainer/control/reach.h"
 #include "raven2_trainer/model/camera.h"
+#include "ros/fixed_frames.h"
 #include "ros/markers.h"
 #include "ros/messages.h"
 
@@ -40,10 +40,14 @@ StateTopics::StateTopics(ros::NodeHandle* node, const TopicSource& source, std::
       forces_{node->advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", queue),
               node->advertise<geometry_msgs::WrenchStamped>("haptic/green/force", queue)},
       transforms_(node->advertise<tf2_msgs::TFMessage>("/tf", queue)),
+      fixed_transforms_(node->advertise<tf2_msgs::TFMessage>("/tf_static", queue, kLatched)),
       markers_(node->advertise<visualization_msgs::MarkerArray>("markers", queue)),
       edge_(node->advertise<std_msgs::Bool>("workspace_edge", queue, kLatched)),
       positions_(source.raven.description.links.size()),
-      poses_(positions_.size()) {}
+      poses_(positions_.size()),
+      is_fixed_(fixedLinks(source.raven.description)) {
+  fixed_transforms_.publish(fixedFrames(source.raven, source.config.render, ros::Time::now()));
+}
 
 void StateTopics::publish(const ToldStates& states, const ros::Time& stamp) {
   const double d4 = source_.config.arms.geometry.d4;
@@ -97,14 +101,14 @@ void StateTopics::publishTransforms(const ToldStates& states, const ros::Time& s
   transforms_.publish(message);
 }
 
-/** Those of the live pictures, where they stand now. */
+/** Those of the live pictures that move, where they stand now. */
 void StateTopics::addCameras(const ModelState& model,
                              const ros::Time& stamp,
                              std::vector<geometry_msgs::TransformStamped>* transforms) {
   const RenderConfig& render = source_.config.render;
-  std::set<std::string> names{render.live_camera, render.stereo.camera + "_left", render.stereo.camera + "_right"};
-  for (const std::string& name : names) {
+  for (const std::string& name : liveCameras(render)) {
     const CameraConfig& config = model::requireCamera(render, name);
+    if (config.moves == CameraMoves::kNever) continue;
     const model::Camera camera = model::cameraAt(config, model, source_.raven.X_WB, 2, 2);
     transforms->push_back(transform(camera.X_WC, opticalFrame(name), stamp));
   }
@@ -117,7 +121,7 @@ void StateTopics::addArms(const std::string& prefix,
   source_.raven.linkPosesInWorld(q, &positions_, &poses_);
   const auto& links = source_.raven.description.links;
   for (std::size_t i = 0; i < links.size(); ++i)
-    transforms->push_back(transform(poses_[i], prefix + links[i].name, stamp));
+    if (!is_fixed_[i]) transforms->push_back(transform(poses_[i], prefix + links[i].name, stamp));
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -23,7 +23,7 @@ struct ToldStates {
 
 /**
  * All topics that tell what the states are, the same for a running daemon and for a recorded session: joint states,
- * forces, /tf, contacts, the edge of the workspace, plans, mode and exercise.
+ * forces, /tf and /tf_static, contacts, the edge of the workspace, plans, mode and exercise.
  */
 class StateTopics {
  public:
@@ -53,9 +53,10 @@ class StateTopics {
   TrainingTopics training_;
   ros::Publisher model_joints_, robot_joints_;
   PerArm<ros::Publisher> forces_;
-  ros::Publisher transforms_, markers_, edge_;
+  ros::Publisher transforms_, fixed_transforms_, markers_, edge_;
   std::vector<double> positions_;
   std::vector<Pose> poses_;
+  const std::vector<bool> is_fixed_;  ///< by link index: told by /tf_static
   int cycle_{0};
   bool has_told_edge_{false}, told_edge_{false};
 };

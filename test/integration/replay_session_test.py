@@ -73,7 +73,8 @@ class ReplaySession(unittest.TestCase):
         cls.log = raven2_session.Session(cls.session).log
         cls.heard = {topic: Heard(topic, kind) for topic, kind in [
             ("/clock", Clock), ("model/joint_states", JointState), ("robot/joint_states", JointState),
-            ("haptic/gold/force", WrenchStamped), ("/tf", TFMessage), ("mode", TrainerMode),
+            ("haptic/gold/force", WrenchStamped), ("/tf", TFMessage), ("/tf_static", TFMessage),
+            ("mode", TrainerMode),
             ("exercise/events", ExerciseEventStamped)]}
 
     @classmethod
@@ -144,7 +145,10 @@ class ReplaySession(unittest.TestCase):
         self.assertTrue({m.mode for m in heard["mode"]} <= {modes[m] for m in self.log.ticks["model"]["mode"]})
         self.assertIn("teleoperating", {m.mode for m in heard["mode"]})
         frames = {t.child_frame_id for m in heard["/tf"] for t in m.transforms}
-        self.assertTrue({"model/base_link_L", "robot/base_link_R", "endoscope_optical_frame"} <= frames, frames)
+        self.assertTrue({"model/link1_L", "robot/grasper1_R", "endoscope_optical_frame"} <= frames, frames)
+        fixed = {t.child_frame_id for m in heard["/tf_static"] for t in m.transforms}
+        self.assertTrue({"model/base_link_L", "robot/base_link_R"} <= fixed, fixed)
+        self.assertFalse(frames & fixed, "each frame on one of the two topics")
 
     def test_it_takes_as_long_as_its_rate_says(self):
         spent = {}

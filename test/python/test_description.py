@@ -40,7 +40,7 @@ def test_committed_description_equals_the_generated_one():
 
 def test_written_from_nothing_it_is_the_committed_one(package):
     assert run(package).returncode == 0
-    for pattern in ("urdf/*.urdf", "meshes/*.stl", "config/scenes/*.yaml"):
+    for pattern in ("urdf/*.urdf", "urdf/*.srdf", "meshes/*.stl", "config/scenes/*.yaml"):
         names = {p.name for p in package.glob(pattern)}
         ours = {p.name for p in ROOT.glob(pattern) if b"Made by hand" not in p.read_bytes()}
         assert names == ours and names

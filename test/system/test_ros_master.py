@@ -23,7 +23,7 @@ DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/for
                  "/camera/image_raw", "/camera/image_raw/compressed", "/camera/camera_info", "/camera/left/image_raw",
                  "/camera/left/image_raw/compressed", "/camera/left/camera_info", "/camera/right/image_raw",
                  "/camera/right/image_raw/compressed", "/camera/right/camera_info", "/markers",
-                 "/workspace_edge", "/tf", "/diagnostics", "/plan/trajectory",
+                 "/workspace_edge", "/tf", "/tf_static", "/session/configuration", "/diagnostics", "/plan/trajectory",
                  "/plan/tip_path", "/plan/progress", "/plan/execution", "/mode", "/exercise/state", "/exercise/events",
                  "/view/image_raw", "/view/image_raw/compressed", "/move_arm/status", "/move_arm/feedback",
                  "/move_arm/result"} | {arm + topic for arm in ARMS for topic in CRTK_TOPICS}

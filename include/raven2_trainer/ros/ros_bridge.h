@@ -1,6 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "raven2_trainer/ros/ros_face.h"
 #include "raven2_trainer/runtime/simulator.h"
@@ -13,7 +16,7 @@ namespace raven2_trainer::ros_bridge {
  */
 class RosBridge : public RosFace {
  public:
-  /** `simulator` must outlive this. */
+  /** `simulator` must outlive this. @throw SessionException if a file of its configuration cannot be read. */
   explicit RosBridge(runtime::Simulator* simulator);
   ~RosBridge() override;
   RosBridge(const RosBridge&) = delete;
@@ -26,7 +29,8 @@ class RosBridge : public RosFace {
  private:
   struct Impl;
   runtime::Simulator& simulator_;
-  std::unique_ptr<Impl> impl_;  ///< between start() and stop()
+  const std::vector<std::pair<std::string, std::string>> hashes_;  ///< of the configuration, as the program began
+  std::unique_ptr<Impl> impl_;                                     ///< between start() and stop()
 };
 
 }  // namespace raven2_trainer::ros_bridge

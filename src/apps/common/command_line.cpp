@@ -84,11 +84,21 @@ TrainerConfig CommonOptions::load() const {
   return loaded;
 }
 
+/** What --help ends with where a program has nothing of its own to say about its status. */
+void tellStatus(CLI::App* app) {
+  const auto tells = [](const std::string& text) { return text.find("Exit ") != std::string::npos; };
+  if (tells(app->get_description()) || tells(app->get_footer())) return;
+  const std::string own = app->get_footer();
+  app->footer(own + (own.empty() ? "" : "\n") +
+              "Exit status: 0 done, 1 failed with a line on stderr that says why, above 100 wrong arguments.");
+}
+
 /** Exit status for a table that is wrong, so that a script can tell it from a program that failed. */
 constexpr int kBadTable = 2;
 
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {
   app->set_version_flag("--version", version());
+  tellStatus(app);
   app->name(std::filesystem::path(argv[0]).filename().string());
   try {
     const std::vector<std::string> arguments = withoutRemappings(argc, argv);

@@ -30,7 +30,7 @@ struct CommonOptions {
 /**
  * Runs a program: parses the arguments (ROS remappings NAME:=VALUE are left out), calls `body`, turns every exception
  * into one line on stderr. @return the exit code: that of body, 1 after an exception, CLI11's for --help and bad
- * arguments.
+ * arguments. --help tells of these, unless the program's own description or footer says "Exit status".
  */
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body);
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <ros/time.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/model/raven_model.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** By link index: whether no joint moves it against the world. */
+std::vector<bool> fixedLinks(const model::Description& description);
+
+/** Cameras whose frames are published: the live one, and both eyes. */
+std::set<std::string> liveCameras(const RenderConfig& render);
+
+/** What /tf_static says, and /tf does not: where the links of model and robot are that nothing moves, and the cameras
+ * that stay where the configuration puts them. @throw ConfigException for a camera that is not configured. */
+tf2_msgs::TFMessage fixedFrames(const model::RavenModel& raven, const RenderConfig& render, const ros::Time& stamp);
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,112 @@
+"""What the Debian package, the container and a fresh system are made from agrees; the package itself: scripts/check_package."""
+
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPTS = ROOT / "scripts"
+
+
+def text(name):
+    return (ROOT / name).read_text()
+
+
+def packages(*kind):
+    result = subprocess.run([SCRIPTS / "install_dependencies", "--list", *kind], capture_output=True, text=True,
+                            timeout=60, check=True)
+    return result.stdout.split()
+
+
+def test_the_list_of_packages_is_that_of_its_kinds():
+    assert packages() == packages("build") + packages("run") + packages("test")
+    assert "ffmpeg" in packages("run") and "libode-dev" in packages("build") and "stress-ng" in packages("test")
+    assert all(re.fullmatch(r"[a-z0-9][a-z0-9+.-]+", name) for name in packages())
+
+
+def test_another_kind_and_another_option_are_refused():
+    for words in (["--list", "all"], ["--nonsense"]):
+        result = subprocess.run([SCRIPTS / "install_dependencies", *words], capture_output=True, text=True, timeout=60,
+                                check=False)
+        assert result.returncode == 1 and result.stderr.startswith("E: ") and result.stdout == ""
+
+
+def test_nothing_that_runs_needs_a_development_package():
+    assert [name for name in packages("run") if name.endswith("-dev")] == []
+
+
+def test_what_is_missing_is_told_without_installing(tmp_path):
+    """A dpkg-query that knows one package."""
+    query = tmp_path / "dpkg-query"
+    query.write_text("#!/bin/sh\necho 'ii  ffmpeg'\n")
+    query.chmod(0o755)
+    result = subprocess.run([SCRIPTS / "install_dependencies", "--missing"], capture_output=True, text=True, timeout=60,
+                            check=False, env={"PATH": f"{tmp_path}:/usr/bin:/bin"})
+    assert result.returncode == 1
+    assert sorted(result.stdout.split() + ["ffmpeg"]) == sorted(packages())
+
+
+def test_versions_are_one():
+    version = re.search(r"<version>(.*?)</version>", text("package.xml")).group(1)
+    assert re.search(rf"project\(raven2_trainer VERSION {re.escape(version)} ", text("CMakeLists.txt"))
+    assert text("packaging/changelog").startswith(f"raven2-trainer ({version}) ")
+
+
+def test_the_copyright_is_the_licence():
+    """Word by word, in Debian's form."""
+    body = text("packaging/copyright").split("License: BSD-3-Clause\n")[2]
+    words = [word for line in body.splitlines() if line != " ." for word in line.split()]
+    licence = text("LICENSE")
+    assert words == licence[licence.index("Redistribution and use"):].split()
+    assert "2026, the raven2_trainer authors" in text("packaging/copyright") and "2026, the raven2_trainer" in licence
+
+
+@pytest.mark.skipif(not shutil.which("dpkg-parsechangelog"), reason="dpkg-dev is not installed")
+def test_dpkg_reads_the_changelog():
+    result = subprocess.run(["dpkg-parsechangelog", "-l", ROOT / "packaging/changelog", "--all"], capture_output=True,
+                            text=True, timeout=60, check=False)
+    assert result.returncode == 0 and result.stderr == "" and "Source: raven2-trainer" in result.stdout
+
+
+def installed_scripts():
+    return re.findall(r"scripts/([\w.]+)", "".join(re.findall(r"install\((?:PROGRAMS|FILES|DIRECTORY) (scripts/[^)]*)\)",
+                                                              text("CMakeLists.txt"))))
+
+
+def test_installed_scripts_find_what_they_import(tmp_path):
+    """All of them in a folder of their own, as the package has them."""
+    names = installed_scripts()
+    assert {"doctor", "raven2_doctor", "session_report"} <= set(names)
+    for name in names:
+        (shutil.copytree if (SCRIPTS / name).is_dir() else shutil.copy)(SCRIPTS / name, tmp_path / name)
+    programs = [path for path in tmp_path.iterdir() if path.is_file() and path.stat().st_mode & 0o100]
+    assert len(programs) >= 10
+    for program in programs:
+        result = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=120, check=False,
+                                env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path)})
+        assert result.returncode == 0, f"{program.name}: {result.stderr}"
+
+
+def test_the_container_runs_what_the_readme_tells():
+    lines = [line for line in text("Containerfile").splitlines() if line and not line.startswith("#")]
+    assert lines[0].startswith("FROM ") and lines[0].endswith("debian:12")
+    for named in re.findall(r"scripts/\w+(?:\.sh)?", "\n".join(lines)):
+        assert (ROOT / named).is_file(), named
+    assert lines[-1] == 'CMD ["scripts/run"]'
+    ignored = text(".dockerignore").split()
+    assert {"build", "sessions"} <= set(ignored) and "scripts" not in ignored
+
+
+def test_checks_refuse_what_they_cannot_do(tmp_path):
+    """Before anything is built or loaded."""
+    for words, says in ((["check_package", "--nonsense"], "unknown option"),
+                        (["check_package", "--deb", tmp_path / "none.deb"], "cannot be read"),
+                        (["check_fresh_debian"], "see --help"),
+                        (["check_fresh_debian", tmp_path], "exists"),
+                        (["check_fresh_debian", tmp_path / "new", "--until", "never"], "--until takes one of")):
+        result = subprocess.run([SCRIPTS / words[0], *words[1:]], capture_output=True, text=True, timeout=60, check=False)
+        assert result.returncode == 1 and says in result.stderr, (words, result.stderr)
+    assert not (tmp_path / "new").exists()
