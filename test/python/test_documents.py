@@ -2,14 +2,13 @@
 files, scenarios; and doc/interfaces.md names all of it. Options are those of --help where the programs are built, of the
 sources else."""
 
+import ast
 import os
 import pathlib
 import re
 import shlex
 import subprocess
 import sys
-
-import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "test/support"))
@@ -53,20 +52,29 @@ def options_of(program, cache={}):
     return cache[program]
 
 
+def spans(lines, first):
+    """[(line, text)] of the code spans of a paragraph, which may go on in the next line."""
+    text = "\n".join(lines)
+    return [(first + text.count("\n", 0, match.start()), match.group(1).replace("\n", " "))
+            for match in re.finditer(r"`([^`]+)`", text)]
+
+
 def pieces(page):
     """[(line, text)]: each line of a fenced block, lines that end in a backslash with the next; each code span."""
-    inside, begun = False, ""
-    for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
-        if re.match(r" *```", line):
-            inside = not inside
-        elif inside:
+    paragraph, inside, begun = [], False, ""
+    for number, line in enumerate([*page.read_text(encoding="utf-8").split("\n"), ""], 1):
+        is_fence = bool(re.match(r" *```", line))
+        if not inside and (is_fence or not line):
+            yield from spans(paragraph, number - len(paragraph))
+            paragraph = []
+        elif not inside:
+            paragraph.append(line)
+        elif not is_fence:
             begun += line.removesuffix("\\")
             if not line.endswith("\\"):
                 yield number, begun
                 begun = ""
-        else:
-            for span in re.findall(r"`([^`]+)`", line):
-                yield number, span
+        inside = inside != is_fence
 
 
 def words(command):
@@ -93,6 +101,11 @@ def place(page, number):
     return f"{page.relative_to(ROOT)}:{number}"
 
 
+def test_options_are_found():
+    assert {"--seed", "--motion", "--from-log"} <= options_of("simulate") and "--camera" in options_of("render_session")
+    assert "--together" in options_of("plot_paths") and "--only" in options_of("test")
+
+
 def test_options_of_programs_are_there():
     wrong = [f"{place(page, number)}: {program} has no {word}" for page in TALKED for number, program, rest in commands(page)
              for word in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", " ".join(rest)) if word not in options_of(program)]
@@ -114,14 +127,12 @@ def test_programs_that_are_run_are_there():
 
 
 def test_scenarios_and_exercises_that_are_asked_for_are_there():
-    wrong = []
-    for page in TALKED:
-        for number, text in pieces(page):
-            for option, name in re.findall(r"(?:--)?\b(" + "|".join(FOLDERS) + r")(?: |:=)([a-z][a-z0-9_]*)\b", text):
-                folder = ROOT / "config" / FOLDERS[option]
-                if name not in NO_FILE and not (folder / f"{name}.yaml").exists() and f"--{option}" in text:
-                    wrong.append(f"{place(page, number)}: {option} {name}")
-    assert wrong == []
+    options = "|".join(FOLDERS)
+    asked = re.compile(rf"(?:--({options})[ =]|\b({options}):=)([a-z][a-z0-9_]*)\b(?!\.yaml)")
+    found = [(place(page, number), first or second, name) for page in TALKED for number, text in pieces(page)
+             for first, second, name in asked.findall(text) if name not in NO_FILE]
+    assert len(found) > 20
+    assert [each for each in found if not (ROOT / "config" / FOLDERS[each[1]] / f"{each[2]}.yaml").exists()] == []
 
 
 def test_arguments_of_launch_files_are_there():
@@ -139,20 +150,36 @@ def test_arguments_of_launch_files_are_there():
 
 
 def test_files_that_are_named_are_there():
-    """Paths in the source tree; those with a placeholder in capitals, a star or braces are patterns."""
-    begins = re.compile(r"^(config|scripts|launch|urdf|meshes|doc|include|src|test)/[\w./-]+$")
-    wrong = [f"{place(page, number)}: {text}" for page in TALKED for number, text in pieces(page)
-             for path in [text.split("#")[0].rstrip("/")]
-             if begins.match(path) and not re.search(r"[A-Z]{3,}(?!\.md)", path) and not (ROOT / path).exists()]
-    assert wrong == []
+    """Paths in the source tree; those with a placeholder in capitals are patterns."""
+    begins = re.compile(r"(?:config|scripts|launch|urdf|meshes|doc|include|src|test)/[\w./-]*\w")
+    found = [(place(page, number), word) for page in TALKED for number, text in pieces(page)
+             for word in re.split(r"[\s,;()|\"']+", text) if begins.fullmatch(word) and not re.search(r"[A-Z]{3,}(?!\.md)", word)]
+    assert len(found) > 100
+    assert [each for each in found if not (ROOT / each[1]).exists()] == []
+
+
+def test_headers_that_are_named_are_there():
+    """As #include has them: core/frames.h."""
+    found = [(place(page, number), text) for page in TALKED for number, text in pieces(page)
+             if re.fullmatch(r"(?!include/|src/|test/)[a-z0-9_]+/[a-z0-9_]+\.h", text)]
+    assert len(found) > 10
+    folders = (ROOT / "include/raven2_trainer", ROOT / "src", ROOT / "include")
+    assert [each for each in found if not any((folder / each[1]).exists() for folder in folders)] == []
+
+
+DAEMON = ("ROS: topics of the daemon", "ROS: services and the action of the daemon")
+
+
+def known_of_daemon():
+    """Names on doc/interfaces.md: in tables, what is heard, and the action."""
+    names = set().union(*(interface_page.names(title) for title in DAEMON))
+    topics, services = map(interface_page.section, DAEMON)
+    heard = topics[topics.index("\nHeard: "):].replace("\n", " ")
+    return names | set(re.findall(r"`([\w/]+)` \(sensor_msgs", heard)) | set(re.findall(r"\nAction `(\w+)`", services))
 
 
 def known_of_ros():
-    """Names on doc/interfaces.md, without leading slashes."""
-    names = interface_page.names("ROS: topics of the daemon") | interface_page.names("ROS: services and the action of the daemon")
-    names |= interface_page.names("ROS: other programs", 1)
-    text = interface_page.section("ROS: topics of the daemon") + interface_page.section("ROS: services and the action of the daemon")
-    return names | set(re.findall(r"(?:Heard: |, )`([\w/]+)` \(", text)) | set(re.findall(r"Action `(\w+)`", text))
+    return known_of_daemon() | interface_page.names("ROS: other programs", 1)
 
 
 def test_topics_and_services_that_are_called_are_there():
@@ -162,24 +189,24 @@ def test_topics_and_services_that_are_called_are_there():
     assert wrong == []
 
 
-def offered():
-    """Topics and services by the sources of the module ros."""
-    text = sources("src/ros/*.cpp")
-    names = set(re.findall(r'(?:advertise<[^>]+>|advertiseService|subscribe(?:<[^>]+>)?)\(\s*"([^"]+)"', text))
-    names |= {f"{arm}{rest}" for arm in ("gold", "green")
-              for rest in re.findall(r'name\(arm\)\) \+ "(/\w+)"', text)}
-    stereo = (ROOT / "src/ros/stereo_view.cpp").read_text(encoding="utf-8")
-    names |= {f"camera/{side}{rest}" for side in ("left", "right") for rest in re.findall(r'topic \+ "(/[\w/]+)"', stereo)}
-    kinds = (ROOT / "src/ros/training_services.cpp").read_text(encoding="utf-8")
-    for block in re.findall(r"for \(const RequestKind kind :\s*\{([^}]*)\}\)\s*offer", kinds):
-        names |= {re.sub(r"(?<!^)([A-Z])", r"_\1", kind).lower() for kind in re.findall(r"RequestKind::k(\w+)", block)}
-    return names
+def held(name):
+    """A set that test/system/test_ros_master.py holds the running daemon to."""
+    tree = ast.parse((ROOT / "test/system/test_ros_master.py").read_text(encoding="utf-8"))
+    (value,) = [each.value for each in tree.body if isinstance(each, ast.Assign) and each.targets[0].id == name]
+    return ast.literal_eval(value)
 
 
-def test_the_page_of_interfaces_names_what_is_offered():
-    found = offered()
-    assert {"start_hazard", "clear_stop", "gold/tool_change", "camera/left/camera_info", "/diagnostics"} <= found
-    assert interface_page.unknown(known_of_ros(), found) == []
+def test_the_page_of_interfaces_names_what_the_running_daemon_has_and_nothing_else():
+    running = held("DAEMON_TOPICS") | held("DAEMON_HEARS") | held("DAEMON_SERVICES")
+    running = {name for name in running if not name.startswith(("/move_arm/", "/raven2_simulator/"))} | {"/move_arm"}
+    assert interface_page.unknown(known_of_daemon(), running) == []
+    assert interface_page.gone(known_of_daemon(), running) == []
+
+
+def test_the_page_of_interfaces_names_topics_of_other_programs_by_their_names():
+    text = sources("src/ros/*.cpp") + sources("src/apps/*.cpp")
+    names = interface_page.names("ROS: other programs", 1) - {"--topic"}
+    assert "/ravenstate" in names and [name for name in names if f'"{name}"' not in text] == []
 
 
 def test_the_page_of_interfaces_names_every_program():
@@ -207,13 +234,8 @@ def test_the_readme_and_the_page_of_interfaces_agree():
                 for name in re.findall(r"`([^`]+)`", cells[0]) if "/" in cells[1]}
     readme = [[cell.strip() for cell in line.split("|")[1:-1]]
               for line in (ROOT / "README.md").read_text(encoding="utf-8").split("\n") if line.startswith("| `")]
-    ours = types(interface_page.rows("ROS: topics of the daemon") + interface_page.rows("ROS: services and the action of the daemon"))
+    ours = types([row for title in DAEMON for row in interface_page.rows(title)])
     theirs = types(readme)
     both = set(ours) & set(theirs)
     assert len(both) > 30
     assert {name: (ours[name], theirs[name]) for name in both if ours[name] != theirs[name]} == {}
-
-
-@pytest.mark.parametrize("program", sorted(programs()))
-def test_every_program_is_found_where_options_are_looked_up(program):
-    assert len(options_of(program)) > 2 or program in ("fault_variables", "make_key", "recover_session")

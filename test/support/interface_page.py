@@ -5,7 +5,6 @@ import pathlib
 import re
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "doc/interfaces.md"
-HEARD = re.compile(r"`([^`]+)` \(heard")
 
 
 def section(title):
