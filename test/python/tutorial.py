@@ -99,14 +99,12 @@ def free_ports(count):
     return ports
 
 
-# What a page types meets ports of its own. A command that fails leaves its exit code in `code`.
-PRELUDE = """
-roscore() {{ command roscore -p {master} "$@"; }}
-roslaunch() {{
-  command roslaunch "$@" robot_port:={robot} force_port:={force} sight_port:={sight} master_port:={hands} state_port:={state}
-}}
-trap 'code=$?' ERR
-"""
+# Stand before ROS's own in PATH, so that what a page types meets ports that nobody else uses.
+WRAPPERS = {
+    "roscore": 'exec /usr/bin/roscore -p {master} "$@"',
+    "roslaunch": 'exec /usr/bin/roslaunch "$@" robot_port:={robot} force_port:={force} sight_port:={sight} '
+                 'master_port:={hands} state_port:={state}',
+}
 
 
 class Shell:
@@ -121,7 +119,16 @@ class Shell:
         *numbers, self.master = free_ports(len(PORTS) + 1)
         self.ports = dict(zip(PORTS, numbers))
         self._share = self._copy_share(folder / "share")
+        self._write_wrappers(folder / "bin")
         self.count = 0
+
+    def _write_wrappers(self, target):
+        target.mkdir()
+        names = dict(zip(("robot", "force", "sight", "hands", "state"), (self.ports[port] for port in PORTS)))
+        for name, text in WRAPPERS.items():
+            (target / name).write_text("#!/bin/sh\n" + text.format(master=self.master, **names) + "\n", encoding="utf-8")
+            (target / name).chmod(0o755)
+        self._path = f"{target}:{os.environ.get('PATH', os.defpath)}"
 
     def _copy_share(self, target):
         for entry in ("config", "urdf", "meshes"):
@@ -136,13 +143,11 @@ class Shell:
     def __enter__(self):
         home = self.log / "home"
         home.mkdir()
-        environment = dict(os.environ, HOME=str(home), ROS_HOME=str(home), ROS_LOG_DIR=str(home), ROS_IP="127.0.0.1",
+        environment = dict(os.environ, PATH=self._path, HOME=str(home), ROS_HOME=str(home), ROS_LOG_DIR=str(home), ROS_IP="127.0.0.1",
                            ROS_MASTER_URI=f"http://127.0.0.1:{self.master}", RAVEN2_TRAINER_SHARE=str(self._share))
         self._bash = subprocess.Popen(["bash"], stdin=subprocess.PIPE, text=True, cwd=self.folder, env=environment,
                                       start_new_session=True)
-        hands = self.ports
-        self._type(PRELUDE.format(master=self.master, robot=hands[36000], force=hands[36001], sight=hands[36002],
-                                  hands=hands[36010], state=hands[36100]))
+        self._type("trap 'code=$?' ERR")  # of the last command that failed
         return self
 
     def _type(self, text):
@@ -172,7 +177,7 @@ class Shell:
         return True
 
     def __exit__(self, *_):
-        for sign, seconds in ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0)):
+        for sign, seconds in ((signal.SIGTERM, 20.0), (signal.SIGKILL, 5.0)):
             end = time.monotonic() + seconds
             if self._is_alive():
                 os.killpg(self._bash.pid, sign)
