@@ -10,6 +10,8 @@ import shlex
 import subprocess
 import sys
 
+import pytest
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "test/support"))
 import interface_page  # noqa: E402
@@ -98,7 +100,7 @@ def commands(page):
 
 
 def place(page, number):
-    return f"{page.relative_to(ROOT)}:{number}"
+    return f"{os.path.relpath(page, ROOT)}:{number}"
 
 
 def test_options_are_found():
@@ -246,3 +248,24 @@ def test_the_readme_and_the_page_of_interfaces_agree():
     both = [name for name in ours if ours[name] and theirs.get(name)]
     assert len(both) > 30
     assert [(name, ours[name], theirs[name]) for name in both if not ours[name] & theirs[name]] == []
+
+
+@pytest.mark.parametrize("text, check", [
+    ("`simulate --no-such`", test_options_of_programs_are_there),
+    ("```\nscripts/run --video \\\n  --no-such\n```", test_options_of_programs_are_there),
+    ("with `--no-such` beside", test_options_that_are_named_alone_are_somebodys),
+    ("`rosrun raven2_trainer no_such DIR`", test_programs_that_are_run_are_there),
+    ("`simulate --hazard no_such`", test_scenarios_and_exercises_that_are_asked_for_are_there),
+    ("`roslaunch raven2_trainer training.launch exercise:=no_such`", test_scenarios_and_exercises_that_are_asked_for_are_there),
+    ("`roslaunch raven2_trainer training.launch no_such:=1`", test_arguments_of_launch_files_are_there),
+    ("a span that goes\non: `config/faults/\nno_such`, `config/no_such.yaml`", test_files_that_are_named_are_there),
+    ("`core/no_such.h`", test_headers_that_are_named_are_there),
+    ("`rosservice call /no_such`", test_topics_and_services_that_are_called_are_there),
+    ("`rostopic pub -r 20 /no_such`", test_topics_and_services_that_are_called_are_there),
+])
+def test_what_is_not_there_is_noticed(text, check, tmp_path, monkeypatch):
+    page = tmp_path / "page.md"
+    page.write_text(f"# Page\n\n{text}\n", encoding="utf-8")
+    monkeypatch.setitem(globals(), "TALKED", [*TALKED, page])
+    with pytest.raises(AssertionError, match="no.such"):
+        check()
