@@ -228,6 +228,10 @@ def test_the_page_of_interfaces_names_every_program():
     assert [name for name in installed if (ROOT / "scripts" / name).is_file() and f"`{name}`" not in text] == []
 
 
+def test_the_page_of_interfaces_names_every_launch_file():
+    assert interface_page.names("Launch files") == {path.name for path in (ROOT / "launch").glob("*.launch")}
+
+
 def test_the_page_of_interfaces_names_every_environment_variable():
     shipped = sources("src/**/*.cpp") + sources("test/**/*.py") + sources("test/**/*.h") + "\n".join(
         (ROOT / "scripts" / name).read_text(encoding="utf-8") for name in scripts())
