@@ -160,6 +160,16 @@ def test_files_that_are_named_are_there():
     assert [each for each in found if not (ROOT / each[1]).exists()] == []
 
 
+def test_keys_of_configuration_that_are_named_are_there():
+    """`live: slowest` in `config/render.yaml`: the span's first word is a key of that file."""
+    said = re.compile(r"`([a-z_0-9]+)(?:[:/][^`]*)?` (?:in|of|from) `(?:config/)?([a-z_]+\.yaml)`")
+    found = [(page.name, *match) for page in TALKED
+             for match in said.findall(page.read_text(encoding="utf-8").replace("\n", " "))]
+    assert len(found) > 10
+    assert [each for each in found
+            if not re.search(rf"\b{each[1]}:", (ROOT / "config" / each[2]).read_text(encoding="utf-8"))] == []
+
+
 def test_commands_of_promises_are_there():
     text = (ROOT / "doc/reliability.md").read_text(encoding="utf-8")
     system = set(re.findall(r"`SYS (\w+)`", text)) - {"x"}
@@ -264,6 +274,7 @@ def test_the_readme_and_the_page_of_interfaces_agree():
     ("`roslaunch raven2_trainer training.launch no_such:=1`", test_arguments_of_launch_files_are_there),
     ("a span that goes\non: `config/faults/\nno_such`, `config/no_such.yaml`", test_files_that_are_named_are_there),
     ("`core/no_such.h`", test_headers_that_are_named_are_there),
+    ("`no_such: 3` in `config/runtime.yaml`", test_keys_of_configuration_that_are_named_are_there),
     ("`rosservice call /no_such`", test_topics_and_services_that_are_called_are_there),
     ("`rostopic pub -r 20 /no_such`", test_topics_and_services_that_are_called_are_there),
 ])
