@@ -281,6 +281,6 @@ def test_the_readme_and_the_page_of_interfaces_agree():
 def test_what_is_not_there_is_noticed(text, check, tmp_path, monkeypatch):
     page = tmp_path / "page.md"
     page.write_text(f"# Page\n\n{text}\n", encoding="utf-8")
-    monkeypatch.setitem(globals(), "TALKED", [*TALKED, page])
+    monkeypatch.setitem(globals(), "TALKED", [page, *TALKED])
     with pytest.raises(AssertionError, match="no.such"):
         check()
