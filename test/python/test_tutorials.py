@@ -8,6 +8,7 @@ import tutorial
 FULL = os.environ.get("RAVEN2_TRAINER_FULL") == "1"
 BUILT = (tutorial.BUILD / "devel/lib/raven2_trainer/simulator").exists()
 NAMES = [page.stem for page in tutorial.PAGES]
+RUN = NAMES if FULL else ["researcher"]  # which needs neither ROS nor a clock, and half a minute
 
 
 def test_there_is_one_for_each_kind_of_user():
@@ -67,7 +68,6 @@ def test_a_clause_that_cannot_be_checked_is_refused():
 
 
 @pytest.mark.skipif(not BUILT, reason="the programs are not built")
-@pytest.mark.skipif(not FULL, reason="all tutorials run with scripts/test --full")
-@pytest.mark.parametrize("page", tutorial.PAGES, ids=NAMES)
-def test_its_commands_do_what_it_says(page, tmp_path):
-    tutorial.run(page, tmp_path)
+@pytest.mark.parametrize("name", RUN)
+def test_its_commands_do_what_it_says(name, tmp_path):
+    tutorial.run(tutorial.PAGES[NAMES.index(name)], tmp_path)
