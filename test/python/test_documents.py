@@ -2,7 +2,6 @@
 files, scenarios; and doc/interfaces.md names all of it. Options are those of --help where the programs are built, of the
 sources else."""
 
-import ast
 import os
 import pathlib
 import re
@@ -13,8 +12,9 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "test/support"))
+sys.path[:0] = [str(ROOT / "test/support"), str(ROOT / "test/system")]
 import interface_page  # noqa: E402
+import test_ros_master  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("doc/*.md"), *ROOT.glob("doc/tutorials/*.md"), ROOT / "urdf/README.md"])
@@ -209,15 +209,9 @@ def test_topics_and_services_that_are_called_are_there():
     assert wrong == []
 
 
-def held(name):
-    """A set that test/system/test_ros_master.py holds the running daemon to."""
-    tree = ast.parse((ROOT / "test/system/test_ros_master.py").read_text(encoding="utf-8"))
-    (value,) = [each.value for each in tree.body if isinstance(each, ast.Assign) and ast.unparse(each.targets[0]) == name]
-    return ast.literal_eval(value)
-
-
 def test_the_page_of_interfaces_names_what_the_running_daemon_has_and_nothing_else():
-    running = held("DAEMON_TOPICS") | held("DAEMON_HEARS") | held("DAEMON_SERVICES")
+    """test_ros_master holds the running daemon to these."""
+    running = test_ros_master.DAEMON_TOPICS | test_ros_master.DAEMON_HEARS | test_ros_master.DAEMON_SERVICES
     running = {name for name in running if not name.startswith(("/move_arm/", "/raven2_simulator/"))} | {"/move_arm"}
     assert interface_page.unknown(known_of_daemon(), running) == []
     assert interface_page.gone(known_of_daemon(), running) == []

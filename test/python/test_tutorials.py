@@ -1,4 +1,4 @@
-"""doc/tutorials: what they tell a reader to type does what they say. Run whole with RAVEN2_TRAINER_FULL=1."""
+"""doc/tutorials: what they tell a reader to type does what they say. All are run with RAVEN2_TRAINER_FULL=1, one without."""
 
 import os
 
