@@ -28,7 +28,7 @@ def typed(folder, text, **expected):
     for name, value in expected.items():
         setattr(block, name, value)
     with tutorial.Shell(folder) as shell:
-        tutorial.check(block, *shell.run(block), shell.folder)
+        tutorial.check(block, *shell.run(block))
 
 
 def test_a_command_that_fails_is_noticed(tmp_path):
@@ -50,6 +50,10 @@ def test_a_file_with_nothing_in_it_is_noticed(tmp_path):
         typed(tmp_path, "touch empty\n", files=["empty"])
 
 
+def test_a_file_is_looked_for_where_the_commands_have_gone(tmp_path):
+    typed(tmp_path, "mkdir below; cd below; echo x > it\n", files=["it"])
+
+
 def test_a_command_that_hangs_ends(tmp_path):
     with pytest.raises(TimeoutError, match="not within 1 s; it printed:\nbefore"):
         typed(tmp_path, "echo before\nsleep 60\n", seconds=1.0)
@@ -57,8 +61,8 @@ def test_a_command_that_hangs_ends(tmp_path):
 
 def test_ports_are_its_own(tmp_path):
     with tutorial.Shell(tmp_path) as shell:
-        code, output = shell.run(tutorial.Block(tutorial.PAGES[0], 1, 20.0,
-                                                "echo 36010; grep '^master_port' $RAVEN2_TRAINER_SHARE/config/network.yaml"))
+        code, output, _ = shell.run(tutorial.Block(tutorial.PAGES[0], 1, 20.0,
+                                                   "echo 36010; grep '^master_port' $RAVEN2_TRAINER_SHARE/config/network.yaml"))
         assert code == 0 and "36010" not in output and output.count(str(shell.ports[36010])) == 2
 
 

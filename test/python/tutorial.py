@@ -143,7 +143,8 @@ class Shell:
     def __enter__(self):
         home = self.log / "home"
         home.mkdir()
-        environment = dict(os.environ, PATH=self._path, HOME=str(home), ROS_HOME=str(home), ROS_LOG_DIR=str(home), ROS_IP="127.0.0.1",
+        environment = dict(os.environ, PATH=self._path, HOME=str(home), TMPDIR=str(self.folder), ROS_HOME=str(home),
+                           ROS_LOG_DIR=str(home), ROS_IP="127.0.0.1",
                            ROS_MASTER_URI=f"http://127.0.0.1:{self.master}", RAVEN2_TRAINER_SHARE=str(self._share))
         self._bash = subprocess.Popen(["bash"], stdin=subprocess.PIPE, text=True, cwd=self.folder, env=environment,
                                       start_new_session=True)
@@ -155,17 +156,19 @@ class Shell:
         self._bash.stdin.flush()
 
     def run(self, block):
-        """(exit code, output). Raises TimeoutError."""
+        """(exit code, output, the folder it is in then). Raises TimeoutError."""
         self.count += 1
         base = self.log / str(self.count)
         base.with_suffix(".sh").write_text(self.with_own_ports(block.text), encoding="utf-8")
-        self._type(f"code=0; source {base}.sh > {base}.out 2>&1 < /dev/null; echo $code > {base}.new; mv {base}.new {base}.code")
+        self._type(f"code=0; source {base}.sh > {base}.out 2>&1 < /dev/null; "
+                   f"pwd > {base}.pwd; echo $code > {base}.new; mv {base}.new {base}.code")
         end = time.monotonic() + block.seconds
         while not base.with_suffix(".code").exists():
             if time.monotonic() > end or self._bash.poll() is not None:
                 raise TimeoutError(f"{block.place()}: not within {block.seconds:g} s; it printed:\n" + read(base))
             time.sleep(0.05)
-        return int(base.with_suffix(".code").read_text()), read(base)
+        folder = base.with_suffix(".pwd").read_text(encoding="utf-8").rstrip("\n")
+        return int(base.with_suffix(".code").read_text()), read(base), pathlib.Path(folder)
 
     def _is_alive(self):
         """Whether the shell, or what it started in the background, still runs."""
@@ -204,5 +207,4 @@ def check(block, code, output, folder):
 def run(page, folder):
     with Shell(folder) as shell:
         for block in blocks(page):
-            code, output = shell.run(block)
-            check(block, code, output, shell.folder)
+            check(block, *shell.run(block))
