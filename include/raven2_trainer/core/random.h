@@ -9,7 +9,7 @@ namespace raven2_trainer {
 
 /**
  * Seeded generator (PCG-XSH-RR 64/32, O'Neill 2014, www.pcg-random.org). Ours because the distributions of
- * <random> differ between standard libraries, and a session must be the same bytes from the same seed.
+ * `<random>` differ between standard libraries, and a session must be the same bytes from the same seed.
  */
 class Random {
  public:

@@ -52,7 +52,7 @@ struct Link {
   Inertial inertial;
   std::vector<CollisionShape> collisions;
   std::vector<VisualShape> visuals;
-  int line{};  ///< of the <link> in the file, for messages
+  int line{};  ///< of the `<link>` in the file, for messages
 };
 
 /** All links of one URDF, parents before children. */

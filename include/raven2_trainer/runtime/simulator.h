@@ -15,7 +15,7 @@
 namespace raven2_trainer::runtime {
 
 struct SimulatorOptions {
-  std::string output;  ///< session directory; empty: sessions/<UTC stamp>
+  std::string output;  ///< session directory; empty: `sessions/<UTC stamp>`
   std::string motion;  ///< what the console plays, for the record only
   std::string version;
   double duration{0.0};  ///< [s] of session time, from the first pedal down; 0: until stopped

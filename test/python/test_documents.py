@@ -1,0 +1,280 @@
+"""README, doc/*.md and the tutorials name what there is: programs, their options, files, topics, services, arguments of launch
+files, scenarios; and doc/interfaces.md names all of it. Options are those of --help where the programs are built, of the
+sources else."""
+
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "test/support"), str(ROOT / "test/system")]
+import interface_page  # noqa: E402
+import test_ros_master  # noqa: E402
+
+PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("doc/*.md"), *ROOT.glob("doc/tutorials/*.md"), ROOT / "urdf/README.md"])
+TALKED = [page for page in PAGES if page.name != "CHANGELOG.md"]  # which tells of what is gone, too
+# Of tools that are not ours, named alone in a text.
+FOREIGN_OPTIONS = {"--array", "--constraint", "--gtest_filter", "--preset", "--build", "--test-dir", "--core"}
+SEPARATORS = re.compile(r"\|\||&&|[|;&()]|\$\(")
+# Options whose value is the name of a file of config.
+FOLDERS = {"exercise": "exercises", "drill": "faults", "hazard": "faults", "impair": "impairments", "curriculum": "curricula",
+           "profile": "impairments", "back-profile": "impairments"}
+NO_FILE = {"none", "own"}
+
+
+def sources(pattern):
+    return "\n".join(path.read_text(encoding="utf-8") for path in sorted(ROOT.glob(pattern)))
+
+
+def programs():
+    """In C++, by CMakeLists.txt."""
+    return set(re.findall(r"^raven2_program\((\w+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"), re.M))
+
+
+def scripts():
+    return {path.name for path in (ROOT / "scripts").iterdir() if path.is_file() and os.access(path, os.X_OK)}
+
+
+def options_of(program, cache={}):
+    """Of a program or script, from what it tells of itself."""
+    if program not in cache:
+        if program in scripts():
+            text = (ROOT / "scripts" / program).read_text(encoding="utf-8") + " --help"
+        elif (PROGRAMS / program).exists():
+            text = subprocess.run([PROGRAMS / program, "--help"], capture_output=True, text=True, check=True).stdout
+        else:
+            text = sources(f"src/apps/{program}.cpp") + sources("src/apps/common/*.cpp") + " --help --version"
+        cache[program] = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--version"}
+    return cache[program]
+
+
+def spans(lines, first):
+    """[(line, text)] of the code spans of a paragraph, which may go on in the next line."""
+    text = "\n".join(lines)
+    return [(first + text.count("\n", 0, match.start()), match.group(1).replace("\n", " "))
+            for match in re.finditer(r"`([^`]+)`", text)]
+
+
+def pieces(page):
+    """[(line, text)]: each line of a fenced block, lines that end in a backslash with the next; each code span."""
+    paragraph, inside, begun = [], False, ""
+    for number, line in enumerate([*page.read_text(encoding="utf-8").split("\n"), ""], 1):
+        is_fence = bool(re.match(r" *```", line))
+        if not inside and (is_fence or not line):
+            yield from spans(paragraph, number - len(paragraph))
+            paragraph = []
+        elif not inside:
+            paragraph.append(line)
+        elif not is_fence:
+            begun += line.removesuffix("\\")
+            if not line.endswith("\\"):
+                yield number, begun
+                begun = ""
+        inside = inside != is_fence
+
+
+def words(command):
+    try:
+        return shlex.split(command, comments=True)
+    except ValueError:  # a quotation that goes on in the next line, an apostrophe
+        return command.split()
+
+
+def commands(page):
+    """[(line, program, [word])] of our programs and scripts, wherever they are typed."""
+    ours = programs() | scripts()
+    for number, text in pieces(page):
+        for part in SEPARATORS.split(text):
+            typed = words(part.replace("[", " ").replace("]", " "))
+            while typed and ("=" in typed[0] or typed[0] in ("timeout", "rosrun", "raven2_trainer", "sudo") or
+                             typed[0].isdigit()):
+                typed = typed[1:]
+            if typed and typed[0].split("/")[-1] in ours and not typed[0].startswith("/"):
+                yield number, typed[0].split("/")[-1], typed[1:]
+
+
+def place(page, number):
+    return f"{os.path.relpath(page, ROOT)}:{number}"
+
+
+def test_options_are_found():
+    assert {"--seed", "--motion", "--from-log"} <= options_of("simulate") and "--camera" in options_of("render_session")
+    assert "--together" in options_of("plot_paths") and "--only" in options_of("test")
+
+
+def test_options_of_programs_are_there():
+    wrong = [f"{place(page, number)}: {program} has no {word}" for page in TALKED for number, program, rest in commands(page)
+             for word in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", " ".join(rest)) if word not in options_of(program)]
+    assert wrong == []
+
+
+def test_options_that_are_named_alone_are_somebodys():
+    known = set().union(*(options_of(each) for each in programs() | scripts())) | FOREIGN_OPTIONS
+    wrong = [f"{place(page, number)}: {text}" for page in TALKED for number, text in pieces(page)
+             if text.startswith("--") and not set(re.findall(r"^--[a-z0-9_-]+", text)) <= known]
+    assert wrong == []
+
+
+def test_programs_that_are_run_are_there():
+    ours = programs() | scripts()
+    wrong = [f"{place(page, number)}: {name}" for page in TALKED for number, text in pieces(page)
+             for name in re.findall(r"rosrun raven2_trainer ([a-z][\w.]*)", text) if name not in ours]
+    assert wrong == []
+
+
+def test_scenarios_and_exercises_that_are_asked_for_are_there():
+    options = "|".join(FOLDERS)
+    asked = re.compile(rf"(?:--({options})[ =]|\b({options}):=)([a-z][a-z0-9_]*)\b(?!\.yaml)")
+    found = [(place(page, number), first or second, name) for page in TALKED for number, text in pieces(page)
+             for first, second, name in asked.findall(text) if name not in NO_FILE]
+    assert len(found) > 20
+    assert [each for each in found if not (ROOT / "config" / FOLDERS[each[1]] / f"{each[2]}.yaml").exists()] == []
+
+
+def test_arguments_of_launch_files_are_there():
+    wrong = []
+    for page in TALKED:
+        for number, text in pieces(page):
+            match = re.search(r"roslaunch raven2_trainer (\w+\.launch)([^#]*)", text)
+            if match:
+                path = ROOT / "launch" / match.group(1)
+                known = set(re.findall(r'<arg name="(\w+)"', path.read_text(encoding="utf-8"))) if path.exists() else set()
+                wrong += [f"{place(page, number)}: {path.name} {name}" for name in re.findall(r"(\w+):=", match.group(2))
+                          if name not in known]
+                wrong += [] if path.exists() else [f"{place(page, number)}: {path.name}"]
+    assert wrong == []
+
+
+def test_files_that_are_named_are_there():
+    """Paths in the source tree; those with a placeholder (NAME, x) are patterns."""
+    begins = re.compile(r"(?:config|scripts|launch|urdf|meshes|doc|include|src|test)/[\w./-]*\w")
+    found = [(place(page, number), word) for page in TALKED for number, text in pieces(page)
+             for word in re.split(r"[\s,;()|\"']+", text) if begins.fullmatch(word) and not re.search(r"[A-Z]{3,}(?!\.md)|_x\.", word)]
+    assert len(found) > 100
+    assert [each for each in found if not (ROOT / each[1]).exists()] == []
+
+
+def test_keys_of_configuration_that_are_named_are_there():
+    """`live: slowest` in `config/render.yaml`: the span's first word is a key of that file."""
+    said = re.compile(r"`([a-z_0-9]+)(?:[:/][^`]*)?` (?:in|of|from) `(?:config/)?([a-z_]+\.yaml)`")
+    found = [(page.name, *match) for page in TALKED
+             for match in said.findall(page.read_text(encoding="utf-8").replace("\n", " "))]
+    assert len(found) > 10
+    assert [each for each in found
+            if not re.search(rf"\b{each[1]}:", (ROOT / "config" / each[2]).read_text(encoding="utf-8"))] == []
+
+
+def test_commands_of_promises_are_there():
+    text = (ROOT / "doc/reliability.md").read_text(encoding="utf-8")
+    system = set(re.findall(r"`SYS (\w+)`", text)) - {"x"}
+    built = (ROOT / "test/CMakeLists.txt").read_text(encoding="utf-8")
+    assert len(system) > 5 and [name for name in system if not (ROOT / f"test/system/test_{name}.py").exists()] == []
+    assert [name for name in re.findall(r"`BIN (\w+)_test", text) if f"raven2_test({name} " not in built] == []
+
+
+def test_headers_that_are_named_are_there():
+    """As #include has them: core/frames.h."""
+    found = [(place(page, number), text) for page in TALKED for number, text in pieces(page)
+             if re.fullmatch(r"(?!include/|src/|test/)[a-z0-9_]+/[a-z0-9_]+\.h", text)]
+    assert len(found) > 10
+    folders = (ROOT / "include/raven2_trainer", ROOT / "src", ROOT / "include")
+    assert [each for each in found if not any((folder / each[1]).exists() for folder in folders)] == []
+
+
+DAEMON = ("ROS: topics of the daemon", "ROS: services and the action of the daemon")
+
+
+def known_of_daemon():
+    """Names on doc/interfaces.md: in tables, what is heard, and the action."""
+    names = set().union(*(interface_page.names(title) for title in DAEMON))
+    topics, services = map(interface_page.section, DAEMON)
+    heard = topics[topics.index("\nHeard: "):].replace("\n", " ")
+    return names | set(re.findall(r"`([\w/]+)` \(sensor_msgs", heard)) | set(re.findall(r"\nAction `(\w+)`", services))
+
+
+def known_of_ros():
+    return known_of_daemon() | interface_page.names("ROS: other programs", 1)
+
+
+def test_topics_and_services_that_are_called_are_there():
+    used = re.compile(r"\b(?:rosservice (?:call|type|info)|rostopic (?:echo|hz|info|pub|type))((?: -+\w+(?: \d+)?)*) (/?[a-z][\w/]*)")
+    wrong = [f"{place(page, number)}: {name}" for page in TALKED for number, text in pieces(page)
+             for _, name in used.findall(text) if not interface_page.has(known_of_ros(), name)]
+    assert wrong == []
+
+
+def test_the_page_of_interfaces_names_what_the_running_daemon_has_and_nothing_else():
+    """test_ros_master holds the running daemon to these."""
+    running = test_ros_master.DAEMON_TOPICS | test_ros_master.DAEMON_HEARS | test_ros_master.DAEMON_SERVICES
+    running = {name for name in running if not name.startswith(("/move_arm/", "/raven2_simulator/"))} | {"/move_arm"}
+    assert interface_page.unknown(known_of_daemon(), running) == []
+    assert interface_page.gone(known_of_daemon(), running) == []
+
+
+def test_the_page_of_interfaces_names_topics_of_other_programs_by_their_names():
+    text = sources("src/ros/*.cpp") + sources("src/apps/*.cpp")
+    names = interface_page.names("ROS: other programs", 1) - {"--topic"}
+    assert "/ravenstate" in names and [name for name in names if f'"{name}"' not in text] == []
+
+
+def test_the_page_of_interfaces_names_every_program():
+    named = interface_page.names("Programs")
+    assert programs() <= named
+    assert {name for name in named if "/" not in name and "." not in name and "-" not in name} <= programs()
+    installed = re.findall(r"scripts/(\w+(?:\.sbatch)?)(?= |\n|$|\))", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))
+    text = interface_page.section("Programs")
+    assert [name for name in installed if (ROOT / "scripts" / name).is_file() and f"`{name}`" not in text] == []
+
+
+def test_the_page_of_interfaces_names_every_launch_file():
+    assert interface_page.names("Launch files") == {path.name for path in (ROOT / "launch").glob("*.launch")}
+
+
+def test_the_page_of_interfaces_names_every_environment_variable():
+    shipped = sources("src/**/*.cpp") + sources("test/**/*.py") + sources("test/**/*.h") + "\n".join(
+        (ROOT / "scripts" / name).read_text(encoding="utf-8") for name in scripts())
+    read = set(re.findall(r"\bRAVEN2_(?:TRAINER|RUN|USB)_[A-Z_]+\b(?=\"|\'|:|\})", shipped)) - {"RAVEN2_TRAINER_SOURCE_DIR"}
+    read |= set(re.findall(r'(?:getenv|environment)\("([A-Z_]+)"', sources("src/**/*.cpp")))
+    assert {"RAVEN2_TRAINER_SHARE", "ROS_IP", "DISPLAY"} <= read
+    assert interface_page.unknown(interface_page.names("Environment variables"), read) == []
+
+
+def test_the_readme_and_the_page_of_interfaces_agree():
+    """A topic or service that both name has a type in common: cells of several names have several types."""
+    def types(rows):
+        return {name: set(re.findall(r"\b[A-Z][A-Za-z]{2,}\b", cells[1])) for cells in rows if len(cells) > 1
+                for name in re.findall(r"`([^`]+)`", cells[0])}
+    readme = [[cell.strip() for cell in line.split("|")[1:-1]]
+              for line in (ROOT / "README.md").read_text(encoding="utf-8").split("\n") if line.startswith("| `")]
+    ours, theirs = types([row for title in DAEMON for row in interface_page.rows(title)]), types(readme)
+    both = [name for name in ours if ours[name] and theirs.get(name)]
+    assert len(both) > 30
+    assert [(name, ours[name], theirs[name]) for name in both if not ours[name] & theirs[name]] == []
+
+
+@pytest.mark.parametrize("text, check", [
+    ("`simulate --no-such`", test_options_of_programs_are_there),
+    ("```\nscripts/run --video \\\n  --no-such\n```", test_options_of_programs_are_there),
+    ("with `--no-such` beside", test_options_that_are_named_alone_are_somebodys),
+    ("`rosrun raven2_trainer no_such DIR`", test_programs_that_are_run_are_there),
+    ("`simulate --hazard no_such`", test_scenarios_and_exercises_that_are_asked_for_are_there),
+    ("`roslaunch raven2_trainer training.launch exercise:=no_such`", test_scenarios_and_exercises_that_are_asked_for_are_there),
+    ("`roslaunch raven2_trainer training.launch no_such:=1`", test_arguments_of_launch_files_are_there),
+    ("a span that goes\non: `config/faults/\nno_such`, `config/no_such.yaml`", test_files_that_are_named_are_there),
+    ("`core/no_such.h`", test_headers_that_are_named_are_there),
+    ("`no_such: 3` in `config/runtime.yaml`", test_keys_of_configuration_that_are_named_are_there),
+    ("`rosservice call /no_such`", test_topics_and_services_that_are_called_are_there),
+    ("`rostopic pub -r 20 /no_such`", test_topics_and_services_that_are_called_are_there),
+])
+def test_what_is_not_there_is_noticed(text, check, tmp_path, monkeypatch):
+    page = tmp_path / "page.md"
+    page.write_text(f"# Page\n\n{text}\n", encoding="utf-8")
+    monkeypatch.setitem(globals(), "TALKED", [page, *TALKED])
+    with pytest.raises(AssertionError, match="no.such"):
+        check()

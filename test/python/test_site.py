@@ -1,0 +1,85 @@
+"""scripts/make_site: what becomes of links, pictures and names of pages; and that the pages of this repository make a site."""
+
+import importlib.machinery
+import importlib.util
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+loader = importlib.machinery.SourceFileLoader("make_site", str(ROOT / "scripts/make_site"))
+loader_spec = importlib.util.spec_from_loader("make_site", loader)
+make_site = importlib.util.module_from_spec(loader_spec)
+loader.exec_module(make_site)
+
+
+def staged(text, name="doc/session.md", others=("doc/wire.md",)):
+    """(the page as Doxygen gets it, complaints) of a text in the place of a page of ours."""
+    site = make_site.Site([name, *others])
+    site.texts[name] = text
+    site.sections[name] = make_site.sections(text)
+    return site.page(name), site.wrong
+
+
+def test_links_lead_to_pages_and_sections():
+    text, wrong = staged("# Title\n\n## A part\n\nSee [there](wire.md), [below](#a-part) and [its frames](wire.md#tcp-frames).\n")
+    assert not wrong
+    assert text.startswith("# Title {#doc_session}\n\n## A part {#doc_session__a-part}\n")
+    assert "[there](@ref doc_wire), [below](@ref doc_session__a-part) and [its frames](@ref doc_wire__tcp-frames)." in text
+
+
+@pytest.mark.parametrize("link", ["nowhere.md", "wire.md#no-such-part", "#no-such-part", "../config/nothing.yaml"])
+def test_a_link_to_nothing_is_an_error(link):
+    _, wrong = staged(f"# Title\n\nSee [there]({link}).\n")
+    assert len(wrong) == 1 and wrong[0].startswith("doc/session.md: links to ") and link in wrong[0]
+
+
+def test_a_picture_that_is_missing_is_an_error():
+    assert staged("# T\n\n![all](images/nothing.png)\n")[1] == ["doc/session.md: shows images/nothing.png, which is not there"]
+    text, wrong = staged("# T\n\n![all](images/plan.png)\n")
+    assert '<img src="doc/images/plan.png" alt="all"/>' in text and not wrong
+
+
+def test_a_page_that_is_named_becomes_a_link():
+    assert "([doc/wire.md](@ref doc_wire))" in staged("# T\n\nBytes (`doc/wire.md`).\n")[0]
+    assert staged("# T\n\nBytes (`doc/nothing.md`).\n")[1] == ["doc/session.md: names doc/nothing.md, which is not there"]
+
+
+def test_commands_are_left_alone():
+    text, wrong = staged("# T\n\n```\n# no heading\ncat [x](nowhere.md) `doc/nothing.md`\n```\n")
+    assert not wrong and "# no heading\ncat [x](nowhere.md) `doc/nothing.md`\n" in text
+
+
+def test_equal_headings_have_anchors_of_their_own():
+    assert make_site.sections("# T\n## Measured\n## Measured\n") == ["t", "measured", "measured-1"]
+
+
+def test_no_link_of_our_pages_leads_nowhere():
+    site = make_site.Site(make_site.pages())
+    for name in site.texts:
+        site.page(name)
+    assert site.wrong == []
+
+
+def test_every_page_is_on_the_first_one():
+    site = make_site.Site(make_site.pages())
+    site.page(make_site.START)
+    assert site.below == set(site.texts) - {make_site.START}
+
+
+def test_without_doxygen_it_says_so(tmp_path):
+    done = subprocess.run(["/usr/bin/python3", ROOT / "scripts/make_site", "--output", tmp_path], env={"PATH": str(tmp_path)},
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "doxygen is missing" in done.stderr
+
+
+@pytest.mark.skipif(shutil.which("doxygen") is None, reason="doxygen is not installed")
+def test_doxygen_has_nothing_to_warn_of(tmp_path):
+    done = subprocess.run([ROOT / "scripts/make_site", "--output", tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert (tmp_path / "doc_wire.html").is_file() and (tmp_path / "doc/images/plan.png").is_file()
+    start = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert 'href="doc_tutorials_engineer.html"' in start
+    assert not any(sign in start for sign in ("@ref", "@subpage", "{#"))
