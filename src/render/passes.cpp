@@ -25,10 +25,24 @@ bool isSameShape(const DrawItem& a, const DrawItem& b) noexcept {
   return a.mesh == b.mesh && a.first == b.first && a.count == b.count && a.world_from_mesh == b.world_from_mesh;
 }
 
+bool isFixed(const DrawItem& item) {
+  return item.is_fixed;
+}
+
+bool isMoving(const DrawItem& item) {
+  return !item.is_fixed;
+}
+
+/** [-] Of a step of the shadow map, in the light's clip space. */
+constexpr float kTexel = 2.0F / static_cast<float>(ShadowTarget::kSize);
+// A lit point is looked up 1.5 texels off its surface, or the map's steps would shade it. (A constant of MeshPass.)
+constexpr float kLift = 1.5F;
+// Lookups look at the four texels about their point, half of one beyond it each way, which may be 1.5 off what is lit.
+constexpr float kMargin = (kLift + 1.5F) * kTexel;
+
 }  // namespace
 
-ShadowPass::ShadowPass()
-    : program_(kShadowVertex, kShadowFragment), clip_from_mesh_(program_.uniform("clip_from_mesh")) {}
+ShadowPass::ShadowPass() : program_(kShadowVertex, kNoFragment), clip_from_mesh_(program_.uniform("clip_from_mesh")) {}
 
 void ShadowPass::drawItems(const std::vector<DrawItem>& items, const Filter& isWanted) const {
   for (const DrawItem& item : items) {
@@ -107,20 +121,55 @@ MeshPass::MeshPass()
   glUniform1i(program_.uniform("shadow_map"), 0);
 }
 
-void MeshPass::draw(const DrawLists& lists,
-                    const model::Camera& camera,
-                    GLuint shadow_map,
-                    const Eigen::Matrix4f& shadow_clip_from_world) {
-  shadow_from_world_ = textureFromClip() * shadow_clip_from_world;
-  glClear(GL_DEPTH_BUFFER_BIT);
-  glBindTexture(GL_TEXTURE_2D, shadow_map);
+void MeshPass::shine(const model::Camera& camera, const Light& light) {
+  shadow_from_world_ = textureFromClip() * light.shadow_clip_from_world;
+  glBindTexture(GL_TEXTURE_2D, light.shadow_map.texture());
   program_.use();
   setUniform(eye_W_, Eigen::Vector3f(camera.X_WC.p.cast<float>()));
-  // A lit point is looked up 1.5 texels off its surface, or the map's steps would shade it.
-  const float texel = 2.0F / (shadow_clip_from_world.block<1, 3>(0, 0).norm() * ShadowTarget::kSize);
-  shadow_lift_W_ = 1.5F * texel;
-  drawItems(lists.opaque, camera);
+  shadow_lift_W_ = kLift * kTexel / light.shadow_clip_from_world.block<1, 3>(0, 0).norm();
+}
+
+void MeshPass::draw(const DrawLists& lists, const model::Camera& camera, const Light& light) {
+  shine(camera, light);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  drawItems(lists.opaque, camera, isMoving);  // first: it is near, mostly, and what it hides costs no shading
+  glDepthFunc(GL_LESS);
+  drawItems(lists.opaque, camera, isFixed);
+  glDepthFunc(GL_LEQUAL);
   drawBackground();  // at the far plane: only where nothing is
+  drawRest(lists, camera);
+}
+
+void MeshPass::keep(FixedLayer* layer, const DrawLists& lists, const model::Camera& camera, const Light& light) {
+  layer->keep(
+      [&] {
+        shine(camera, light);
+        glDepthFunc(GL_LESS);
+        drawItems(lists.opaque, camera, isFixed);
+        glDepthFunc(GL_LEQUAL);
+        drawBackground();
+      },
+      light.shadow_map, kMargin);
+}
+
+void MeshPass::drawOver(FixedLayer* layer,
+                        const PictureTarget& picture,
+                        const DrawLists& lists,
+                        const model::Camera& camera,
+                        const Light& light) {
+  const bool is_shaded = layer->copyTo(picture, light.shadow_map);
+  shine(camera, light);
+  glEnable(GL_STENCIL_TEST);
+  glStencilFunc(GL_ALWAYS, 0, 0xFF);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_ZERO);  // what moves hides the layer
+  drawItems(lists.opaque, camera, isMoving);
+  glStencilFunc(GL_EQUAL, 1, 0xFF);  // the first as deep as the layer is the one that the layer has
+  if (is_shaded) drawItems(lists.opaque, camera, isFixed);
+  glDisable(GL_STENCIL_TEST);
+  drawRest(lists, camera);
+}
+
+void MeshPass::drawRest(const DrawLists& lists, const model::Camera& camera) const {
   program_.use();
   drawMarks(lists.marks, camera);
   drawTranslucent(lists.translucent, camera);
@@ -132,9 +181,10 @@ void MeshPass::drawBackground() const {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void MeshPass::drawItems(const std::vector<DrawItem>& items, const model::Camera& camera) const {
+void MeshPass::drawItems(const std::vector<DrawItem>& items, const model::Camera& camera, Filter isWanted) const {
   const Eigen::Matrix4f clip_from_world = clipFromWorld(camera);
   for (const DrawItem& item : items) {
+    if (isWanted != nullptr && !isWanted(item)) continue;
     if (!isInView(camera, item.centre_W, item.radius)) continue;
     setUniform(clip_from_mesh_, Eigen::Matrix4f(clip_from_world * item.world_from_mesh));
     setUniform(world_from_mesh_, item.world_from_mesh);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "raven2_trainer/model/camera.h"
+#include "render/fixed_layer.h"
 #include "render/gpu_mesh.h"
 #include "render/shader_program.h"
 #include "render/shadow_target.h"
@@ -42,6 +43,9 @@ class ShadowPass {
   void forget(const GpuMesh* mesh) noexcept;
 
   GLuint texture() const noexcept { return target_.texture(); }
+  const ShadowTarget& map() const noexcept { return target_; }
+  /** Of what is fixed alone; null if that is not kept. */
+  const ShadowTarget* fixedMap() const noexcept { return is_kept_ ? &fixed_ : nullptr; }
 
  private:
   using Filter = std::function<bool(const DrawItem&)>;
@@ -57,18 +61,36 @@ class ShadowPass {
   GLint clip_from_mesh_;
 };
 
-/** Background, lit meshes and marks, into whatever framebuffer and viewport is set. */
+/**
+ * Background, lit meshes and marks, into whatever framebuffer and viewport is set. Where something that moves and
+ * something fixed are equally deep, what moves is seen; of two of a kind the first among fixed things, the last among
+ * others: so that it does not matter in which order they were drawn, or whether a layer was kept.
+ */
 class MeshPass {
  public:
+  /** The light's map of what is in it, and where that lies. */
+  struct Light {
+    const ShadowTarget& shadow_map;
+    const Eigen::Matrix4f& shadow_clip_from_world;
+  };
+
   MeshPass();
-  void draw(const DrawLists& lists,
-            const model::Camera& camera,
-            GLuint shadow_map,
-            const Eigen::Matrix4f& shadow_clip_from_world);
+  void draw(const DrawLists& lists, const model::Camera& camera, const Light& light);
+  /** The same picture, from a layer that is kept: all of `picture`, which is bound then. */
+  void drawOver(FixedLayer* layer,
+                const PictureTarget& picture,
+                const DrawLists& lists,
+                const model::Camera& camera,
+                const Light& light);
+  /** Fills the layer, which is bound then. @param[in] light of what is fixed alone. */
+  void keep(FixedLayer* layer, const DrawLists& lists, const model::Camera& camera, const Light& light);
 
  private:
+  using Filter = bool (*)(const DrawItem&);
+  void shine(const model::Camera& camera, const Light& light);
+  void drawRest(const DrawLists& lists, const model::Camera& camera) const;
   void drawBackground() const;
-  void drawItems(const std::vector<DrawItem>& items, const model::Camera& camera) const;
+  void drawItems(const std::vector<DrawItem>& items, const model::Camera& camera, Filter isWanted = nullptr) const;
   void drawMarks(const std::vector<DrawItem>& items, const model::Camera& camera) const;
   void drawTranslucent(const std::vector<DrawItem>& items, const model::Camera& camera) const;
 

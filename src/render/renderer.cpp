@@ -16,26 +16,35 @@ namespace raven2_trainer::render {
 
 struct Renderer::Impl {
   Impl(int width, int height)
-      : context(width, height), smoother(width, height), overlay(width, height), rgb(context.rgba().size() / 4 * 3) {
+      : context(width, height),
+        picture(width, height),
+        layer(width, height),
+        smoother(width, height),
+        overlay(width, height),
+        rgba(context.rgba().size()),
+        rgb(rgba.size() / 4 * 3) {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);
     glEnable(GL_CULL_FACE);
   }
 
   void sortItems(const Scene& scene, const Vector3& eye_W);
+  void drawPicture(const model::Camera& camera);
   void drawView(const model::Camera& camera, int x, int y, int view_width, int view_height);
   void drawInset(const model::Camera& inset);
   void finishStage(const char* stage) const;
 
   GlContext context;
   ShadowPass shadow;
+  PictureTarget picture;
   MeshPass meshes;
+  FixedLayer layer;
   EdgeSmoother smoother;
   OverlayPainter overlay;
   std::vector<std::unique_ptr<GpuMesh>> gpu_meshes;
   DrawLists lists;
   Eigen::Matrix4f shadow_clip_from_world;
-  std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> rgba, rgb;
   StageDone stage_done;
 };
 
@@ -85,12 +94,25 @@ void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
                    [&](const DrawItem& a, const DrawItem& b) { return nearness(a) < nearness(b); });
 }
 
+/** From the layer of what stands still, if that was there before. */
+void Renderer::Impl::drawPicture(const model::Camera& camera) {
+  if (!isUsable(camera) || camera.width != context.width() || camera.height != context.height())
+    return drawView(camera, 0, 0, context.width(), context.height());
+  glViewport(0, 0, context.width(), context.height());
+  layer.look(lists.opaque, camera, shadow_clip_from_world);
+  if (layer.isWorthKeeping() && shadow.fixedMap() != nullptr)
+    meshes.keep(&layer, lists, camera, {*shadow.fixedMap(), shadow_clip_from_world});
+  const MeshPass::Light light{shadow.map(), shadow_clip_from_world};
+  if (layer.isKept()) return meshes.drawOver(&layer, picture, lists, camera, light);
+  meshes.draw(lists, camera, light);
+}
+
 void Renderer::Impl::drawView(const model::Camera& camera, int x, int y, int view_width, int view_height) {
   static const DrawLists kNothing;
   glViewport(x, y, view_width, view_height);
   glScissor(x, y, view_width, view_height);
   glEnable(GL_SCISSOR_TEST);
-  meshes.draw(isUsable(camera) ? lists : kNothing, camera, shadow.texture(), shadow_clip_from_world);
+  meshes.draw(isUsable(camera) ? lists : kNothing, camera, {shadow.map(), shadow_clip_from_world});
   glDisable(GL_SCISSOR_TEST);
 }
 
@@ -143,7 +165,9 @@ void Renderer::replaceMesh(int handle, const model::Mesh& mesh) {
   if (handle < 0 || static_cast<std::size_t>(handle) >= impl_->gpu_meshes.size())
     throw RenderException("there is no mesh " + std::to_string(handle) + " to replace");
   impl_->context.makeCurrent();
-  impl_->shadow.forget(impl_->gpu_meshes[static_cast<std::size_t>(handle)].get());
+  const GpuMesh* old = impl_->gpu_meshes[static_cast<std::size_t>(handle)].get();
+  impl_->shadow.forget(old);
+  impl_->layer.forget(old);
   impl_->gpu_meshes[static_cast<std::size_t>(handle)] = std::make_unique<GpuMesh>(mesh);
 }
 
@@ -163,13 +187,13 @@ const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
   if (inset != nullptr) views.push_back(*inset);
   impl.shadow.draw(impl.lists.opaque, impl.shadow_clip_from_world, views);
   impl.finishStage("shadow");
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  impl.drawView(camera, 0, 0, width(), height());
+  impl.picture.bind();
+  impl.drawPicture(camera);
   if (inset != nullptr) impl.drawInset(*inset);
   impl.finishStage("meshes");
-  glFinish();  // OSMesa fills its buffer here
+  impl.picture.read(impl.rgba.data());
   impl.finishStage("read back");
-  impl.smoother.smooth(impl.context.rgba().data(), impl.rgb.data());
+  impl.smoother.smooth(impl.rgba.data(), impl.rgb.data());
   impl.finishStage("smoothing");
   impl.overlay.paint(scene.overlay, &impl.rgb);
   impl.finishStage("overlay");

@@ -65,8 +65,15 @@ uniform mat4 clip_from_mesh;
 void main() { gl_Position = clip_from_mesh * vec4(p_M, 1.0); }
 )";
 
-constexpr const char* kShadowFragment = R"(#version 330 core
+/** For passes without colours. */
+constexpr const char* kNoFragment = R"(#version 330 core
 void main() {}
+)";
+
+/** Tiles of the picture, in clip space. */
+constexpr const char* kTileVertex = R"(#version 330 core
+layout(location = 0) in vec2 corner;
+void main() { gl_Position = vec4(corner, 0.0, 1.0); }
 )";
 
 /** One triangle over the whole picture, at the far plane. */

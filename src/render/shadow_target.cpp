@@ -56,6 +56,12 @@ void ShadowTarget::beginAs(const ShadowTarget& other) const noexcept {
   glEnable(GL_SCISSOR_TEST);
 }
 
+void ShadowTarget::read(std::vector<float>* depth) const {
+  depth->resize(static_cast<std::size_t>(kSize) * kSize);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glReadPixels(0, 0, kSize, kSize, GL_DEPTH_COMPONENT, GL_FLOAT, depth->data());
+}
+
 ShadowTarget::~ShadowTarget() {
   glDeleteFramebuffers(1, &framebuffer_);
   glDeleteTextures(1, &texture_);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "render/gl.h"
 
 namespace raven2_trainer::render {
@@ -21,6 +23,9 @@ class ShadowTarget {
 
   /** Binds it, with what is in another. */
   void beginAs(const ShadowTarget& other) const noexcept;
+
+  /** Waits for what was drawn. @param[out] depth all of it, bottom row first: kSize x kSize. */
+  void read(std::vector<float>* depth) const;
 
   GLuint texture() const noexcept { return texture_; }
 

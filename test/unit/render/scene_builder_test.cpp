@@ -9,6 +9,7 @@
 #include "plan_fixture.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_scene.h"
+#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/render/renderer.h"
@@ -255,7 +256,8 @@ TEST_F(SceneBuilderTest, NothingElseHasTheColoursOfAPlan) {
 
 TEST_F(SceneBuilderTest, ThePathIsSeenAllAlongTheTipsWayAndTheGoalWhereItEnds) {
   Renderer renderer(640, 360);
-  SceneBuilder builder(*raven_, *scene_, config_->haptics, &renderer);
+  const SceneOptions bare(config_->haptics, OverlaySet{});  // paths and trails change with each build
+  SceneBuilder builder(*raven_, *scene_, bare, &renderer);
   const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
   ASSERT_EQ(config_->render.cameras[1].name, "endoscope");
   std::vector<std::uint8_t> without = renderer.draw(builder.build(snapshot_), camera);
@@ -447,6 +449,35 @@ TEST_F(SceneBuilderTest, AFrameHasTheSamePixelsWhoeverDrewThoseBefore) {
     k % 3 == 0 ? (void)some.build(frames[k]) : some.follow(frames[k]);
   EXPECT_EQ(renderer_.draw(some.build(frames.back()), camera), last);
   EXPECT_NE(renderer_.draw(none.build(frames.back()), camera), last) << "the trail is what is missing";
+}
+
+TEST_F(SceneBuilderTest, BeforeACameraThatStandsStillNoPixelDiffersFromTheFirstPictureOfOneThatJustCame) {
+  Random random(11);
+  Renderer renderer(640, 360);
+  const SceneOptions bare(config_->haptics, OverlaySet{});  // paths and trails change with each build
+  SceneBuilder builder(*raven_, *scene_, bare, &renderer);
+  for (const CameraConfig& named : config_->render.cameras) {
+    const model::Camera camera = model::makeCamera(named, 640, 360);
+    model::Camera other = camera;
+    other.X_WC.p.x() += 0.01;
+    std::vector<Scene> scenes;
+    std::vector<std::vector<std::uint8_t>> came;
+    for (int k = 0; k < 6; ++k, snapshot_.model.tick += 33) {
+      for (const Arm arm : kArms) {
+        JointArray q = config_->arms.geometry.home;
+        for (std::size_t j = 0; j < q.size(); ++j)
+          q[j] += random.uniform(-1.0, 1.0) * (j == kInsertion ? 0.05 : 0.4);
+        place(q, arm);
+      }
+      scenes.push_back(builder.build(snapshot_));
+      renderer.draw(scenes.back(), other);
+      came.push_back(renderer.draw(scenes.back(), camera));
+    }
+    renderer.draw(scenes.front(), camera);  // so that the camera stands still
+    for (std::size_t k = 0; k < scenes.size(); ++k)
+      EXPECT_TRUE(renderer.draw(scenes[k], camera) == came[k]) << named.name << ", " << k;
+    EXPECT_NE(came[0], came[1]) << named.name;
+  }
 }
 
 TEST_F(SceneBuilderTest, NothingThatIsNotFiniteIsDrawn) {

@@ -1,0 +1,64 @@
+#include "render/picture_target.h"
+
+#include <string>
+
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::render {
+
+namespace {
+
+/** A texture: of a renderbuffer's bytes OpenGL chooses the order, and a copy would be slow where it differs. */
+GLuint attachColour(int width, int height) {
+  GLuint texture = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+  return texture;
+}
+
+GLuint attachDepth(int width, int height) {
+  GLuint buffer = 0;
+  glGenRenderbuffers(1, &buffer);
+  glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, width, height);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, buffer);
+  return buffer;
+}
+
+}  // namespace
+
+PictureTarget::PictureTarget(int width, int height) : width_(width), height_(height) {
+  glGenFramebuffers(1, &framebuffer_);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  colour_ = attachColour(width, height);
+  depth_ = attachDepth(width, height);
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  if (status != GL_FRAMEBUFFER_COMPLETE)
+    throw RenderException("glCheckFramebufferStatus of a picture: status " + std::to_string(status));
+}
+
+PictureTarget::~PictureTarget() {
+  glDeleteFramebuffers(1, &framebuffer_);
+  glDeleteTextures(1, &colour_);
+  glDeleteRenderbuffers(1, &depth_);
+}
+
+void PictureTarget::copyTo(const PictureTarget& other) const noexcept {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other.framebuffer_);
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_,
+                    GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT, GL_NEAREST);
+}
+
+void PictureTarget::read(std::uint8_t* rgba) const noexcept {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glPixelStorei(GL_PACK_INVERT_MESA, GL_TRUE);
+  glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  glPixelStorei(GL_PACK_INVERT_MESA, GL_FALSE);
+}
+
+}  // namespace raven2_trainer::render
