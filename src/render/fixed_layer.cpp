@@ -85,7 +85,10 @@ bool FixedLayer::mark(const std::vector<PixelRun>& runs) {
                            2.0F * static_cast<float>(y) / static_cast<float>(height_) - 1.0F);
   };
   triangles_.clear();
+  touched_ = {width_, 0, height_, 0};
   for (const PixelRun& run : runs) {
+    touched_ = {std::min(touched_.left, run.left), std::max(touched_.right, run.right),
+                std::min(touched_.bottom, run.bottom), std::max(touched_.top, run.top)};
     const Eigen::Vector2f a = corner(run.left, run.bottom), b = corner(run.right, run.bottom);
     const Eigen::Vector2f c = corner(run.right, run.top), d = corner(run.left, run.top);
     triangles_.insert(triangles_.end(), {a, b, c, a, c, d});

@@ -48,6 +48,9 @@ class FixedLayer {
    */
   bool copyTo(const PictureTarget& picture, const ShadowTarget& map);
 
+  /** The smallest rectangle that holds all that has to be drawn again in the picture that was copied last. */
+  const PixelRun& touched() const noexcept { return touched_; }
+
   /** To be called before a mesh goes. */
   void forget(const GpuMesh* mesh) noexcept;
 
@@ -63,6 +66,7 @@ class FixedLayer {
   model::Camera camera_;
   Eigen::Matrix4f shadow_clip_from_world_{Eigen::Matrix4f::Zero()};
   bool is_kept_{false}, is_seen_again_{false};
+  PixelRun touched_{};
   std::vector<float> depth_, shadow_;
   std::vector<Eigen::Vector2f> triangles_;
 };

@@ -164,7 +164,11 @@ void MeshPass::drawOver(FixedLayer* layer,
   glStencilOp(GL_KEEP, GL_KEEP, GL_ZERO);  // what moves hides the layer
   drawItems(lists.opaque, camera, isMoving);
   glStencilFunc(GL_EQUAL, 1, 0xFF);  // the first as deep as the layer is the one that the layer has
+  const PixelRun& touched = layer->touched();
+  if (is_shaded) glScissor(touched.left, touched.bottom, touched.right - touched.left, touched.top - touched.bottom);
+  glEnable(GL_SCISSOR_TEST);  // the stencil would do, but it is looked at pixel by pixel
   if (is_shaded) drawItems(lists.opaque, camera, isFixed);
+  glDisable(GL_SCISSOR_TEST);
   glDisable(GL_STENCIL_TEST);
   drawRest(lists, camera);
 }

@@ -22,7 +22,7 @@ class ShadeTiles {
   static constexpr int kTile = 8;     ///< [px]
   static constexpr int kCells = 256;  ///< of the map, on x and y
 
-  /** @param[in] map_size [texels] of the shadow map's edge, a multiple of kCells. */
+  /** @param[in] map_size [texels] of the shadow map's edge. @throw RenderException unless it is four times kCells. */
   explicit ShadeTiles(int map_size);
 
   /**

@@ -28,7 +28,7 @@ class LivePace {
  public:
   static constexpr double kWindow = 0.5;  ///< [s] of frames, at least kFewest, that are judged together
   static constexpr std::size_t kFewest = 5;
-  static constexpr double kRoom = 0.7;      ///< [-] of the next level's period that a frame may fill
+  static constexpr double kRoom = 0.85;     ///< [-] of the next level's period that a frame may fill
   static constexpr double kLongest = 60.0;  ///< [s] longest wait for the next rise; one that lasted so long was right
 
   explicit LivePace(const RenderConfig& config);

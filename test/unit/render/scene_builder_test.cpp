@@ -256,8 +256,7 @@ TEST_F(SceneBuilderTest, NothingElseHasTheColoursOfAPlan) {
 
 TEST_F(SceneBuilderTest, ThePathIsSeenAllAlongTheTipsWayAndTheGoalWhereItEnds) {
   Renderer renderer(640, 360);
-  const SceneOptions bare(config_->haptics, OverlaySet{});  // paths and trails change with each build
-  SceneBuilder builder(*raven_, *scene_, bare, &renderer);
+  SceneBuilder builder(*raven_, *scene_, config_->haptics, &renderer);
   const model::Camera camera = model::makeCamera(config_->render.cameras[1], 640, 360);
   ASSERT_EQ(config_->render.cameras[1].name, "endoscope");
   std::vector<std::uint8_t> without = renderer.draw(builder.build(snapshot_), camera);
