@@ -24,8 +24,11 @@ double turnBetween(const Quat& a, const Quat& b) {
 // [m] At a pedal-down the set point is where the arm is, which lags behind what it was asked for.
 constexpr double kRebased = 2e-3;
 
-// [rad] What the virtual Raven's own control of its tool joints leaves of a turn: 0.65 degrees measured.
-constexpr double kRobotTurn = 0.75 * kPi / 180.0;
+// What dry friction keeps the Raven's tool joints from, the integral of their control alone takes away: kp 0.05 Nm/rad
+// over ki 0.05 Nm/(rad s) (raven2.md 3.6) are a time constant of a second.
+constexpr int kSettle = 4000;                     // [ticks]
+constexpr double kRobotOff = 0.5e-3;              // [m]
+constexpr double kRobotTurn = 0.2 * kPi / 180.0;  // [rad]
 
 class ServoDeskTest : public ::testing::Test {
  protected:
@@ -465,7 +468,7 @@ TEST_F(ServoDeskTest, WhileTheRobotHomesItIsBusyAndMovesNothing) {
   EXPECT_EQ(state(), OperatingState::kEnabled);
 }
 
-TEST_F(ServoDeskTest, TheRobotIsWhereItIsAskedToBeASecondLater) {
+TEST_F(ServoDeskTest, TheRobotIsWhereItIsAskedToBeOnceItsToolJointsSettled) {
   together();
   ASSERT_TRUE(c->enable());
   for (const bool in_joints : {false, true}) {
@@ -479,12 +482,12 @@ TEST_F(ServoDeskTest, TheRobotIsWhereItIsAskedToBeASecondLater) {
           in_joints ? c->ask(ServoKind::kServoJoints, arm, q) : c->ask(ServoKind::kServoPose, arm, to);
       ASSERT_EQ(reason, ServoRefusal::kNone);
     }
-    c->rest(1000);
+    c->rest(kSettle);
     for (const Arm arm : kArms) {
       const Pose X_BT = kinematics::forward(rig->config.arms.geometry, arm, at(rig->robot().arms, arm).q);
       const double off = apart(toArray(X_BT.p), setpoint(arm).p);
       const double turned = turnBetween(toArray(Quaternion(X_BT.R)), setpoint(arm).q);
-      EXPECT_LT(off, 0.5e-3) << name(arm) << (in_joints ? " servo_jp" : " servo_cp");
+      EXPECT_LT(off, kRobotOff) << name(arm) << (in_joints ? " servo_jp" : " servo_cp");
       EXPECT_LT(turned, kRobotTurn) << name(arm) << (in_joints ? " servo_jp" : " servo_cp");
       RecordProperty(std::string(name(arm)) + (in_joints ? "_jp_um" : "_cp_um"), static_cast<int>(off * 1e6));
       RecordProperty(std::string(name(arm)) + (in_joints ? "_jp_urad" : "_cp_urad"), static_cast<int>(turned * 1e6));
