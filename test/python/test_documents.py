@@ -245,17 +245,51 @@ def test_the_page_of_interfaces_names_every_environment_variable():
     assert interface_page.unknown(interface_page.names("Environment variables"), read) == []
 
 
-def test_the_readme_and_the_page_of_interfaces_agree():
-    """A topic or service that both name has a type in common: cells of several names have several types."""
-    def types(rows):
-        return {name: set(re.findall(r"\b[A-Z][A-Za-z]{2,}\b", cells[1])) for cells in rows if len(cells) > 1
-                for name in re.findall(r"`([^`]+)`", cells[0])}
-    readme = [[cell.strip() for cell in line.split("|")[1:-1]]
-              for line in (ROOT / "README.md").read_text(encoding="utf-8").split("\n") if line.startswith("| `")]
-    ours, theirs = types([row for title in DAEMON for row in interface_page.rows(title)]), types(readme)
-    both = [name for name in ours if ours[name] and theirs.get(name)]
-    assert len(both) > 30
-    assert [(name, ours[name], theirs[name]) for name in both if not ours[name] & theirs[name]] == []
+def types_of_interfaces():
+    """{name: [type]} of topics and services; cells of several names have several types."""
+    return {name: set(re.findall(r"\b[A-Z][A-Za-z]{2,}\b", cells[1])) for title in DAEMON for cells in interface_page.rows(title)
+            for name in re.findall(r"`([^`]+)`", cells[0])}
+
+
+def types_of_code():
+    """{name: type} of topics and services that the daemon's sources name beside their type."""
+    text = sources("src/ros/*.cpp") + sources("src/ros/*.h")
+    told = {name: kind for kind, name in re.findall(r'advertise<(?:\w+::)?(\w+)>\(\s*"(/?\w[\w/]*)"', text)}
+    for name, method in re.findall(r'advertiseService\(\s*"([\w/]+)", &\w+::(\w+)', text):
+        told[name] = re.search(rf"\b{method}\((?:\w+::)?(\w+)::Request", text).group(1)
+    others = {"/clock", "/ravenstate", "/joint_states", "virtual_raven/press_start"}  # of other programs
+    return {name: kind for name, kind in told.items() if name not in others}
+
+
+def test_types_on_the_page_of_interfaces_are_those_of_the_code():
+    known, code = types_of_interfaces(), types_of_code()
+    assert len(code) > 25 and code["plan"] == "PlanPath" and code["/tf"] == "TFMessage"
+    own = {name: kind for name, kind in code.items() if known[name]}  # the others' cells are "as of" another one's
+    assert len(own) > 25 and {name: kind for name, kind in own.items() if kind not in known[name]} == {}
+
+
+def types_that_are_told(page):
+    """[(line, name, type)]: in tables, whose first column has names and another one a type, and `name` (package/Type) in a text."""
+    for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
+        names = re.findall(r"`([^`]+)`", line.split("|")[1]) if line.startswith("| `") else []
+        yield from ((number, name, kind) for name in names for kind in re.findall(r"(?<=\| )\w+/([A-Z]\w+)", line))
+        yield from ((number, name, kind) for name, kind in re.findall(r"`(/?[a-z][\w/]*)` \(\w+_\w+/([A-Z]\w+)", line))
+
+
+def test_types_on_other_pages_are_those_of_the_page_of_interfaces():
+    known = {name.lstrip("/"): kinds for name, kinds in types_of_interfaces().items()}
+    told = [(place(page, number), name.lstrip("/"), kind) for page in TALKED if page.name != "interfaces.md"
+            for number, name, kind in types_that_are_told(page)]
+    told = [each for each in told if known.get(each[1])]
+    assert len({name for _, name, _ in told}) >= 10 and len(known) > 40
+    assert [each for each in told if each[2] not in known[each[1]]] == []
+
+
+def test_tables_of_topics_and_services_stand_once():
+    """Of README five rows, of what is used most."""
+    rows = {page.name: sum(line.startswith("| `") and bool(re.search(r"\| \w+/[A-Z]\w+", line))
+                           for line in page.read_text(encoding="utf-8").split("\n")) for page in (ROOT / "README.md", ROOT / "doc/ros.md")}
+    assert rows == {"README.md": 5, "ros.md": 0}
 
 
 @pytest.mark.parametrize("text, check", [
@@ -271,10 +305,12 @@ def test_the_readme_and_the_page_of_interfaces_agree():
     ("`no_such: 3` in `config/runtime.yaml`", test_keys_of_configuration_that_are_named_are_there),
     ("`rosservice call /no_such`", test_topics_and_services_that_are_called_are_there),
     ("`rostopic pub -r 20 /no_such`", test_topics_and_services_that_are_called_are_there),
+    ("| `mode` | raven2_trainer/NoSuch | |", test_types_on_other_pages_are_those_of_the_page_of_interfaces),
+    ("`mode` (raven2_trainer/NoSuch)", test_types_on_other_pages_are_those_of_the_page_of_interfaces),
 ])
 def test_what_is_not_there_is_noticed(text, check, tmp_path, monkeypatch):
     page = tmp_path / "page.md"
     page.write_text(f"# Page\n\n{text}\n", encoding="utf-8")
     monkeypatch.setitem(globals(), "TALKED", [page, *TALKED])
-    with pytest.raises(AssertionError, match="no.such"):
+    with pytest.raises(AssertionError, match="no.?such|NoSuch"):
         check()

@@ -1,8 +1,11 @@
-"""The tutorials of doc/tutorials as programs: their commands in order, and what each promises.
+"""README and the pages of doc as programs: their commands in order, and what each promises.
 
-A fenced block below the line `<!-- run -->` is run, in one shell with all others of its page; `<!-- run: 300 s -->` gives it
-so long (60 s without). The paragraph `Expected: ...;` below it says what must come of it: `output X` (X stands in what the
-block printed), `file X` (X is there and not empty), `exit code N` (of the last command that failed; 0 unless said)."""
+A block of bash or Python below the line `<!-- run -->` is run, in one shell with all others of its page; `<!-- run: 300 s -->`
+gives it so long (60 s without). The paragraph `Expected: ...;` below it says what must come of it: `output X` (X stands in what
+the block printed), `file X` (X is there and not empty), `exit code N` or `N or M` (of the last command that failed; 0 unless
+said). A line `<!-- with: NAME -->` ends the shell: what follows is run in a new one, in a new folder, beside BESIDE[NAME].
+
+Commands that are not run say why: `<!-- not run: REASON -->` above them, one of REASONS."""
 
 import os
 import pathlib
@@ -15,40 +18,82 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build"))
-PAGES = sorted((ROOT / "doc/tutorials").glob("*.md"))
+TUTORIALS = sorted((ROOT / "doc/tutorials").glob("*.md"))
+PAGES = [*TUTORIALS, ROOT / "README.md", *sorted((ROOT / "doc").glob("*.md"))]
 MARK = re.compile(r"<!-- run(?:: (\d+) s)? -->")
+WITH = re.compile(r"<!-- with: (.+) -->")
+NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
+REASONS = ("needs a real robot", "needs hardware that is not there", "needs recordings that are not shipped",
+           "needs a package that is not in Debian", "needs a window with OpenGL", "changes the firewall", "takes hours",
+           "runs this page itself")
+LANGUAGES = ("bash", "python")
+# What is typed on a page, wherever it stands: such lines belong into blocks of bash.
+COMMAND = re.compile(r" *(?:sudo |(?:ros(?:run|launch|service|topic|bag|param|test|core)|scripts/\w+|nft|cmake|podman)\b)")
+TERMINAL = "source build/devel/setup.bash\n"
+LIVE = TERMINAL + """(roslaunch raven2_trainer training.launch hazard:=none console:=false output:=$PWD/live > roslaunch.log 2>&1 &)
+until rostopic echo -n 1 /diagnostics 2> /dev/null | grep -q 'raven2_trainer: robot'; do sleep 0.5; done
+until rostopic echo -n 1 /robot/joint_states > /dev/null 2>&1; do sleep 0.5; done
+"""
+# Runs before a page's own commands, unseen. Subshells, so that jobs and `wait` are the page's.
+BESIDE = {
+    "a terminal": TERMINAL,
+    "a session": TERMINAL + "rosrun raven2_trainer simulate --seconds 2 --seed 1 --homing quick --output DIR\n",
+    "the daemon": LIVE,
+    "a ROS master": TERMINAL + "(roscore > roscore.log 2>&1 &)\nuntil rostopic list > /dev/null 2>&1; do sleep 0.2; done\n"
+                               "rosrun raven2_trainer simulate --seconds 2 --seed 1 --homing quick --output DIR\n",
+    "a display": "(Xvfb -displayfd 3 -screen 0 1400x900x24 -nolisten tcp 3> display 2> /dev/null &)\n"
+                 "until [ -s display ]; do sleep 0.1; done; export DISPLAY=:$(cat display)\n",
+    # Debian has no crtk_msgs: its two messages of the client, from their published text.
+    "the daemon and crtk_msgs": LIVE + f"""mkdir -p python/crtk_msgs && touch python/crtk_msgs/__init__.py
+ln -s {ROOT}/test/support/crtk_messages.py python/crtk_msgs/msg.py
+export PYTHONPATH=$PWD/python:$PYTHONPATH
+""",
+}
 PORTS = (36000, 36001, 36002, 36010, 36100)  # config/network.yaml, named in tutorials and launch files
 USUAL_TIME = 60.0
+BEFORE_TIME = 120.0  # of BESIDE
 
 
 class Block:
-    """Commands that are run together. line: of the fence, for messages."""
+    """Commands that are run together. line: of the fence, for messages; text: for bash."""
 
     def __init__(self, page, line, seconds, text):
         self.page, self.line, self.seconds, self.text = page, line, seconds, text
-        self.outputs, self.files, self.code, self.promises = [], [], 0, 0
+        self.outputs, self.files, self.codes, self.promises = [], [], {0}, 0
 
     def place(self):
-        return f"{self.page.relative_to(ROOT)}:{self.line}"
+        return f"{os.path.relpath(self.page, ROOT)}:{self.line}"
 
     def expect(self, clause):
         """One clause of `Expected:`. Raises ValueError for one that cannot be checked."""
-        match = re.fullmatch(r"output `(.+)`|file `(\S+)`|exit code (\d+)", clause)
+        match = re.fullmatch(r"output `(.+)`|file `(\S+)`|exit code (\d+)(?: or (\d+))?", clause)
         if not match:
             raise ValueError(f"{self.place()}: \"{clause}\" is none of: output `X`, file `X`, exit code N")
         self.promises += 1
-        output, file, code = match.groups()
+        output, file, code, other = match.groups()
         self.outputs += [output] if output else []
         self.files += [file] if file else []
-        self.code = int(code) if code else self.code
+        self.codes = {int(each) for each in (code, other) if each} or self.codes
+
+
+class Part:
+    """Blocks of a page that share a shell. beside: of BESIDE."""
+
+    def __init__(self, page, beside):
+        self.page, self.beside, self.blocks = page, beside, []
+
+    def place(self):
+        return self.blocks[0].place()
 
 
 def fenced(lines, start):
-    """(text, index behind it) of the fenced bash block at `start`."""
-    if lines[start] != "```bash":
-        raise ValueError(f"line {start + 1}: <!-- run --> stands above no bash block")
+    """(commands for bash, index behind it) of the fenced block at `start`."""
+    language = lines[start][3:]
+    if not lines[start].startswith("```") or language not in LANGUAGES:
+        raise ValueError(f"line {start + 1}: <!-- run --> stands above no block of {' or '.join(LANGUAGES)}")
     end = lines.index("```", start)
-    return "\n".join(lines[start + 1:end]) + "\n", end + 1
+    text = "\n".join(lines[start + 1:end]) + "\n"
+    return (f"/usr/bin/python3 - <<'END_OF_BLOCK'\n{text}END_OF_BLOCK\n" if language == "python" else text), end + 1
 
 
 def clauses(lines, start):
@@ -65,19 +110,48 @@ def clauses(lines, start):
     return text[len("Expected: "):].rstrip(".").split("; ")
 
 
-def blocks(page):
+def usual(page):
+    """What is beside a page that does not say: tutorials and README open their terminals themselves."""
+    return "" if page in TUTORIALS or page.name == "README.md" else "a terminal"
+
+
+def parts(page):
     """All that is to be run of a page, in order."""
-    lines, found = page.read_text(encoding="utf-8").split("\n"), []
+    lines, found = page.read_text(encoding="utf-8").split("\n"), [Part(page, usual(page))]
     for i, line in enumerate(lines):
-        mark = MARK.fullmatch(line)
-        if not mark:
+        if (beside := WITH.fullmatch(line)):
+            found.append(Part(page, beside.group(1)))
+        if not (mark := MARK.fullmatch(line)):
             continue
         text, behind = fenced(lines, i + 1)
         block = Block(page, i + 2, float(mark.group(1) or USUAL_TIME), text)
         for clause in clauses(lines, behind):
             block.expect(clause)
-        found.append(block)
-    return found
+        found[-1].blocks.append(block)
+    return [part for part in found if part.blocks]
+
+
+def blocks(page):
+    return [block for part in parts(page) for block in part.blocks]
+
+
+def unmarked(name, text):
+    """Complaints about commands of a page of which nobody says whether they are run."""
+    lines, wrong, inside = text.split("\n"), [], False
+    for i, line in enumerate(lines):
+        place, above = f"{name}:{i + 1}", lines[i - 1] if i else ""
+        reason = NOT_RUN.fullmatch(line)
+        if reason and reason.group(1) not in REASONS:
+            wrong.append(f"{place}: \"{reason.group(1)}\" is no reason")
+        if line.startswith("```"):
+            inside = not inside and (line[3:] or "no language")
+            if inside == "no language":
+                wrong.append(f"{place}: a block without a language")
+            if inside == "bash" and not MARK.fullmatch(above) and not NOT_RUN.fullmatch(above):
+                wrong.append(f"{place}: neither <!-- run --> nor <!-- not run: REASON -->")
+        elif (inside == "text" or not inside and line.startswith("    ")) and COMMAND.match(line):
+            wrong.append(f"{place}: a command outside of a block of bash")
+    return wrong
 
 
 def free_ports(count):
@@ -196,7 +270,7 @@ def read(base):
 def check(block, code, output, folder):
     """Raises AssertionError, with what was printed."""
     told = f"{block.place()}: {{}}; it printed:\n{output[-4000:]}"
-    assert code == block.code, told.format(f"exit code {code}, expected {block.code}")
+    assert code in block.codes, told.format(f"exit code {code}, expected {' or '.join(map(str, sorted(block.codes)))}")
     for text in block.outputs:
         assert text in output, told.format(f"no \"{text}\" in the output")
     for name in block.files:
@@ -204,7 +278,10 @@ def check(block, code, output, folder):
         assert path.is_file() and path.stat().st_size > 0, told.format(f"no {name}, or nothing in it")
 
 
-def run(page, folder):
+def run(part, folder):
     with Shell(folder) as shell:
-        for block in blocks(page):
+        if part.beside:
+            before = Block(part.page, part.blocks[0].line, BEFORE_TIME, BESIDE[part.beside])
+            check(before, *shell.run(before))
+        for block in part.blocks:
             check(block, *shell.run(block))
