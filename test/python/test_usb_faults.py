@@ -351,6 +351,30 @@ def test_golds_commands_go_to_greens_board(tmp_path, keys):
         assert got == [b"", seen.wrote[0] + seen.wrote[1]]
 
 
+def look(bench):
+    """The program opens and closes both boards once more, beside the descriptors that it works with."""
+    bench.tell("look")
+    assert [bench.program.stdout.readline() for _ in range(2)] == ["there\n"] * 2
+
+
+def test_a_board_that_was_opened_and_closed_once_more_still_gets_all(tmp_path, keys):
+    row = f"site: put_usb_packet, variable: dac, kind: stuck_at, arm: gold, channel: shoulder, value: 5, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        for number in range(3):
+            look(bench)
+            _, seen, got = one(bench, number)
+            assert got == [with_dac(seen.wrote[0], 0, 5), seen.wrote[1]]
+
+
+def test_golds_commands_go_to_greens_board_after_it_was_opened_and_closed_once_more(tmp_path, keys):
+    row = f"site: put_usb_packet, variable: board_index, kind: stuck_at, arm: gold, value: 1, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        for number in range(3):
+            look(bench)
+            _, seen, got = one(bench, number)
+            assert got == [b"", seen.wrote[0] + seen.wrote[1]]
+
+
 def test_who_waits_for_a_packet_waits_for_the_first_that_is_not_lost(tmp_path, keys):
     row = ("site: network_layer, variable: packet, kind: drop, value: 1.0, start: {trigger: packet, first_tick: 2}, "
            "duration_ticks: 3")

@@ -205,7 +205,7 @@ RAVEN2_EXPORT ssize_t write(int descriptor, const void* buffer, size_t size) {
   const Role role = preload::roleOf(descriptor);
   if (!preload::isBoard(role) || !preload::isOn() || size != sizeof(raven::UsbOutBytes))
     return next().write(descriptor, buffer, size);
-  const preload::Delivery delivery = preload::beforeWrite(preload::armOf(role), buffer);
+  const preload::Delivery delivery = preload::beforeWrite(preload::armOf(role), descriptor, buffer);
   if (delivery.descriptor < 0) return static_cast<ssize_t>(size);
   return next().write(delivery.descriptor, delivery.bytes.data(), size);
 }
