@@ -2,6 +2,7 @@
 what the boards get, against the bytes that went in. The boards are pseudo terminals, the program is
 test/preload/usb_control_loop.cpp. Needs the built library and program, in $RAVEN2_TRAINER_BUILD or build/."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -11,6 +12,7 @@ import signal
 import socket
 import struct
 import subprocess
+import threading
 import tty
 
 import pytest
@@ -387,6 +389,39 @@ def test_who_waits_for_a_packet_waits_for_the_first_that_is_not_lost(tmp_path, k
             result, data, port = bench.program.stdout.readline().split()
             assert int(result) == 124 and bytes.fromhex(data) == packet_itp(expected)
             assert int(port) == bench.master.getsockname()[1]
+
+
+@contextlib.contextmanager
+def stream(bench):
+    """A packet every 10 ms."""
+    is_over = threading.Event()
+
+    def send():
+        number = 1
+        while not is_over.wait(0.01):
+            number += 1
+            bench.send(packet_itp(number))
+
+    sender = threading.Thread(target=send)
+    sender.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        sender.join()
+
+
+@pytest.mark.parametrize("coming", [stream, contextlib.nullcontext], ids=["a stream", "no other"])
+def test_who_waits_while_all_packets_are_lost_is_told_so_and_can_end(tmp_path, keys, coming):
+    row = f"site: network_layer, variable: packet, kind: drop, value: 1.0, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        one(bench, 0)
+        bench.send(packet_itp(1))
+        with coming(bench):
+            bench.tell("wait")
+            line = bench.program.stdout.readline()
+        assert int(line.split()[0]) == -11
+        bench.leave()
 
 
 def test_other_sizes_than_itp_pass(tmp_path, keys):
