@@ -346,6 +346,33 @@ def test_a_board_that_is_not_written_gets_nothing_and_the_program_does_not_know(
             assert got == [seen.wrote[0], b""]
 
 
+def green_first(folder, environment):
+    """The program opens green's board first, as raven2 does where green's serial is the higher one."""
+    return {**environment, "RAVEN2_USB_FAULTS_GOLD": str(folder / "brl_usb22"),
+            "RAVEN2_USB_FAULTS_GREEN": str(folder / "brl_usb49")}
+
+
+def test_the_one_board_that_is_read_and_written_is_the_one_that_was_opened_first(tmp_path, keys):
+    rows = [f"site: {site}, variable: board_count, kind: stuck_at, value: 1, {ALWAYS}"
+            for site in ("get_usb_packet", "put_usb_packet")]
+    for environment in (own(tmp_path, keys, *rows), green_first(tmp_path, own(tmp_path, keys, *rows))):
+        with Bench(tmp_path, environment) as bench:
+            for number in range(3):
+                _, seen, got = one(bench, number)
+                assert seen.results == [27, -19, -11, 19, 19]
+                assert got == [seen.wrote[0], b""]
+
+
+def test_where_green_is_board_0_golds_commands_go_there_by_index_0_and_nothing_changes_by_index_1(tmp_path, keys):
+    for index, golds in ((0, 0), (1, 1)):
+        row = f"site: put_usb_packet, variable: board_index, kind: stuck_at, arm: gold, value: {index}, {ALWAYS}"
+        with Bench(tmp_path, green_first(tmp_path, own(tmp_path, keys, row))) as bench:
+            _, seen, got = one(bench, 0)
+            expected = [seen.wrote[0], b""]
+            expected[golds] += seen.wrote[1]
+            assert got == expected
+
+
 def test_golds_commands_go_to_greens_board(tmp_path, keys):
     row = f"site: put_usb_packet, variable: board_index, kind: stuck_at, arm: gold, value: 1, {ALWAYS}"
     with Bench(tmp_path, own(tmp_path, keys, row)) as bench:

@@ -6,6 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -99,6 +100,18 @@ int anyOf(Role role) noexcept {
     if (roles[i].load(std::memory_order_acquire) == static_cast<std::uint8_t>(role)) return static_cast<int>(i);
   }
   return -1;
+}
+
+bool isNoBoardOpen() noexcept {
+  return std::all_of(board_descriptors.begin(), board_descriptors.end(),
+                     [](const std::atomic<int>& board) { return board.load(std::memory_order_acquire) < 0; });
+}
+
+/** raven2 numbers its boards as it opens them (USB_init.cpp: USBInit), by descending names: which arm's is the first
+ * depends on the robot's serials. */
+void numberFrom(Arm first) noexcept {
+  Injector* made = injector.load(std::memory_order_acquire);
+  if (made != nullptr) made->boards.numberFrom(first);
 }
 
 void replace(Arm arm, int from, int to) noexcept {
@@ -196,7 +209,9 @@ void opened(const char* path, int descriptor) noexcept {
   decide();
   const Role role = is_gold ? Role::kGold : Role::kGreen;
   setRole(descriptor, role);
-  if (roleOf(descriptor) == role) replace(armOf(role), -1, descriptor);
+  if (roleOf(descriptor) != role) return;
+  if (isNoBoardOpen()) numberFrom(armOf(role));
+  replace(armOf(role), -1, descriptor);
 }
 
 void closed(int descriptor) noexcept {

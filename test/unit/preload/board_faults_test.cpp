@@ -141,6 +141,31 @@ TEST(BoardFaults, GoldsCommandGoesToTheOtherBoard) {
   EXPECT_EQ(boards.write(Arm::kGreen).board, Arm::kGreen);
 }
 
+TEST(BoardFaults, WhereGreensBoardIsTheFirstOneBoardIsGreens) {
+  Boards read(fault(FaultVariable::kGetBoardCount, FaultKind::kStuckAt, 1));
+  read.faults.numberFrom(Arm::kGreen);
+  EXPECT_EQ(read.read(Arm::kGreen), UsbRead::kComplete);
+  EXPECT_EQ(read.read(Arm::kGold), UsbRead::kNoDevice);
+  Boards written(fault(FaultVariable::kPutBoardCount, FaultKind::kStuckAt, 1));
+  written.faults.numberFrom(Arm::kGreen);
+  written.read(Arm::kGreen);
+  EXPECT_TRUE(written.write(Arm::kGreen).is_written);
+  EXPECT_FALSE(written.write(Arm::kGold).is_written);
+}
+
+TEST(BoardFaults, WhereGreensBoardIsTheFirstIndex0IsGreens) {
+  Boards read(fault(FaultVariable::kGetBoardIndex, FaultKind::kStuckAt, 0));  // of gold
+  read.faults.numberFrom(Arm::kGreen);
+  read.read(Arm::kGreen);
+  EXPECT_EQ(read.read(Arm::kGold), UsbRead::kComplete);
+  EXPECT_EQ(read.got, kGreenIn);
+  Boards written(fault(FaultVariable::kPutBoardIndex, FaultKind::kStuckAt, 0));
+  written.faults.numberFrom(Arm::kGreen);
+  written.read(Arm::kGreen);
+  EXPECT_EQ(written.write(Arm::kGreen).board, Arm::kGreen);
+  EXPECT_EQ(written.write(Arm::kGold).board, Arm::kGreen);
+}
+
 wire::ItpBytes packet(std::uint32_t sequence) {
   wire::ItpPacket itp;
   itp.sequence = sequence;
