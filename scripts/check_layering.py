@@ -29,7 +29,7 @@ RULES = {
     "session": (["core"], r"zlib\.h|nlohmann/|sys/|fcntl\.h|unistd\.h"),
     "raven": (["core", "kinematics", "control", "faults", "detector", "wire"], PURE),
     "preload": (["core", "config", "faults", "wire", "raven"],
-                r"nlohmann/|sys/|netinet/|dlfcn\.h|fcntl\.h|pthread\.h|time\.h|unistd\.h"),
+                r"nlohmann/|sys/|netinet/|dlfcn\.h|fcntl\.h|poll\.h|pthread\.h|time\.h|unistd\.h"),
     "console": (["core", "kinematics", "control", "haptics", "wire"], PURE),
     "physics": (["core", "kinematics", "model"], PURE + r"|ode/"),
     "plant": (["core", "kinematics", "model", "raven", "physics"], PURE),

@@ -41,16 +41,25 @@ void BoardFaults::beginCycle(std::int64_t now_ns) noexcept {
   boards_written_ = engine_.applyInt(FaultVariable::kPutBoardCount, Arm::kGold, 0, kBoards);
 }
 
+std::int32_t BoardFaults::numberOf(Arm arm) const noexcept {
+  return arm == first_.load(std::memory_order_acquire) ? 0 : 1;
+}
+
+Arm BoardFaults::armOf(std::int32_t board) const noexcept {
+  const Arm first = first_.load(std::memory_order_acquire);
+  return board == 0 ? first : otherArm(first);
+}
+
 /** A board that the program would not have read, or looked for in vain, is one that says ENODEV: the program keeps its
  * old counts and does not try again. */
 std::int32_t BoardFaults::readResult(Arm arm, std::int32_t result, raven::UsbInBytes* bytes) noexcept {
   if (result == UsbRead::kComplete) at(newest_, arm) = *bytes;
-  const auto own = static_cast<std::int32_t>(index(arm));
+  const std::int32_t own = numberOf(arm);
   if (own >= boards_read_) return UsbRead::kNoDevice;
   const std::int32_t board = engine_.applyInt(FaultVariable::kGetBoardIndex, arm, 0, own);
   if (!isBoard(board)) return UsbRead::kNoDevice;
   if (board != own) {
-    *bytes = newest_[static_cast<std::size_t>(board)];
+    *bytes = at(newest_, armOf(board));
     result = UsbRead::kComplete;
   }
   const std::int32_t told = engine_.applyInt(FaultVariable::kReadResult, arm, 0, result);
@@ -96,12 +105,12 @@ BoardFaults::Order BoardFaults::write(Arm arm, const raven::UsbOutBytes& bytes, 
   run_level_ = static_cast<std::uint8_t>(packet.pins & raven::pins::kLevelMask);
   has_written_ = true;
   if (!has_begun_ || !engine_.isArmed()) return {true, arm};
-  const auto own = static_cast<std::int32_t>(index(arm));
+  const std::int32_t own = numberOf(arm);
   if (own >= boards_written_) return {false, arm};
   const std::int32_t board = engine_.applyInt(FaultVariable::kPutBoardIndex, arm, 0, own);
   *out = corrupted(arm, packet);
   if (!isBoard(board)) return {false, arm};
-  return {true, static_cast<Arm>(board)};
+  return {true, armOf(board)};
 }
 
 }  // namespace raven2_trainer::preload

@@ -1,7 +1,7 @@
 // A small control program in the manner of raven2's r2_control, which knows nothing of faults: opens two board files,
 // clears them, then steps as it is told on stdin. `cycle N`: N times both boards are read, a packet is received if one
 // is there, commands are made from the counts and written. `wait`: one packet is waited for, as raven2's network thread
-// does. It prints what its calls gave it, a line a cycle.
+// does. `look`: both boards are opened and closed once more. It prints what its calls gave it, a line a cycle.
 //
 //   usb_control_loop GOLD GREEN PORT
 
@@ -142,6 +142,12 @@ int openBoard(const char* path, Board* board) {
   return orError(write(board->descriptor, zeros.data(), zeros.size())) == static_cast<long>(kOut) ? 0 : 1;
 }
 
+/** As a program does that asks, beside its work, whether the boards are there. */
+void look(const char* path) {
+  const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY);
+  std::printf("%s\n", descriptor >= 0 && close(descriptor) == 0 ? "there" : "not there");
+}
+
 int openSocket(const char* port) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
@@ -171,6 +177,9 @@ int main(int argc, char** argv) {
         cycle(&gold, &green, socket);
     } else if (word == "wait") {
       waitForPacket(socket);
+    } else if (word == "look") {
+      look(argv[1]);
+      look(argv[2]);
     } else {
       break;
     }

@@ -2,6 +2,7 @@
 what the boards get, against the bytes that went in. The boards are pseudo terminals, the program is
 test/preload/usb_control_loop.cpp. Needs the built library and program, in $RAVEN2_TRAINER_BUILD or build/."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -11,6 +12,7 @@ import signal
 import socket
 import struct
 import subprocess
+import threading
 import tty
 
 import pytest
@@ -344,11 +346,62 @@ def test_a_board_that_is_not_written_gets_nothing_and_the_program_does_not_know(
             assert got == [seen.wrote[0], b""]
 
 
+def green_first(folder, environment):
+    """The program opens green's board first, as raven2 does where green's serial is the higher one."""
+    return {**environment, "RAVEN2_USB_FAULTS_GOLD": str(folder / "brl_usb22"),
+            "RAVEN2_USB_FAULTS_GREEN": str(folder / "brl_usb49")}
+
+
+def test_the_one_board_that_is_read_and_written_is_the_one_that_was_opened_first(tmp_path, keys):
+    rows = [f"site: {site}, variable: board_count, kind: stuck_at, value: 1, {ALWAYS}"
+            for site in ("get_usb_packet", "put_usb_packet")]
+    for environment in (own(tmp_path, keys, *rows), green_first(tmp_path, own(tmp_path, keys, *rows))):
+        with Bench(tmp_path, environment) as bench:
+            for number in range(3):
+                _, seen, got = one(bench, number)
+                assert seen.results == [27, -19, -11, 19, 19]
+                assert got == [seen.wrote[0], b""]
+
+
+def test_where_green_is_board_0_golds_commands_go_there_by_index_0_and_nothing_changes_by_index_1(tmp_path, keys):
+    for index, golds in ((0, 0), (1, 1)):
+        row = f"site: put_usb_packet, variable: board_index, kind: stuck_at, arm: gold, value: {index}, {ALWAYS}"
+        with Bench(tmp_path, green_first(tmp_path, own(tmp_path, keys, row))) as bench:
+            _, seen, got = one(bench, 0)
+            expected = [seen.wrote[0], b""]
+            expected[golds] += seen.wrote[1]
+            assert got == expected
+
+
 def test_golds_commands_go_to_greens_board(tmp_path, keys):
     row = f"site: put_usb_packet, variable: board_index, kind: stuck_at, arm: gold, value: 1, {ALWAYS}"
     with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
         _, seen, got = one(bench, 0)
         assert got == [b"", seen.wrote[0] + seen.wrote[1]]
+
+
+def look(bench):
+    """The program opens and closes both boards once more, beside the descriptors that it works with."""
+    bench.tell("look")
+    assert [bench.program.stdout.readline() for _ in range(2)] == ["there\n"] * 2
+
+
+def test_a_board_that_was_opened_and_closed_once_more_still_gets_all(tmp_path, keys):
+    row = f"site: put_usb_packet, variable: dac, kind: stuck_at, arm: gold, channel: shoulder, value: 5, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        for number in range(3):
+            look(bench)
+            _, seen, got = one(bench, number)
+            assert got == [with_dac(seen.wrote[0], 0, 5), seen.wrote[1]]
+
+
+def test_golds_commands_go_to_greens_board_after_it_was_opened_and_closed_once_more(tmp_path, keys):
+    row = f"site: put_usb_packet, variable: board_index, kind: stuck_at, arm: gold, value: 1, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        for number in range(3):
+            look(bench)
+            _, seen, got = one(bench, number)
+            assert got == [b"", seen.wrote[0] + seen.wrote[1]]
 
 
 def test_who_waits_for_a_packet_waits_for_the_first_that_is_not_lost(tmp_path, keys):
@@ -363,6 +416,39 @@ def test_who_waits_for_a_packet_waits_for_the_first_that_is_not_lost(tmp_path, k
             result, data, port = bench.program.stdout.readline().split()
             assert int(result) == 124 and bytes.fromhex(data) == packet_itp(expected)
             assert int(port) == bench.master.getsockname()[1]
+
+
+@contextlib.contextmanager
+def stream(bench):
+    """A packet every 10 ms."""
+    is_over = threading.Event()
+
+    def send():
+        number = 1
+        while not is_over.wait(0.01):
+            number += 1
+            bench.send(packet_itp(number))
+
+    sender = threading.Thread(target=send)
+    sender.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        sender.join()
+
+
+@pytest.mark.parametrize("coming", [stream, contextlib.nullcontext], ids=["a stream", "no other"])
+def test_who_waits_while_all_packets_are_lost_is_told_so_and_can_end(tmp_path, keys, coming):
+    row = f"site: network_layer, variable: packet, kind: drop, value: 1.0, {ALWAYS}"
+    with Bench(tmp_path, own(tmp_path, keys, row)) as bench:
+        one(bench, 0)
+        bench.send(packet_itp(1))
+        with coming(bench):
+            bench.tell("wait")
+            line = bench.program.stdout.readline()
+        assert int(line.split()[0]) == -11
+        bench.leave()
 
 
 def test_other_sizes_than_itp_pass(tmp_path, keys):

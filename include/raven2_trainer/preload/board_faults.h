@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 
 #include "raven2_trainer/faults/fault_engine.h"
@@ -25,6 +26,9 @@ class BoardFaults {
   /** @param[in] plan its rows on packets of the network are left out. @param[in,out] history outlives this. */
   BoardFaults(const FaultPlan& plan, CycleHistory* history);
 
+  /** Which arm's board is board 0 of `board_count` and `board_index`; gold's if nobody says. Any thread. */
+  void numberFrom(Arm first) noexcept { first_.store(first, std::memory_order_release); }
+
   /**
    * A read of a board's packet has returned.
    * @param[in] result of the call: bytes, or a negative error number. @param[in,out] bytes those read, if all came.
@@ -46,11 +50,14 @@ class BoardFaults {
  private:
   void beginCycle(std::int64_t now_ns) noexcept;
   void countPackets() noexcept;
+  std::int32_t numberOf(Arm arm) const noexcept;
+  Arm armOf(std::int32_t board) const noexcept;
   std::int32_t readResult(Arm arm, std::int32_t result, raven::UsbInBytes* bytes) noexcept;
   void corrupt(Arm arm, raven::UsbInBytes* bytes) noexcept;
   raven::UsbOutBytes corrupted(Arm arm, raven::UsbOut packet) noexcept;
 
   CycleHistory& history_;
+  std::atomic<Arm> first_{Arm::kGold};
   faults::FaultEngine engine_{FaultHost::kRobot};
   ChangeLog log_;
   PerArm<raven::UsbInBytes> newest_{};  // as the boards sent them; zeros decode as no packet

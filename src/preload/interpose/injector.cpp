@@ -6,6 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -40,6 +41,8 @@ struct Injector {
 };
 
 std::array<std::atomic<std::uint8_t>, kDescriptors> roles{};
+/** Where a packet of the other arm's goes that a fault sends here: one that the program writes to. Its own packets go
+ * to the descriptor that they are written to, whatever else is open. */
 std::array<std::atomic<int>, kArmCount> board_descriptors{-1, -1};
 std::atomic<Injector*> injector{nullptr};
 std::atomic<bool> is_decided{false};
@@ -89,6 +92,30 @@ void decide() noexcept {
 void setRole(int descriptor, Role role) noexcept {
   if (descriptor < 0 || static_cast<std::size_t>(descriptor) >= kDescriptors) return;
   roles[static_cast<std::size_t>(descriptor)].store(static_cast<std::uint8_t>(role), std::memory_order_release);
+}
+
+/** Another descriptor of the same board; -1 if there is none. */
+int anyOf(Role role) noexcept {
+  for (std::size_t i = 0; i < kDescriptors; ++i) {
+    if (roles[i].load(std::memory_order_acquire) == static_cast<std::uint8_t>(role)) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+bool isNoBoardOpen() noexcept {
+  return std::all_of(board_descriptors.begin(), board_descriptors.end(),
+                     [](const std::atomic<int>& board) { return board.load(std::memory_order_acquire) < 0; });
+}
+
+/** raven2 numbers its boards as it opens them (USB_init.cpp: USBInit), by descending names: which arm's is the first
+ * depends on the robot's serials. */
+void numberFrom(Arm first) noexcept {
+  Injector* made = injector.load(std::memory_order_acquire);
+  if (made != nullptr) made->boards.numberFrom(first);
+}
+
+void replace(Arm arm, int from, int to) noexcept {
+  at(board_descriptors, arm).compare_exchange_strong(from, to, std::memory_order_acq_rel);
 }
 
 std::int64_t nowNs() noexcept {
@@ -180,16 +207,17 @@ void opened(const char* path, int descriptor) noexcept {
     return warnOfBoard(path);
   }
   decide();
-  board_descriptors[is_gold ? 0 : 1].store(descriptor, std::memory_order_release);
-  setRole(descriptor, is_gold ? Role::kGold : Role::kGreen);
+  const Role role = is_gold ? Role::kGold : Role::kGreen;
+  setRole(descriptor, role);
+  if (roleOf(descriptor) != role) return;
+  if (isNoBoardOpen()) numberFrom(armOf(role));
+  replace(armOf(role), -1, descriptor);
 }
 
 void closed(int descriptor) noexcept {
+  const Role role = roleOf(descriptor);
   setRole(descriptor, Role::kUnknown);
-  for (std::atomic<int>& board : board_descriptors) {
-    int expected = descriptor;
-    board.compare_exchange_strong(expected, -1);
-  }
+  if (isBoard(role)) replace(armOf(role), descriptor, anyOf(role));
 }
 
 bool isOn() noexcept {
@@ -209,13 +237,15 @@ ssize_t afterRead(Arm arm, ssize_t count, void* buffer, std::size_t size) noexce
   return told < 0 ? -1 : told;
 }
 
-Delivery beforeWrite(Arm arm, const void* buffer) noexcept {
+Delivery beforeWrite(Arm arm, int descriptor, const void* buffer) noexcept {
+  at(board_descriptors, arm).store(descriptor, std::memory_order_release);
   Injector* made = injector.load(std::memory_order_acquire);
   Delivery delivery;
   raven::UsbOutBytes bytes;
   std::memcpy(bytes.data(), buffer, bytes.size());
   const BoardFaults::Order order = made->boards.write(arm, bytes, &delivery.bytes);
-  if (order.is_written) delivery.descriptor = at(board_descriptors, order.board).load(std::memory_order_acquire);
+  if (order.is_written)
+    delivery.descriptor = order.board == arm ? descriptor : at(board_descriptors, order.board).load();
   return delivery;
 }
 

@@ -42,7 +42,8 @@ struct Delivery {
   int descriptor{-1};  ///< -1: nowhere, and the program is told that it was written
   raven::UsbOutBytes bytes{};
 };
-Delivery beforeWrite(Arm arm, const void* buffer) noexcept;
+/** The program writes a packet to `descriptor`, which is this arm's board. */
+Delivery beforeWrite(Arm arm, int descriptor, const void* buffer) noexcept;
 
 void offerPacket(const void* buffer) noexcept;
 /** @return false if the program is to get none now. */

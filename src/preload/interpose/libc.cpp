@@ -4,12 +4,15 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdarg>
+#include <cstdint>
 #include <cstring>
 
 #include "preload/interpose/injector.h"
@@ -89,11 +92,39 @@ bool waits(int descriptor, int flags) {
   return status < 0 || (status & O_NONBLOCK) == 0;
 }
 
-/** As the socket would have it without the packets that are lost: who waits waits for the next, who does not is told
- * that there is none (select() said otherwise, as it may when a datagram's check sum is wrong). */
+std::int64_t nowMs() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1000000;
+}
+
+/** How long who waits for a packet is kept waiting behind a lost one: as long as raven2's network thread waits in its
+ * select() (network_layer.cpp:206-235), and then looks whether it is to end. */
+class Patience {
+ public:
+  /** A packet was lost. @return whether another may come; false with errno, EAGAIN if there is none. */
+  bool awaitsNext(int descriptor, int flags) {
+    if (until_ms_ == 0) until_ms_ = waits(descriptor, flags) ? nowMs() + kPatienceMs : kNone;
+    const std::int64_t left = std::max<std::int64_t>(until_ms_ - nowMs(), 0);
+    pollfd socket{descriptor, POLLIN, 0};
+    const int ready = left > 0 ? poll(&socket, 1, static_cast<int>(left)) : 0;
+    if (ready == 0) errno = EAGAIN;
+    return ready > 0;
+  }
+
+ private:
+  static constexpr std::int64_t kPatienceMs = 2000;
+  static constexpr std::int64_t kNone = -1;
+  std::int64_t until_ms_{0};
+};
+
+/** As the socket would have it without the packets that are lost: who waits waits for the next, but no longer than his
+ * patience, and who does not is told that there is none (select() said otherwise, as it may when a datagram's check sum
+ * is wrong). */
 ssize_t receiveNext(int descriptor, void* buffer, size_t size, int flags, sockaddr* from, socklen_t* from_size) {
   static thread_local Source source;
   wire::ItpBytes packet;
+  Patience patience;
   while (!preload::takePacket(&packet)) {
     source.size = sizeof(source.address);
     const ssize_t count =
@@ -104,10 +135,8 @@ ssize_t receiveNext(int descriptor, void* buffer, size_t size, int flags, sockad
     }
     preload::offerPacket(buffer);
     if (preload::takePacket(&packet)) break;
-    if (!waits(descriptor, flags)) {
-      errno = EAGAIN;
-      return -1;
-    }
+    if (!patience.awaitsNext(descriptor, flags)) return -1;
+    flags |= MSG_DONTWAIT;  // what poll() saw may be gone
   }
   std::memcpy(buffer, packet.data(), packet.size());
   source.tell(from, from_size);
@@ -205,7 +234,7 @@ RAVEN2_EXPORT ssize_t write(int descriptor, const void* buffer, size_t size) {
   const Role role = preload::roleOf(descriptor);
   if (!preload::isBoard(role) || !preload::isOn() || size != sizeof(raven::UsbOutBytes))
     return next().write(descriptor, buffer, size);
-  const preload::Delivery delivery = preload::beforeWrite(preload::armOf(role), buffer);
+  const preload::Delivery delivery = preload::beforeWrite(preload::armOf(role), descriptor, buffer);
   if (delivery.descriptor < 0) return static_cast<ssize_t>(size);
   return next().write(delivery.descriptor, delivery.bytes.data(), size);
 }
