@@ -296,9 +296,9 @@ def test_frames_are_the_links_of_model_and_robot_in_the_world(bag, ticks, log):
 
 
 @built
-def test_quaternions_of_frames_are_the_rotations_of_the_chain(bag, ticks):
-    """The jaws' axis is perpendicular to the wrist's: by the quaternions, seen in the tip's own attitude in the log."""
-    for (message, _), tick in zip(bag["/tf"], ticks[ticks["tick"] % 30 == 0], strict=True):
+def test_the_last_links_are_turned_as_the_chain_turns_them(bag):
+    """Places test all attitudes but the last: the jaws' axis is perpendicular to the wrist's."""
+    for message, _ in bag["/tf"]:
         found = {t.child_frame_id: t.transform.rotation for t in message.transforms}
         for side in "LR":
             wrist, jaw = (turn([q.x, q.y, q.z, q.w]) for q in
