@@ -134,6 +134,7 @@ TEST(Overrides, TheTextsKeptReadAsWhatRan) {
   const TrainerConfig ran = loadTrainerConfig(kRoot, {}, overrides);
   const fs::path folder = fs::temp_directory_path() / ("raven2_overrides_" + std::to_string(getpid()));
   fs::remove_all(folder);
+  fs::create_directories(folder);
   fs::copy(kFolder, folder / "config", fs::copy_options::recursive);
   for (const auto& [path, text] : ran.overridden)
     std::ofstream(folder / "config" / fs::path(path).filename()) << text;
