@@ -1,12 +1,19 @@
 """A session as a ROS bag: the simulator's topics at its rate, from the first pedal down, stamped with the log's own
-clock (monotonic; in lockstep the tick). Needs python3-rosbag and messages, imported when a bag is asked for."""
+clock (monotonic; in lockstep the tick). Topics that the simulator has, too, have its names and types. Needs
+python3-rosbag, Debian's messages and the package's own, imported when a bag is asked for."""
 
-import json
 import math
+import os
+import sys
 
 import numpy as np
 
+from raven2_exports.frames import Arms
+
 EVERY = 10  # [ticks] 100 Hz, as the simulator publishes
+FRAMES_EVERY = 30  # [ticks] 33 Hz, as it tells /tf
+LATCHED = ("/mode", "/session/configuration", "/tf_static")  # rosbag play latches them, too
+TOLD = ("mode", "pedal", "engaged", "linked", "view")  # a change of one of these is told on /mode
 ROLL = (-math.pi / 4, math.pi / 4)  # [rad] gold, green: tool roll of /joint_states (kinematics/joint_conventions.h)
 JOINTS = ("shoulder", "elbow", "insertion", "tool_roll", "wrist_joint", "grasper_joint_1", "grasper_joint_2")
 NAMES = [f"{joint}_{side}" for side in "LR" for joint in JOINTS]
@@ -42,8 +49,19 @@ class Writer:
         stamp = self.time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
         if hasattr(message, "header"):
             message.header.stamp, message.header.frame_id = stamp, frame
-        self.bag.write(topic, message, stamp)
+        for transform in getattr(message, "transforms", ()):
+            transform.header.stamp, transform.header.frame_id = stamp, "world"
+        self.bag.write(topic, message, stamp, connection_header=self._latching(topic, message))
         self.counts[topic] = self.counts.get(topic, 0) + 1
+
+
+    @staticmethod
+    def _latching(topic, message):
+        """What the bag says of the connection where it is more than its own words; None else."""
+        if topic not in LATCHED:
+            return None
+        return {"topic": topic, "type": message._type, "md5sum": message._md5sum,
+                "message_definition": message._full_text, "latching": "1"}
 
 
 def _ticks(facts, put, messages):
@@ -77,32 +95,125 @@ def _forces(facts, put, messages):
             put(f"/haptic/{name}/force", wrench, int(record["time_ns"]), FRAMES[arm])
 
 
-def _changes(facts, put, messages):
-    """Pedal and mode when they change, and what the exercise's judge told."""
+def _transform(messages, child, p, q):
+    message = messages.TransformStamped()
+    message.child_frame_id = child
+    to, turn = message.transform.translation, message.transform.rotation
+    to.x, to.y, to.z = p.tolist()
+    turn.x, turn.y, turn.z, turn.w = q.tolist()
+    return message
+
+
+def _frames(facts, put, messages):
+    """What moves on /tf, the rest on /tf_static; of the robot while it is linked. Cameras are not told."""
+    urdf = facts.configuration.file("urdf", "raven2.urdf")
+    if urdf is None:
+        print("no readable copy of raven2.urdf in the session: the bag has no /tf", file=sys.stderr)
+        return
+    d4, arms, ticks = facts.header["d4"], Arms(urdf), facts.series.ticks
+    still = arms.poses(NAMES, np.zeros((1, len(NAMES))))
+    fixed = [_transform(messages, f"{prefix}/{name}", p[0], q[0]) for prefix in ("model", "robot")
+             for name, (p, q) in still.items() if name in arms.fixed]
+    put("/tf_static", messages.TFMessage(fixed), int(ticks["model"]["time_ns"][0]))
+    told = ticks[ticks["model"]["tick"] % FRAMES_EVERY == 0]
+    poses = {which: arms.poses(NAMES, to_urdf(told[which]["arms"]["q"], d4).reshape(len(told), -1))
+             for which in ("model", "robot")}
+    for i, record in enumerate(told):
+        is_linked = record["robot"]["frame"] > 0 and record["robot"]["connected"]
+        moving = [_transform(messages, f"{which}/{name}", p[i], q[i]) for which in ("model", "robot")[:1 + bool(is_linked)]
+                  for name, (p, q) in poses[which].items() if name not in arms.fixed]
+        put("/tf", messages.TFMessage(moving), int(record["model"]["time_ns"]))
+
+
+def _configuration(facts, put, messages):
+    """What the simulator was configured by, as it told: from meta.json, which has it in the same words."""
+    meta, training = facts.meta, facts.training
+    message = messages.SessionConfiguration()
+    message.directory = os.path.abspath(facts.session.directory)
+    message.seed, message.hazard = int(meta.get("seed", 0)), str(meta.get("hazard", facts.header.get("hazard", "none")))
+    message.exercise, message.drill = training["exercise"], training["drill"]
+    named = meta.get("config_files", []) + [meta[key] for key in ("robot_urdf", "scene_urdf") if key in meta]
+    message.files = [messages.ConfigurationHash(path=entry["path"], fnv1a=entry["fnv1a"]) for entry in named]
+    put("/session/configuration", message, int(facts.series.ticks["model"]["time_ns"][0]))
+
+
+def _mode(facts, put, messages):
     model = facts.series.ticks["model"]
     names = facts.log.names("tick", "model.mode")
-    for what in ("pedal", "mode"):
-        for i in np.concatenate(([0], np.flatnonzero(np.diff(model[what].astype(int))) + 1)):
-            message = messages.Joy() if what == "pedal" else messages.String()
-            if what == "pedal":
-                message.buttons = [int(model["pedal"][i])]
-            else:
-                message.data = names[model["mode"][i]]
-            put(f"/{'console/pedal' if what == 'pedal' else 'mode'}", message, int(model["time_ns"][i]))
-    for event in facts.events:
-        said = {key: value for key, value in event.items() if key != "at_s" and value}
-        put("/exercise/event", messages.String(json.dumps(said, sort_keys=True)),
-            int(model["time_ns"][facts.index(event["at_s"])]))
+    has = model.dtype.names  # logs of older versions do not know all of them
+    told = np.stack([model[what].astype(int) if what in has else np.zeros(len(model), int) for what in TOLD], -1)
+    for i in np.concatenate(([0], np.flatnonzero(np.diff(told, axis=0).any(axis=1)) + 1)):
+        message = messages.TrainerMode()
+        message.mode = names[told[i][0]]
+        message.pedal, message.engaged, message.linked = (bool(x) for x in told[i][1:4])
+        message.view = "real" if told[i][4] else "virtual"
+        message.trial_time = 0.001 * float(model["trial_ticks"][i]) if "trial_ticks" in has else 0.0
+        put("/mode", message, int(model["time_ns"][i]))
+
+
+def _pedal(facts, put, messages):
+    model = facts.series.ticks["model"]
+    for i in np.concatenate(([0], np.flatnonzero(np.diff(model["pedal"].astype(int))) + 1)):
+        put("/console/pedal", messages.Joy(buttons=[int(model["pedal"][i])]), int(model["time_ns"][i]))
+
+
+def _named(names, number):
+    return str(names[number]) if number < len(names) else ""
+
+
+def _event(facts, event, messages):
+    """As src/ros/training_messages.cpp tells it: only what belongs to that kind of event."""
+    message = messages.ExerciseEventStamped()
+    message.event = facts.log.names("exercise", "event.kind")[event["kind"]]
+    if message.event in ("mistake", "dropped", "touch_began", "touch_ended"):
+        message.mistake = facts.log.names("exercise", "event.mistake")[event["mistake"]]
+    if message.event in ("held", "released", "mistake") and "arm" in event.dtype.names:
+        message.arm = _named(("gold", "green", "any", "both"), event["arm"])
+    tracks = [str(track.get("name", "")) for track in facts.exercise.get("tracks", [])]
+    steps = facts.header.get("step_names", [])
+    if event["track"] < len(steps):
+        message.track = _named(tracks, event["track"])
+        message.step = _named(steps[event["track"]], event["step"])
+    bodies = facts.header.get("body_names", [])
+    message.a, message.b = _named(bodies, event["a"]), _named(bodies, event["b"])
+    for what in ("value", "force"):
+        setattr(message, what, float(event[what]) if what in event.dtype.names else 0.0)
+    return message
+
+
+def _events(facts, put, messages):
+    """At the session's tick in which they happened; numbered as the simulator does, from the log's beginning."""
+    model = facts.series.ticks["model"]
+    for number, record in enumerate(facts.log.exercise_events if facts.log.exercise_events is not None else (), 1):
+        at = facts.session_time(int(record["tick"]))
+        if at is None:
+            continue
+        message = _event(facts, record["event"], messages)
+        message.number, message.tick = number, int(record["tick"])
+        put("/exercise/events", message, int(model["time_ns"][facts.index(at)]))
+
+
+def _find_own_messages():
+    """Where the environment is not set up, those of the build folder beside the scripts."""
+    try:
+        import raven2_trainer.msg  # noqa: F401
+    except ImportError:
+        root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+        build = os.environ.get("RAVEN2_TRAINER_BUILD", os.path.join(root, "build"))
+        sys.path.append(os.path.join(build, "devel/lib/python3/dist-packages"))
 
 
 class _Messages:
     def __init__(self):
-        from geometry_msgs.msg import PoseStamped, WrenchStamped
+        _find_own_messages()
+        from geometry_msgs.msg import PoseStamped, TransformStamped, WrenchStamped
+        from raven2_trainer.msg import ConfigurationHash, ExerciseEventStamped, SessionConfiguration, TrainerMode
         from sensor_msgs.msg import JointState, Joy
-        from std_msgs.msg import String
+        from tf2_msgs.msg import TFMessage
 
-        self.PoseStamped, self.WrenchStamped, self.JointState, self.Joy, self.String = (
-            PoseStamped, WrenchStamped, JointState, Joy, String)
+        for kind in (PoseStamped, TransformStamped, WrenchStamped, ConfigurationHash, ExerciseEventStamped,
+                     SessionConfiguration, TrainerMode, JointState, Joy, TFMessage):
+            setattr(self, kind.__name__, kind)
 
 
 def write(facts, path):
@@ -112,6 +223,6 @@ def write(facts, path):
     messages = _Messages()
     with rosbag.Bag(path, "w", compression="bz2") as bag:
         writer = Writer(bag)
-        for part in (_ticks, _forces, _changes):
+        for part in (_configuration, _frames, _ticks, _forces, _mode, _pedal, _events):
             part(facts, writer.put, messages)
     return writer.counts

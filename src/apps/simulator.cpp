@@ -6,6 +6,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
 #include "apps/common/signals.h"
+#include "raven2_trainer/ros/parameters.h"
 #include "raven2_trainer/ros/ros_bridge.h"
 #include "raven2_trainer/ros/supervisor.h"
 #include "raven2_trainer/runtime/finish_session.h"
@@ -16,6 +17,8 @@ namespace {
 
 using runtime::Simulator;
 using runtime::SimulatorState;
+
+constexpr const char* kNode = "raven2_simulator";
 
 /** Until the session is over or somebody ends it. @return true if it ended as it should. */
 bool watch(const Simulator& simulator, double duration) {
@@ -42,11 +45,13 @@ int run(const apps::CommonOptions& common,
         const runtime::SimulatorOptions& options,
         int argc,
         char** argv) {
-  TrainerConfig config = common.load();
+  const config::Overrides overrides = ros_bridge::nodeParameters(argc, argv, kNode);
+  TrainerConfig config = common.load(overrides);
+  ros_bridge::checkParameters(overrides, config.runtime.enable_remote_control);
   if (!robot_host.empty()) config.network.robot_host = robot_host;
   Simulator simulator(config, options);
   ros_bridge::RosBridge bridge(&simulator);
-  ros_bridge::Supervisor ros(argc, argv, "raven2_simulator", &bridge);
+  ros_bridge::Supervisor ros(argc, argv, kNode, &bridge);
   ros.start();
   simulator.start();
   const bool good = watch(simulator, options.duration);

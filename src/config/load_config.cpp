@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <type_traits>
 #include <utility>
 
 #include "raven2_trainer/config/load_impairment.h"
@@ -20,10 +21,23 @@ constexpr double kAny = 1e6;  // "[0, 1e6]" of the files: physical, not a typing
 
 constexpr double kLastFelt = 0.05;  ///< [s] age of a state by which no force comes from it any more
 
-template <typename Config, typename Read>
-Config readFile(const std::string& path, TrainerConfig* all, Read read) {
+/** Opens a file and puts overrides into it; what was read, then, is kept, for the session's copy. */
+Section openFile(const std::string& path, const Overrides& overrides, TrainerConfig* all) {
   all->files.push_back(path);
   Section root = Section::fromFile(path);
+  if (overrides.empty()) return root;
+  std::string head;
+  for (const Override& each : overrides) {
+    root.put(each);
+    head += "# " + each.key + ": by " + each.source + "\n";
+  }
+  all->overridden[path] = head + root.yaml();
+  return root;
+}
+
+template <typename Config, typename Read>
+Config readFile(const std::string& path, const Overrides& overrides, TrainerConfig* all, Read read) {
+  Section root = openFile(path, overrides, all);
   Config config{};
   read(root, &config);
   root.finish();
@@ -609,30 +623,34 @@ std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* al
 
 }  // namespace
 
-TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead) {
+TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead, const Overrides& overrides) {
+  checkOverrides(overrides);
   TrainerConfig c;
-  c.files.push_back(path);
-  Section root = Section::fromFile(path);
+  Section root = openFile(path, overridesOfRoot(overrides), &c);
   const fs::path folder = fs::absolute(path).parent_path();
   const auto file = [&](const char* key) { return (folder / root.text(key)).lexically_normal().string(); };
-  c.arms = readFile<ArmsConfig>(file("arms"), &c, readArms);
-  c.model = readFile<ModelConfig>(file("model"), &c, readModel);
-  c.haptics = readFile<HapticGains>(file("haptics"), &c, readHaptics);
+  const auto read = [&](const char* key, auto* part, auto reader) {
+    using Part = std::remove_pointer_t<decltype(part)>;
+    *part = readFile<Part>(file(key), overridesOf(overrides, key), &c, reader);
+  };
+  read("arms", &c.arms, readArms);
+  read("model", &c.model, readModel);
+  read("haptics", &c.haptics, readHaptics);
   const auto readNetworkFor = [&](Section& section, NetworkConfig* network) {
     readNetwork(section, c.haptics, network);  // a force must end in time
   };
-  c.network = readFile<NetworkConfig>(file("network"), &c, readNetworkFor);
-  c.runtime = readFile<RuntimeConfig>(file("runtime"), &c, readRuntime);
-  c.planner = readFile<PlannerConfig>(file("planner"), &c, readPlanner);
-  c.execution = readFile<ExecutionConfig>(file("execution"), &c, readExecution);
-  c.crtk = readFile<CrtkConfig>(file("crtk"), &c, readCrtk);
-  c.render = readFile<RenderConfig>(file("render"), &c, readRender);
-  c.console = readFile<ConsoleConfig>(file("console"), &c, readConsole);
-  c.virtual_raven = readFile<VirtualRavenConfig>(file("virtual_raven"), &c, readVirtualRaven);
+  read("network", &c.network, readNetworkFor);
+  read("runtime", &c.runtime, readRuntime);
+  read("planner", &c.planner, readPlanner);
+  read("execution", &c.execution, readExecution);
+  read("crtk", &c.crtk, readCrtk);
+  read("render", &c.render, readRender);
+  read("console", &c.console, readConsole);
+  read("virtual_raven", &c.virtual_raven, readVirtualRaven);
   c.virtual_raven.itp = c.network.itp;
   selectPlant(&c, c.virtual_raven.plant_name);
-  c.injection = readFile<InjectionConfig>(file("injection"), &c, readInjection);
-  c.detector = readFile<DetectorConfig>(file("detector"), &c, readDetector);
+  read("injection", &c.injection, readInjection);
+  read("detector", &c.detector, readDetector);
   readImpairments(file("impairments"), &c);
   c.scenarios = readScenarios(file("faults"), &c);
   c.robot_urdf = file("robot_urdf");
@@ -697,7 +715,7 @@ void selectPlant(TrainerConfig* config, const std::string& name) {
   };
   auto& files = config->files;
   files.erase(std::remove(files.begin(), files.end(), fileOf(robot.plant_name)), files.end());
-  robot.plant = readFile<PlantConfig>(fileOf(name), config, readPlant);
+  robot.plant = readFile<PlantConfig>(fileOf(name), {}, config, readPlant);
   robot.plant_name = name;
 }
 

@@ -74,13 +74,53 @@ Array toNumbers(const YAML::Node& node, const std::string& where, double low, do
   return values;
 }
 
+YAML::Node parse(const std::string& text, const std::string& name) {
+  try {
+    checkYaml(text, name);
+    return YAML::Load(text);
+  } catch (const YAML::Exception& e) {
+    throw ConfigException(place(name, e.mark) + shown(e.msg));
+  }
+}
+
+/** The mapping below a key, made if there is none. */
+YAML::Node mappingIn(YAML::Node mapping, const std::string& key, const std::string& source) {
+  YAML::Node below = mapping[key];
+  if (!below.IsDefined()) below = YAML::Node(YAML::NodeType::Map);
+  if (!below.IsMap()) throw ConfigException(source + ": " + shown(key) + " is not a mapping");
+  return below;
+}
+
+/** Not the emitter's own way with a node, which writes out the parser's tags of quoted texts. */
+void emit(const YAML::Node& node, YAML::Emitter* out) {
+  if (node.IsMap()) {
+    *out << YAML::BeginMap;
+    for (const auto& entry : node) {
+      *out << YAML::Key << entry.first.Scalar() << YAML::Value;
+      emit(entry.second, out);
+    }
+    *out << YAML::EndMap;
+  } else if (node.IsSequence()) {
+    const bool is_plain = std::all_of(node.begin(), node.end(), [](const auto& each) { return each.IsScalar(); });
+    *out << (is_plain ? YAML::Flow : YAML::Block) << YAML::BeginSeq;
+    for (const auto& each : node)
+      emit(each, out);
+    *out << YAML::EndSeq;
+  } else if (node.IsNull()) {
+    *out << YAML::Null;
+  } else {
+    *out << node.Scalar();
+  }
+}
+
 }  // namespace
 
 Section::Section(const YAML::Node& node, std::string file, std::string path)
     : node_(std::make_shared<YAML::Node>(node)),
       file_(std::move(file)),
       path_(std::move(path)),
-      place_(place(file_, node.Mark())) {
+      place_(place(file_, node.Mark())),
+      sources_(std::make_shared<std::map<std::string, std::string>>()) {
   std::set<std::string> keys;
   for (const auto& entry : node) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
@@ -94,20 +134,27 @@ Section Section::fromFile(const std::string& path) {
 }
 
 Section Section::fromText(const std::string& text, const std::string& name) {
-  YAML::Node node;
-  try {
-    checkYaml(text, name);
-    node = YAML::Load(text);
-  } catch (const YAML::Exception& e) {
-    throw ConfigException(place(name, e.mark) + shown(e.msg));
-  }
+  const YAML::Node node = parse(text, name);
   if (!node.IsMap()) throw ConfigException(name + ":1: expected a mapping of keys to values");
   return {node, name, ""};
 }
 
 std::string Section::where(const std::string& key) const {
   const YAML::Node value = (*node_)[key];
-  return (value.IsDefined() && !value.Mark().is_null() ? place(file_, value.Mark()) : place_) + path_ + shown(key);
+  const bool has_line = value.IsDefined() && !value.Mark().is_null();
+  return placeOf(key, has_line ? place(file_, value.Mark()) : place_) + path_ + shown(key);
+}
+
+std::string Section::placeOf(const std::string& key, const std::string& otherwise) const {
+  const std::string path = path_ + key;
+  const auto leads_to = [](const std::string& above, const std::string& below) {
+    const bool begins = below.compare(0, above.size(), above) == 0;
+    return begins && (below.size() == above.size() || below[above.size()] == '/' || below[above.size()] == '[');
+  };
+  for (const auto& [put, source] : *sources_) {
+    if (leads_to(put, path) || leads_to(path, put)) return source + ": ";
+  }
+  return otherwise;
 }
 
 YAML::Node Section::find(const std::string& key) {
@@ -139,7 +186,9 @@ std::vector<std::string> Section::keys() const {
 Section Section::section(const std::string& key) {
   const YAML::Node value = find(key);
   if (!value.IsMap()) throw ConfigException(where(key) + " is not a mapping");
-  return {value, file_, path_ + shown(key) + "/"};
+  Section section(value, file_, path_ + shown(key) + "/");
+  section.sources_ = sources_;
+  return section;
 }
 
 std::vector<Section> Section::list(const std::string& key) {
@@ -149,6 +198,7 @@ std::vector<Section> Section::list(const std::string& key) {
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (!value[i].IsMap()) throw ConfigException(where(key) + " holds an entry that is not a mapping");
     sections.push_back(Section(value[i], file_, path_ + key + "[" + std::to_string(i) + "]/"));
+    sections.back().sources_ = sources_;
   }
   return sections;
 }
@@ -233,6 +283,7 @@ Section Section::with(const std::string& key, const YAML::Node& value) const {
   copy.force_insert(key, value);
   Section section(copy, file_, path_);
   section.place_ = place_;
+  section.sources_ = sources_;
   return section;
 }
 
@@ -250,11 +301,27 @@ std::vector<Section> Section::alternatives(const std::string& key) const {
   return sections;
 }
 
+void Section::put(const Override& override) {
+  if (override.value.size() > kMaxFileSize) throw ConfigException(override.source + ": larger than 1 MiB");
+  YAML::Node mapping = *node_;
+  std::size_t begin = 0;
+  for (std::size_t slash = 0; (slash = override.key.find('/', begin)) != std::string::npos; begin = slash + 1)
+    mapping.reset(mappingIn(mapping, override.key.substr(begin, slash - begin), override.source));
+  mapping[override.key.substr(begin)] = parse(override.value, override.source);
+  (*sources_)[path_ + override.key] = override.source;
+}
+
+std::string Section::yaml() const {
+  YAML::Emitter out;
+  emit(*node_, &out);
+  return std::string(out.c_str()) + "\n";
+}
+
 void Section::finish() const {
   for (const auto& entry : *node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     if (read_.count(key) == 0)
-      throw ConfigException(place(file_, entry.first.Mark()) + "unknown key " + path_ + shown(key));
+      throw ConfigException(placeOf(key, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(key));
   }
 }
 

@@ -33,7 +33,7 @@ KeyValue value(const std::string& key, const T& number) {
 
 DiagnosticStatus status(const std::string& name, bool good, const std::string& message) {
   DiagnosticStatus s;
-  s.name = "raven2_trainer: " + name;
+  s.name = kStatusPrefix + name;
   s.level = good ? DiagnosticStatus::OK : DiagnosticStatus::ERROR;
   s.message = message;
   return s;
@@ -86,9 +86,23 @@ DiagnosticStatus robotStatus(const RobotState& robot,
   return s;
 }
 
+/** Of what goes to somebody who spoke to us first. */
+std::string sentWords(const LinkCounts& from_there, std::uint64_t sent) {
+  return from_there.received == 0 ? "not connected" : std::to_string(sent) + " sent";
+}
+
+/** To the robot: what we sent, and what ours says that it received; a real Raven does not. */
+DiagnosticStatus relayStatus(const SessionCounts& counts) {
+  DiagnosticStatus s = linkStatus("daemon to robot", counts.relay);
+  s.message = sentWords(counts.robot_state, counts.relay_sent);
+  s.values.push_back(value("sent", counts.relay_sent));
+  s.values.push_back(value("failed", counts.relay_failed));
+  return s;
+}
+
 /** To the console: what the sender sent, zero forces of its own among them. */
 DiagnosticStatus forceStatus(const SessionCounts& counts) {
-  DiagnosticStatus s = status("forces to console", true, std::to_string(counts.force_sent) + " sent");
+  DiagnosticStatus s = status("forces to console", true, sentWords(counts.master, counts.force_sent));
   s.values = {value("sent", counts.force_sent), value("failed", counts.force_failed),
               value("silent", counts.force_silent)};
   return s;
@@ -114,7 +128,8 @@ DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& sha
 }  // namespace
 
 DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
-  DiagnosticStatus s = status(name + " link", counts.addsUp(), std::to_string(counts.applied) + " applied");
+  const std::string applied = std::to_string(counts.applied) + " applied";
+  DiagnosticStatus s = status(name + " link", counts.addsUp(), counts.received == 0 ? "not connected" : applied);
   s.values = {value("received", counts.received), value("applied", counts.applied)};
   for (std::size_t i = 1; i < kRejectCount; ++i) {
     if (counts.rejected[i] > 0)
@@ -265,8 +280,7 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   for (std::size_t i = 0; i < kLoopCount; ++i)
     array.status.push_back(loopStatus(kLoopNames[i], counts.loops[i]));
   array.status.push_back(linkStatus("master to daemon", counts.master));
-  array.status.push_back(linkStatus("daemon to robot", counts.relay));
-  array.status.back().values.push_back(value("sent", counts.relay_sent));
+  array.status.push_back(relayStatus(counts));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
   array.status.push_back(forceStatus(counts));
   array.status.push_back(

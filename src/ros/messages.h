@@ -22,6 +22,9 @@
 
 namespace raven2_trainer::ros_bridge {
 
+/** Names of all statuses on /diagnostics begin with it. */
+constexpr const char* kStatusPrefix = "raven2_trainer: ";
+
 /** Both arms: 14 names, position, velocity; effort of the model only. */
 sensor_msgs::JointState jointState(const ModelState& model, double d4, const ros::Time& stamp);
 sensor_msgs::JointState jointState(const RobotState& robot, double d4, const ros::Time& stamp);
@@ -50,7 +53,8 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera,
                                    const ros::Time& stamp,
                                    double aside = 0.0);
 
-/** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. */
+/** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. Nobody need be there:
+ * rates.h knows what is expected. */
 diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts);
 
 /** How the live picture goes; WARN while its rate or size is lower than the configured, ERROR once it has failed. */

@@ -108,17 +108,24 @@ struct RosBridge::Impl {
     pedals.idle(net::monotonicNow());
     const double period = simulator.config().runtime.ros_period;
     if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
-      diagnostic_msgs::DiagnosticArray array =
-          diagnostics(simulator.counts(), shared, states.robot, net::monotonicNow(), simulator.realtimeStatus(), stamp);
-      array.status.push_back(pictureStatus(shared.live_picture.load()));
-      array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
-      if (crtk) array.status.push_back(crtk->status());
-      array.status.push_back(realCameraStatus(simulator.config().render, shared.real_picture_ns.load(),
-                                              states.model.view != 0, net::monotonicNow()));
-      rates.addTo(&array, net::monotonicNow());
-      diagnostic_arrays.publish(array);
+      publishDiagnostics(states, stamp);
     }
     ++cycle;
+  }
+
+  void publishDiagnostics(const ToldStates& states, const ros::Time& stamp) {
+    const SharedState& shared = simulator.shared();
+    const SessionCounts counts = simulator.counts();
+    const LivePicture picture = shared.live_picture.load();
+    diagnostic_msgs::DiagnosticArray array =
+        diagnostics(counts, shared, states.robot, net::monotonicNow(), simulator.realtimeStatus(), stamp);
+    array.status.push_back(pictureStatus(picture));
+    array.status.push_back(linkStatus("pedals to daemon", shared.pedal_link.load()));
+    if (crtk) array.status.push_back(crtk->status());
+    array.status.push_back(realCameraStatus(simulator.config().render, shared.real_picture_ns.load(),
+                                            states.model.view != 0, net::monotonicNow()));
+    rates.addTo(&array, streams(counts, picture), net::monotonicNow());
+    diagnostic_arrays.publish(array);
   }
 
   /** In every cycle, so that who comes new waits for the next frame alone. */

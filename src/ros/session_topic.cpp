@@ -9,7 +9,7 @@ FileHashes hashConfiguration(const TrainerConfig& config) {
   files.insert(files.end(), {config.robot_urdf, config.scene_urdf});
   FileHashes hashes;
   for (const std::string& file : files)
-    hashes.emplace_back(file, session::fileHash(file));
+    hashes.emplace_back(file, session::readHash(config, file));
   return hashes;
 }
 

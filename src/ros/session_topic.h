@@ -11,7 +11,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** Path and hash (session::fileHash) of each file. */
+/** Path and hash (session::readHash) of each file. */
 using FileHashes = std::vector<std::pair<std::string, std::string>>;
 
 /** Of the configuration's files, root first, and the URDFs. To be taken as the program begins: a file that is changed

@@ -2,9 +2,6 @@
 
 #include <ros/init.h>
 #include <ros/master.h>
-#include <ros/network.h>
-#include <ros/xmlrpc_manager.h>
-#include <xmlrpcpp/XmlRpcException.h>
 
 #include <atomic>
 #include <chrono>
@@ -13,9 +10,8 @@
 #include <cstdlib>
 #include <mutex>
 
-#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/runtime/cyclic_thread.h"
-#include "ros/exposure.h"
+#include "ros/init_node.h"
 #include "ros/registration.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -25,21 +21,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (reliability.md, D6, D7)
 constexpr auto kGoodbye = 400ms;           // of the 1 s that a program has for its end (D5)
-constexpr double kRetryTimeout = 0.25;     // [s] roscpp's own calls to a master that just went: for ever is its default
 constexpr std::size_t kStack = 8U << 20U;  // roscpp's threads inherit nothing from it, its calls are deep
-
-void refuseShutdown(XmlRpc::XmlRpcValue& arguments, XmlRpc::XmlRpcValue& /*answer*/) {
-  const bool has_reason = arguments.getType() == XmlRpc::XmlRpcValue::TypeArray && arguments.size() > 0;
-  std::fprintf(stderr, "a ROS shutdown call is refused%s\n", has_reason ? "" : " (and malformed)");
-  throw XmlRpc::XmlRpcException("shutdown is refused: end this node by a signal");
-}
-
-/** Throws now what roscpp would abort the process for. */
-void checkUri(const std::string& uri, std::string* host) {
-  std::uint32_t port = 0;
-  if (ros::network::splitURI(uri, *host, port) && !host->empty() && port > 0 && port <= 65535) return;
-  throw ConfigException("ROS master \"" + uri + "\": http://HOST:PORT is wanted (ROS_MASTER_URI)");
-}
 
 }  // namespace
 
@@ -133,16 +115,7 @@ struct Supervisor::Impl {
 };
 
 Supervisor::Supervisor(int argc, char** argv, const char* node, RosFace* face) : impl_(std::make_unique<Impl>(face)) {
-  std::string host;
-  checkUri(masterUri(argc, argv), &host);
-  keepToLoopback(host);
-  ros::master::setRetryTimeout(ros::WallDuration(kRetryTimeout));  // ros::init, too, calls it for _parameter:=value
-  // Our mains wait for signals themselves: the force goes to zero before anything else ends.
-  ros::init(argc, argv, node, ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
-  // Before ros::start() binds its own: the first one holds, and there is no moment without.
-  ros::XMLRPCManager::instance()->bind("shutdown", &refuseShutdown);
-  if (!isLoopbackOnly())
-    std::fprintf(stderr, "ROS serves the network (ROS_IP, ROS_HOSTNAME): whoever reaches this computer can call it\n");
+  initNode(argc, argv, node);
 }
 
 Supervisor::~Supervisor() {

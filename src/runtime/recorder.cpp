@@ -33,10 +33,10 @@ RecordTally minus(const RecordTally& a, const RecordTally& b) noexcept {
   return difference;
 }
 
-std::string combinedHash(const std::vector<std::string>& files) {
+std::string combinedHash(const TrainerConfig& config) {
   std::string hashes;
-  for (const std::string& file : files)
-    hashes += session::fileHash(file);
+  for (const std::string& file : config.files)
+    hashes += session::readHash(config, file);
   return hashes;
 }
 
@@ -93,14 +93,14 @@ session::LogHeader logHeader(const TrainerConfig& config,
   header.hazard = config.hazard;
   header.robot_urdf_hash = session::fileHash(config.robot_urdf);
   header.scene_urdf_hash = session::fileHash(config.scene_urdf);
-  header.config_hash = combinedHash(config.files);
+  header.config_hash = combinedHash(config);
   describeTraining(config, &header);
   header.motion = motion;
   header.d4 = config.arms.geometry.d4;
   header.tolerance = config.haptics.tolerance;
   header.arm_contacts = config.model.arm_contacts;
   header.body_names = body_names;
-  header.configuration = session::copyConfiguration(paths, configurationFiles(config));
+  header.configuration = session::copyConfiguration(paths, configurationFiles(config), config.overridden);
   return header;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -13,11 +14,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFolder = "configuration";
 
+fs::path normal(const std::string& file) {
+  return fs::absolute(file).lexically_normal();
+}
+
 /** Absolute, without dots, each once. */
 std::vector<fs::path> distinct(const std::vector<std::string>& files) {
   std::vector<fs::path> paths;
   for (const std::string& file : files) {
-    const fs::path path = fs::absolute(file).lexically_normal();
+    const fs::path path = normal(file);
     if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
   }
   return paths;
@@ -43,6 +48,14 @@ void copyFile(const fs::path& from, const fs::path& to) {
   if (error) throw SessionException(from.string() + ": cannot be copied to " + to.string() + ": " + error.message());
 }
 
+void writeText(const std::string& text, const fs::path& to) {
+  std::error_code error;
+  fs::create_directories(to.parent_path(), error);
+  std::ofstream out(to, std::ios::binary);
+  out << text;
+  if (!out.flush()) throw SessionException(to.string() + ": cannot be written");
+}
+
 /** Empty if the copy is as the header says. */
 std::string problemOf(const SessionPaths& paths, const ConfigurationFile& file) {
   const std::string path = paths.directory + "/" + file.path;
@@ -58,14 +71,20 @@ bool staysInside(const std::string& path) {
 
 }  // namespace
 
-std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths, const std::vector<std::string>& files) {
+std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths,
+                                                 const std::vector<std::string>& files,
+                                                 const std::map<std::string, std::string>& overridden) {
+  std::map<fs::path, std::string> texts;
+  for (const auto& [file, text] : overridden)
+    texts[normal(file)] = text;
   const std::vector<fs::path> originals = distinct(files);
   const fs::path common = commonFolder(originals);
   std::vector<ConfigurationFile> copies;
   for (const fs::path& original : originals) {
     const fs::path relative = fs::path(kFolder) / original.lexically_relative(common);
     const fs::path copy = fs::path(paths.directory) / relative;
-    copyFile(original, copy);
+    const auto text = texts.find(original);
+    text == texts.end() ? copyFile(original, copy) : writeText(text->second, copy);
     copies.push_back({relative.string(), fileHash(copy.string())});
   }
   return copies;

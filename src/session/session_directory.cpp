@@ -38,14 +38,16 @@ std::string unusedStampedDirectory() {
   return name;
 }
 
-Json describeFile(const std::string& path) {
-  return {{"name", fs::path(path).filename().string()}, {"path", path}, {"fnv1a", fileHash(path)}};
+Json describeFile(const TrainerConfig& config, const std::string& path) {
+  return {{"name", fs::path(path).filename().string()}, {"path", path}, {"fnv1a", readHash(config, path)}};
 }
 
 Json describeFiles(const TrainerConfig& config) {
   Json files = Json::array();
-  for (const std::string& path : config.files)
-    files.push_back(describeFile(path));
+  for (const std::string& path : config.files) {
+    files.push_back(describeFile(config, path));
+    if (config.overridden.count(path) > 0) files.back()["overridden"] = true;
+  }
   return files;
 }
 
@@ -107,13 +109,14 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
             {"hazard", config.hazard},
             {"build", meta.build},
             {"config_files", describeFiles(config)}};
-  if (!config.robot_urdf.empty()) json["robot_urdf"] = describeFile(config.robot_urdf);
-  if (!config.scene_urdf.empty()) json["scene_urdf"] = describeFile(config.scene_urdf);
+  if (!config.robot_urdf.empty()) json["robot_urdf"] = describeFile(config, config.robot_urdf);
+  if (!config.scene_urdf.empty()) json["scene_urdf"] = describeFile(config, config.scene_urdf);
   const std::string draft = paths.meta() + ".part";  // renamed: on a full disk the one from the start stays
   std::ofstream file(draft);
   file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   file.close();
-  if (!file || std::rename(draft.c_str(), paths.meta().c_str()) != 0) throw SessionException(paths.meta() + ": cannot be written");
+  if (!file || std::rename(draft.c_str(), paths.meta().c_str()) != 0)
+    throw SessionException(paths.meta() + ": cannot be written");
 }
 
 std::map<std::string, std::string> readBuild(const SessionPaths& paths) {
@@ -148,6 +151,11 @@ std::string fileHash(const std::string& path) {
 
 std::string textHash(const std::string& text) {
   return hexadecimal(extended(kHashBasis, text.data(), text.size()));
+}
+
+std::string readHash(const TrainerConfig& config, const std::string& path) {
+  const auto found = config.overridden.find(path);
+  return found == config.overridden.end() ? fileHash(path) : textHash(found->second);
 }
 
 }  // namespace raven2_trainer::session

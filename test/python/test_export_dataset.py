@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -211,18 +212,110 @@ def test_tips_and_forces_are_the_log_s_to_the_last_bit(bag, ticks, log):
 
 
 @built
-def test_changes_of_pedal_and_mode_and_events_are_told(bag, ticks, log):
+def test_changes_of_pedal_and_mode_and_events_are_told(bag, ticks, log, directory):
     names = log.names("tick", "model.mode")
-    changed = np.concatenate(([0], np.flatnonzero(np.diff(ticks["mode"].astype(int))) + 1))
-    assert [m.data for m, _ in bag["/mode"]] == [names[ticks["mode"][i]] for i in changed]
+    told = [(names[t["mode"]], bool(t["pedal"]), bool(t["engaged"]), bool(t["linked"]), "real" if t["view"] else "virtual")
+            for t in ticks]
+    changed = [i for i, now in enumerate(told) if i == 0 or now != told[i - 1]]
+    assert [(m.mode, m.pedal, m.engaged, m.linked, m.view) for m, _ in bag["/mode"]] == [told[i] for i in changed]
+    assert stamps(bag["/mode"]) == ticks["time_ns"][changed].tolist()
+    assert {m.trial_time for m, _ in bag["/mode"]} == {0.0}
     changed = np.concatenate(([0], np.flatnonzero(np.diff(ticks["pedal"].astype(int))) + 1))
     assert [list(m.buttons) for m, _ in bag["/console/pedal"]] == [[int(ticks["pedal"][i])] for i in changed]
     assert stamps(bag["/console/pedal"]) == ticks["time_ns"][changed].tolist()
     kinds = log.names("exercise", "event.kind")
-    events = log.exercise_events
-    told = [kinds[e["event"]["kind"]] for e in events if not kinds[e["event"]["kind"]].startswith("touch")]
-    assert told[0] == "started"
-    assert [json.loads(m.data)["kind"] for m, _ in bag["/exercise/event"]] == told
+    bodies = raven2_session.Session(directory).log.header["body_names"]
+    session_events = [(n, e) for n, e in enumerate(log.exercise_events, 1) if e["tick"] >= ticks["tick"][0]]
+    events = [m for m, _ in bag["/exercise/events"]]
+    assert [(m.number, m.tick, m.event) for m in events] == [(n, e["tick"], kinds[e["event"]["kind"]])
+                                                            for n, e in session_events]
+    assert any(m.event == "started" for m in events) or session_events[0][0] > 1
+    for message, (_, record) in zip(events, session_events, strict=True):
+        event = record["event"]
+        assert message.a == (bodies[event["a"]] if event["a"] < len(bodies) else "")
+        assert message.value == event["value"] and message.force == event["force"]
+
+
+def daemon_types():
+    """{topic: type} of what the daemon's code advertises by name; its own messages are named without the package."""
+    found = {}
+    for path in (made.ROOT / "src" / "ros").glob("*.cpp"):
+        for kind, topic in re.findall(r'advertise<([\w:]+)>\(\s*"([^"]+)"', path.read_text(encoding="utf-8")):
+            found["/" + topic.lstrip("/")] = kind.replace("::", "/") if "::" in kind else f"raven2_trainer/{kind}"
+    return found
+
+
+@built
+def test_topics_that_the_daemon_has_too_have_its_names_and_types(bag):
+    published = daemon_types()
+    assert published["/mode"] == "raven2_trainer/TrainerMode" and published["/tf_static"] == "tf2_msgs/TFMessage"
+    own = {"/model/gold/measured_cp", "/model/green/measured_cp", "/console/pedal"}
+    assert set(bag) - own <= set(published), "a topic by a name that nobody listens to"
+    for topic in set(bag) - own:
+        assert {m._type for m, _ in bag[topic]} == {published[topic]}, topic
+    assert {"/mode", "/tf", "/tf_static", "/session/configuration", "/exercise/events"} <= set(bag)
+
+
+@built
+def test_what_the_daemon_latches_is_latched_by_rosbag_play(directory, tmp_path):
+    rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
+    export(directory, "rosbag", "--output", tmp_path / "its.bag")
+    with rosbag.Bag(str(tmp_path / "its.bag")) as found:
+        latched = {c.topic for c in found._get_connections() if c.header.get("latching") == "1"}
+    assert latched == {"/mode", "/session/configuration", "/tf_static"}
+
+
+@built
+def test_frames_are_the_links_of_model_and_robot_in_the_world(bag, ticks, log):
+    """Where the graspers turn is the tool's tip, which the log has; where the arms stand is config/arms.yaml."""
+    fixed = {t.child_frame_id: t.transform for t in bag["/tf_static"][0][0].transforms}
+    assert set(fixed) == {f"{which}/{link}" for which in ("model", "robot")
+                          for link in ("world", "base_link_L", "base_link_R")}
+    assert len(bag["/tf_static"]) == 1
+    wanted = ticks[ticks["tick"] % 30 == 0]
+    assert [stamp for _, stamp in bag["/tf"]] == wanted["time_ns"].tolist()
+    for arm, side in enumerate("LR"):
+        base = fixed[f"model/base_link_{side}"]
+        assert [base.translation.x, base.translation.y, base.translation.z] == pytest.approx(P_WB[arm], abs=1e-9)
+        q = base.rotation
+        assert turn([q.x, q.y, q.z, q.w]) == pytest.approx(R_WB[arm], abs=1e-9)
+    moving = {f"model/{stem}_{side}" for side in "LR" for stem in
+              ("link1", "link2", "link3", "instrument_shaft", "wrist", "grasper1", "grasper2")}
+    for (message, stamp), tick in zip(bag["/tf"], wanted, strict=True):
+        frames_of = {t.child_frame_id: t.transform for t in message.transforms}
+        assert moving <= set(frames_of) and not set(frames_of) & set(fixed)
+        assert all(t.header.frame_id == "world" and t.header.stamp.to_nsec() == stamp for t in message.transforms)
+        for arm, side in enumerate("LR"):
+            to = frames_of[f"model/grasper1_{side}"].translation
+            assert [to.x, to.y, to.z] == pytest.approx(R_WB[arm] @ tick["arms"][arm]["p_BT"] + P_WB[arm], abs=1e-6)
+    robots = [{t.child_frame_id for t in m.transforms if t.child_frame_id.startswith("robot/")} for m, _ in bag["/tf"]]
+    rows = log.ticks[(log.ticks["model"]["session_tick"] >= 0) & (log.ticks["model"]["tick"] % 30 == 0)]
+    linked = [bool(r["robot"]["frame"] > 0 and r["robot"]["connected"]) for r in rows]
+    assert [bool(names) for names in robots] == linked and any(linked)
+    assert max(robots, key=len) == {name.replace("model/", "robot/") for name in moving}
+
+
+@built
+def test_the_last_links_are_turned_as_the_chain_turns_them(bag):
+    """Places test all attitudes but the last: the jaws' axis is perpendicular to the wrist's."""
+    for message, _ in bag["/tf"]:
+        found = {t.child_frame_id: t.transform.rotation for t in message.transforms}
+        for side in "LR":
+            wrist, jaw = (turn([q.x, q.y, q.z, q.w]) for q in
+                          (found[f"model/wrist_{side}"], found[f"model/grasper1_{side}"]))
+            assert np.linalg.det(wrist) == pytest.approx(1.0, abs=1e-9)
+            assert abs(wrist[:, 2] @ jaw[:, 2]) < 1e-9
+    assert len(bag["/tf"]) > 100
+
+
+@built
+def test_the_configuration_is_that_of_the_session(bag, directory):
+    meta = json.loads((directory / "meta.json").read_text())
+    (message, _), = bag["/session/configuration"]
+    named = meta["config_files"] + [meta["robot_urdf"], meta["scene_urdf"]]
+    assert [(f.path, f.fnv1a) for f in message.files] == [(entry["path"], entry["fnv1a"]) for entry in named]
+    assert (message.seed, message.hazard) == (meta["seed"], meta["hazard"])
+    assert message.exercise == "pick_hand_over_place" and message.directory == str(directory)
 
 
 # ---- refusals ---------------------------------------------------------------------------------------------------

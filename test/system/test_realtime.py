@@ -52,7 +52,7 @@ def take(message):
     for status in message.status:
         if status.name.endswith("physics loop"):
             with changed:
-                told.update({pair.key: int(pair.value) for pair in status.values})
+                told.update({pair.key: float(pair.value) for pair in status.values})
                 changed.notify_all()
 rospy.init_node("reader", disable_signals=True)
 rospy.Subscriber("/diagnostics", DiagnosticArray, take, queue_size=10)

@@ -1,10 +1,14 @@
 """Programs and the ROS master: it may come late, go, and come back; the loops do not notice."""
 
+import json
+import os
 import signal
 import socket
 import struct
+import sys
 import time
 
+import yaml
 from ros_master import RosMaster, resident_mib
 from stack import Stack, effort, wait_until
 from surgeon import LatestState, Surgeon
@@ -34,6 +38,25 @@ DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/p
                    "/discard_trial", "/repeat_trial", "/begin_replay", "/end_replay", "/clear_stop", "/set_view",
                    "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
                    "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
+
+# Who subscribes to what is latched, long after it was told: when it came, and what.
+LATECOMER = """
+import json, threading, time
+import rospy
+from raven2_trainer.msg import SessionConfiguration
+from tf2_msgs.msg import TFMessage
+rospy.init_node("latecomer", anonymous=True, disable_signals=True)
+begin, told, complete = time.monotonic(), {}, threading.Event()
+def take(name, what):
+    told.setdefault(name, [time.monotonic() - begin, what])
+    if len(told) == 2:
+        complete.set()
+rospy.Subscriber("/session/configuration", SessionConfiguration,
+                 lambda m: take("configuration", [[f.path, f.fnv1a] for f in m.files]))
+rospy.Subscriber("/tf_static", TFMessage, lambda m: take("frames", [t.child_frame_id for t in m.transforms]))
+complete.wait(10)
+print(json.dumps(told))
+"""
 
 
 class Session:
@@ -91,15 +114,33 @@ def seconds_until_complete(master):
     return time.monotonic() - begin
 
 
+def files_of(meta):
+    return [[entry["path"], entry["fnv1a"]] for entry in meta["config_files"] + [meta["robot_urdf"], meta["scene_urdf"]]]
+
+
+def seconds_of_latecomer(master, meta):
+    """Until one that subscribes now has what was told at the start: the configuration of meta.json, and the bases."""
+    done = master.run(sys.executable, "-c", LATECOMER, seconds=40)
+    told = json.loads(done.stdout)
+    assert set(told) == {"configuration", "frames"}, (told, done.stderr)
+    assert told["configuration"][1] == files_of(meta)
+    assert {f"{which}/base_link_{side}" for which in ("model", "robot") for side in "LR"} <= set(told["frames"][1])
+    return max(when for when, _ in told.values())
+
+
 def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
     cycles = effort(2, 10)
     with RosMaster(str(tmp_path)) as master, Session(master) as session:
         came = seconds_until_complete(master)
+        latched = [seconds_of_latecomer(master, session.stack.meta())]
         returns = []
         for _ in range(cycles):
             master.kill()
             time.sleep(0.6)  # they notice
             returns.append(seconds_until_complete(master))
+        latched.append(seconds_of_latecomer(master, session.stack.meta()))
+        print("  what is latched, for who comes late:", " ".join(f"{t:.2f} s" for t in latched))
+        assert max(latched) < WITHIN, latched
         print(f"  topics after the master came: {came:.2f} s; after it came back:", " ".join(f"{t:.2f}" for t in returns))
         assert came < WITHIN and max(returns) < WITHIN, (came, returns)
         bridged = LatestState(session.beside.state_port)
@@ -118,6 +159,57 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
         session.stack.assert_counters_add_up()
         print("  on time:", session.stack.metrics()["on_time_ratio"])
         assert session.stack.metrics()["packets"]["master_to_daemon"]["applied"] > 1000
+
+
+def run_daemon(stack, *arguments):
+    """A daemon that gets as far as its session, and is ended there; or that ends by itself. Returns its status."""
+    process = stack.start_daemon("--hazard", "none", *arguments)
+    wait_until(lambda: os.path.exists(os.path.join(stack.output, "meta.json")) or process.poll() is not None, 30,
+               "it runs or refuses")
+    return stack.stop("simulator")[0]
+
+
+def overridden(stack):
+    return [entry["name"] for entry in stack.meta()["config_files"] if entry.get("overridden")]
+
+
+def test_parameters_override_the_configuration(tmp_path):
+    """As an argument and as a launch file sets them; what they changed is what the session keeps."""
+    with RosMaster(str(tmp_path)) as master, Stack() as stack:
+        master.start()
+        stack.environment.update(ROS_MASTER_URI=master.uri, ROS_IP="127.0.0.1")
+        master.ask("setParam", "/raven2_simulator/haptics/passivity/enabled", False)
+        assert run_daemon(stack, "_haptics/tolerance:=0.005") == 0, stack.log_text("simulator")
+        assert overridden(stack) == ["haptics.yaml"]
+        copies = [os.path.join(folder, "haptics.yaml") for folder, _, files in os.walk(stack.output)
+                  if "haptics.yaml" in files]
+        with open(copies[0], encoding="utf-8") as file:
+            kept = yaml.safe_load(file)
+        assert (len(copies), kept["tolerance"], kept["passivity"]["enabled"]) == (1, 0.005, False)
+        assert "ROS parameter /raven2_simulator/haptics/tolerance overrides" in stack.log_text("simulator")
+
+
+def test_parameters_are_held_to_the_files_ranges_and_keys(tmp_path):
+    with RosMaster(str(tmp_path)) as master:
+        master.start()
+        for key, value, why in (("haptics/tolerance", 0.06, "tolerance is 0.06, expected [0, 0.05]"),
+                                ("haptics/tolernace", 0.001, "unknown key tolernace"),
+                                ("runtime/enable_remote_control", True, "in the configuration's files alone")):
+            with Stack() as stack:
+                stack.environment.update(ROS_MASTER_URI=master.uri, ROS_IP="127.0.0.1")
+                master.ask("setParam", "/raven2_simulator/" + key, value)
+                assert run_daemon(stack) == 1
+                said = stack.log_text("simulator").splitlines()[-1]
+                assert f"ROS parameter /raven2_simulator/{key}: " in said and why in said, said
+                assert not os.path.exists(stack.output), "nothing has begun"
+                master.ask("deleteParam", "/raven2_simulator/" + key)
+
+
+def test_without_a_master_no_parameter_overrides_and_who_asks_is_told():
+    with Stack() as stack:  # its master's address is nobody's
+        assert run_daemon(stack, "_haptics/tolerance:=0.005") == 0
+        assert overridden(stack) == []
+        assert stack.log_text("simulator").count("no parameter overrides the configuration") == 1
 
 
 def stalled_subscribers(master, topics):

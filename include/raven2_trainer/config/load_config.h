@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/config/overrides.h"
 #include "raven2_trainer/core/config.h"
 
 namespace raven2_trainer::config {
@@ -13,8 +14,12 @@ namespace raven2_trainer::config {
  * @param[in] instead names that replace those of the file; an empty one does not.
  * @throw ConfigException with FILE:LINE for a missing file, a missing or unknown key, a value that is not of its type
  * or out of its range, or a hazard that is not in the library.
+ * @param[in] overrides values in the place of the files', held to the same; messages name their source. Files that they
+ * change are in TrainerConfig::overridden as they were read. @throw ConfigException as checkOverrides, too.
  */
-TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead = {});
+TrainerConfig loadTrainerConfig(const std::string& path,
+                                const TrainingNames& instead = {},
+                                const Overrides& overrides = {});
 
 /** A file like config/injection.yaml alone: the two keys of fault injection. @throw ConfigException as above. */
 InjectionConfig loadInjection(const std::string& path);

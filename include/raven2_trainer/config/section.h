@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/config/overrides.h"
 #include "raven2_trainer/core/types.h"
 
 namespace YAML {
@@ -56,6 +58,12 @@ class Section {
   /** A copy with `text` under `key`. */
   Section with(const std::string& key, const std::string& text) const;
 
+  /** Puts a value where it belongs, below this mapping; a key that is not there is put, too, and refused by finish().
+   *  Messages about it begin with its source instead of FILE:LINE. Before anything is read. */
+  void put(const Override& override);
+  /** The mapping as YAML, without its comments. */
+  std::string yaml() const;
+
   /** Throws for every key that was not read. */
   void finish() const;
 
@@ -66,6 +74,8 @@ class Section {
  private:
   Section(const YAML::Node& node, std::string file, std::string path);
   Section with(const std::string& key, const YAML::Node& value) const;
+  /** "FILE:LINE: ", or the source of what was put there, above or below: "SOURCE: ". */
+  std::string placeOf(const std::string& key, const std::string& otherwise) const;
   YAML::Node find(const std::string& key);
   std::size_t choiceOf(const std::string& key, const std::vector<std::string>& names);
   template <typename Array>
@@ -75,6 +85,7 @@ class Section {
   std::string file_, path_;
   std::string place_;  ///< "FILE:LINE: " of the mapping: a copy's node has none
   std::set<std::string> read_;
+  std::shared_ptr<std::map<std::string, std::string>> sources_;  ///< of what was put, by its path in the file
 };
 
 }  // namespace raven2_trainer::config

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -489,6 +490,7 @@ struct TrainerConfig {
   std::string curriculum{"none"};                   ///< file in `curricula` without its ending, or "none"
   std::uint64_t seed{};
   std::vector<std::string> files;
+  std::map<std::string, std::string> overridden;  ///< those of `files` that were not read as they stand: what was read
 };
 
 }  // namespace raven2_trainer

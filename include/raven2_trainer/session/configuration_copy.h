@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,13 @@ namespace raven2_trainer::session {
  * Copies the files that configure a session below its directory, in `configuration/`, each at the same place relative
  * to the others, so that the copies are read as the originals were. About 1 MB with the packaged meshes.
  * @param[in] files in the order wanted, the root file first; a path given twice is copied once.
+ * @param[in] overridden texts that stand for some of them (TrainerConfig::overridden), so that what reads the copies
+ * reads what ran.
  * @throw SessionException if one cannot be read or written.
  */
-std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths, const std::vector<std::string>& files);
+std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths,
+                                                 const std::vector<std::string>& files,
+                                                 const std::map<std::string, std::string>& overridden = {});
 
 /**
  * Checks the copies against the hashes of the log's header.

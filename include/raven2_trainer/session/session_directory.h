@@ -45,7 +45,8 @@ struct SessionMeta {
   std::string flight_recorder{"none: lockstep"};  ///< file of the record queues while the session runs, or "none: WHY"
 };
 
-/** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file. */
+/** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file, as it was read;
+ * "overridden" where that is not as it stands. */
 void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const TrainerConfig& config);
 
 /** SessionMeta::build of a session; empty if there is no readable meta.json or nothing in it about the build. */
@@ -59,5 +60,8 @@ std::string fileHash(const std::string& path);
 
 /** The same of a text. */
 std::string textHash(const std::string& text);
+
+/** The same of one of the configuration's files, as it was read: with what parameters override in it. */
+std::string readHash(const TrainerConfig& config, const std::string& path);
 
 }  // namespace raven2_trainer::session

@@ -67,8 +67,8 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
   app->add_option("--state-port", state_port, "TCP port robot -> daemon")->check(CLI::Range(1, 65535));
 }
 
-TrainerConfig CommonOptions::load() const {
-  TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config, training);
+TrainerConfig CommonOptions::load(const config::Overrides& overrides) const {
+  TrainerConfig loaded = config::loadTrainerConfig(config.empty() ? defaultConfigPath() : config, training, overrides);
   if (!hazard.empty() && loaded.drill == "none") {
     loaded.hazard = hazard;
     config::checkHazard(loaded);

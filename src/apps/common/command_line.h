@@ -4,6 +4,7 @@
 #include <string>
 
 #include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/config/overrides.h"
 #include "raven2_trainer/core/config.h"
 
 namespace CLI {
@@ -14,17 +15,17 @@ namespace raven2_trainer::apps {
 
 /** Options that several programs share; add() registers them, load() reads the configuration and applies them. */
 struct CommonOptions {
-  std::string config;                                                   ///< --config FILE; the packaged one if empty
-  std::string hazard;                                                   ///< --hazard NAME|none; config's if empty
-  std::int64_t seed{-1};                                                ///< --seed N; config's if negative
-  std::string arm_contacts;                                             ///< --arm-contacts on|off; config's if empty
-  std::string plant;                                                    ///< --plant NAME|FILE; config's if empty
-  config::TrainingNames training{};                                     ///< --exercise, ...; config's if empty
+  std::string config;                ///< --config FILE; the packaged one if empty
+  std::string hazard;                ///< --hazard NAME|none; config's if empty
+  std::int64_t seed{-1};             ///< --seed N; config's if negative
+  std::string arm_contacts;          ///< --arm-contacts on|off; config's if empty
+  std::string plant;                 ///< --plant NAME|FILE; config's if empty
+  config::TrainingNames training{};  ///< --exercise, ...; config's if empty
   int master_port{-1}, robot_port{-1}, force_port{-1}, sight_port{-1}, state_port{-1};  ///< config's if negative
 
   void add(CLI::App* app, bool with_ports);
-  /** @throw ConfigException. */
-  TrainerConfig load() const;
+  /** @param[in] overrides of the files' values; options go before them. @throw ConfigException. */
+  TrainerConfig load(const config::Overrides& overrides = {}) const;
 };
 
 /**

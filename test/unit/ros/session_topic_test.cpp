@@ -68,6 +68,13 @@ TEST_F(SessionTopic, AFileThatChangesLaterDoesNotChangeWhatRuns) {
   EXPECT_NE(hashConfiguration(config_)[0].second, hashes[0].second);
 }
 
+TEST_F(SessionTopic, AFileThatParametersOverrideHasTheHashOfWhatWasRead) {
+  config_.overridden[arms_] = "foobar";
+  const FileHashes hashes = hashConfiguration(config_);
+  EXPECT_EQ(hashes[1].second, "85944171f73967e8");  // of "foobar", FNV's published test vectors
+  EXPECT_EQ(hashes[0].second, "af63dc4c8601ec8c");
+}
+
 TEST_F(SessionTopic, AFileThatCannotBeReadIsAnError) {
   config_.files.push_back("/nonexistent.yaml");
   EXPECT_THROW(hashConfiguration(config_), Exception);

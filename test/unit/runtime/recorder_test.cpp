@@ -7,7 +7,9 @@
 #include <csignal>
 #include <filesystem>
 
+#include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/session/configuration_copy.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::runtime {
@@ -155,6 +157,24 @@ TEST_F(RecorderTest, DescribesInTheHeaderWhatIsTrained) {
   EXPECT_EQ(header.camera.name, config.render.video_camera);
   EXPECT_GT(header.camera.vertical_fov, 0.0);
   EXPECT_DOUBLE_EQ(header.camera.aspect * config.render.video_height, config.render.video_width);
+}
+
+/** Resimulation, scores and videos read the session's copy: it holds what ran, and its hashes are not the files'. */
+TEST_F(RecorderTest, TheCopyOfTheConfigurationHoldsWhatParametersOverride) {
+  const std::string root = RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml";
+  const TrainerConfig other = config::loadTrainerConfig(root, {}, {{"haptics/tolerance", "0.005", "a parameter"}});
+  const session::LogHeader plain = logHeader(config, {}, "", paths);
+  const session::LogHeader header = logHeader(other, {}, "", paths);
+  EXPECT_NE(header.config_hash, plain.config_hash);
+  EXPECT_EQ(header.tolerance, 0.005);
+  const TrainerConfig read = config::loadTrainerConfig(session::checkConfiguration(paths, header));
+  EXPECT_EQ(read.haptics.tolerance, 0.005);
+  EXPECT_EQ(read.haptics.kp, config.haptics.kp);
+  ASSERT_EQ(header.configuration.size(), plain.configuration.size());
+  for (std::size_t i = 0; i < plain.configuration.size(); ++i) {
+    const bool is_its_file = fs::path(plain.configuration[i].path).filename() == "haptics.yaml";
+    EXPECT_EQ(header.configuration[i].fnv1a != plain.configuration[i].fnv1a, is_its_file) << plain.configuration[i].path;
+  }
 }
 
 /** A process whose ROS master hangs leaves without destructors: its log must be read as the whole one that it is. */

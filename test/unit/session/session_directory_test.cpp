@@ -106,6 +106,21 @@ TEST(SessionMeta, HoldsWhatWasGiven) {
   EXPECT_EQ(json.at("config_files").at(0).at("fnv1a"), "85944171f73967e8");
   EXPECT_EQ(json.at("robot_urdf").at("fnv1a"), "85944171f73967e8");
   EXPECT_FALSE(json.contains("scene_urdf"));
+  EXPECT_FALSE(json.at("config_files").at(0).contains("overridden"));
+}
+
+TEST(SessionMeta, TellsWhichFilesWereNotReadAsTheyStand) {
+  const SessionPaths paths = createSessionDirectory(freshFolder("meta_overridden"));
+  const std::string file = scratchPath("overridden.yaml");
+  writeText(file, "a");
+  TrainerConfig config;
+  config.files = {file};
+  config.overridden[file] = "foobar";
+  writeMeta(paths, {}, config);
+  const Bytes bytes = readBytes(paths.meta());
+  const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
+  EXPECT_EQ(json.at("config_files").at(0).at("fnv1a"), "85944171f73967e8") << "of what was read";
+  EXPECT_EQ(json.at("config_files").at(0).at("overridden"), true);
 }
 
 }  // namespace
