@@ -347,6 +347,18 @@ def test_space_for_sessions(here, monkeypatch, free, status):
     assert only(machine.sessions(here), status)
 
 
+def test_space_for_sessions_of_launch_files(here, place, monkeypatch):
+    """On a disk of its own, which is full; the folder is theirs."""
+    here.environ["HOME"] = str(place / "home")
+    (place / "home").mkdir()
+    monkeypatch.setattr(machine, "space", lambda folder: 0 if folder == place / "home" else 50e9)
+    of_the_tree, of_the_home = machine.sessions(here)
+    assert (of_the_tree.status, of_the_home.status) == (OK, FAIL)
+    assert f"{place}/home/{machine.LAUNCHED}" in of_the_home.what and "output:=DIR" in of_the_home.remedy
+    for name in ("training", "hardware"):
+        assert f'"$(env HOME)/{machine.LAUNCHED}/' in (ROOT / f"launch/{name}.launch").read_text()
+
+
 def test_a_folder_of_sessions_that_cannot_be_written_to(here, place, monkeypatch):
     def refuse(dir):
         raise OSError(machine.errno.EROFS, "Read-only file system")
