@@ -71,6 +71,38 @@ def test_dpkg_reads_the_changelog():
     assert result.returncode == 0 and result.stderr == "" and "Source: raven2-trainer" in result.stdout
 
 
+LISTS = """cmake_minimum_required(VERSION 3.16)
+project(raven2_trainer VERSION 0.1.0 LANGUAGES NONE)
+include(packaging/debian.cmake)
+"""
+
+
+@pytest.fixture
+def installed_documentation(tmp_path):
+    """What packaging/debian.cmake installs beside the programs."""
+    source = tmp_path / "source"
+    for name in ("doc", "packaging", "scripts"):
+        shutil.copytree(ROOT / name, source / name)
+    for name in (*(path.name for path in ROOT.glob("*.md")), "urdf/README.md"):
+        (source / name).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / name, source / name)
+    (source / "CMakeLists.txt").write_text(LISTS)
+    for command in (["cmake", "-S", source, "-B", tmp_path / "build", "-DCMAKE_INSTALL_PREFIX=/usr"],
+                    ["cmake", "--install", tmp_path / "build"]):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False,
+                              env={"PATH": "/usr/bin:/bin", "DESTDIR": str(tmp_path / "root")})
+        assert done.returncode == 0, done.stderr
+    return tmp_path / "root/usr/share/doc/raven2-trainer"
+
+
+def test_links_of_the_installed_documentation_lead_somewhere(installed_documentation):
+    for name in ("README.md", "doc/index.md", "doc/examples/itp_master.py", "urdf/README.md", "copyright", "changelog.gz"):
+        assert (installed_documentation / name).is_file(), name
+    done = subprocess.run([SCRIPTS / "make_site", "--check", installed_documentation], capture_output=True, text=True, timeout=60,
+                          check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def installed_scripts():
     return re.findall(r"scripts/([\w.]+)", "".join(re.findall(r"install\((?:PROGRAMS|FILES|DIRECTORY) (scripts/[^)]*)\)",
                                                               text("CMakeLists.txt"))))
