@@ -128,6 +128,22 @@ def test_the_container_runs_what_the_readme_tells():
     for named in re.findall(r"scripts/\w+(?:\.sh)?", "\n".join(lines)):
         assert (ROOT / named).is_file(), named
     assert lines[-1] == 'CMD ["scripts/run"]'
+    commands = re.findall(r"^(scripts/\w+) ", text("README.md").split("\n## Two commands\n")[1].split("```")[1], re.M)
+    assert commands == ["scripts/run", "scripts/test"]
+    started = re.findall(r"^#   podman run [^#\n]* raven2_trainer\b *(scripts/\w+)?", text("Containerfile"), re.M)
+    assert {name or "scripts/run" for name in started} == set(commands)
+
+
+def test_building_the_container_is_a_session():
+    """The last of its steps is README's first command, as it stands there but for options that it has."""
+    steps = [line for line in text("Containerfile").splitlines() if line.startswith("RUN ")]
+    match = re.fullmatch(r"RUN scripts/run( --duration \d+) --output (\S+) && rm -r \2", steps[-1])
+    assert match, steps[-1]
+    told = subprocess.run([SCRIPTS / "run", "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
+    assert "--duration S" in told and "--output DIR" in told
+
+
+def test_the_container_takes_what_it_needs_of_the_source():
     ignored = text(".dockerignore").split()
     assert {"build", "sessions"} <= set(ignored) and "scripts" not in ignored
 
