@@ -148,6 +148,42 @@ def test_the_container_takes_what_it_needs_of_the_source():
     assert {"build", "sessions"} <= set(ignored) and "scripts" not in ignored
 
 
+@pytest.fixture
+def fresh(tmp_path):
+    """Starts check_fresh_debian with an mmdebstrap that makes a folder, and ends with the status that it is told."""
+    if subprocess.run(["git", "-C", ROOT, "rev-parse"], capture_output=True, timeout=60, check=False).returncode:
+        pytest.skip("no clone: check_fresh_debian has no commit to look at")
+    made = 'for word; do case $word in */system) mkdir -p "$word/etc" ;; esac; done\necho "E: no mirror" >&2\nexit %d\n'
+
+    def start(status):
+        for name, lines in (("id", "echo 0\n"), ("chroot", "exit 1\n"), ("mmdebstrap", made % status)):
+            (tmp_path / name).write_text("#!/bin/sh\n" + lines)
+            (tmp_path / name).chmod(0o755)
+        return subprocess.run([SCRIPTS / "check_fresh_debian", tmp_path / f"fresh{status}", "--until", "system"],
+                              capture_output=True, text=True, timeout=60, check=False,
+                              env={"PATH": f"{tmp_path}:/usr/bin:/bin", "HOME": str(tmp_path)})
+    return start
+
+
+def test_a_system_that_could_not_be_made_is_no_fresh_system(fresh):
+    """What follows it in the same step works; the step has failed all the same."""
+    well, failed = fresh(0), fresh(25)
+    assert well.returncode == 0 and "until system, as asked for" in well.stderr, well.stderr
+    assert failed.returncode == 1 and "system failed" in failed.stderr and "E: no mirror" in failed.stderr, failed.stderr
+
+
+def test_the_stages_of_a_full_test_are_told_everywhere():
+    source = text("scripts/test")
+    stages = re.search(r"^stages=\((.*)\)$", source, re.M).group(1).split()
+    assert "package" in stages
+    refused = subprocess.run([SCRIPTS / "test", "--full", "--only", "nonsense"], capture_output=True, text=True, timeout=60,
+                             check=False)
+    assert refused.returncode == 1 and f"one of {', '.join(stages)}\n" in refused.stderr
+    assert f"of --full: {', '.join(stages[:-1])} or {stages[-1]}\n" in source
+    assert [name for name in stages if not re.search(rf"^ +{name}\) ", source, re.M)] == []
+    assert all(name in re.search(r"`--only asan` \((.*)\)", text("CONTRIBUTING.md")).group(1) for name in stages if name != "asan")
+
+
 def test_checks_refuse_what_they_cannot_do(tmp_path):
     """Before anything is built or loaded."""
     for words, says in ((["check_package", "--nonsense"], "unknown option"),
