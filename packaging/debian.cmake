@@ -6,8 +6,10 @@ if(NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr")
 endif()
 
 set(DOC_FOLDER share/doc/raven2-trainer)
-install(DIRECTORY doc/ DESTINATION ${DOC_FOLDER})
-install(FILES README.md SECURITY.md CHANGELOG.md packaging/copyright DESTINATION ${DOC_FOLDER})
+# Pages lie to each other as in the source tree, so their links hold (scripts/check_package looks).
+install(DIRECTORY doc DESTINATION ${DOC_FOLDER} PATTERN site EXCLUDE)  # what makes the site of them
+install(FILES README.md CONTRIBUTING.md SECURITY.md CHANGELOG.md packaging/copyright DESTINATION ${DOC_FOLDER})
+install(FILES urdf/README.md DESTINATION ${DOC_FOLDER}/urdf)
 
 # Debian wants its own kind of changelog, compressed without a time stamp.
 execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/packaging/changelog

@@ -1,7 +1,8 @@
 """The ports of config/network.yaml: free, or by whom they are held."""
 
+import errno
+import os
 import pathlib
-import re
 import socket
 
 from .findings import fail, ok, text_of, warn
@@ -16,15 +17,16 @@ def wanted(machine):
     return [(name, kind, int(text_of(network, name, "0"))) for name, kind in PORTS.items()]
 
 
-def is_free(address, kind, port):
+def refused(address, kind, port):
+    """Number of the error with which that cannot be bound; 0 if it can."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM if kind == "udp" else socket.SOCK_STREAM) as link:
         if kind == "tcp":
             link.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server: not connections that have ended
         try:
             link.bind((address, port))
-        except OSError:
-            return False
-    return True
+        except OSError as error:
+            return error.errno
+    return 0
 
 
 def inodes(kind, port):
@@ -64,15 +66,39 @@ def held(name, kind, port):
                 f"kill {process}, or choose another port in network.yaml")
 
 
+def other(why, name, kind, port):
+    """Of a port that nobody holds."""
+    if why == errno.EACCES:
+        return fail(f"{name} {port} ({kind}) is not for this user: ports below 1024 are root's",
+                    "choose one of 1024 to 65535 in network.yaml")
+    return fail(f"{name} {port} ({kind}) cannot be bound: {os.strerror(why)}", "choose another address or port in network.yaml")
+
+
+def taken(address, port):
+    """Findings of a port that the programs would not get."""
+    why = refused(address, *port[1:])
+    return [] if why == 0 else [held(*port)] if why == errno.EADDRINUSE else [other(why, *port)]
+
+
+def is_address(text):
+    """As the programs take it; of names only the one that needs nobody to tell what it is."""
+    try:
+        return text == "localhost" or bool(socket.inet_aton(text))
+    except OSError:
+        return False
+
+
 def ports(machine):
     network = machine.section("network")
     if not network.is_file():
         return [fail(f"{network} is not there", "name the configuration with --config")]
     address = text_of(network, "bind_address", "127.0.0.1")
-    if not re.fullmatch(r"[0-9.]+", address):
+    if not is_address(address):
         return [fail(f"bind_address is {address}, which is no IPv4 address", f"mend it in {network}")]
+    if refused(address, "udp", 0) == errno.EADDRNOTAVAIL:
+        return [fail(f"bind_address {address} is not this computer's", f"hostname -I shows those that are: set one in {network}")]
     chosen = [port for port in wanted(machine) if port[2]]
-    found = [held(*port) for port in chosen if not is_free(address, *port[1:])]
+    found = [finding for port in chosen for finding in taken(address, port)]
     twice = {p[1:] for p in chosen if [q[1:] for q in chosen].count(p[1:]) > 1}
     found += [fail(f"{network} gives port {port} ({kind}) twice", "choose another port for one of them")
               for kind, port in sorted(twice)]

@@ -16,6 +16,7 @@ CAP_IPC_LOCK, CAP_SYS_NICE = 14, 23
 PRIORITY = 80            # of the physics thread, config/runtime.yaml
 DISK_FAIL, DISK_WARN = 0.2e9, 2e9  # [bytes] a session takes 4 MB a second and arm at most: under a minute, under 10
 RECORD = 4e6             # [bytes/s] of a session with everything on
+LAUNCHED = "raven2_sessions"  # below the home: output of launch/*.launch
 LIMITS = ("as root: printf '@realtime - rtprio 98\\n@realtime - memlock unlimited\\n' > "
           "/etc/security/limits.d/raven2.conf; groupadd realtime; usermod -aG realtime USER; log in again")
 
@@ -85,18 +86,24 @@ def existing(folder):
     return folder
 
 
-def sessions(machine):
-    """scripts/run writes to sessions/ of the source tree, everything else to that of the current folder."""
-    folder = (machine.root or pathlib.Path.cwd()) / "sessions"
+def sessions_in(folder, option):
     place = existing(folder)
     try:
         tempfile.TemporaryFile(dir=place).close()
     except OSError as error:
-        return [fail(f"{place} cannot be written to: {error.strerror}", "name another folder with --output")]
+        return fail(f"{place} cannot be written to: {error.strerror}", f"name another folder than {folder} with {option}")
     free = space(place)
     text = f"{free / 1e9:.1f} GB free for {folder}, {free / RECORD / 60:.0f} minutes of sessions"
-    remedy = "remove old sessions, or name a folder on another disk with --output"
-    return [fail(text, remedy) if free < DISK_FAIL else warn(text, remedy) if free < DISK_WARN else ok(text)]
+    remedy = f"remove old sessions, or name a folder on another disk with {option}"
+    return fail(text, remedy) if free < DISK_FAIL else warn(text, remedy) if free < DISK_WARN else ok(text)
+
+
+def sessions(machine):
+    """scripts/run writes to sessions/ of the source tree, programs to that of the current folder, launch files below the
+    home (which roslaunch needs to have a name)."""
+    found = [sessions_in((machine.root or pathlib.Path.cwd()) / "sessions", "--output")]
+    home = machine.environ.get("HOME")
+    return found + ([sessions_in(pathlib.Path(home) / LAUNCHED, "output:=DIR")] if home else [])
 
 
 def sleeps(seconds):

@@ -1,5 +1,6 @@
 """scripts/doctor: what each check finds in surroundings that are made here, and that it says what to do."""
 
+import errno
 import json
 import os
 import pathlib
@@ -232,8 +233,8 @@ def free_ports():
     return dict(zip(links.PORTS, numbers))
 
 
-def write_network(place, numbers):
-    lines = ["bind_address: 127.0.0.1   # IPv4"] + [f"{name}: {number}  # [0, 65535]" for name, number in numbers.items()]
+def write_network(place, numbers, address="127.0.0.1"):
+    lines = [f"bind_address: {address}   # IPv4"] + [f"{name}: {number}  # [0, 65535]" for name, number in numbers.items()]
     (place / "config/network.yaml").write_text("\n".join(lines) + "\n")
 
 
@@ -255,6 +256,34 @@ def test_a_port_that_is_held_is_found_with_who_holds_it(here, place, name, kind)
         found = only(links.ports(here), FAIL)
         assert f"{name} {numbers[name]}" in found.what and f"({os.getpid()})" in found.what
         assert f"kill {os.getpid()}" in found.remedy
+
+
+@pytest.mark.parametrize("address", ["localhost", "0.0.0.0", "127.0.0.2"])
+def test_other_addresses_of_this_computer_are_well(here, place, address):
+    write_network(place, free_ports(), address)
+    assert only(links.ports(here), OK)
+
+
+def test_an_address_that_is_not_this_computers_is_told_once(here, place):
+    write_network(place, free_ports(), "192.0.2.1")  # of no computer (RFC 5737)
+    found = only(links.ports(here), FAIL)
+    assert "192.0.2.1 is not this computer's" in found.what and "hostname -I" in found.remedy
+
+
+@pytest.mark.parametrize("address", ["everywhere", "999.1.1.1"])
+def test_an_address_that_is_none_is_found(here, place, address):
+    write_network(place, free_ports(), address)
+    assert "no IPv4 address" in only(links.ports(here), FAIL).what
+
+
+@pytest.mark.parametrize("why,words", [(errno.EACCES, "below 1024"), (errno.ENOBUFS, "No buffer space")])
+def test_a_port_that_is_refused_is_not_held_by_anybody(here, place, monkeypatch, why, words):
+    numbers = free_ports()
+    write_network(place, numbers)
+    monkeypatch.setattr(links, "refused", lambda address, kind, port: why if port == numbers["force_port"] else 0)
+    found = only(links.ports(here), FAIL)
+    assert f"force_port {numbers['force_port']}" in found.what and words in found.what
+    assert "held" not in found.what and "kill" not in found.remedy
 
 
 def test_a_session_that_runs_is_no_failure(monkeypatch):
@@ -316,6 +345,18 @@ def test_the_flight_recorders_folder(here, place):
 def test_space_for_sessions(here, monkeypatch, free, status):
     monkeypatch.setattr(machine, "space", lambda folder: free)
     assert only(machine.sessions(here), status)
+
+
+def test_space_for_sessions_of_launch_files(here, place, monkeypatch):
+    """On a disk of its own, which is full; the folder is theirs."""
+    here.environ["HOME"] = str(place / "home")
+    (place / "home").mkdir()
+    monkeypatch.setattr(machine, "space", lambda folder: 0 if folder == place / "home" else 50e9)
+    of_the_tree, of_the_home = machine.sessions(here)
+    assert (of_the_tree.status, of_the_home.status) == (OK, FAIL)
+    assert f"{place}/home/{machine.LAUNCHED}" in of_the_home.what and "output:=DIR" in of_the_home.remedy
+    for name in ("training", "hardware"):
+        assert f'"$(env HOME)/{machine.LAUNCHED}/' in (ROOT / f"launch/{name}.launch").read_text()
 
 
 def test_a_folder_of_sessions_that_cannot_be_written_to(here, place, monkeypatch):

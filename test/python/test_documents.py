@@ -218,7 +218,7 @@ def test_the_page_of_interfaces_names_what_the_running_daemon_has_and_nothing_el
 
 
 def test_the_page_of_interfaces_names_topics_of_other_programs_by_their_names():
-    text = sources("src/ros/*.cpp") + sources("src/apps/*.cpp")
+    text = sources("src/ros/*.cpp") + sources("src/apps/*.cpp") + sources("launch/*.launch")
     names = interface_page.names("ROS: other programs", 1) - {"--topic"}
     assert "/ravenstate" in names and [name for name in names if f'"{name}"' not in text] == []
 
@@ -227,9 +227,37 @@ def test_the_page_of_interfaces_names_every_program():
     named = interface_page.names("Programs")
     assert programs() <= named
     assert {name for name in named if "/" not in name and "." not in name and "-" not in name} <= programs()
-    installed = re.findall(r"scripts/(\w+(?:\.sbatch)?)(?= |\n|$|\))", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))
+
+
+def test_the_page_of_interfaces_tells_where_a_script_is():
+    """Before the semicolon those that are installed, all of them; behind it those of the source tree alone."""
     text = interface_page.section("Programs")
-    assert [name for name in installed if (ROOT / "scripts" / name).is_file() and f"`{name}`" not in text] == []
+    sentence = text[text.index("\nScripts that a user starts"):text.index(" in the source tree alone")]
+    installed, others = (set(re.findall(r"`([\w.]+)`", half)) for half in sentence.split(" or by `rosrun`: ")[1].split("; and "))
+    listed = re.search(r"install\(PROGRAMS (.*?)DESTINATION", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"), re.S)
+    assert installed == set(re.findall(r"scripts/([\w.]+)", listed.group(1)))
+    assert "run" in others and others <= scripts() - installed
+
+
+def test_the_page_of_interfaces_names_parameters_and_descriptions():
+    parameters = set(re.findall(r'<param name="(\w+)"', sources("launch/*.launch")))
+    assert parameters and parameters <= interface_page.names("ROS: other programs", 1)
+    described = {f"urdf/{path.name}" for path in (ROOT / "urdf").glob("*.*df")}
+    assert "urdf/raven2.srdf" in described and interface_page.unknown(interface_page.names("Files"), described) == []
+
+
+def test_scripts_with_a_verdict_have_it_on_the_page_of_interfaces():
+    """Installed ones whose status 1 is a result and no error."""
+    told = " ".join(cells[1] for cells in interface_page.rows("Exit codes") if cells[0] == "1")
+    for name in ("doctor", "campaign_report", "compare_replay"):
+        assert f"`{name}`" in told, name
+
+
+def test_the_page_of_interfaces_tells_where_launch_files_write():
+    folders = set(re.findall(r'name="output" default="\$\(env HOME\)/(\w+)/', sources("launch/*.launch")))
+    assert len(folders) == 1
+    assert all(f"`~/{folder}/`" in text for folder in folders
+               for text in (interface_page.section("Launch files"), (ROOT / "README.md").read_text(encoding="utf-8")))
 
 
 def test_the_page_of_interfaces_names_every_launch_file():

@@ -71,6 +71,38 @@ def test_dpkg_reads_the_changelog():
     assert result.returncode == 0 and result.stderr == "" and "Source: raven2-trainer" in result.stdout
 
 
+LISTS = """cmake_minimum_required(VERSION 3.16)
+project(raven2_trainer VERSION 0.1.0 LANGUAGES NONE)
+include(packaging/debian.cmake)
+"""
+
+
+@pytest.fixture
+def installed_documentation(tmp_path):
+    """What packaging/debian.cmake installs beside the programs."""
+    source = tmp_path / "source"
+    for name in ("doc", "packaging", "scripts"):
+        shutil.copytree(ROOT / name, source / name)
+    for name in (*(path.name for path in ROOT.glob("*.md")), "urdf/README.md"):
+        (source / name).parent.mkdir(exist_ok=True)
+        shutil.copy(ROOT / name, source / name)
+    (source / "CMakeLists.txt").write_text(LISTS)
+    for command in (["cmake", "-S", source, "-B", tmp_path / "build", "-DCMAKE_INSTALL_PREFIX=/usr"],
+                    ["cmake", "--install", tmp_path / "build"]):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False,
+                              env={"PATH": "/usr/bin:/bin", "DESTDIR": str(tmp_path / "root")})
+        assert done.returncode == 0, done.stderr
+    return tmp_path / "root/usr/share/doc/raven2-trainer"
+
+
+def test_links_of_the_installed_documentation_lead_somewhere(installed_documentation):
+    for name in ("README.md", "doc/index.md", "doc/examples/itp_master.py", "urdf/README.md", "copyright", "changelog.gz"):
+        assert (installed_documentation / name).is_file(), name
+    done = subprocess.run([SCRIPTS / "make_site", "--check", installed_documentation], capture_output=True, text=True, timeout=60,
+                          check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def installed_scripts():
     return re.findall(r"scripts/([\w.]+)", "".join(re.findall(r"install\((?:PROGRAMS|FILES|DIRECTORY) (scripts/[^)]*)\)",
                                                               text("CMakeLists.txt"))))
@@ -96,8 +128,60 @@ def test_the_container_runs_what_the_readme_tells():
     for named in re.findall(r"scripts/\w+(?:\.sh)?", "\n".join(lines)):
         assert (ROOT / named).is_file(), named
     assert lines[-1] == 'CMD ["scripts/run"]'
+    commands = re.findall(r"^(scripts/\w+) ", text("README.md").split("\n## Two commands\n")[1].split("```")[1], re.M)
+    assert commands == ["scripts/run", "scripts/test"]
+    started = re.findall(r"^#   podman run [^#\n]* raven2_trainer\b *(scripts/\w+)?", text("Containerfile"), re.M)
+    assert {name or "scripts/run" for name in started} == set(commands)
+
+
+def test_building_the_container_is_a_session():
+    """The last of its steps is README's first command, as it stands there but for options that it has."""
+    steps = [line for line in text("Containerfile").splitlines() if line.startswith("RUN ")]
+    match = re.fullmatch(r"RUN scripts/run( --duration \d+) --output (\S+) && rm -r \2", steps[-1])
+    assert match, steps[-1]
+    told = subprocess.run([SCRIPTS / "run", "--help"], capture_output=True, text=True, timeout=60, check=True).stdout
+    assert "--duration S" in told and "--output DIR" in told
+
+
+def test_the_container_takes_what_it_needs_of_the_source():
     ignored = text(".dockerignore").split()
     assert {"build", "sessions"} <= set(ignored) and "scripts" not in ignored
+
+
+@pytest.fixture
+def fresh(tmp_path):
+    """Starts check_fresh_debian with an mmdebstrap that makes a folder, and ends with the status that it is told."""
+    if subprocess.run(["git", "-C", ROOT, "rev-parse"], capture_output=True, timeout=60, check=False).returncode:
+        pytest.skip("no clone: check_fresh_debian has no commit to look at")
+    made = 'for word; do case $word in */system) mkdir -p "$word/etc" ;; esac; done\necho "E: no mirror" >&2\nexit %d\n'
+
+    def start(status):
+        for name, lines in (("id", "echo 0\n"), ("chroot", "exit 1\n"), ("mmdebstrap", made % status)):
+            (tmp_path / name).write_text("#!/bin/sh\n" + lines)
+            (tmp_path / name).chmod(0o755)
+        return subprocess.run([SCRIPTS / "check_fresh_debian", tmp_path / f"fresh{status}", "--until", "system"],
+                              capture_output=True, text=True, timeout=60, check=False,
+                              env={"PATH": f"{tmp_path}:/usr/bin:/bin", "HOME": str(tmp_path)})
+    return start
+
+
+def test_a_system_that_could_not_be_made_is_no_fresh_system(fresh):
+    """What follows it in the same step works; the step has failed all the same."""
+    well, failed = fresh(0), fresh(25)
+    assert well.returncode == 0 and "until system, as asked for" in well.stderr, well.stderr
+    assert failed.returncode == 1 and "system failed" in failed.stderr and "E: no mirror" in failed.stderr, failed.stderr
+
+
+def test_the_stages_of_a_full_test_are_told_everywhere():
+    source = text("scripts/test")
+    stages = re.search(r"^stages=\((.*)\)$", source, re.M).group(1).split()
+    assert "package" in stages
+    refused = subprocess.run([SCRIPTS / "test", "--full", "--only", "nonsense"], capture_output=True, text=True, timeout=60,
+                             check=False)
+    assert refused.returncode == 1 and f"one of {', '.join(stages)}\n" in refused.stderr
+    assert f"of --full: {', '.join(stages[:-1])} or {stages[-1]}\n" in source
+    assert [name for name in stages if not re.search(rf"^ +{name}\) ", source, re.M)] == []
+    assert all(name in re.search(r"`--only asan` \((.*)\)", text("CONTRIBUTING.md")).group(1) for name in stages if name != "asan")
 
 
 def test_checks_refuse_what_they_cannot_do(tmp_path):

@@ -75,6 +75,38 @@ def test_without_doxygen_it_says_so(tmp_path):
     assert done.returncode == 1 and "doxygen is missing" in done.stderr
 
 
+@pytest.fixture
+def elsewhere(tmp_path):
+    """All pages in another folder, as a package installs them."""
+    shutil.copytree(ROOT / "doc", tmp_path / "doc", ignore=shutil.ignore_patterns("site"))
+    for name in make_site.pages():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def checked(root):
+    done = subprocess.run([ROOT / "scripts/make_site", "--check", root], env={"PATH": "/nowhere"}, capture_output=True, text=True,
+                          check=False)
+    return done.returncode, done.stderr
+
+
+def test_links_of_pages_in_another_place_are_looked_at_there(elsewhere):
+    assert checked(elsewhere) == (0, "")
+    (elsewhere / "doc/images/plan.png").unlink()
+    (elsewhere / "doc/examples/itp_master.py").unlink()  # named, no page
+    assert checked(elsewhere) == (1, "make_site: doc/session.md: shows images/plan.png, which is not there\n")
+    (elsewhere / "SECURITY.md").unlink()
+    assert checked(elsewhere) == (1, f"make_site: {elsewhere}/SECURITY.md is not there\n")
+
+
+def test_pages_without_the_folder_that_they_name_are_found_fault_with(elsewhere):
+    """The pages of doc/ beside README."""
+    shutil.copytree(elsewhere / "doc", elsewhere, dirs_exist_ok=True)
+    shutil.rmtree(elsewhere / "doc")
+    assert checked(elsewhere)[0] == 1
+
+
 @pytest.mark.skipif(shutil.which("doxygen") is None, reason="doxygen is not installed")
 def test_doxygen_has_nothing_to_warn_of(tmp_path):
     done = subprocess.run([ROOT / "scripts/make_site", "--output", tmp_path], capture_output=True, text=True, check=False)
