@@ -7,7 +7,8 @@ endif()
 
 set(DOC_FOLDER share/doc/raven2-trainer)
 # Pages lie to each other as in the source tree, so their links hold (scripts/check_package looks).
-install(DIRECTORY doc DESTINATION ${DOC_FOLDER} PATTERN site EXCLUDE)  # what makes the site of them
+install(DIRECTORY doc DESTINATION ${DOC_FOLDER} PATTERN __pycache__ EXCLUDE
+        PATTERN site EXCLUDE)  # what makes the site of them
 install(FILES README.md CONTRIBUTING.md SECURITY.md CHANGELOG.md packaging/copyright DESTINATION ${DOC_FOLDER})
 install(FILES urdf/README.md DESTINATION ${DOC_FOLDER}/urdf)
 

@@ -86,6 +86,7 @@ def installed_documentation(tmp_path):
     for name in (*(path.name for path in ROOT.glob("*.md")), "urdf/README.md"):
         (source / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, source / name)
+    (source / "doc/examples/__pycache__").mkdir(exist_ok=True)  # of a source tree that was used
     (source / "CMakeLists.txt").write_text(LISTS)
     for command in (["cmake", "-S", source, "-B", tmp_path / "build", "-DCMAKE_INSTALL_PREFIX=/usr"],
                     ["cmake", "--install", tmp_path / "build"]):
@@ -98,6 +99,7 @@ def installed_documentation(tmp_path):
 def test_links_of_the_installed_documentation_lead_somewhere(installed_documentation):
     for name in ("README.md", "doc/index.md", "doc/examples/itp_master.py", "urdf/README.md", "copyright", "changelog.gz"):
         assert (installed_documentation / name).is_file(), name
+    assert list(installed_documentation.rglob("__pycache__")) == []
     done = subprocess.run([SCRIPTS / "make_site", "--check", installed_documentation], capture_output=True, text=True, timeout=60,
                           check=False)
     assert done.returncode == 0, done.stderr
