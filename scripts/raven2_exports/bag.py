@@ -182,7 +182,7 @@ def _event(facts, event, messages):
 
 
 def _events(facts, put, messages):
-    """At the session's tick in which they happened; numbered as the simulator does, from the log's beginning."""
+    """At the session's tick in which they happened, its first at the earliest; numbered as the simulator does, from the log's beginning."""
     model = facts.series.ticks["model"]
     for number, record in enumerate(facts.log.exercise_events if facts.log.exercise_events is not None else (), 1):
         at = facts.session_time(int(record["tick"]))
