@@ -214,8 +214,8 @@ def test_tips_and_forces_are_the_log_s_to_the_last_bit(bag, ticks, log):
 @built
 def test_changes_of_pedal_and_mode_and_events_are_told(bag, ticks, log, directory):
     names = log.names("tick", "model.mode")
-    told = [(names[t["mode"]], bool(t["pedal"]), bool(t["engaged"]), bool(t["linked"]), "real" if t["view"] else "virtual")
-            for t in ticks]
+    told = [(names[t["mode"]], *(bool(t[what]) for what in ("pedal", "engaged", "linked")),
+             "real" if t["view"] else "virtual") for t in ticks]
     changed = [i for i, now in enumerate(told) if i == 0 or now != told[i - 1]]
     assert [(m.mode, m.pedal, m.engaged, m.linked, m.view) for m, _ in bag["/mode"]] == [told[i] for i in changed]
     assert stamps(bag["/mode"]) == ticks["time_ns"][changed].tolist()
