@@ -31,13 +31,25 @@ class DeviceHand {
         jaws_(jaws),
         toggled_(jaws) {}
 
-  void follow(const DeviceSample& sample, bool engaged) noexcept {
+  /** Every tick, before follow(). What the hand did before the pedal was down is not to count, though a pose that was
+   * late tells it after that: the first one from there on is where it is. */
+  void setEngaged(bool engaged) noexcept {
+    if (engaged && !engaged_) {
+      starts_ = true;
+      ticks_left_ = 1;
+      target_ = hand_;
+      target_turn_ = turn_;
+    }
+    engaged_ = engaged;
+  }
+
+  void follow(const DeviceSample& sample) noexcept {
     if (config_.family == DeviceFamily::kJoy) {
       hand_ += axes_ * velocity(sample) * kTickSeconds;
     } else {
       followPoses(sample);
     }
-    if (engaged) moveJaws(sample);
+    if (engaged_) moveJaws(sample);
     was_held_ = isHeld(sample, topics_.gripper_input);
   }
 
@@ -66,15 +78,21 @@ class DeviceHand {
   void aimAt(const DeviceSample& sample) noexcept {
     const Quaternion q_now = config_.orientation ? toEigen(sample.orientation).normalized() : Quaternion::Identity();
     const Vector3 p = config_.metres_per_unit * toEigen(sample.position);
-    if (poses_ == 0) {
-      start_ = p;
-      q_start_ = q_now;
-    }
     poses_ = sample.poses;
+    if (starts_) return startAt(p, q_now);
     target_ = axes_ * (p - start_);
     Quaternion turn = q_now * q_start_.conjugate();
     turn.vec() = (turn_axes_ * turn.vec()).eval();
     target_turn_ = toArray(turn);
+  }
+
+  /** The hand stays where it is, and that is there. */
+  void startAt(const Vector3& p, const Quaternion& q_now) noexcept {
+    starts_ = false;
+    start_ = p - axes_.transpose() * hand_;
+    Quaternion turned = toEigen(turn_);
+    turned.vec() = (turn_axes_.transpose() * turned.vec()).eval();
+    q_start_ = turned.conjugate() * q_now;
   }
 
   Vector3 velocity(const DeviceSample& sample) const noexcept {
@@ -129,7 +147,8 @@ class DeviceHand {
   const double max_step_;  ///< [m] of the hand in a tick, along each axis; what is beyond follows
   std::uint32_t poses_{0};
   int since_pose_{0}, ticks_left_{1};
-  Vector3 start_{0, 0, 0};  ///< [m] first position, the device's axes
+  bool engaged_{false}, starts_{true};  ///< the next pose moves nothing
+  Vector3 start_{0, 0, 0};              ///< [m] where hand_ would be zero, the device's axes
   Quaternion q_start_{Quaternion::Identity()};
   Vector3 target_{0, 0, 0};  ///< [m] [@frame I] from there: the newest pose
   Quat target_turn_{kIdentityQuat};
@@ -253,7 +272,8 @@ class DeviceHands : public MotionSource {
 
   void move(Arm arm, Intent* intent) noexcept {
     DeviceHand& hand = at(hands_, arm);
-    if (isUsed(arm) && !liftsPedal(at(report_.now, arm).trouble)) hand.follow(at(samples_, arm), engaged_);
+    hand.setEngaged(engaged_);
+    if (isUsed(arm) && !liftsPedal(at(report_.now, arm).trouble)) hand.follow(at(samples_, arm));
     at(intent->hand_I, arm) = toArray(hand.hand());
     at(intent->turn_I, arm) = hand.turn();
     at(intent->grasp, arm) = hand.jaws();

@@ -523,6 +523,70 @@ TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
   EXPECT_GT(moved, 1000);
 }
 
+TEST(RealHands, WhatAHandDidBeforeThePedalWasDownMovesNothingHoweverLateItIsTold) {
+  // GIVEN a driver that stalls: for less than silent_after, for longer, and one of 100 Hz between two of its poses
+  for (const int stall : {5, 60, 200}) {
+    for (const bool pressed_amidst : {true, false}) {
+      RealConsole real(0.1, /*orientation=*/true);
+      real.warmUp();
+      real.is_silent = true;
+      for (int i = 0; i < stall; ++i)
+        real.tick();
+      if (pressed_amidst && stall < 100) {
+        real.bench.press();
+        ASSERT_EQ(real.tick().surgeon_mode, 1);
+      }
+      // WHEN it tells at once what the hand did meanwhile, and the pedal goes down
+      real.is_silent = false;
+      DeviceSample& left = real.bench.samples[0];
+      left.position[0] += 0.015;
+      left.orientation = {std::sin(0.05), 0.0, 0.0, std::cos(0.05)};
+      real.bench.press();
+      // THEN the tool stays
+      for (int i = 0; i < 100; ++i) {
+        const wire::ItpPacket packet = real.tick();
+        ASSERT_EQ(packet.surgeon_mode, 1);
+        ASSERT_EQ(packet.delx_um[0], 0) << stall << " " << pressed_amidst << " " << i;
+        ASSERT_NEAR(packet.Qx[0], 0.0, 1e-12);
+      }
+      // and what it does from there on counts
+      left.position[1] += 0.004;
+      int moved = 0;
+      for (int i = 0; i < 30; ++i)
+        moved += real.tick().dely_um[0];
+      EXPECT_EQ(moved, 400);
+    }
+  }
+}
+
+TEST(RealHands, ATurnIsAddedToTheOneBeforeTheClutch) {
+  RealConsole real(0.1, /*orientation=*/true);
+  real.warmUp();
+  DeviceSample& left = real.bench.samples[0];
+  const auto turnBy = [&](double angle, const Eigen::Vector3d& about) {
+    left.orientation =
+        toArray(Eigen::Quaterniond(Eigen::AngleAxisd(angle, about)) * Eigen::Quaterniond(toEigen(left.orientation)));
+  };
+  Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+  for (int stroke = 0; stroke < 3; ++stroke) {
+    real.bench.press();
+    real.tick();
+    for (int i = 0; i < 100; ++i) {
+      turnBy(0.005, Eigen::Vector3d::UnitZ());
+      const wire::ItpPacket packet = real.tick();
+      ASSERT_EQ(packet.surgeon_mode, 1);
+      turned = Eigen::Quaterniond(packet.Qw[0], packet.Qx[0], packet.Qy[0], packet.Qz[0]) * turned;
+    }
+    real.bench.press(0);
+    for (int i = 0; i < 100; ++i) {  // back again, and somewhere else
+      turnBy(-0.004, Eigen::Vector3d::UnitX());
+      ASSERT_EQ(real.tick().surgeon_mode, 0);
+    }
+  }
+  const Eigen::Quaterniond wanted(Eigen::AngleAxisd(3 * 0.5, Eigen::Vector3d::UnitZ()));
+  EXPECT_LT(turned.angularDistance(wanted), 1e-6);
+}
+
 TEST(RealHands, TheSumOfTheIncrementsIsTheScaledMotion) {
   RealConsole real;
   real.warmUp();
