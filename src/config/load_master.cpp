@@ -73,6 +73,8 @@ void readPose(Section& root, MasterConfig* c) {
   c->reach = root.number("reach", 0.01, 10.0);
   c->max_speed = root.number("max_speed", 0.1, 100.0);
   c->max_jump = root.number("max_jump", 0.0001, 1.0);
+  c->max_turn_rate = root.number("max_turn_rate", 0.1, 1000.0);
+  c->max_turn_jump = root.number("max_turn_jump", 0.001, 3.2);
   c->frozen_after = root.number("frozen_after", 0.0, 600.0);
 }
 

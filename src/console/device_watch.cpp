@@ -15,6 +15,11 @@ bool isFinite(const DeviceSample& sample, bool orientation) noexcept {
   return toEigen(sample.position).allFinite() && (!orientation || std::isfinite(toEigen(sample.orientation).norm()));
 }
 
+/** Whether the pose says where the device is, though it may have jumped there. */
+bool isPlace(DeviceTrouble trouble) noexcept {
+  return trouble == DeviceTrouble::kNone || trouble == DeviceTrouble::kJump || trouble == DeviceTrouble::kTurnJump;
+}
+
 }  // namespace
 
 DeviceWatch::DeviceWatch(const MasterConfig& config) noexcept
@@ -26,7 +31,7 @@ DeviceFinding DeviceWatch::look(const DeviceSample& sample, bool engaged) noexce
   unchanged_ = engaged ? unchanged_ + kTickSeconds : 0.0;
   if (sample.poses != poses_) {
     found_ = judge(sample);
-    if (found_.trouble == DeviceTrouble::kNone || found_.trouble == DeviceTrouble::kJump) keep(sample);
+    if (isPlace(found_.trouble)) keep(sample);
     poses_ = sample.poses;
     age_ = 0.0;
   }
@@ -48,7 +53,15 @@ DeviceFinding DeviceWatch::judge(const DeviceSample& sample) const noexcept {
   if (!isFinite(sample, config_.orientation)) return {DeviceTrouble::kNotFinite, 0.0};
   const double norm = toEigen(sample.orientation).norm();
   if (config_.orientation && std::abs(norm - 1.0) > kUnitTolerance) return {DeviceTrouble::kNotUnit, norm};
-  return judgePlace(config_.metres_per_unit * toEigen(sample.position), age_);
+  const DeviceFinding place = judgePlace(config_.metres_per_unit * toEigen(sample.position), age_);
+  return place.trouble == DeviceTrouble::kNone ? judgeTurn(sample.orientation, age_) : place;
+}
+
+DeviceFinding DeviceWatch::judgeTurn(const Quat& q, double elapsed) const noexcept {
+  if (!config_.orientation || !has_place_) return {};
+  const double turn = toEigen(q_).angularDistance(toEigen(q));
+  if (turn > config_.max_turn_jump + config_.max_turn_rate * elapsed) return {DeviceTrouble::kTurnJump, turn};
+  return {};
 }
 
 DeviceFinding DeviceWatch::judgePlace(const Vector3& p, double elapsed) const noexcept {

@@ -31,6 +31,9 @@ std::string wordsOfPlaces(const MasterConfig& config, const DeviceFinding& findi
     case DeviceTrouble::kJump:
       return print("a jump of %.3g mm from one pose to the next: poses are lost, or the driver glitched",
                    1e3 * finding.value);
+    case DeviceTrouble::kTurnJump:
+      return print("it turned by %.3g rad from one pose to the next: poses are lost, or the driver glitched",
+                   finding.value);
     case DeviceTrouble::kNotFinite:
       return "a pose holds numbers that are none: the driver lost its device";
     case DeviceTrouble::kNotUnit:

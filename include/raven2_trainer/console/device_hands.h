@@ -18,7 +18,7 @@ Eigen::Matrix3d axisMatrix(const AxisMap& map) noexcept;
 Vec3 toDevice(const MasterConfig& config, const Vec3& force_I) noexcept;
 
 /**
- * Looks at what a device publishes: units, reach, jumps, silence, poses that do not change. Called once a millisecond;
+ * Looks at what a device publishes: units, reach, jumps and turns, silence, poses that do not change. Called once a millisecond;
  * knows the time by that alone. Real-time safe.
  */
 class DeviceWatch {
@@ -34,6 +34,7 @@ class DeviceWatch {
  private:
   DeviceFinding judge(const DeviceSample& sample) const noexcept;
   DeviceFinding judgePlace(const Vector3& p, double elapsed) const noexcept;
+  DeviceFinding judgeTurn(const Quat& q, double elapsed) const noexcept;
   void keep(const DeviceSample& sample) noexcept;
 
   const MasterConfig& config_;

@@ -71,6 +71,8 @@ struct MasterConfig {
   Vec3 workspace{};                   ///< [m] size of the device's workspace along its x, y, z
   double reach{};                     ///< [m] no position is farther from the device's origin
   double max_speed{}, max_jump{};     ///< [m/s], [m] more than both together from one pose to the next is a jump
+  double max_turn_rate{};             ///< [rad/s] the same of orientations
+  double max_turn_jump{};             ///< [rad]
   double watch{};                     ///< [s] poses are looked at before the first pedal-down counts
   double silent_after{};              ///< [s]
   double frozen_after{};              ///< [s] with the same pose, engaged; 0 never
@@ -125,6 +127,7 @@ enum class DeviceTrouble : std::uint8_t {
   kTooWide,        ///< [m] moved through more than five times the workspace
   kMetres,         ///< [m] positions so small that they must be metres
   kJump,           ///< [m] from one pose to the next
+  kTurnJump,       ///< [rad] the same of the orientation
   kNeverMoved,     ///< the pose has not changed since the start
   kFrozen,         ///< [s] it has not while engaged; told, and nothing more: one of two devices may rest
   kTooSoon,        ///< poses were not looked at for long enough

@@ -82,8 +82,11 @@ TEST(ShippedMasters, TurnsOfTheDeviceTurnTheHandAboutTheSameAxes) {
       // WHEN it turns by 0.3 rad about one of its base's axes
       Eigen::Vector3d about(0, 0, 0);
       about[static_cast<Eigen::Index>(axis)] = 1.0;
-      bench.samples[0].orientation = toArray(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, about)) * before);
-      const Quat turn = bench.tick().turn_I[0];
+      Quat turn = kIdentityQuat;
+      for (const double angle : {0.15, 0.3}) {
+        bench.samples[0].orientation = toArray(Eigen::Quaterniond(Eigen::AngleAxisd(angle, about)) * before);
+        turn = bench.tick().turn_I[0];
+      }
       expectNear({turn[0], turn[1], turn[2]}, times(std::sin(0.15), family.axes[axis]), 1e-12, file);
       EXPECT_NEAR(turn[3], std::cos(0.15), 1e-12);
     }
@@ -164,11 +167,12 @@ TEST(DeviceHands, WhatIsNoPoseLiftsThePedal) {
     Quat orientation;
     DeviceTrouble trouble;
   };
-  const std::array<Case, 5> cases{{{{nan, 0, 0}, kIdentityQuat, DeviceTrouble::kNotFinite},
+  const std::array<Case, 6> cases{{{{nan, 0, 0}, kIdentityQuat, DeviceTrouble::kNotFinite},
                                    {{0, 0, 0}, {0, 0, nan, 1}, DeviceTrouble::kNotFinite},
                                    {{0, 0, 0}, {0, 0, 0, 0}, DeviceTrouble::kNotUnit},
                                    {{0, 0, 0.7}, kIdentityQuat, DeviceTrouble::kOutOfReach},
-                                   {{0, 0.02, 0}, kIdentityQuat, DeviceTrouble::kJump}}};
+                                   {{0, 0.02, 0}, kIdentityQuat, DeviceTrouble::kJump},
+                                   {{0, 0, 0}, {0, 0, std::sin(0.15), std::cos(0.15)}, DeviceTrouble::kTurnJump}}};
   for (const Case& c : cases) {
     MasterConfig config = testMaster();
     config.orientation = true;
@@ -204,6 +208,40 @@ TEST(DeviceHands, AFastHandIsNoJump) {
     if (bench.publishes) bench.samples[0].position[0] += 0.02;
     ASSERT_TRUE(bench.tick().pedal) << i;
   }
+}
+
+TEST(DeviceHands, AFastWristIsNoJumpAndAQuaternionOfTheOtherSignIsNone) {
+  MasterConfig config = testMaster();
+  config.orientation = true;
+  DeviceBench bench(config);
+  bench.warmUp();
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  // 20 rad/s, a pose every 10 ms, each other one as the negative quaternion
+  for (int i = 0; i < 300; ++i) {
+    bench.publishes = i % 10 == 9;
+    const double half = 0.1 * (i / 10 + 1), sign = i / 10 % 2 == 0 ? -1.0 : 1.0;
+    if (bench.publishes) bench.samples[0].orientation = {sign * std::sin(half), 0.0, 0.0, sign * std::cos(half)};
+    ASSERT_TRUE(bench.tick().pedal) << i;
+  }
+  // 0.52 rad within 9 ms are one
+  bench.publishes = false;
+  bench.tick(8);
+  bench.publishes = true;
+  const double half = 0.1 * 30 + 0.26;
+  bench.samples[0].orientation = {std::sin(half), 0.0, 0.0, std::cos(half)};
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kTurnJump);
+  EXPECT_EQ(bench.said().find("left: it turned by 0.52 rad"), 0U) << bench.said();
+}
+
+TEST(DeviceHands, WithoutOrientationATurnIsNoJump) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.samples[0].orientation = {1.0, 0.0, 0.0, 0.0};
+  EXPECT_TRUE(bench.tick().pedal);
 }
 
 TEST(DeviceHands, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
@@ -425,7 +463,8 @@ TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
 
 /** A console with such hands on a robot that is ready. */
 struct RealConsole {
-  explicit RealConsole(double scale = 0.1, bool orientation = false) : bench(master(scale, orientation)) {
+  explicit RealConsole(double scale = 0.1, bool orientation = false, double max_turn_jump = 0.2)
+      : bench(master(scale, orientation, max_turn_jump)) {
     ConsoleConfig at_once = testConfig();
     at_once.start_delay = 0.0;
     at_once.scale = scale;
@@ -433,10 +472,11 @@ struct RealConsole {
     console->setReady(true);
   }
 
-  static MasterConfig master(double scale, bool orientation) {
+  static MasterConfig master(double scale, bool orientation, double max_turn_jump) {
     MasterConfig config = testMaster();
     config.scale = scale;
     config.orientation = orientation;
+    config.max_turn_jump = max_turn_jump;
     return config;
   }
 
@@ -498,7 +538,7 @@ TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::array<double, 6> odd{inf, -inf, std::nan(""), 1e300, 83.0, -0.4};
   Random random(5);
-  RealConsole real(1.0, /*orientation=*/true);
+  RealConsole real(1.0, /*orientation=*/true, /*max_turn_jump=*/3.2);  // all of its random turns reach the packet
   real.warmUp();
   int engaged = 0, moved = 0;
   for (int i = 0; i < 60000; ++i) {
