@@ -17,6 +17,7 @@ constexpr std::array<const char*, 2> kUnits{"m", "mm"};
 constexpr std::array<const char*, 3> kDirections{"forward", "right", "down"};
 constexpr int kMostButtons = 32;
 constexpr int kMostAxes = 8;
+constexpr double kShortestSilence = 0.05;  ///< [s] of a pedal, as network.yaml's joy: timeout
 
 /** roscpp throws for others, in a thread where nobody would catch it. */
 bool isTopic(const std::string& name) {
@@ -96,6 +97,9 @@ void readPedal(Section& root, MasterConfig* c) {
   c->pedal_from = static_cast<PedalFrom>(s.choice("from", kPedalFromNames));
   c->pedal_button = static_cast<int>(s.integer("button", 0, kMostButtons - 1));
   c->pedal_topic = topic(s, "topic", c->pedal_from != PedalFrom::kTopic);
+  c->pedal_silent_after = s.number("silent_after", 0.0, 60.0);
+  if (c->pedal_silent_after > 0.0 && c->pedal_silent_after < kShortestSilence)
+    throw ConfigException(s.where("silent_after") + " is neither 0 nor at least 0.05");
   s.finish();
 }
 

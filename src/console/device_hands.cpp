@@ -10,8 +10,12 @@ constexpr int kLongestSpread = 20;   ///< [ticks] slower drivers than 50 Hz are 
 constexpr double kMaxStep = 0.0019;  ///< [m] of the tool in one packet: less than network.yaml's max_increment_um
 constexpr Tick kConnecting = 2000;   ///< [ticks] a start in which silence is no news: ROS needs a moment
 
+bool isSet(std::uint32_t buttons, int button) noexcept {
+  return button >= 0 && button < 32 && ((buttons >> static_cast<unsigned>(button)) & 1U) != 0;
+}
+
 bool isHeld(const DeviceSample& sample, int button) noexcept {
-  return button >= 0 && button < 32 && ((sample.buttons >> static_cast<unsigned>(button)) & 1U) != 0;
+  return isSet(sample.buttons, button);
 }
 
 double axisOf(const DeviceSample& sample, int number) noexcept {
@@ -195,8 +199,8 @@ class DeviceHands : public MotionSource {
   }
 
   bool isPedalHeld() const noexcept {
-    const bool left = isUsed(Arm::kGold) && isHeld(samples_[0], config_.pedal_button);
-    const bool right = isUsed(Arm::kGreen) && isHeld(samples_[1], config_.pedal_button);
+    const bool left = isUsed(Arm::kGold) && isSet(samples_[0].buttons & ~stale_[0], config_.pedal_button);
+    const bool right = isUsed(Arm::kGreen) && isSet(samples_[1].buttons & ~stale_[1], config_.pedal_button);
     switch (config_.pedal_from) {
       case PedalFrom::kLeft:
         return left;
@@ -222,7 +226,14 @@ class DeviceHands : public MotionSource {
       const bool is_late_news = found.trouble == DeviceTrouble::kNeverHeard && now_ == kConnecting;
       if ((found.trouble != before.trouble && !is_connecting) || is_late_news) note(arm, found);
       noteLock(arm);
+      distrustButtons(arm);
     }
+  }
+
+  /** A driver that died with its button down says nothing of its release: the pedal is pressed anew, or up. */
+  void distrustButtons(Arm arm) noexcept {
+    const std::uint32_t held = at(samples_, arm).buttons;
+    at(stale_, arm) = at(report_.now, arm).trouble == DeviceTrouble::kSilent ? held : at(stale_, arm) & held;
   }
 
   /** Told, but nothing to stop for: not all drivers that say so hold the device. */
@@ -297,6 +308,7 @@ class DeviceHands : public MotionSource {
   Tick now_{0};
   bool engaged_{false}, refused_{false};
   PerArm<bool> locked_{};
+  PerArm<std::uint32_t> stale_{};  ///< buttons held since a silence
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <ros/spinner.h>
 #include <std_msgs/Bool.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -19,6 +18,7 @@
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
+#include "ros/pedal_hold.h"
 #include "ros/periodic_thread.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -208,11 +208,11 @@ class Device {
   std::uint32_t counted_{0};
 };
 
-/** A pedal that is a sensor_msgs/Joy: held as long as somebody is there who could say that it was let go. */
+/** A pedal that is a sensor_msgs/Joy. */
 class PedalTopic {
  public:
   PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node)
-      : config_(config), cell_(link->pedal) {
+      : config_(config), cell_(link->pedal), hold_(config.pedal_topic, config.pedal_silent_after) {
     if (config.pedal_from != PedalFrom::kTopic) return;
     const boost::function<void(const Message::ConstPtr&)> hear = [this](const Message::ConstPtr& m) { take(*m); };
     subscriber_ = node->subscribe<Message>(config.pedal_topic, kEvents, hear, ros::VoidConstPtr(),
@@ -220,35 +220,30 @@ class PedalTopic {
   }
 
   /** On the publisher's thread. */
-  void tell(double time) {
+  void tell() {
     if (!subscriber_) return;
-    const bool is_there = subscriber_.getNumPublishers() > 0;
-    const bool is_news = was_there_ ? !is_there : !told_missing_ && !is_there && time > kSettle;
-    if (is_news) {
-      std::fprintf(stderr, "pedal: nobody publishes %s: it counts as up\n", config_.pedal_topic.c_str());
-      told_missing_ = true;
-    }
-    if (!is_there) is_held_.store(false);
-    was_there_ = is_there;
-    cell_.store(FootPedal{static_cast<std::uint8_t>(is_held_.load() ? 1 : 0)});
+    std::string news;
+    const bool is_held = hold_.look(subscriber_.getNumPublishers() > 0, secondsSince(started_), &news);
+    if (!news.empty()) std::fprintf(stderr, "%s\n", news.c_str());
+    cell_.store(FootPedal{static_cast<std::uint8_t>(is_held ? 1 : 0)});
   }
 
  private:
   void take(const Message& message) {
     bool held = false;
-    if (readJoyButton(message, config_.pedal_button, &held)) return is_held_.store(held);
-    is_held_.store(false);
-    if (!std::exchange(told_refused_, true))
+    const bool is_known = readJoyButton(message, config_.pedal_button, &held);
+    hold_.hear(held, secondsSince(started_));
+    if (!is_known && !std::exchange(told_refused_, true))
       std::fprintf(stderr, "pedal: refused: %s is of type %s, or has no button %d; a sensor_msgs/Joy is wanted\n",
                    config_.pedal_topic.c_str(), message.getDataType().c_str(), config_.pedal_button);
   }
 
   const MasterConfig& config_;
   StateCell<FootPedal>& cell_;
+  const Clock::time_point started_{Clock::now()};
+  PedalHold hold_;
   ros::Subscriber subscriber_;
-  std::atomic<bool> is_held_{false};
-  bool was_there_{false}, told_missing_{false};  // of the publisher's thread
-  bool told_refused_{false};                     // of the spinner's
+  bool told_refused_{false};  // of the spinner's thread
 };
 
 }  // namespace
@@ -282,7 +277,7 @@ struct MasterDevices::Impl {
 
     void cycle() {
       const double time = secondsSince(started);
-      pedal->tell(time);
+      pedal->tell();
       for (const auto& device : devices) {
         device->press();
         device->tellReaders(time);

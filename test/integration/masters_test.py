@@ -23,6 +23,18 @@ from sensor_msgs.msg import Joy
 
 gc.disable()  # as in robot_frames.py
 
+FOOT = """
+import rospy
+from sensor_msgs.msg import Joy
+rospy.init_node("foot", anonymous=True)
+pedal = rospy.Publisher("/footpedals/coag", Joy, queue_size=1)
+rate = rospy.Rate(20)
+begun = rospy.get_time()
+while not rospy.is_shutdown():
+    pedal.publish(Joy(buttons=[int(pedal.get_num_connections() > 0 and rospy.get_time() - begun > 4)]))
+    rate.sleep()
+"""  # up for 4 s, then held
+
 HERE = os.path.dirname(os.path.realpath(__file__))
 PROGRAM = os.path.join(os.environ["RAVEN2_TRAINER_BUILD"], "devel", "lib", "raven2_trainer", "master_console")
 MASTERS = os.path.join(HERE, "..", "..", "config", "masters")
@@ -249,6 +261,21 @@ class Masters(unittest.TestCase):
         self.await_that(lambda: "/MTML/operating_state is not ENABLED" in self.console.said(), "it is not told")
         foot.unregister()
         self.await_that(lambda: "nobody publishes /footpedals/coag" in self.console.said(), "a lost pedal is not told")
+
+    def test_a_pedal_whose_program_is_killed_is_up(self):
+        arms = [Crtk(n, "body/servo_cf", "body/set_cf_orientation_absolute") for n in ("MTML", "MTMR")]
+        self.begin("mtm", arms, swap={"  silent_after: 0.0 ": "  silent_after: 0.5 "})
+        self.settle()
+        foot = subprocess.Popen(["/usr/bin/python3", "-c", FOOT])
+        self.addCleanup(foot.wait)
+        self.addCleanup(foot.kill)
+        self.await_that(lambda: self.daemon.pedal == 1, "not engaged", 30)
+        time.sleep(1.0)
+        self.assertEqual(self.daemon.pedal, 1, "held, and repeated")
+        foot.send_signal(signal.SIGKILL)
+        self.await_that(lambda: self.daemon.pedal == 0, "a pedal whose program was killed stays down", 5)
+        self.await_that(lambda: "nothing came on /footpedals/coag" in self.console.said(), "it is not told")
+        self.await_that(lambda: all(arm.force == (0.0, 0.0, 0.0) for arm in arms), "a force with the pedal up")
 
     def test_gamepad(self):
         pad = Gamepad()

@@ -80,6 +80,7 @@ struct MasterConfig {
   PedalFrom pedal_from{PedalFrom::kAny};
   int pedal_button{};
   std::string pedal_topic;
+  double pedal_silent_after{};  ///< [s] of its topic, held; 0 never: it tells changes alone
   GripperFrom gripper_from{GripperFrom::kNone};
   double jaws_open{}, jaws_closed{};        ///< [rad] of the tool's jaws
   double jaw_speed{};                       ///< [rad/s]

@@ -39,7 +39,7 @@ watch: 0.5
 silent_after: 0.1
 frozen_after: 2.0
 force: {max: 3.3, per_newton: 1.0, rate: 500}
-pedal: {from: any, button: 0, topic: ""}
+pedal: {from: any, button: 0, topic: "", silent_after: 0.5}
 gripper: {from: button_toggles, open: 0.6, closed: 0.0, speed: 3.0, reading_open: 1.0, reading_closed: 0.0}
 devices:
   right:
@@ -77,6 +77,8 @@ TEST(LoadMaster, ValuesArriveInMetresAndArms) {
   EXPECT_EQ(right.buttons.size(), 2U);
   EXPECT_EQ(right.force, "/right/servo_cf");
   EXPECT_EQ(right.gripper_input, 1);
+  EXPECT_EQ(master.pedal_silent_after, 0.5);
+  EXPECT_EQ(findMaster(kFolder, "mtm").pedal_silent_after, 0.0);
   EXPECT_EQ(master.max_force, 3.3);
   EXPECT_EQ(master.force_rate, 500.0);
   EXPECT_EQ(master.gripper_from, GripperFrom::kToggles);
@@ -101,6 +103,8 @@ TEST(LoadMaster, WhatIsWrongIsNamedWithItsLine) {
                      {"from: any", "from: foot", 21},
                      {"from: any", "from: left", 21},
                      {"from: any", "from: topic", 21},
+                     {"silent_after: 0.5", "silent_after: 0.01", 21},
+                     {"silent_after: 0.5", "silent_after: 61.0", 21},
                      {"from: button_toggles", "from: axis", 22},
                      {"from: button_toggles", "from: joint", 27},
                      {"open: 0.6", "open: -0.1", 22},

@@ -285,6 +285,29 @@ TEST(DeviceHands, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
   EXPECT_EQ(bench.report().found[0], told) << "once";
 }
 
+TEST(DeviceHands, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
+  MasterConfig config = testMaster();
+  config.pedal_from = PedalFrom::kAll;
+  DeviceBench bench(config);
+  bench.warmUp();
+  bench.samples[0].buttons = bench.samples[1].buttons = 1;
+  ASSERT_TRUE(bench.tick().pedal);
+  // GIVEN a driver that dies with its button down, and another that is started: of the release nothing came
+  bench.publishes = false;
+  ASSERT_FALSE(bench.tick(200).pedal);
+  EXPECT_EQ(bench.report().pedal, 0);
+  bench.publishes = true;
+  // WHEN the other device's button alone is pressed, THEN the pedal stays up
+  for (const std::uint32_t right : {1U, 0U, 1U}) {
+    bench.samples[1].buttons = right;
+    EXPECT_FALSE(bench.tick(20).pedal);
+  }
+  bench.samples[0].buttons = 0;
+  bench.tick();
+  bench.samples[0].buttons = 1;
+  EXPECT_TRUE(bench.tick().pedal);
+}
+
 TEST(DeviceHands, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {
   DeviceBench bench(testMaster());
   bench.publishes = false;

@@ -14,6 +14,7 @@
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
+#include "ros/pedal_hold.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -222,6 +223,63 @@ TEST(PedalTopic, IsAButtonOfAJoy) {
   EXPECT_FALSE(held);
   EXPECT_FALSE(readJoyButton(received(joyOf({1, 0})), 2, &held));
   EXPECT_FALSE(readJoyButton(received(std_msgs::String()), 0, &held));
+}
+
+TEST(PedalHoldTest, OneThatRepeatsItselfIsUpOnceItIsSilent) {
+  PedalHold pedal("/foot", 0.5);
+  std::string news;
+  EXPECT_FALSE(pedal.look(true, 0.0, &news));
+  pedal.hear(true, 1.0);
+  EXPECT_TRUE(pedal.look(true, 1.4, &news));
+  pedal.hear(true, 1.4);
+  EXPECT_TRUE(pedal.look(true, 1.8, &news));
+  EXPECT_EQ(news, "");
+  // its process is killed: the ROS master counts it on
+  EXPECT_FALSE(pedal.look(true, 2.0, &news));
+  EXPECT_EQ(news, "pedal: nothing came on /foot for 600 ms while it was held: it counts as up");
+  news.clear();
+  EXPECT_FALSE(pedal.look(true, 9.0, &news));
+  EXPECT_EQ(news, "") << "once";
+  // whoever comes back with the foot on it
+  pedal.hear(true, 10.0);
+  EXPECT_FALSE(pedal.look(true, 10.1, &news));
+  pedal.hear(false, 10.2);
+  pedal.hear(true, 10.3);
+  EXPECT_TRUE(pedal.look(true, 10.4, &news));
+  // up and silent is nothing to tell
+  pedal.hear(false, 10.5);
+  EXPECT_FALSE(pedal.look(true, 20.0, &news));
+  EXPECT_EQ(news, "");
+  // a message after a silence that nobody has looked at
+  pedal.hear(true, 20.1);
+  pedal.hear(true, 21.0);
+  EXPECT_FALSE(pedal.look(true, 21.0, &news));
+}
+
+TEST(PedalHoldTest, OneThatTellsChangesIsUpOnceNobodyPublishes) {
+  PedalHold pedal("/foot", 0.0);
+  std::string news;
+  pedal.hear(true, 1.0);
+  EXPECT_TRUE(pedal.look(true, 100.0, &news));
+  EXPECT_FALSE(pedal.look(false, 101.0, &news));
+  EXPECT_EQ(news, "pedal: nobody publishes /foot: it counts as up");
+  news.clear();
+  EXPECT_FALSE(pedal.look(true, 102.0, &news)) << "another one, which has said nothing";
+  pedal.hear(true, 103.0);
+  EXPECT_TRUE(pedal.look(true, 104.0, &news));
+  EXPECT_EQ(news, "");
+}
+
+TEST(PedalHoldTest, OneThatWasNeverThereIsToldOnceAfterTheStart) {
+  PedalHold pedal("/foot", 0.0);
+  std::string news;
+  pedal.look(false, 1.9, &news);
+  EXPECT_EQ(news, "");
+  pedal.look(false, 2.1, &news);
+  EXPECT_NE(news.find("nobody publishes /foot"), std::string::npos);
+  news.clear();
+  pedal.look(false, 3.0, &news);
+  EXPECT_EQ(news, "");
 }
 
 TEST(ForceReadersTest, AreToldOnceAndWhenTheyChange) {
