@@ -37,13 +37,20 @@ bool watch(const Simulator& simulator, double duration) {
   }
 }
 
+/** What of the configuration has an option of its own. */
+struct Overrides {
+  std::string robot_host;
+  double scale{0.0};
+};
+
 int run(const apps::CommonOptions& common,
-        const std::string& robot_host,
+        const Overrides& overrides,
         const runtime::SimulatorOptions& options,
         int argc,
         char** argv) {
   TrainerConfig config = common.load();
-  if (!robot_host.empty()) config.network.robot_host = robot_host;
+  if (!overrides.robot_host.empty()) config.network.robot_host = overrides.robot_host;
+  if (overrides.scale > 0.0) config.console.scale = overrides.scale;
   Simulator simulator(config, options);
   ros_bridge::RosBridge bridge(&simulator);
   ros_bridge::Supervisor ros(argc, argv, "raven2_simulator", &bridge);
@@ -69,9 +76,11 @@ int main(int argc, char** argv) {
   options.version = apps::version();
   CLI::App app{"The training daemon: model, haptic cue, relay, faults, planner, pictures, record, ROS."};
   common.add(&app, /*with_ports=*/true);
-  std::string robot_host;
-  app.add_option("--robot-host", robot_host, "IPv4 address of the robot (default: the configuration's)")
+  Overrides overrides;
+  app.add_option("--robot-host", overrides.robot_host, "IPv4 address of the robot (default: the configuration's)")
       ->check(CLI::ValidIPV4);
+  app.add_option("--scale", overrides.scale, "Motion scale of the surgeon's master (default: the configuration's)")
+      ->check(CLI::Range(0.001, 1.0));
   app.add_option("--duration", options.duration, "Session time from the first pedal down [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
@@ -79,5 +88,5 @@ int main(int argc, char** argv) {
   app.add_option("--motion-label", options.motion, "What the console plays, for the record only");
   app.add_flag("--strict", options.strict, "Refuse to start where real time or the files cannot be trusted");
   app.add_flag("!--no-render", options.render, "No live picture");
-  return apps::runProgram(&app, argc, argv, [&] { return run(common, robot_host, options, argc, argv); });
+  return apps::runProgram(&app, argc, argv, [&] { return run(common, overrides, options, argc, argv); });
 }

@@ -80,4 +80,12 @@ std::string words(const MasterConfig& config, Arm arm, const DeviceFinding& find
          (places.empty() ? wordsOfStates(at(config.devices, arm), finding) : places);
 }
 
+std::string wordsOfScale(const MasterConfig& config, double console_scale) {
+  if (config.scale == console_scale) return "";
+  return print(
+      "WARNING: scale %.3g of master %s, but console.yaml has %.3g: passivity, workspace edge and record of a daemon "
+      "that was not started with --scale %.3g are wrong by %.3g",
+      config.scale, config.name.c_str(), console_scale, config.scale, config.scale / console_scale);
+}
+
 }  // namespace raven2_trainer

@@ -178,4 +178,10 @@ constexpr const char* deviceName(Arm arm) noexcept {
 /** A line for an operator: which device, what is wrong, and what it most likely is. Empty for kNone. */
 std::string words(const MasterConfig& config, Arm arm, const DeviceFinding& finding);
 
+/**
+ * A line for an operator whose master moves the tool by another scale than `console_scale`, which is what a daemon of the
+ * same configuration takes for it. Empty if they are the same.
+ */
+std::string wordsOfScale(const MasterConfig& config, double console_scale);
+
 }  // namespace raven2_trainer

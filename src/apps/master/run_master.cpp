@@ -55,6 +55,8 @@ PerArm<double> jawsAtHome(const TrainerConfig& config) {
 int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char** argv) {
   MasterConfig master = config::findMaster(shareFolder() + "/config/masters", options.master);
   if (options.scale > 0.0) master.scale = options.scale;
+  const std::string of_scale = wordsOfScale(master, config.console.scale);
+  if (!of_scale.empty()) std::fprintf(stderr, "%s\n", of_scale.c_str());
   config.console.scale = master.scale;
   config.network.sight = false;  // the eyes are the surgeon's own
   MasterLink link;
