@@ -291,11 +291,18 @@ class DeviceHands : public MotionSource {
   }
 
   void press(Arm arm, const Vec3& force_I) noexcept {
-    DeviceForce out;
-    out.position = at(samples_, arm).position;
-    if (engaged_) out.force = toDevice(config_, force_I);
+    DeviceForce& out = at(forces_, arm);
+    place(at(samples_, arm), &out);
+    out.force = engaged_ ? toDevice(config_, force_I) : Vec3{};
     at(report_.hand_force, arm) = toEigen(out.force).norm() / config_.force_per_newton;
     at(link_.forces, arm).store(out);
+  }
+
+  /** A driver that holds a device at a place pulls it there. */
+  static void place(const DeviceSample& sample, DeviceForce* out) noexcept {
+    if (sample.poses == 0 || !toEigen(sample.position).allFinite()) return;
+    out->position = sample.position;
+    out->is_placed = 1;
   }
 
   const MasterConfig config_;
@@ -307,6 +314,7 @@ class DeviceHands : public MotionSource {
   MasterReport report_;
   Tick now_{0};
   bool engaged_{false}, refused_{false};
+  PerArm<DeviceForce> forces_;
   PerArm<bool> locked_{};
   PerArm<std::uint32_t> stale_{};  ///< buttons held since a silence
 };

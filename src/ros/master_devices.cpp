@@ -20,6 +20,7 @@
 #include "ros/master_status.h"
 #include "ros/pedal_hold.h"
 #include "ros/periodic_thread.h"
+#include "ros/rest_watch.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -33,7 +34,8 @@ constexpr std::uint32_t kEvents = 100;      // [messages] each press of a button
 constexpr double kSettle = 2.0;             // [s] connections are made in
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
 constexpr auto kForceLifetime = 50ms;       // a force not renewed is gone, as at the console (reliability.md 2.2)
-constexpr int kGoodbyes = 5;                // messages of no force at the end
+constexpr int kGoodbyes = 5;                // messages of no force at the end, 5 ms apart
+constexpr int kMostGoodbyes = 50;           // the same to a hand that goes on: 250 ms of the Supervisor's 400
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -87,6 +89,11 @@ void publishForce(const ros::Publisher& publisher,
   }
 }
 
+/** Both drivers subtract 0.001 N s/mm times the velocity, at each message: the last one's stays. */
+bool subtractsVelocity(DeviceFamily family) {
+  return family == DeviceFamily::kOmni || family == DeviceFamily::kGeomagic;
+}
+
 /** The newest force of the console, until it is too old. */
 class FreshForce {
  public:
@@ -131,11 +138,19 @@ class Device {
 
   void press() {
     if (!publisher_) return;
-    publishForce(publisher_, config_.family, force_.take(), frame());
+    const DeviceForce out = force_.take();
+    if (out.is_placed == 0) return;
+    last_ = out;
+    publishForce(publisher_, config_.family, last_, frame());
   }
 
-  void letGo() {
-    if (publisher_) publishForce(publisher_, config_.family, DeviceForce{}, frame());
+  /** No force, where it was last. @return the driver needs no more of that. */
+  bool letGo(double time) {
+    if (!publisher_ || last_.is_placed == 0) return true;
+    last_.force = {};
+    publishForce(publisher_, config_.family, last_, frame());
+    const bool rests = rest_.look(config_.metres_per_unit * toEigen(cell_.load().position), time);
+    return rests || !subtractsVelocity(config_.family);
   }
 
   void tellReaders(double time) {
@@ -201,6 +216,8 @@ class Device {
   MasterDeviceReader reader_;
   FreshForce force_;
   ForceReaders readers_;
+  DeviceForce last_;  ///< that was published
+  RestWatch rest_;
   ros::Publisher publisher_, absolute_;
   std::vector<ros::Subscriber> subscribers_;
   std::mutex mutex_;
@@ -267,12 +284,18 @@ struct MasterDevices::Impl {
 
     ~Session() {
       publisher.stop();
-      for (int i = 0; i < kGoodbyes; ++i) {
+      letGo();
+      spinner->stop();
+    }
+
+    void letGo() {
+      bool is_done = false;
+      for (int i = 0; i < kGoodbyes || (i < kMostGoodbyes && !is_done); ++i) {
+        is_done = true;
         for (const auto& device : devices)
-          device->letGo();
+          is_done = device->letGo(secondsSince(started)) && is_done;
         std::this_thread::sleep_for(5ms);
       }
-      spinner->stop();
     }
 
     void cycle() {

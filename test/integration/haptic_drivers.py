@@ -83,7 +83,12 @@ class Omni(Driver):
         super().__init__()
         self._state = rospy.Publisher(f"/{name}/state", OmniState, queue_size=1)
         self._buttons = rospy.Publisher(f"/{name}/button", OmniButtonEvent, queue_size=100)
-        self.listener = rospy.Subscriber(f"/{name}/force_feedback", OmniFeedback, lambda m: self.take(m.force))
+        self.held_at = None  # [m] where it would hold the device, if it were one that locks
+        self.listener = rospy.Subscriber(f"/{name}/force_feedback", OmniFeedback, self.feel)
+
+    def feel(self, feedback):
+        self.held_at = tuple(1e-3 * v for v in (feedback.position.x, feedback.position.y, feedback.position.z))
+        self.take(feedback.force)
 
     def publish(self, p):
         state = OmniState()

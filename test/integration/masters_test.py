@@ -5,6 +5,7 @@ back along them, and what is wrong is told.
 Drivers and daemon are the test's.
 """
 import gc
+import math
 import os
 import signal
 import socket
@@ -228,6 +229,9 @@ class Masters(unittest.TestCase):
         said = self.run_family((RIGHT, FORWARD, minus(DOWN)), 0.1, lambda: right.press(1), lambda: right.press(0))
         self.assertIn("left: force on /left/force_feedback, read by 1", said)
         self.assertIn("let go", said)
+        for driver in (left, right):  # the last message, of no force, pulls a device that is locked nowhere
+            self.assertLess(math.dist(driver.held_at, driver.position), 0.001)
+            self.assertGreater(math.hypot(*driver.position), 0.003)
 
     def test_touch_geomagic(self):
         touch = Geomagic()

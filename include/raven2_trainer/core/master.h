@@ -111,8 +111,9 @@ struct FootPedal {
 
 /** What a device is to press the hand with. */
 struct DeviceForce {
-  Vec3 force{};     ///< the driver's units, the device's axes
-  Vec3 position{};  ///< where the device is, in its units and axes
+  Vec3 force{};              ///< the driver's units, the device's axes
+  Vec3 position{};           ///< where the device was last, in its units and axes; always finite
+  std::uint8_t is_placed{};  ///< 1: it was somewhere
 };
 
 enum class DeviceTrouble : std::uint8_t {
@@ -179,8 +180,8 @@ constexpr const char* deviceName(Arm arm) noexcept {
 std::string words(const MasterConfig& config, Arm arm, const DeviceFinding& finding);
 
 /**
- * A line for an operator whose master moves the tool by another scale than `console_scale`, which is what a daemon of the
- * same configuration takes for it. Empty if they are the same.
+ * A line for an operator whose master moves the tool by another scale than `console_scale`, which is what a daemon of
+ * the same configuration takes for it. Empty if they are the same.
  */
 std::string wordsOfScale(const MasterConfig& config, double console_scale);
 

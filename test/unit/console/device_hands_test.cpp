@@ -475,6 +475,27 @@ TEST(DeviceHands, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   EXPECT_EQ(bench.force(Arm::kGreen), (Vec3{0, 0, 0}));
 }
 
+TEST(DeviceHands, WithAForceGoesTheLastPlaceThatIsOne) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  DeviceBench bench(testMaster());
+  const auto told = [&] { return bench.link.forces[0].load(); };
+  bench.samples[0].position = {nan, 0.0, 0.0};
+  bench.publishes = false;
+  bench.tick(3);
+  EXPECT_EQ(told().is_placed, 0) << "before the first pose";
+  bench.publishes = true;
+  bench.tick(3);
+  EXPECT_EQ(told().is_placed, 0) << "before the first finite one";
+  EXPECT_EQ(told().position, (Vec3{0, 0, 0}));
+  bench.samples[0].position = {0.01, 0.02, 0.03};
+  bench.tick();
+  EXPECT_EQ(told().is_placed, 1);
+  bench.samples[0].position = {0.01, nan, 0.03};
+  bench.tick();
+  EXPECT_EQ(told().is_placed, 1);
+  EXPECT_EQ(told().position, (Vec3{0.01, 0.02, 0.03}));
+}
+
 TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
   for (const Published& family : kPublished) {
     const MasterConfig master = shipped(family.file);

@@ -15,6 +15,7 @@
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
 #include "ros/pedal_hold.h"
+#include "ros/rest_watch.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -223,6 +224,19 @@ TEST(PedalTopic, IsAButtonOfAJoy) {
   EXPECT_FALSE(held);
   EXPECT_FALSE(readJoyButton(received(joyOf({1, 0})), 2, &held));
   EXPECT_FALSE(readJoyButton(received(std_msgs::String()), 0, &held));
+}
+
+TEST(RestWatchTest, ADeviceRestsThatHasNotMovedForAMoment) {
+  RestWatch watch;
+  // 20 mm/s, a pose every 10 ms, looked at every 5 ms
+  double time = 0.0;
+  for (int i = 0; i < 40; ++i, time += 0.005)
+    EXPECT_FALSE(watch.look({4e-4 * (i / 2), 0.0, 0.05}, time)) << i;
+  const Vector3 end(4e-4 * 19, 0.0, 0.05);
+  EXPECT_FALSE(watch.look(end, 0.2));
+  EXPECT_TRUE(watch.look(end, 0.211));
+  EXPECT_TRUE(watch.look(end + Vector3(1e-4, 0.0, 0.0), 0.22)) << "trembles";
+  EXPECT_FALSE(watch.look(end + Vector3(0.0, 3e-4, 0.0), 0.225));
 }
 
 TEST(PedalHoldTest, OneThatRepeatsItselfIsUpOnceItIsSilent) {
