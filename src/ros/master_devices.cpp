@@ -3,10 +3,13 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/callback_queue.h>
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
+#include <ros/single_subscriber_publisher.h>
 #include <ros/spinner.h>
 #include <std_msgs/Bool.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -27,12 +30,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using Message = topic_tools::ShapeShifter;
+using Event = ros::MessageEvent<const Message>;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t kNewest = 1;        // [messages] poses: an old one is worth nothing
 constexpr std::uint32_t kEvents = 100;      // [messages] each press of a button counts
 constexpr double kSettle = 2.0;             // [s] connections are made in
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
+constexpr double kNewsPeriod = 0.1;         // [s] who reads forces is looked at
 constexpr auto kForceLifetime = 50ms;       // a force not renewed is gone, as at the console (reliability.md 2.2)
 constexpr int kGoodbyes = 5;                // messages of no force at the end, 5 ms apart
 constexpr int kMostGoodbyes = 50;           // the same to a hand that goes on: 250 ms of the Supervisor's 400
@@ -49,15 +54,51 @@ geometry_msgs::Vector3 toMessage(const Vec3& v) {
   return m;
 }
 
-ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const std::string& topic) {
+/** Nodes that read a topic, by name. Connections come and go on the spinner's thread. */
+class Readers {
+ public:
+  void add(const std::string& name) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    names_.push_back(name);
+  }
+
+  void remove(const std::string& name) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found != names_.end()) names_.erase(found);
+  }
+
+  std::vector<std::string> names() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return names_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> names_;
+};
+
+template <typename Force>
+ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Readers* readers) {
+  const auto add = [readers](const ros::SingleSubscriberPublisher& reader) {
+    readers->add(reader.getSubscriberName());
+  };
+  const auto remove = [readers](const ros::SingleSubscriberPublisher& reader) {
+    readers->remove(reader.getSubscriberName());
+  };
+  return node->advertise<Force>(topic, kNewest, ros::SubscriberStatusCallback(add),
+                                ros::SubscriberStatusCallback(remove));
+}
+
+ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const std::string& topic, Readers* readers) {
   if (topic.empty()) return {};
   switch (family) {
     case DeviceFamily::kOmni:
-      return node->advertise<devices::OmniFeedback>(topic, kNewest);
+      return advertise<devices::OmniFeedback>(node, topic, readers);
     case DeviceFamily::kGeomagic:
-      return node->advertise<devices::DeviceFeedback>(topic, kNewest);
+      return advertise<devices::DeviceFeedback>(node, topic, readers);
     case DeviceFamily::kCrtk:
-      return node->advertise<geometry_msgs::WrenchStamped>(topic, kNewest);
+      return advertise<geometry_msgs::WrenchStamped>(node, topic, readers);
     case DeviceFamily::kJoy:
       break;
   }
@@ -125,8 +166,9 @@ class Device {
         cell_(at(link->samples, arm)),
         reader_(config, topics_),
         force_(at(link->forces, arm)),
-        readers_(deviceName(arm), topics_.force, kSettle),
-        publisher_(advertiseForce(node, config.family, topics_.force)) {
+        force_news_(deviceName(arm), topics_.force, topics_.pose, kSettle),
+        absolute_news_(deviceName(arm), topics_.force_absolute, kSettle),
+        publisher_(advertiseForce(node, config.family, topics_.force, &readers_)) {
     const bool has_absolute = !topics_.force_absolute.empty();
     if (has_absolute) absolute_ = node->advertise<std_msgs::Bool>(topics_.force_absolute, 1, /*latch=*/true);
     if (has_absolute) absolute_.publish(absolutely());
@@ -134,13 +176,13 @@ class Device {
   }
 
   Arm arm() const noexcept { return arm_; }
-  std::uint32_t readerCount() const { return publisher_ ? publisher_.getNumSubscribers() : 0; }
 
   void press() {
     if (!publisher_) return;
     const DeviceForce out = force_.take();
     if (out.is_placed == 0) return;
     last_ = out;
+    if (isAbsoluteMissing()) last_.force = {};
     publishForce(publisher_, config_.family, last_, frame());
   }
 
@@ -154,17 +196,21 @@ class Device {
   }
 
   void tellReaders(double time) {
-    if (!publisher_) return;
-    const std::string line = readers_.look(readerCount(), time);
-    if (!line.empty()) std::fprintf(stderr, "%s\n", line.c_str());
+    tell(force_news_.look(readers_.names(), driver(), time));
+    if (!topics_.force_absolute.empty()) tell(absolute_news_.look(!isAbsoluteMissing(), time));
   }
 
-  /** [1/s] poses since the last call, `elapsed` [s] ago. */
-  double poseRate(double elapsed) {
+  /** Since the last call, `elapsed` [s] ago. */
+  DeviceTraffic traffic(double elapsed) {
     const std::uint32_t poses = cell_.load().poses;
-    const double rate = (poses - counted_) / elapsed;
+    const std::vector<std::string> readers = readers_.names();
+    DeviceTraffic traffic;
+    traffic.pose_rate = (poses - counted_) / elapsed;
+    traffic.readers = static_cast<std::uint32_t>(readers.size());
+    traffic.is_driver_among = isDriverAmong(readers, driver());
+    traffic.is_absolute_missing = isAbsoluteMissing();
     counted_ = poses;
-    return rate;
+    return traffic;
   }
 
  private:
@@ -173,6 +219,13 @@ class Device {
     message.data = 1;
     return message;
   }
+
+  static void tell(const std::string& line) {
+    if (!line.empty()) std::fprintf(stderr, "%s\n", line.c_str());
+  }
+
+  /** Forces in axes that nobody has turned to those of the base would push anywhere. */
+  bool isAbsoluteMissing() const { return absolute_ && absolute_.getNumSubscribers() == 0; }
 
   void listen(ros::NodeHandle* node) {
     hear(node, topics_.pose, kNewest, [this](const Message& m) { return reader_.pose(m); });
@@ -187,21 +240,29 @@ class Device {
             std::uint32_t queue,
             std::function<bool(const Message&)> read) {
     if (topic.empty()) return;
-    const boost::function<void(const Message::ConstPtr&)> callback =
-        [this, read = std::move(read)](const Message::ConstPtr& message) { take(*message, read); };
+    const boost::function<void(const Event&)> callback = [this, read = std::move(read)](const Event& event) {
+      take(event, read);
+    };
     subscribers_.push_back(
-        node->subscribe<Message>(topic, queue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+        node->subscribe(topic, queue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
   }
 
-  void take(const Message& message, const std::function<bool(const Message&)>& read) {
-    if (!read(message)) {
+  void take(const Event& event, const std::function<bool(const Message&)>& read) {
+    const std::uint32_t poses = reader_.sample().poses;
+    if (!read(*event.getConstMessage())) {
       const std::string line = reader_.refusal();
-      if (!line.empty()) std::fprintf(stderr, "%s: %s\n", deviceName(arm_), line.c_str());
+      if (!line.empty()) tell(std::string(deviceName(arm_)) + ": " + line);
       return;
     }
     cell_.store(reader_.sample());
     const std::lock_guard<std::mutex> lock(mutex_);
     frame_ = reader_.frame();
+    if (reader_.sample().poses != poses) driver_ = event.getPublisherName();
+  }
+
+  std::string driver() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return driver_;
   }
 
   std::string frame() {
@@ -215,13 +276,15 @@ class Device {
   StateCell<DeviceSample>& cell_;
   MasterDeviceReader reader_;
   FreshForce force_;
-  ForceReaders readers_;
+  Readers readers_;
+  ForceReaders force_news_;
+  AbsoluteListener absolute_news_;
   DeviceForce last_;  ///< that was published
   RestWatch rest_;
   ros::Publisher publisher_, absolute_;
   std::vector<ros::Subscriber> subscribers_;
   std::mutex mutex_;
-  std::string frame_;  ///< guarded by it
+  std::string frame_, driver_;  ///< guarded by it
   std::uint32_t counted_{0};
 };
 
@@ -301,11 +364,16 @@ struct MasterDevices::Impl {
     void cycle() {
       const double time = secondsSince(started);
       pedal->tell();
-      for (const auto& device : devices) {
+      for (const auto& device : devices)
         device->press();
-        device->tellReaders(time);
-      }
+      if (time - told >= kNewsPeriod) tellReaders(time);
       if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
+    }
+
+    void tellReaders(double time) {
+      for (const auto& device : devices)
+        device->tellReaders(time);
+      told = time;
     }
 
     void diagnose(double time) {
@@ -313,8 +381,7 @@ struct MasterDevices::Impl {
       array.header.stamp = ros::Time::now();
       const MasterReport report = link.report.load();
       for (const auto& device : devices) {
-        const DeviceTraffic traffic{device->poseRate(time - diagnosed), device->readerCount()};
-        array.status.push_back(masterStatus(config, device->arm(), report, traffic));
+        array.status.push_back(masterStatus(config, device->arm(), report, device->traffic(time - diagnosed)));
       }
       diagnostics.publish(array);
       diagnosed = time;
@@ -329,7 +396,7 @@ struct MasterDevices::Impl {
     ros::Publisher diagnostics;
     std::unique_ptr<ros::AsyncSpinner> spinner;
     const Clock::time_point started{Clock::now()};
-    double diagnosed{0.0};
+    double diagnosed{0.0}, told{0.0};
     PeriodicThread publisher;
   };
 

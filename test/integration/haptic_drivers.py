@@ -138,8 +138,11 @@ class Crtk(Driver):
         self.listener = rospy.Subscriber(f"/{name}/{force}", WrenchStamped, self.feel)
         self.is_absolute, self.frame, self.angle = None, None, 0.8
         if absolute:
-            rospy.Subscriber(f"/{name}/{absolute}", Bool, self.turn_absolute)
+            self.await_absolute(absolute)
         self.enable("ENABLED")
+
+    def await_absolute(self, topic):
+        rospy.Subscriber(f"/{self._name}/{topic}", Bool, self.turn_absolute)
 
     def enable(self, state):
         self._state.publish(OperatingState(Header(stamp=rospy.Time.now()), state, True, False))

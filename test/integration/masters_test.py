@@ -36,6 +36,13 @@ while not rospy.is_shutdown():
     rate.sleep()
 """  # up for 4 s, then held
 
+STRANGER = """
+import rospy
+rospy.init_node("stranger")
+reader = rospy.Subscriber("/Geomagic/force_feedback", rospy.AnyMsg, lambda message: None)
+rospy.spin()
+"""
+
 HERE = os.path.dirname(os.path.realpath(__file__))
 PROGRAM = os.path.join(os.environ["RAVEN2_TRAINER_BUILD"], "devel", "lib", "raven2_trainer", "master_console")
 MASTERS = os.path.join(HERE, "..", "..", "config", "masters")
@@ -227,7 +234,7 @@ class Masters(unittest.TestCase):
         left, right = Omni("left"), Omni("right")
         self.begin("omni_pair", [left, right])
         said = self.run_family((RIGHT, FORWARD, minus(DOWN)), 0.1, lambda: right.press(1), lambda: right.press(0))
-        self.assertIn("left: force on /left/force_feedback, read by 1", said)
+        self.assertIn(f"left: force on /left/force_feedback, read by 1: {rospy.get_name()}", said)
         self.assertIn("let go", said)
         for driver in (left, right):  # the last message, of no force, pulls a device that is locked nowhere
             self.assertLess(math.dist(driver.held_at, driver.position), 0.001)
@@ -265,6 +272,25 @@ class Masters(unittest.TestCase):
         self.await_that(lambda: "/MTML/operating_state is not ENABLED" in self.console.said(), "it is not told")
         foot.unregister()
         self.await_that(lambda: "nobody publishes /footpedals/coag" in self.console.said(), "a lost pedal is not told")
+
+    def test_forces_wait_for_the_axes_of_the_base(self):
+        names = ("MTML", "MTMR")
+        arms = [Crtk(name, "body/servo_cf") for name in names]
+        foot = rospy.Publisher("/footpedals/coag", Joy, queue_size=10, latch=True)
+        foot.publish(Joy(buttons=[0]))
+        self.addCleanup(foot.unregister)
+        self.begin("mtm", arms)
+        self.settle()
+        self.engage(lambda: foot.publish(Joy(buttons=[1])))
+        self.daemon.force = [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+        for name in names:
+            self.await_that(lambda n=name: f"nobody reads /{n}/body/set_cf_orientation_absolute: forces stay zero"
+                            in self.console.said(), "a missing listener is not told")
+        time.sleep(0.5)
+        self.assertEqual([arm.force for arm in arms], 2 * [(0.0, 0.0, 0.0)])
+        arms[0].await_absolute("body/set_cf_orientation_absolute")
+        self.await_that(lambda: math.dist(arms[0].force, (0.0, 0.0, 1.0)) < 1e-9, f"no force: {arms[0].force}")
+        self.assertEqual(arms[1].force, (0.0, 0.0, 0.0))
 
     def test_a_pedal_whose_program_is_killed_is_up(self):
         arms = [Crtk(n, "body/servo_cf", "body/set_cf_orientation_absolute") for n in ("MTML", "MTMR")]
@@ -331,6 +357,11 @@ class Masters(unittest.TestCase):
         self.engage(lambda: touch.press(1))
         touch.listener.unregister()
         self.await_that(lambda: "read by NOBODY any more" in self.console.said(), "a lost reader is not told")
+        stranger = subprocess.Popen(["/usr/bin/python3", "-c", STRANGER])
+        self.addCleanup(stranger.wait)
+        self.addCleanup(stranger.kill)
+        self.await_that(lambda: "read by 1: /stranger, but not by " + rospy.get_name() in self.console.said(),
+                        "a reader that is not the driver is taken for it", 30)
         touch.close()
         self.await_that(lambda: self.daemon.pedal == 0, "a silent device does not lift the pedal")
         self.await_that(lambda: "left: nothing came on /Geomagic/pose" in self.console.said(), "it is not told")

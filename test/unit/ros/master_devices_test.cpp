@@ -296,17 +296,43 @@ TEST(PedalHoldTest, OneThatWasNeverThereIsToldOnceAfterTheStart) {
   EXPECT_EQ(news, "");
 }
 
-TEST(ForceReadersTest, AreToldOnceAndWhenTheyChange) {
-  ForceReaders readers("left", "/left/servo_cf", 2.0);
-  EXPECT_EQ(readers.look(0, 0.5), "");
-  EXPECT_EQ(readers.look(1, 0.6), "left: force on /left/servo_cf, read by 1");
-  EXPECT_EQ(readers.look(1, 5.0), "");
-  EXPECT_NE(readers.look(0, 6.0).find("NOBODY any more"), std::string::npos);
-  EXPECT_EQ(readers.look(0, 7.0), "");
-  EXPECT_EQ(readers.look(2, 8.0), "left: force on /left/servo_cf, read by 2");
-  ForceReaders nobody("right", "/f", 2.0);
-  EXPECT_EQ(nobody.look(0, 1.9), "");
-  EXPECT_EQ(nobody.look(0, 2.1), "right: force on /f, read by NOBODY: no force will be felt");
+TEST(ForceReadersTest, AreToldByNameOnceAndWhenTheyChange) {
+  ForceReaders readers("left", "/left/servo_cf", "/left/measured_cp", 2.0);
+  EXPECT_EQ(readers.look({}, "", 0.5), "");
+  EXPECT_EQ(readers.look({"/saw"}, "", 0.6), "left: force on /left/servo_cf, read by 1: /saw");
+  EXPECT_EQ(readers.look({"/saw"}, "/saw", 5.0), "") << "who publishes the poses is among them";
+  EXPECT_NE(readers.look({}, "/saw", 6.0).find("NOBODY any more"), std::string::npos);
+  EXPECT_EQ(readers.look({}, "/saw", 7.0), "");
+  EXPECT_EQ(readers.look({"/saw", "/bag"}, "/saw", 8.0), "left: force on /left/servo_cf, read by 2: /saw /bag");
+  EXPECT_EQ(
+      readers.look({"/bag"}, "/saw", 9.0),
+      "left: force on /left/servo_cf, read by 1: /bag, but not by /saw, which publishes /left/measured_cp: no force "
+      "may be felt");
+  EXPECT_EQ(readers.look({"/bag"}, "/saw", 10.0), "");
+  ForceReaders nobody("right", "/f", "/p", 2.0);
+  EXPECT_EQ(nobody.look({}, "/saw", 1.9), "");
+  EXPECT_EQ(nobody.look({}, "/saw", 2.1), "right: force on /f, read by NOBODY: no force will be felt");
+}
+
+TEST(ForceReadersTest, WithoutATopicThereIsNoForce) {
+  ForceReaders readers("left", "", "/p", 2.0);
+  EXPECT_EQ(readers.look({}, "", 1.0), "");
+  EXPECT_NE(readers.look({}, "", 2.0).find("left: no force"), std::string::npos);
+  EXPECT_EQ(readers.look({}, "/saw", 3.0), "");
+}
+
+TEST(AbsoluteListenerTest, IsToldWhereItIsMissing) {
+  AbsoluteListener listener("left", "/left/absolute", 2.0);
+  EXPECT_EQ(listener.look(false, 1.0), "");
+  EXPECT_NE(listener.look(false, 2.0).find("left: nobody reads /left/absolute: forces stay zero"), std::string::npos);
+  EXPECT_EQ(listener.look(false, 3.0), "");
+  EXPECT_EQ(listener.look(true, 4.0), "left: /left/absolute is read now: forces go out");
+  EXPECT_EQ(listener.look(true, 5.0), "");
+  EXPECT_NE(listener.look(false, 6.0).find("nobody reads"), std::string::npos);
+  AbsoluteListener there("left", "/left/absolute", 2.0);
+  EXPECT_EQ(there.look(true, 0.5), "");
+  EXPECT_EQ(there.look(true, 2.5), "") << "nothing to tell of what is as it should be";
+  EXPECT_NE(there.look(false, 2.6).find("nobody reads"), std::string::npos);
 }
 
 TEST(MasterStatus, SaysWhatIsWrong) {
@@ -319,6 +345,15 @@ TEST(MasterStatus, SaysWhatIsWrong) {
   status = masterStatus(config, Arm::kGreen, report, {998.0, 0});
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(status.message.find("/right/force_feedback"), std::string::npos);
+  status = masterStatus(config, Arm::kGreen, report, {998.0, 1, false, false});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_EQ(status.message, "/right/force_feedback is read, but not by who publishes /right/state");
+  status = masterStatus(shipped("mtm"), Arm::kGreen, report, {998.0, 1, true, true});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_EQ(status.message, "nobody reads /MTMR/body/set_cf_orientation_absolute: forces stay zero");
+  status = masterStatus(shipped("gamepad"), Arm::kGreen, report, {50.0, 0});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK);
+  EXPECT_EQ(status.message, "pedal up; no force");
   report.now[1] = {DeviceTrouble::kSilent, 0.4};
   status = masterStatus(config, Arm::kGreen, report, {0.0, 0});
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);
