@@ -222,8 +222,9 @@ class DeviceHands : public MotionSource {
       const DeviceFinding before = at(report_.now, arm);
       const DeviceFinding found = at(watches_, arm).look(at(samples_, arm), engaged_);
       at(report_.now, arm) = found;
-      const bool is_connecting = found.trouble == DeviceTrouble::kNeverHeard && now_ < kConnecting;
-      const bool is_late_news = found.trouble == DeviceTrouble::kNeverHeard && now_ == kConnecting;
+      const bool is_unheard = found.trouble == DeviceTrouble::kNeverHeard || found.trouble == DeviceTrouble::kNoState;
+      const bool is_connecting = is_unheard && now_ < kConnecting;
+      const bool is_late_news = is_unheard && now_ == kConnecting;
       if ((found.trouble != before.trouble && !is_connecting) || is_late_news) note(arm, found);
       noteLock(arm);
       distrustButtons(arm);

@@ -37,7 +37,7 @@ DeviceFinding DeviceWatch::look(const DeviceSample& sample, bool engaged) noexce
   }
   if (poses_ == 0) return {DeviceTrouble::kNeverHeard, 0.0};
   if (age_ > config_.silent_after) return {DeviceTrouble::kSilent, age_};
-  if (sample.is_ready == 0) return {DeviceTrouble::kNotReady, 0.0};
+  if (sample.is_ready == 0) return {sample.is_stateless != 0 ? DeviceTrouble::kNoState : DeviceTrouble::kNotReady, 0.0};
   if (found_.trouble != DeviceTrouble::kNone) return found_;
   if (has_pose_ && config_.frozen_after > 0.0 && unchanged_ > config_.frozen_after)
     return {DeviceTrouble::kFrozen, unchanged_};

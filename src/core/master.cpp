@@ -50,6 +50,8 @@ std::string wordsOfStates(const DeviceTopics& topics, const DeviceFinding& findi
       return "nothing has come on " + topics.pose + " (does its driver run, and under this name?)";
     case DeviceTrouble::kSilent:
       return print("nothing came on %s for %.0f ms", topics.pose.c_str(), 1e3 * finding.value);
+    case DeviceTrouble::kNoState:
+      return "nothing has come on " + topics.operating_state + " (does its driver publish it, and under this name?)";
     case DeviceTrouble::kNotReady:
       return topics.operating_state + " is not ENABLED and homed: enable and home the device";
     case DeviceTrouble::kLocked:

@@ -100,7 +100,8 @@ struct DeviceSample {
   std::array<double, 8> axes{};  ///< of a Joy
   double gripper{};              ///< reading of the gripper's joint
   std::uint8_t has_gripper{};    ///< 1: one has come
-  std::uint8_t is_ready{1};      ///< 0: its operating state says that it is not enabled and homed
+  std::uint8_t is_ready{1};      ///< 0: its operating state does not say that it is enabled and homed
+  std::uint8_t is_stateless{};   ///< 1: nor anything else: it has one, and none has come
   std::uint8_t is_locked{};      ///< 1: the driver holds it where it is
 };
 
@@ -120,6 +121,7 @@ enum class DeviceTrouble : std::uint8_t {
   kNone,
   kNeverHeard,     ///< no pose has come
   kSilent,         ///< [s] none comes any more
+  kNoState,        ///< no operating state has come
   kNotReady,       ///< the operating state is not enabled and homed
   kLocked,         ///< the driver says that it holds the device; told, and nothing more
   kNotFinite,      ///< a number of the pose is none

@@ -347,6 +347,29 @@ TEST(DeviceHands, AnOperatingStateThatIsNotEnabledForbidsAndALockIsToldAlone) {
   EXPECT_EQ(bench.newest(Arm::kGreen), DeviceTrouble::kNotReady);
 }
 
+TEST(DeviceHands, AnOperatingStateThatHasNotComeForbidsAndIsToldAfterAMoment) {
+  DeviceBench bench(testMaster());
+  bench.samples[0].is_ready = 0;
+  bench.samples[0].is_stateless = 1;
+  bench.warmUp();
+  EXPECT_EQ(bench.report().found[0], 0U) << "ROS needs a moment";
+  bench.tick(1500);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNoState);
+  EXPECT_EQ(bench.said(),
+            "left: nothing has come on /operating_state (does its driver publish it, and under this name?)");
+  EXPECT_EQ(bench.report().found[0], 1U);
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  bench.samples[0].is_stateless = 0;
+  bench.tick();
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNotReady) << "it is DISABLED, say";
+  bench.press(0);
+  bench.samples[0].is_ready = 1;
+  bench.tick();
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal);
+}
+
 TEST(DeviceHands, ThePedalIsWhereTheFileSays) {
   struct Case {
     PedalFrom from;

@@ -163,6 +163,8 @@ TEST(DeviceReader, ReadsCrtkPosesWithATimeAndButtonsOfSeveralTopics) {
 TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
   const MasterConfig config = shipped("mtm");
   MasterDeviceReader reader(config, config.devices[0]);
+  EXPECT_EQ(reader.sample().is_ready, 0) << "it has not said so";
+  EXPECT_EQ(reader.sample().is_stateless, 1);
   devices::OperatingState state;
   for (const auto& [name, homed, ready] : {std::tuple("ENABLED", 1, 1), std::tuple("ENABLED", 0, 0),
                                            std::tuple("DISABLED", 1, 0), std::tuple("FAULT", 1, 0)}) {
@@ -170,7 +172,10 @@ TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
     state.is_homed = static_cast<std::uint8_t>(homed);
     ASSERT_TRUE(reader.operatingState(receivedAs("crtk_msgs/OperatingState", state)));
     EXPECT_EQ(reader.sample().is_ready, ready) << name << homed;
+    EXPECT_EQ(reader.sample().is_stateless, 0);
   }
+  const MasterConfig omni = shipped("omni");
+  EXPECT_EQ(MasterDeviceReader(omni, omni.devices[0]).sample().is_ready, 1) << "it has none";
   sensor_msgs::JointState joints;
   ASSERT_TRUE(reader.gripper(received(joints)));
   EXPECT_EQ(reader.sample().has_gripper, 0);
