@@ -243,8 +243,8 @@ class Device {
     const boost::function<void(const Event&)> callback = [this, read = std::move(read)](const Event& event) {
       take(event, read);
     };
-    subscribers_.push_back(
-        node->subscribe(topic, queue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+    subscribers_.push_back(node->subscribe<Message, const Event&>(topic, queue, callback, ros::VoidConstPtr(),
+                                                                  ros::TransportHints().tcpNoDelay()));
   }
 
   void take(const Event& event, const std::function<bool(const Message&)>& read) {
