@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -21,6 +20,7 @@
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
+#include "ros/operator_lines.h"
 #include "ros/pedal_hold.h"
 #include "ros/periodic_thread.h"
 #include "ros/rest_watch.h"
@@ -156,11 +156,17 @@ class FreshForce {
   Clock::time_point told_{};
 };
 
+/** What an operator is to know, by the thread that says it. */
+struct News {
+  OperatorLines of_spinner, of_publisher;
+};
+
 /** One device's topics. Messages come on the spinner's thread, forces go on the publisher's. */
 class Device {
  public:
-  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node)
+  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node, News* news)
       : config_(config),
+        news_(*news),
         arm_(arm),
         topics_(at(config.devices, arm)),
         cell_(at(link->samples, arm)),
@@ -196,8 +202,8 @@ class Device {
   }
 
   void tellReaders(double time) {
-    tell(force_news_.look(readers_.names(), driver(), time));
-    if (!topics_.force_absolute.empty()) tell(absolute_news_.look(!isAbsoluteMissing(), time));
+    news_.of_publisher.tell(force_news_.look(readers_.names(), driver(), time));
+    if (absolute_) news_.of_publisher.tell(absolute_news_.look(!isAbsoluteMissing(), time));
   }
 
   /** Since the last call, `elapsed` [s] ago. */
@@ -218,10 +224,6 @@ class Device {
     std_msgs::Bool message;
     message.data = 1;
     return message;
-  }
-
-  static void tell(const std::string& line) {
-    if (!line.empty()) std::fprintf(stderr, "%s\n", line.c_str());
   }
 
   /** Forces in axes that nobody has turned to those of the base would push anywhere. */
@@ -251,7 +253,7 @@ class Device {
     const std::uint32_t poses = reader_.sample().poses;
     if (!read(*event.getConstMessage())) {
       const std::string line = reader_.refusal();
-      if (!line.empty()) tell(std::string(deviceName(arm_)) + ": " + line);
+      if (!line.empty()) news_.of_spinner.tell(std::string(deviceName(arm_)) + ": " + line);
       return;
     }
     cell_.store(reader_.sample());
@@ -271,6 +273,7 @@ class Device {
   }
 
   const MasterConfig& config_;
+  News& news_;
   const Arm arm_;
   const DeviceTopics& topics_;
   StateCell<DeviceSample>& cell_;
@@ -291,8 +294,8 @@ class Device {
 /** A pedal that is a sensor_msgs/Joy. */
 class PedalTopic {
  public:
-  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node)
-      : config_(config), cell_(link->pedal), hold_(config.pedal_topic, config.pedal_silent_after) {
+  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node, News* news)
+      : config_(config), news_(*news), cell_(link->pedal), hold_(config.pedal_topic, config.pedal_silent_after) {
     if (config.pedal_from != PedalFrom::kTopic) return;
     const boost::function<void(const Message::ConstPtr&)> hear = [this](const Message::ConstPtr& m) { take(*m); };
     subscriber_ = node->subscribe<Message>(config.pedal_topic, kEvents, hear, ros::VoidConstPtr(),
@@ -304,7 +307,7 @@ class PedalTopic {
     if (!subscriber_) return;
     std::string news;
     const bool is_held = hold_.look(subscriber_.getNumPublishers() > 0, secondsSince(started_), &news);
-    if (!news.empty()) std::fprintf(stderr, "%s\n", news.c_str());
+    news_.of_publisher.tell(news);
     cell_.store(FootPedal{static_cast<std::uint8_t>(is_held ? 1 : 0)});
   }
 
@@ -314,11 +317,13 @@ class PedalTopic {
     const bool is_known = readJoyButton(message, config_.pedal_button, &held);
     hold_.hear(held, secondsSince(started_));
     if (!is_known && !std::exchange(told_refused_, true))
-      std::fprintf(stderr, "pedal: refused: %s is of type %s, or has no button %d; a sensor_msgs/Joy is wanted\n",
-                   config_.pedal_topic.c_str(), message.getDataType().c_str(), config_.pedal_button);
+      news_.of_spinner.tell("pedal: refused: " + config_.pedal_topic + " is of type " + message.getDataType() +
+                            ", or has no button " + std::to_string(config_.pedal_button) +
+                            "; a sensor_msgs/Joy is wanted");
   }
 
   const MasterConfig& config_;
+  News& news_;
   StateCell<FootPedal>& cell_;
   const Clock::time_point started_{Clock::now()};
   PedalHold hold_;
@@ -336,9 +341,10 @@ struct MasterDevices::Impl {
     explicit Session(Impl* owner) : config(owner->config), link(owner->link) {
       node.setCallbackQueue(&queue);
       for (const Arm arm : kArms) {
-        if (at(config.devices, arm).is_used) devices.push_back(std::make_unique<Device>(config, arm, &link, &node));
+        if (at(config.devices, arm).is_used)
+          devices.push_back(std::make_unique<Device>(config, arm, &link, &node, &owner->news));
       }
-      pedal = std::make_unique<PedalTopic>(config, &link, &node);
+      pedal = std::make_unique<PedalTopic>(config, &link, &node, &owner->news);
       diagnostics = node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
       spinner = std::make_unique<ros::AsyncSpinner>(1, &queue);
       spinner->start();
@@ -402,6 +408,7 @@ struct MasterDevices::Impl {
 
   const MasterConfig config;
   MasterLink& link;
+  News news;
   std::unique_ptr<Session> session;
 };
 
@@ -418,6 +425,10 @@ void MasterDevices::start() {
 
 void MasterDevices::stop() {
   impl_->session.reset();
+}
+
+bool MasterDevices::nextLine(std::string* line) {
+  return impl_->news.of_spinner.next(line) || impl_->news.of_publisher.next(line);
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -14,6 +14,7 @@
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
+#include "ros/operator_lines.h"
 #include "ros/pedal_hold.h"
 #include "ros/rest_watch.h"
 
@@ -229,6 +230,26 @@ TEST(PedalTopic, IsAButtonOfAJoy) {
   EXPECT_FALSE(held);
   EXPECT_FALSE(readJoyButton(received(joyOf({1, 0})), 2, &held));
   EXPECT_FALSE(readJoyButton(received(std_msgs::String()), 0, &held));
+}
+
+TEST(OperatorLinesTest, ComeOutInOrderAndSayHowManyDidNot) {
+  OperatorLines lines;
+  std::string line;
+  EXPECT_FALSE(lines.next(&line));
+  lines.tell("");
+  EXPECT_FALSE(lines.next(&line));
+  for (int i = 0; i < 40; ++i)
+    lines.tell("line " + std::to_string(i));
+  for (int i = 0; i < 32; ++i) {
+    ASSERT_TRUE(lines.next(&line));
+    EXPECT_EQ(line, "line " + std::to_string(i));
+  }
+  ASSERT_TRUE(lines.next(&line));
+  EXPECT_EQ(line, "8 lines more, which were not kept");
+  EXPECT_FALSE(lines.next(&line));
+  lines.tell(std::string(2000, 'x'));
+  ASSERT_TRUE(lines.next(&line));
+  EXPECT_EQ(line, std::string(504, 'x'));
 }
 
 TEST(RestWatchTest, ADeviceRestsThatHasNotMovedForAMoment) {
