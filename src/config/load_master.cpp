@@ -148,6 +148,7 @@ DeviceTopics readDevice(Section& s, const MasterConfig& c) {
     device.operating_state = topic(s, "operating_state", true);
     device.force = topic(s, "force", true);
     device.force_absolute = topic(s, "force_absolute", true);
+    device.gravity_compensation = topic(s, "gravity_compensation", true);
   }
   s.finish();
   return device;

@@ -294,6 +294,7 @@ class DeviceHands : public MotionSource {
   void press(Arm arm, const Vec3& force_I) noexcept {
     DeviceForce& out = at(forces_, arm);
     place(at(samples_, arm), &out);
+    if (engaged_) out.has_begun = 1;
     out.force = engaged_ ? toDevice(config_, force_I) : Vec3{};
     at(report_.hand_force, arm) = toEigen(out.force).norm() / config_.force_per_newton;
     at(link_.forces, arm).store(out);

@@ -175,9 +175,8 @@ class Device {
         force_news_(deviceName(arm), topics_.force, topics_.pose, kSettle),
         absolute_news_(deviceName(arm), topics_.force_absolute, kSettle),
         publisher_(advertiseForce(node, config.family, topics_.force, &readers_)) {
-    const bool has_absolute = !topics_.force_absolute.empty();
-    if (has_absolute) absolute_ = node->advertise<std_msgs::Bool>(topics_.force_absolute, 1, /*latch=*/true);
-    if (has_absolute) absolute_.publish(absolutely());
+    absolute_ = tellTrue(node, topics_.force_absolute);
+    gravity_ = tellTrue(node, topics_.gravity_compensation);
     listen(node);
   }
 
@@ -186,7 +185,7 @@ class Device {
   void press() {
     if (!publisher_) return;
     const DeviceForce out = force_.take();
-    if (out.is_placed == 0) return;
+    if (!isDue(out)) return;
     last_ = out;
     if (isAbsoluteMissing()) last_.force = {};
     publishForce(publisher_, config_.family, last_, frame());
@@ -220,10 +219,19 @@ class Device {
   }
 
  private:
-  static std_msgs::Bool absolutely() {
+  /** Once, and to whoever comes later. */
+  static ros::Publisher tellTrue(ros::NodeHandle* node, const std::string& topic) {
+    if (topic.empty()) return {};
+    ros::Publisher publisher = node->advertise<std_msgs::Bool>(topic, 1, /*latch=*/true);
     std_msgs::Bool message;
     message.data = 1;
-    return message;
+    publisher.publish(message);
+    return publisher;
+  }
+
+  /** A force takes a CRTK device from the controller that holds it: not before somebody has it in his hand. */
+  bool isDue(const DeviceForce& force) const noexcept {
+    return force.is_placed != 0 && (force.has_begun != 0 || config_.family != DeviceFamily::kCrtk);
   }
 
   /** Forces in axes that nobody has turned to those of the base would push anywhere. */
@@ -284,7 +292,7 @@ class Device {
   AbsoluteListener absolute_news_;
   DeviceForce last_;  ///< that was published
   RestWatch rest_;
-  ros::Publisher publisher_, absolute_;
+  ros::Publisher publisher_, absolute_, gravity_;
   std::vector<ros::Subscriber> subscribers_;
   std::mutex mutex_;
   std::string frame_, driver_;  ///< guarded by it

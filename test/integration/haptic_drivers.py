@@ -44,6 +44,7 @@ class Driver:
     def __init__(self):
         self.position = [0.0, 0.0, 0.0]
         self.trembles = True
+        self.is_held = False  # by a controller of its own, until the first force
         self.force = None  # [N] newest, as the driver was told
         self.forces = 0
         self._ticks = 0
@@ -130,13 +131,15 @@ class Crtk(Driver):
 
     def __init__(self, name, force="servo_cf", absolute=None):
         super().__init__()
+        self.is_held = True
         self._name = name
         self._pose = rospy.Publisher(f"/{name}/measured_cp", PoseStamped, queue_size=1)
         self._gripper = rospy.Publisher(f"/{name}/gripper/measured_js", JointState, queue_size=1)
         self._state = rospy.Publisher(f"/{name}/operating_state", OperatingState, queue_size=10, latch=True)
         self._buttons = [rospy.Publisher(f"/{name}/button{n}", Joy, queue_size=10) for n in (1, 2)]
         self.listener = rospy.Subscriber(f"/{name}/{force}", WrenchStamped, self.feel)
-        self.is_absolute, self.frame, self.angle = None, None, 0.8
+        self.is_absolute, self.is_compensated, self.frame, self.angle = None, None, None, 0.8
+        rospy.Subscriber(f"/{name}/use_gravity_compensation", Bool, self.compensate)
         if absolute:
             self.await_absolute(absolute)
         self.enable("ENABLED")
@@ -146,6 +149,9 @@ class Crtk(Driver):
 
     def enable(self, state):
         self._state.publish(OperatingState(Header(stamp=rospy.Time.now()), state, True, False))
+
+    def compensate(self, told):
+        self.is_compensated = told.data
 
     def turn_absolute(self, told):
         self.is_absolute = told.data

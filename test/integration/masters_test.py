@@ -171,13 +171,15 @@ class Masters(unittest.TestCase):
 
     def settle(self):
         """Hands that are watched, and rest then."""
-        self.await_that(lambda: all(d.listener.get_num_connections() > 0 and d.forces > 0 for d in self.drivers),
-                        "forces do not come")
+        self.await_that(lambda: all(d.listener.get_num_connections() > 0 and (d.forces > 0 or d.is_held)
+                                    for d in self.drivers), "forces do not come")
         time.sleep(1.5)
         for driver in self.drivers:
             driver.trembles = False
         time.sleep(0.3)
         self.assertEqual(self.daemon.sum, [[0, 0, 0], [0, 0, 0]], "the pedal is up")
+        self.assertEqual([d.forces for d in self.drivers if d.is_held], [0 for d in self.drivers if d.is_held],
+                         "a force takes an arm from the controller that holds it")
 
     def engage(self, press):
         press()
@@ -258,6 +260,7 @@ class Masters(unittest.TestCase):
         self.begin("mtm", arms)
         self.settle()
         self.assertEqual([arm.is_absolute for arm in arms], [True, True])
+        self.assertEqual([arm.is_compensated for arm in arms], [True, True])
         self.engage(lambda: foot.publish(Joy(buttons=[1])))
         self.check_motion((minus(RIGHT), minus(DOWN), FORWARD), 0.2)
         # jaws: from where they were to 0.8 rad, then half closed

@@ -53,9 +53,10 @@ struct DeviceTopics {
   std::string gripper;               ///< sensor_msgs/JointState, its first joint
   std::string operating_state;       ///< crtk_msgs/OperatingState
   std::string force;
-  std::string force_absolute;   ///< std_msgs/Bool: told true, once, for forces in the axes of the base
-  std::array<int, 3> sticks{};  ///< axes of a Joy that are velocities along x, y, z
-  int gripper_input{-1};        ///< number of the button or of the Joy's axis; -1 none
+  std::string force_absolute;        ///< std_msgs/Bool: told true, once, for forces in the axes of the base
+  std::string gravity_compensation;  ///< std_msgs/Bool: told true, once: a device that only feels forces does not sink
+  std::array<int, 3> sticks{};       ///< axes of a Joy that are velocities along x, y, z
+  int gripper_input{-1};             ///< number of the button or of the Joy's axis; -1 none
 };
 
 /** A file of config/masters. */
@@ -115,6 +116,7 @@ struct DeviceForce {
   Vec3 force{};              ///< the driver's units, the device's axes
   Vec3 position{};           ///< where the device was last, in its units and axes; always finite
   std::uint8_t is_placed{};  ///< 1: it was somewhere
+  std::uint8_t has_begun{};  ///< 1: the pedal has counted once
 };
 
 enum class DeviceTrouble : std::uint8_t {

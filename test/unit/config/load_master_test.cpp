@@ -49,6 +49,7 @@ devices:
     operating_state: ""
     force: /right/servo_cf
     force_absolute: ""
+    gravity_compensation: ""
     gripper_input: 1
 )";
 
@@ -77,6 +78,8 @@ TEST(LoadMaster, ValuesArriveInMetresAndArms) {
   EXPECT_EQ(right.buttons.size(), 2U);
   EXPECT_EQ(right.force, "/right/servo_cf");
   EXPECT_EQ(right.gripper_input, 1);
+  EXPECT_EQ(right.gravity_compensation, "");
+  EXPECT_EQ(findMaster(kFolder, "mtm").devices[1].gravity_compensation, "/MTMR/use_gravity_compensation");
   EXPECT_EQ(master.pedal_silent_after, 0.5);
   EXPECT_EQ(findMaster(kFolder, "mtm").pedal_silent_after, 0.0);
   EXPECT_EQ(master.max_force, 3.3);
@@ -114,14 +117,14 @@ TEST(LoadMaster, WhatIsWrongIsNamedWithItsLine) {
                      {"pose: /right/measured_cp", "pose: ~measured_cp", 25},
                      {"/right/button2]", "right button]", 26},
                      {"force: /right/servo_cf", "force: 9", 29},
-                     {"gripper_input: 1", "gripper_input: 99", 31},
+                     {"gripper_input: 1", "gripper_input: 99", 32},
                      {"  right:\n    pose", "  middle:\n    pose", 24}});
 }
 
 TEST(LoadMaster, KeysOfAnotherFamilyAndMissingOnesAreRefused) {
   expectRefused(load, replaced(kGood, "family: crtk", "family: joy"), 1, "stick_speed is missing");
   expectRefused(load, replaced(kGood, "watch: 0.5\n", ""), 1, "watch is missing");
-  expectRefused(load, kGood + "stick_speed: 0.1\n", 32, "unknown key");
+  expectRefused(load, kGood + "stick_speed: 0.1\n", 33, "unknown key");
   expectRefused(load, replaced(kGood, "buttons: [/right/button1, /right/button2]", "buttons: []"), 24, "no buttons");
   expectRefused(load, replaced(kGood, "gripper_input: 1", "gripper_input: -1"), 24, "no gripper_input");
 }

@@ -498,6 +498,22 @@ TEST(DeviceHands, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   EXPECT_EQ(bench.force(Arm::kGreen), (Vec3{0, 0, 0}));
 }
 
+TEST(DeviceHands, AForceSaysWhetherThePedalHasEverCounted) {
+  DeviceBench bench(testMaster());
+  const auto has_begun = [&] { return bench.link.forces[1].load().has_begun; };
+  bench.press();
+  bench.tick(10);  // pressed too soon
+  bench.press(0);
+  bench.warmUp();
+  EXPECT_EQ(has_begun(), 0);
+  bench.press();
+  bench.tick();
+  EXPECT_EQ(has_begun(), 1);
+  bench.press(0);
+  bench.tick(10);
+  EXPECT_EQ(has_begun(), 1);
+}
+
 TEST(DeviceHands, WithAForceGoesTheLastPlaceThatIsOne) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   DeviceBench bench(testMaster());
