@@ -115,7 +115,8 @@ class Console:
         path = os.path.join(self._folder.name, master + ".yaml")
         with open(os.path.join(MASTERS, master + ".yaml"), encoding="utf-8") as file:
             text = file.read()
-        for old, new in {"frozen_after: 2.0": "frozen_after: 0.0", **changes.get("swap", {})}.items():
+        for old, new in {"frozen_after: 2.0": "frozen_after: 0.0", "frozen_after: 0.5": "frozen_after: 0.0",
+                         **changes.get("swap", {})}.items():
             text = text.replace(old, new)
         for old in ("silent_after: 0.1 ", "silent_after: 0.3 "):
             text = text.replace(old, f"silent_after: {changes.get('silent_after', 5.0)} ")
