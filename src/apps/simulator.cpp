@@ -40,15 +40,26 @@ bool watch(const Simulator& simulator, double duration) {
   }
 }
 
+/** Keys of the configuration that have an option of their own here; they go before parameters. */
+struct KeyOptions {
+  std::string robot_host, scale;
+
+  void addTo(config::Overrides* overrides) const {
+    if (!robot_host.empty()) overrides->push_back({"network/robot_host", robot_host, "--robot-host"});
+    if (!scale.empty()) overrides->push_back({"console/scale", scale, "--scale"});
+  }
+};
+
 int run(const apps::CommonOptions& common,
-        const std::string& robot_host,
+        const KeyOptions& keys,
         const runtime::SimulatorOptions& options,
         int argc,
         char** argv) {
-  const config::Overrides overrides = ros_bridge::nodeParameters(argc, argv, kNode);
-  TrainerConfig config = common.load(overrides);
-  ros_bridge::checkParameters(overrides, config.runtime.enable_remote_control);
-  if (!robot_host.empty()) config.network.robot_host = robot_host;
+  const config::Overrides parameters = ros_bridge::nodeParameters(argc, argv, kNode);
+  config::Overrides overrides = parameters;
+  keys.addTo(&overrides);
+  const TrainerConfig config = common.load(overrides);
+  ros_bridge::checkParameters(parameters, config.runtime.enable_remote_control);
   Simulator simulator(config, options);
   ros_bridge::RosBridge bridge(&simulator);
   ros_bridge::Supervisor ros(argc, argv, kNode, &bridge);
@@ -74,9 +85,11 @@ int main(int argc, char** argv) {
   options.version = apps::version();
   CLI::App app{"The training daemon: model, haptic cue, relay, faults, planner, pictures, record, ROS."};
   common.add(&app, /*with_ports=*/true);
-  std::string robot_host;
-  app.add_option("--robot-host", robot_host, "IPv4 address of the robot (default: the configuration's)")
+  KeyOptions keys;
+  app.add_option("--robot-host", keys.robot_host, "IPv4 address of the robot (default: the configuration's)")
       ->check(CLI::ValidIPV4);
+  app.add_option("--scale", keys.scale, "Motion scale of the surgeon's master (default: the configuration's)")
+      ->check(CLI::Range(0.001, 1.0));
   app.add_option("--duration", options.duration, "Session time from the first pedal down [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
@@ -84,5 +97,5 @@ int main(int argc, char** argv) {
   app.add_option("--motion-label", options.motion, "What the console plays, for the record only");
   app.add_flag("--strict", options.strict, "Refuse to start where real time or the files cannot be trusted");
   app.add_flag("!--no-render", options.render, "No live picture");
-  return apps::runProgram(&app, argc, argv, [&] { return run(common, robot_host, options, argc, argv); });
+  return apps::runProgram(&app, argc, argv, [&] { return run(common, keys, options, argc, argv); });
 }

@@ -17,6 +17,7 @@ constexpr std::array<const char*, 2> kUnits{"m", "mm"};
 constexpr std::array<const char*, 3> kDirections{"forward", "right", "down"};
 constexpr int kMostButtons = 32;
 constexpr int kMostAxes = 8;
+constexpr double kShortestSilence = 0.05;  ///< [s] of a pedal, as network.yaml's joy: timeout
 
 /** roscpp throws for others, in a thread where nobody would catch it. */
 bool isTopic(const std::string& name) {
@@ -73,6 +74,8 @@ void readPose(Section& root, MasterConfig* c) {
   c->reach = root.number("reach", 0.01, 10.0);
   c->max_speed = root.number("max_speed", 0.1, 100.0);
   c->max_jump = root.number("max_jump", 0.0001, 1.0);
+  c->max_turn_rate = root.number("max_turn_rate", 0.1, 1000.0);
+  c->max_turn_jump = root.number("max_turn_jump", 0.001, 3.2);
   c->frozen_after = root.number("frozen_after", 0.0, 600.0);
 }
 
@@ -94,6 +97,9 @@ void readPedal(Section& root, MasterConfig* c) {
   c->pedal_from = static_cast<PedalFrom>(s.choice("from", kPedalFromNames));
   c->pedal_button = static_cast<int>(s.integer("button", 0, kMostButtons - 1));
   c->pedal_topic = topic(s, "topic", c->pedal_from != PedalFrom::kTopic);
+  c->pedal_silent_after = s.number("silent_after", 0.0, 60.0);
+  if (c->pedal_silent_after > 0.0 && c->pedal_silent_after < kShortestSilence)
+    throw ConfigException(s.where("silent_after") + " is neither 0 nor at least 0.05");
   s.finish();
 }
 
@@ -142,6 +148,7 @@ DeviceTopics readDevice(Section& s, const MasterConfig& c) {
     device.operating_state = topic(s, "operating_state", true);
     device.force = topic(s, "force", true);
     device.force_absolute = topic(s, "force_absolute", true);
+    device.gravity_compensation = topic(s, "gravity_compensation", true);
   }
   s.finish();
   return device;

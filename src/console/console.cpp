@@ -116,6 +116,10 @@ bool Console::finished() const noexcept {
   return impl_->intent.finished;
 }
 
+bool Console::isReal() const noexcept {
+  return impl_->is_real;
+}
+
 PerArm<Vec3> Console::deflection() const noexcept {
   return {toArray(impl_->masters[0].hand.deflection()), toArray(impl_->masters[1].hand.deflection())};
 }

@@ -10,8 +10,12 @@ constexpr int kLongestSpread = 20;   ///< [ticks] slower drivers than 50 Hz are 
 constexpr double kMaxStep = 0.0019;  ///< [m] of the tool in one packet: less than network.yaml's max_increment_um
 constexpr Tick kConnecting = 2000;   ///< [ticks] a start in which silence is no news: ROS needs a moment
 
+bool isSet(std::uint32_t buttons, int button) noexcept {
+  return button >= 0 && button < 32 && ((buttons >> static_cast<unsigned>(button)) & 1U) != 0;
+}
+
 bool isHeld(const DeviceSample& sample, int button) noexcept {
-  return button >= 0 && button < 32 && ((sample.buttons >> static_cast<unsigned>(button)) & 1U) != 0;
+  return isSet(sample.buttons, button);
 }
 
 double axisOf(const DeviceSample& sample, int number) noexcept {
@@ -31,13 +35,25 @@ class DeviceHand {
         jaws_(jaws),
         toggled_(jaws) {}
 
-  void follow(const DeviceSample& sample, bool engaged) noexcept {
+  /** Every tick, before follow(). What the hand did before the pedal was down is not to count, though a pose that was
+   * late tells it after that: the first one from there on is where it is. */
+  void setEngaged(bool engaged) noexcept {
+    if (engaged && !engaged_) {
+      starts_ = true;
+      ticks_left_ = 1;
+      target_ = hand_;
+      target_turn_ = turn_;
+    }
+    engaged_ = engaged;
+  }
+
+  void follow(const DeviceSample& sample) noexcept {
     if (config_.family == DeviceFamily::kJoy) {
       hand_ += axes_ * velocity(sample) * kTickSeconds;
     } else {
       followPoses(sample);
     }
-    if (engaged) moveJaws(sample);
+    if (engaged_) moveJaws(sample);
     was_held_ = isHeld(sample, topics_.gripper_input);
   }
 
@@ -66,15 +82,21 @@ class DeviceHand {
   void aimAt(const DeviceSample& sample) noexcept {
     const Quaternion q_now = config_.orientation ? toEigen(sample.orientation).normalized() : Quaternion::Identity();
     const Vector3 p = config_.metres_per_unit * toEigen(sample.position);
-    if (poses_ == 0) {
-      start_ = p;
-      q_start_ = q_now;
-    }
     poses_ = sample.poses;
+    if (starts_) return startAt(p, q_now);
     target_ = axes_ * (p - start_);
     Quaternion turn = q_now * q_start_.conjugate();
     turn.vec() = (turn_axes_ * turn.vec()).eval();
     target_turn_ = toArray(turn);
+  }
+
+  /** The hand stays where it is, and that is there. */
+  void startAt(const Vector3& p, const Quaternion& q_now) noexcept {
+    starts_ = false;
+    start_ = p - axes_.transpose() * hand_;
+    Quaternion turned = toEigen(turn_);
+    turned.vec() = (turn_axes_.transpose() * turned.vec()).eval();
+    q_start_ = turned.conjugate() * q_now;
   }
 
   Vector3 velocity(const DeviceSample& sample) const noexcept {
@@ -129,7 +151,8 @@ class DeviceHand {
   const double max_step_;  ///< [m] of the hand in a tick, along each axis; what is beyond follows
   std::uint32_t poses_{0};
   int since_pose_{0}, ticks_left_{1};
-  Vector3 start_{0, 0, 0};  ///< [m] first position, the device's axes
+  bool engaged_{false}, starts_{true};  ///< the next pose moves nothing
+  Vector3 start_{0, 0, 0};              ///< [m] where hand_ would be zero, the device's axes
   Quaternion q_start_{Quaternion::Identity()};
   Vector3 target_{0, 0, 0};  ///< [m] [@frame I] from there: the newest pose
   Quat target_turn_{kIdentityQuat};
@@ -176,8 +199,8 @@ class DeviceHands : public MotionSource {
   }
 
   bool isPedalHeld() const noexcept {
-    const bool left = isUsed(Arm::kGold) && isHeld(samples_[0], config_.pedal_button);
-    const bool right = isUsed(Arm::kGreen) && isHeld(samples_[1], config_.pedal_button);
+    const bool left = isUsed(Arm::kGold) && isSet(samples_[0].buttons & ~stale_[0], config_.pedal_button);
+    const bool right = isUsed(Arm::kGreen) && isSet(samples_[1].buttons & ~stale_[1], config_.pedal_button);
     switch (config_.pedal_from) {
       case PedalFrom::kLeft:
         return left;
@@ -199,11 +222,19 @@ class DeviceHands : public MotionSource {
       const DeviceFinding before = at(report_.now, arm);
       const DeviceFinding found = at(watches_, arm).look(at(samples_, arm), engaged_);
       at(report_.now, arm) = found;
-      const bool is_connecting = found.trouble == DeviceTrouble::kNeverHeard && now_ < kConnecting;
-      const bool is_late_news = found.trouble == DeviceTrouble::kNeverHeard && now_ == kConnecting;
+      const bool is_unheard = found.trouble == DeviceTrouble::kNeverHeard || found.trouble == DeviceTrouble::kNoState;
+      const bool is_connecting = is_unheard && now_ < kConnecting;
+      const bool is_late_news = is_unheard && now_ == kConnecting;
       if ((found.trouble != before.trouble && !is_connecting) || is_late_news) note(arm, found);
       noteLock(arm);
+      distrustButtons(arm);
     }
+  }
+
+  /** A driver that died with its button down says nothing of its release: the pedal is pressed anew, or up. */
+  void distrustButtons(Arm arm) noexcept {
+    const std::uint32_t held = at(samples_, arm).buttons;
+    at(stale_, arm) = at(report_.now, arm).trouble == DeviceTrouble::kSilent ? held : at(stale_, arm) & held;
   }
 
   /** Told, but nothing to stop for: not all drivers that say so hold the device. */
@@ -253,18 +284,27 @@ class DeviceHands : public MotionSource {
 
   void move(Arm arm, Intent* intent) noexcept {
     DeviceHand& hand = at(hands_, arm);
-    if (isUsed(arm) && !liftsPedal(at(report_.now, arm).trouble)) hand.follow(at(samples_, arm), engaged_);
+    hand.setEngaged(engaged_);
+    if (isUsed(arm) && !liftsPedal(at(report_.now, arm).trouble)) hand.follow(at(samples_, arm));
     at(intent->hand_I, arm) = toArray(hand.hand());
     at(intent->turn_I, arm) = hand.turn();
     at(intent->grasp, arm) = hand.jaws();
   }
 
   void press(Arm arm, const Vec3& force_I) noexcept {
-    DeviceForce out;
-    out.position = at(samples_, arm).position;
-    if (engaged_) out.force = toDevice(config_, force_I);
+    DeviceForce& out = at(forces_, arm);
+    place(at(samples_, arm), &out);
+    if (engaged_) out.has_begun = 1;
+    out.force = engaged_ ? toDevice(config_, force_I) : Vec3{};
     at(report_.hand_force, arm) = toEigen(out.force).norm() / config_.force_per_newton;
     at(link_.forces, arm).store(out);
+  }
+
+  /** A driver that holds a device at a place pulls it there. */
+  static void place(const DeviceSample& sample, DeviceForce* out) noexcept {
+    if (sample.poses == 0 || !toEigen(sample.position).allFinite()) return;
+    out->position = sample.position;
+    out->is_placed = 1;
   }
 
   const MasterConfig config_;
@@ -276,7 +316,9 @@ class DeviceHands : public MotionSource {
   MasterReport report_;
   Tick now_{0};
   bool engaged_{false}, refused_{false};
+  PerArm<DeviceForce> forces_;
   PerArm<bool> locked_{};
+  PerArm<std::uint32_t> stale_{};  ///< buttons held since a silence
 };
 
 }  // namespace

@@ -15,6 +15,11 @@ bool isFinite(const DeviceSample& sample, bool orientation) noexcept {
   return toEigen(sample.position).allFinite() && (!orientation || std::isfinite(toEigen(sample.orientation).norm()));
 }
 
+/** Whether the pose says where the device is, though it may have jumped there. */
+bool isPlace(DeviceTrouble trouble) noexcept {
+  return trouble == DeviceTrouble::kNone || trouble == DeviceTrouble::kJump || trouble == DeviceTrouble::kTurnJump;
+}
+
 }  // namespace
 
 DeviceWatch::DeviceWatch(const MasterConfig& config) noexcept
@@ -26,13 +31,13 @@ DeviceFinding DeviceWatch::look(const DeviceSample& sample, bool engaged) noexce
   unchanged_ = engaged ? unchanged_ + kTickSeconds : 0.0;
   if (sample.poses != poses_) {
     found_ = judge(sample);
-    if (found_.trouble == DeviceTrouble::kNone || found_.trouble == DeviceTrouble::kJump) keep(sample);
+    if (isPlace(found_.trouble)) keep(sample);
     poses_ = sample.poses;
     age_ = 0.0;
   }
   if (poses_ == 0) return {DeviceTrouble::kNeverHeard, 0.0};
   if (age_ > config_.silent_after) return {DeviceTrouble::kSilent, age_};
-  if (sample.is_ready == 0) return {DeviceTrouble::kNotReady, 0.0};
+  if (sample.is_ready == 0) return {sample.is_stateless != 0 ? DeviceTrouble::kNoState : DeviceTrouble::kNotReady, 0.0};
   if (found_.trouble != DeviceTrouble::kNone) return found_;
   if (has_pose_ && config_.frozen_after > 0.0 && unchanged_ > config_.frozen_after)
     return {DeviceTrouble::kFrozen, unchanged_};
@@ -48,7 +53,15 @@ DeviceFinding DeviceWatch::judge(const DeviceSample& sample) const noexcept {
   if (!isFinite(sample, config_.orientation)) return {DeviceTrouble::kNotFinite, 0.0};
   const double norm = toEigen(sample.orientation).norm();
   if (config_.orientation && std::abs(norm - 1.0) > kUnitTolerance) return {DeviceTrouble::kNotUnit, norm};
-  return judgePlace(config_.metres_per_unit * toEigen(sample.position), age_);
+  const DeviceFinding place = judgePlace(config_.metres_per_unit * toEigen(sample.position), age_);
+  return place.trouble == DeviceTrouble::kNone ? judgeTurn(sample.orientation, age_) : place;
+}
+
+DeviceFinding DeviceWatch::judgeTurn(const Quat& q, double elapsed) const noexcept {
+  if (!config_.orientation || !has_place_) return {};
+  const double turn = toEigen(q_).angularDistance(toEigen(q));
+  if (turn > config_.max_turn_jump + config_.max_turn_rate * elapsed) return {DeviceTrouble::kTurnJump, turn};
+  return {};
 }
 
 DeviceFinding DeviceWatch::judgePlace(const Vector3& p, double elapsed) const noexcept {

@@ -31,6 +31,9 @@ std::string wordsOfPlaces(const MasterConfig& config, const DeviceFinding& findi
     case DeviceTrouble::kJump:
       return print("a jump of %.3g mm from one pose to the next: poses are lost, or the driver glitched",
                    1e3 * finding.value);
+    case DeviceTrouble::kTurnJump:
+      return print("it turned by %.3g rad from one pose to the next: poses are lost, or the driver glitched",
+                   finding.value);
     case DeviceTrouble::kNotFinite:
       return "a pose holds numbers that are none: the driver lost its device";
     case DeviceTrouble::kNotUnit:
@@ -47,6 +50,8 @@ std::string wordsOfStates(const DeviceTopics& topics, const DeviceFinding& findi
       return "nothing has come on " + topics.pose + " (does its driver run, and under this name?)";
     case DeviceTrouble::kSilent:
       return print("nothing came on %s for %.0f ms", topics.pose.c_str(), 1e3 * finding.value);
+    case DeviceTrouble::kNoState:
+      return "nothing has come on " + topics.operating_state + " (does its driver publish it, and under this name?)";
     case DeviceTrouble::kNotReady:
       return topics.operating_state + " is not ENABLED and homed: enable and home the device";
     case DeviceTrouble::kLocked:
@@ -75,6 +80,14 @@ std::string words(const MasterConfig& config, Arm arm, const DeviceFinding& find
   const std::string places = wordsOfPlaces(config, finding);
   return std::string(deviceName(arm)) + ": " +
          (places.empty() ? wordsOfStates(at(config.devices, arm), finding) : places);
+}
+
+std::string wordsOfScale(const MasterConfig& config, double console_scale) {
+  if (config.scale == console_scale) return "";
+  return print(
+      "WARNING: scale %.3g of master %s, but console.yaml has %.3g: passivity, workspace edge and record of a daemon "
+      "that was not started with --scale %.3g are wrong by %.3g",
+      config.scale, config.name.c_str(), console_scale, config.scale, config.scale / console_scale);
 }
 
 }  // namespace raven2_trainer

@@ -48,6 +48,12 @@ void take(const sensor_msgs::Joy& joy, DeviceSample* sample) {
 
 }  // namespace
 
+MasterDeviceReader::MasterDeviceReader(const MasterConfig& config, const DeviceTopics& topics)
+    : config_(config), topics_(topics) {
+  sample_.is_stateless = topics.operating_state.empty() ? 0 : 1;
+  sample_.is_ready = topics.operating_state.empty() ? 1 : 0;
+}
+
 bool MasterDeviceReader::pose(const topic_tools::ShapeShifter& message) {
   const std::string& md5 = message.getMD5Sum();
   if (config_.family == DeviceFamily::kJoy) {
@@ -117,6 +123,7 @@ bool MasterDeviceReader::operatingState(const topic_tools::ShapeShifter& message
   if (message.getMD5Sum() != devices::OperatingState::md5())
     return refuse(message, topics_.operating_state, "crtk_msgs/OperatingState");
   if (!decode(message, &state)) return false;
+  sample_.is_stateless = 0;
   sample_.is_ready = state.state == "ENABLED" && state.is_homed != 0 ? 1 : 0;
   return true;
 }

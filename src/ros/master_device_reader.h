@@ -14,7 +14,7 @@ namespace raven2_trainer::ros_bridge {
  */
 class MasterDeviceReader {
  public:
-  MasterDeviceReader(const MasterConfig& config, const DeviceTopics& topics) : config_(config), topics_(topics) {}
+  MasterDeviceReader(const MasterConfig& config, const DeviceTopics& topics);
 
   // False for a type that is not known there, or bytes that are shorter than it; refusal() has a line for a new one.
   bool pose(const topic_tools::ShapeShifter& message);

@@ -3,13 +3,14 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/callback_queue.h>
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
+#include <ros/single_subscriber_publisher.h>
 #include <ros/spinner.h>
 #include <std_msgs/Bool.h>
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -19,21 +20,27 @@
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
+#include "ros/operator_lines.h"
+#include "ros/pedal_hold.h"
 #include "ros/periodic_thread.h"
+#include "ros/rest_watch.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using Message = topic_tools::ShapeShifter;
+using Event = ros::MessageEvent<const Message>;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t kNewest = 1;        // [messages] poses: an old one is worth nothing
 constexpr std::uint32_t kEvents = 100;      // [messages] each press of a button counts
 constexpr double kSettle = 2.0;             // [s] connections are made in
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
+constexpr double kNewsPeriod = 0.1;         // [s] who reads forces is looked at
 constexpr auto kForceLifetime = 50ms;       // a force not renewed is gone, as at the console (reliability.md 2.2)
-constexpr int kGoodbyes = 5;                // messages of no force at the end
+constexpr int kGoodbyes = 5;                // messages of no force at the end, 5 ms apart
+constexpr int kMostGoodbyes = 50;           // the same to a hand that goes on: 250 ms of the Supervisor's 400
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -47,15 +54,51 @@ geometry_msgs::Vector3 toMessage(const Vec3& v) {
   return m;
 }
 
-ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const std::string& topic) {
+/** Nodes that read a topic, by name. Connections come and go on the spinner's thread. */
+class Readers {
+ public:
+  void add(const std::string& name) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    names_.push_back(name);
+  }
+
+  void remove(const std::string& name) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found != names_.end()) names_.erase(found);
+  }
+
+  std::vector<std::string> names() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return names_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> names_;
+};
+
+template <typename Force>
+ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Readers* readers) {
+  const auto add = [readers](const ros::SingleSubscriberPublisher& reader) {
+    readers->add(reader.getSubscriberName());
+  };
+  const auto remove = [readers](const ros::SingleSubscriberPublisher& reader) {
+    readers->remove(reader.getSubscriberName());
+  };
+  return node->advertise<Force>(topic, kNewest, ros::SubscriberStatusCallback(add),
+                                ros::SubscriberStatusCallback(remove));
+}
+
+ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const std::string& topic, Readers* readers) {
   if (topic.empty()) return {};
   switch (family) {
     case DeviceFamily::kOmni:
-      return node->advertise<devices::OmniFeedback>(topic, kNewest);
+      return advertise<devices::OmniFeedback>(node, topic, readers);
     case DeviceFamily::kGeomagic:
-      return node->advertise<devices::DeviceFeedback>(topic, kNewest);
+      return advertise<devices::DeviceFeedback>(node, topic, readers);
     case DeviceFamily::kCrtk:
-      return node->advertise<geometry_msgs::WrenchStamped>(topic, kNewest);
+      return advertise<geometry_msgs::WrenchStamped>(node, topic, readers);
     case DeviceFamily::kJoy:
       break;
   }
@@ -87,6 +130,11 @@ void publishForce(const ros::Publisher& publisher,
   }
 }
 
+/** Both drivers subtract 0.001 N s/mm times the velocity, at each message: the last one's stays. */
+bool subtractsVelocity(DeviceFamily family) {
+  return family == DeviceFamily::kOmni || family == DeviceFamily::kGeomagic;
+}
+
 /** The newest force of the console, until it is too old. */
 class FreshForce {
  public:
@@ -108,56 +156,86 @@ class FreshForce {
   Clock::time_point told_{};
 };
 
+/** What an operator is to know, by the thread that says it. */
+struct News {
+  OperatorLines of_spinner, of_publisher;
+};
+
 /** One device's topics. Messages come on the spinner's thread, forces go on the publisher's. */
 class Device {
  public:
-  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node)
+  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node, News* news)
       : config_(config),
+        news_(*news),
         arm_(arm),
         topics_(at(config.devices, arm)),
         cell_(at(link->samples, arm)),
         reader_(config, topics_),
         force_(at(link->forces, arm)),
-        readers_(deviceName(arm), topics_.force, kSettle),
-        publisher_(advertiseForce(node, config.family, topics_.force)) {
-    const bool has_absolute = !topics_.force_absolute.empty();
-    if (has_absolute) absolute_ = node->advertise<std_msgs::Bool>(topics_.force_absolute, 1, /*latch=*/true);
-    if (has_absolute) absolute_.publish(absolutely());
+        force_news_(deviceName(arm), topics_.force, topics_.pose, kSettle),
+        absolute_news_(deviceName(arm), topics_.force_absolute, kSettle),
+        publisher_(advertiseForce(node, config.family, topics_.force, &readers_)) {
+    absolute_ = tellTrue(node, topics_.force_absolute);
+    gravity_ = tellTrue(node, topics_.gravity_compensation);
     listen(node);
   }
 
   Arm arm() const noexcept { return arm_; }
-  std::uint32_t readerCount() const { return publisher_ ? publisher_.getNumSubscribers() : 0; }
 
   void press() {
     if (!publisher_) return;
-    publishForce(publisher_, config_.family, force_.take(), frame());
+    const DeviceForce out = force_.take();
+    if (!isDue(out)) return;
+    last_ = out;
+    if (isAbsoluteMissing()) last_.force = {};
+    publishForce(publisher_, config_.family, last_, frame());
   }
 
-  void letGo() {
-    if (publisher_) publishForce(publisher_, config_.family, DeviceForce{}, frame());
+  /** No force, where it was last. @return the driver needs no more of that. */
+  bool letGo(double time) {
+    if (!publisher_ || last_.is_placed == 0) return true;
+    last_.force = {};
+    publishForce(publisher_, config_.family, last_, frame());
+    const bool rests = rest_.look(config_.metres_per_unit * toEigen(cell_.load().position), time);
+    return rests || !subtractsVelocity(config_.family);
   }
 
   void tellReaders(double time) {
-    if (!publisher_) return;
-    const std::string line = readers_.look(readerCount(), time);
-    if (!line.empty()) std::fprintf(stderr, "%s\n", line.c_str());
+    news_.of_publisher.tell(force_news_.look(readers_.names(), driver(), time));
+    if (absolute_) news_.of_publisher.tell(absolute_news_.look(!isAbsoluteMissing(), time));
   }
 
-  /** [1/s] poses since the last call, `elapsed` [s] ago. */
-  double poseRate(double elapsed) {
+  /** Since the last call, `elapsed` [s] ago. */
+  DeviceTraffic traffic(double elapsed) {
     const std::uint32_t poses = cell_.load().poses;
-    const double rate = (poses - counted_) / elapsed;
+    const std::vector<std::string> readers = readers_.names();
+    DeviceTraffic traffic;
+    traffic.pose_rate = (poses - counted_) / elapsed;
+    traffic.readers = static_cast<std::uint32_t>(readers.size());
+    traffic.is_driver_among = isDriverAmong(readers, driver());
+    traffic.is_absolute_missing = isAbsoluteMissing();
     counted_ = poses;
-    return rate;
+    return traffic;
   }
 
  private:
-  static std_msgs::Bool absolutely() {
+  /** Once, and to whoever comes later. */
+  static ros::Publisher tellTrue(ros::NodeHandle* node, const std::string& topic) {
+    if (topic.empty()) return {};
+    ros::Publisher publisher = node->advertise<std_msgs::Bool>(topic, 1, /*latch=*/true);
     std_msgs::Bool message;
     message.data = 1;
-    return message;
+    publisher.publish(message);
+    return publisher;
   }
+
+  /** A force takes a CRTK device from the controller that holds it: not before somebody has it in his hand. */
+  bool isDue(const DeviceForce& force) const noexcept {
+    return force.is_placed != 0 && (force.has_begun != 0 || config_.family != DeviceFamily::kCrtk);
+  }
+
+  /** Forces in axes that nobody has turned to those of the base would push anywhere. */
+  bool isAbsoluteMissing() const { return absolute_ && absolute_.getNumSubscribers() == 0; }
 
   void listen(ros::NodeHandle* node) {
     hear(node, topics_.pose, kNewest, [this](const Message& m) { return reader_.pose(m); });
@@ -172,21 +250,29 @@ class Device {
             std::uint32_t queue,
             std::function<bool(const Message&)> read) {
     if (topic.empty()) return;
-    const boost::function<void(const Message::ConstPtr&)> callback =
-        [this, read = std::move(read)](const Message::ConstPtr& message) { take(*message, read); };
-    subscribers_.push_back(
-        node->subscribe<Message>(topic, queue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+    const boost::function<void(const Event&)> callback = [this, read = std::move(read)](const Event& event) {
+      take(event, read);
+    };
+    subscribers_.push_back(node->subscribe<Message, const Event&>(topic, queue, callback, ros::VoidConstPtr(),
+                                                                  ros::TransportHints().tcpNoDelay()));
   }
 
-  void take(const Message& message, const std::function<bool(const Message&)>& read) {
-    if (!read(message)) {
+  void take(const Event& event, const std::function<bool(const Message&)>& read) {
+    const std::uint32_t poses = reader_.sample().poses;
+    if (!read(*event.getConstMessage())) {
       const std::string line = reader_.refusal();
-      if (!line.empty()) std::fprintf(stderr, "%s: %s\n", deviceName(arm_), line.c_str());
+      if (!line.empty()) news_.of_spinner.tell(std::string(deviceName(arm_)) + ": " + line);
       return;
     }
     cell_.store(reader_.sample());
     const std::lock_guard<std::mutex> lock(mutex_);
     frame_ = reader_.frame();
+    if (reader_.sample().poses != poses) driver_ = event.getPublisherName();
+  }
+
+  std::string driver() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return driver_;
   }
 
   std::string frame() {
@@ -195,24 +281,29 @@ class Device {
   }
 
   const MasterConfig& config_;
+  News& news_;
   const Arm arm_;
   const DeviceTopics& topics_;
   StateCell<DeviceSample>& cell_;
   MasterDeviceReader reader_;
   FreshForce force_;
-  ForceReaders readers_;
-  ros::Publisher publisher_, absolute_;
+  Readers readers_;
+  ForceReaders force_news_;
+  AbsoluteListener absolute_news_;
+  DeviceForce last_;  ///< that was published
+  RestWatch rest_;
+  ros::Publisher publisher_, absolute_, gravity_;
   std::vector<ros::Subscriber> subscribers_;
   std::mutex mutex_;
-  std::string frame_;  ///< guarded by it
+  std::string frame_, driver_;  ///< guarded by it
   std::uint32_t counted_{0};
 };
 
-/** A pedal that is a sensor_msgs/Joy: held as long as somebody is there who could say that it was let go. */
+/** A pedal that is a sensor_msgs/Joy. */
 class PedalTopic {
  public:
-  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node)
-      : config_(config), cell_(link->pedal) {
+  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node, News* news)
+      : config_(config), news_(*news), cell_(link->pedal), hold_(config.pedal_topic, config.pedal_silent_after) {
     if (config.pedal_from != PedalFrom::kTopic) return;
     const boost::function<void(const Message::ConstPtr&)> hear = [this](const Message::ConstPtr& m) { take(*m); };
     subscriber_ = node->subscribe<Message>(config.pedal_topic, kEvents, hear, ros::VoidConstPtr(),
@@ -220,35 +311,32 @@ class PedalTopic {
   }
 
   /** On the publisher's thread. */
-  void tell(double time) {
+  void tell() {
     if (!subscriber_) return;
-    const bool is_there = subscriber_.getNumPublishers() > 0;
-    const bool is_news = was_there_ ? !is_there : !told_missing_ && !is_there && time > kSettle;
-    if (is_news) {
-      std::fprintf(stderr, "pedal: nobody publishes %s: it counts as up\n", config_.pedal_topic.c_str());
-      told_missing_ = true;
-    }
-    if (!is_there) is_held_.store(false);
-    was_there_ = is_there;
-    cell_.store(FootPedal{static_cast<std::uint8_t>(is_held_.load() ? 1 : 0)});
+    std::string news;
+    const bool is_held = hold_.look(subscriber_.getNumPublishers() > 0, secondsSince(started_), &news);
+    news_.of_publisher.tell(news);
+    cell_.store(FootPedal{static_cast<std::uint8_t>(is_held ? 1 : 0)});
   }
 
  private:
   void take(const Message& message) {
     bool held = false;
-    if (readJoyButton(message, config_.pedal_button, &held)) return is_held_.store(held);
-    is_held_.store(false);
-    if (!std::exchange(told_refused_, true))
-      std::fprintf(stderr, "pedal: refused: %s is of type %s, or has no button %d; a sensor_msgs/Joy is wanted\n",
-                   config_.pedal_topic.c_str(), message.getDataType().c_str(), config_.pedal_button);
+    const bool is_known = readJoyButton(message, config_.pedal_button, &held);
+    hold_.hear(held, secondsSince(started_));
+    if (!is_known && !std::exchange(told_refused_, true))
+      news_.of_spinner.tell("pedal: refused: " + config_.pedal_topic + " is of type " + message.getDataType() +
+                            ", or has no button " + std::to_string(config_.pedal_button) +
+                            "; a sensor_msgs/Joy is wanted");
   }
 
   const MasterConfig& config_;
+  News& news_;
   StateCell<FootPedal>& cell_;
+  const Clock::time_point started_{Clock::now()};
+  PedalHold hold_;
   ros::Subscriber subscriber_;
-  std::atomic<bool> is_held_{false};
-  bool was_there_{false}, told_missing_{false};  // of the publisher's thread
-  bool told_refused_{false};                     // of the spinner's
+  bool told_refused_{false};  // of the spinner's thread
 };
 
 }  // namespace
@@ -261,9 +349,10 @@ struct MasterDevices::Impl {
     explicit Session(Impl* owner) : config(owner->config), link(owner->link) {
       node.setCallbackQueue(&queue);
       for (const Arm arm : kArms) {
-        if (at(config.devices, arm).is_used) devices.push_back(std::make_unique<Device>(config, arm, &link, &node));
+        if (at(config.devices, arm).is_used)
+          devices.push_back(std::make_unique<Device>(config, arm, &link, &node, &owner->news));
       }
-      pedal = std::make_unique<PedalTopic>(config, &link, &node);
+      pedal = std::make_unique<PedalTopic>(config, &link, &node, &owner->news);
       diagnostics = node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
       spinner = std::make_unique<ros::AsyncSpinner>(1, &queue);
       spinner->start();
@@ -272,22 +361,33 @@ struct MasterDevices::Impl {
 
     ~Session() {
       publisher.stop();
-      for (int i = 0; i < kGoodbyes; ++i) {
+      letGo();
+      spinner->stop();
+    }
+
+    void letGo() {
+      bool is_done = false;
+      for (int i = 0; i < kGoodbyes || (i < kMostGoodbyes && !is_done); ++i) {
+        is_done = true;
         for (const auto& device : devices)
-          device->letGo();
+          is_done = device->letGo(secondsSince(started)) && is_done;
         std::this_thread::sleep_for(5ms);
       }
-      spinner->stop();
     }
 
     void cycle() {
       const double time = secondsSince(started);
-      pedal->tell(time);
-      for (const auto& device : devices) {
+      pedal->tell();
+      for (const auto& device : devices)
         device->press();
-        device->tellReaders(time);
-      }
+      if (time - told >= kNewsPeriod) tellReaders(time);
       if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
+    }
+
+    void tellReaders(double time) {
+      for (const auto& device : devices)
+        device->tellReaders(time);
+      told = time;
     }
 
     void diagnose(double time) {
@@ -295,8 +395,7 @@ struct MasterDevices::Impl {
       array.header.stamp = ros::Time::now();
       const MasterReport report = link.report.load();
       for (const auto& device : devices) {
-        const DeviceTraffic traffic{device->poseRate(time - diagnosed), device->readerCount()};
-        array.status.push_back(masterStatus(config, device->arm(), report, traffic));
+        array.status.push_back(masterStatus(config, device->arm(), report, device->traffic(time - diagnosed)));
       }
       diagnostics.publish(array);
       diagnosed = time;
@@ -311,12 +410,13 @@ struct MasterDevices::Impl {
     ros::Publisher diagnostics;
     std::unique_ptr<ros::AsyncSpinner> spinner;
     const Clock::time_point started{Clock::now()};
-    double diagnosed{0.0};
+    double diagnosed{0.0}, told{0.0};
     PeriodicThread publisher;
   };
 
   const MasterConfig config;
   MasterLink& link;
+  News news;
   std::unique_ptr<Session> session;
 };
 
@@ -333,6 +433,10 @@ void MasterDevices::start() {
 
 void MasterDevices::stop() {
   impl_->session.reset();
+}
+
+bool MasterDevices::nextLine(std::string* line) {
+  return impl_->news.of_spinner.next(line) || impl_->news.of_publisher.next(line);
 }
 
 }  // namespace raven2_trainer::ros_bridge

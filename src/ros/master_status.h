@@ -8,12 +8,14 @@ namespace raven2_trainer::ros_bridge {
 
 /** What is known of one device beside the report. */
 struct DeviceTraffic {
-  double pose_rate{};       ///< [1/s]
-  std::uint32_t readers{};  ///< of its force
+  double pose_rate{};          ///< [1/s]
+  std::uint32_t readers{};     ///< of its force
+  bool is_driver_among{true};  ///< them; so it is while it is not known
+  bool is_absolute_missing{};  ///< nobody reads force_absolute: forces stay zero
 };
 
-/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if they stand still or nobody
- * reads its force. */
+/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if they stand still, or if
+ * no force will be felt because nobody reads it, or not who publishes the poses, or nobody its force_absolute. */
 diagnostic_msgs::DiagnosticStatus masterStatus(const MasterConfig& config,
                                                Arm arm,
                                                const MasterReport& report,

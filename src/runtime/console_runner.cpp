@@ -19,7 +19,7 @@ ConsoleRunner::ConsoleRunner(const TrainerConfig& config, std::unique_ptr<consol
                  config.network.itp.auth == ItpAuth::kRequired ? ItpSender::Unanswered::kSilence
                                                                : ItpSender::Unanswered::kPlain),
       forces_(config.network.bind_address, config.network.force_port),
-      ready_timeout_ns_(static_cast<std::int64_t>(config.console.ready_timeout * 1e9)),
+      ready_timeout_ns_(console_.isReal() ? 0 : static_cast<std::int64_t>(config.console.ready_timeout * 1e9)),
       must_sign_(config.network.itp.auth == ItpAuth::kRequired) {
   if (config.network.sight) pictures_.emplace(config.network.bind_address, config.network.sight_port);
 }

@@ -44,6 +44,7 @@ class Driver:
     def __init__(self):
         self.position = [0.0, 0.0, 0.0]
         self.trembles = True
+        self.is_held = False  # by a controller of its own, until the first force
         self.force = None  # [N] newest, as the driver was told
         self.forces = 0
         self._ticks = 0
@@ -83,7 +84,12 @@ class Omni(Driver):
         super().__init__()
         self._state = rospy.Publisher(f"/{name}/state", OmniState, queue_size=1)
         self._buttons = rospy.Publisher(f"/{name}/button", OmniButtonEvent, queue_size=100)
-        self.listener = rospy.Subscriber(f"/{name}/force_feedback", OmniFeedback, lambda m: self.take(m.force))
+        self.held_at = None  # [m] where it would hold the device, if it were one that locks
+        self.listener = rospy.Subscriber(f"/{name}/force_feedback", OmniFeedback, self.feel)
+
+    def feel(self, feedback):
+        self.held_at = tuple(1e-3 * v for v in (feedback.position.x, feedback.position.y, feedback.position.z))
+        self.take(feedback.force)
 
     def publish(self, p):
         state = OmniState()
@@ -125,19 +131,27 @@ class Crtk(Driver):
 
     def __init__(self, name, force="servo_cf", absolute=None):
         super().__init__()
+        self.is_held = True
         self._name = name
         self._pose = rospy.Publisher(f"/{name}/measured_cp", PoseStamped, queue_size=1)
         self._gripper = rospy.Publisher(f"/{name}/gripper/measured_js", JointState, queue_size=1)
         self._state = rospy.Publisher(f"/{name}/operating_state", OperatingState, queue_size=10, latch=True)
         self._buttons = [rospy.Publisher(f"/{name}/button{n}", Joy, queue_size=10) for n in (1, 2)]
         self.listener = rospy.Subscriber(f"/{name}/{force}", WrenchStamped, self.feel)
-        self.is_absolute, self.frame, self.angle = None, None, 0.8
+        self.is_absolute, self.is_compensated, self.frame, self.angle = None, None, None, 0.8
+        rospy.Subscriber(f"/{name}/use_gravity_compensation", Bool, self.compensate)
         if absolute:
-            rospy.Subscriber(f"/{name}/{absolute}", Bool, self.turn_absolute)
+            self.await_absolute(absolute)
         self.enable("ENABLED")
+
+    def await_absolute(self, topic):
+        rospy.Subscriber(f"/{self._name}/{topic}", Bool, self.turn_absolute)
 
     def enable(self, state):
         self._state.publish(OperatingState(Header(stamp=rospy.Time.now()), state, True, False))
+
+    def compensate(self, told):
+        self.is_compensated = told.data
 
     def turn_absolute(self, told):
         self.is_absolute = told.data

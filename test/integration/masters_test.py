@@ -5,6 +5,7 @@ back along them, and what is wrong is told.
 Drivers and daemon are the test's.
 """
 import gc
+import math
 import os
 import signal
 import socket
@@ -22,6 +23,25 @@ from haptic_drivers import Crtk, Gamepad, Geomagic, Omni
 from sensor_msgs.msg import Joy
 
 gc.disable()  # as in robot_frames.py
+
+FOOT = """
+import rospy
+from sensor_msgs.msg import Joy
+rospy.init_node("foot", anonymous=True)
+pedal = rospy.Publisher("/footpedals/coag", Joy, queue_size=1)
+rate = rospy.Rate(20)
+begun = rospy.get_time()
+while not rospy.is_shutdown():
+    pedal.publish(Joy(buttons=[int(pedal.get_num_connections() > 0 and rospy.get_time() - begun > 4)]))
+    rate.sleep()
+"""  # up for 4 s, then held
+
+STRANGER = """
+import rospy
+rospy.init_node("stranger")
+reader = rospy.Subscriber("/Geomagic/force_feedback", rospy.AnyMsg, lambda message: None)
+rospy.spin()
+"""
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 PROGRAM = os.path.join(os.environ["RAVEN2_TRAINER_BUILD"], "devel", "lib", "raven2_trainer", "master_console")
@@ -95,7 +115,8 @@ class Console:
         path = os.path.join(self._folder.name, master + ".yaml")
         with open(os.path.join(MASTERS, master + ".yaml"), encoding="utf-8") as file:
             text = file.read()
-        for old, new in {"frozen_after: 2.0": "frozen_after: 0.0", **changes.get("swap", {})}.items():
+        for old, new in {"frozen_after: 2.0": "frozen_after: 0.0", "frozen_after: 0.5": "frozen_after: 0.0",
+                         **changes.get("swap", {})}.items():
             text = text.replace(old, new)
         for old in ("silent_after: 0.1 ", "silent_after: 0.3 "):
             text = text.replace(old, f"silent_after: {changes.get('silent_after', 5.0)} ")
@@ -151,13 +172,15 @@ class Masters(unittest.TestCase):
 
     def settle(self):
         """Hands that are watched, and rest then."""
-        self.await_that(lambda: all(d.listener.get_num_connections() > 0 and d.forces > 0 for d in self.drivers),
-                        "forces do not come")
+        self.await_that(lambda: all(d.listener.get_num_connections() > 0 and (d.forces > 0 or d.is_held)
+                                    for d in self.drivers), "forces do not come")
         time.sleep(1.5)
         for driver in self.drivers:
             driver.trembles = False
         time.sleep(0.3)
         self.assertEqual(self.daemon.sum, [[0, 0, 0], [0, 0, 0]], "the pedal is up")
+        self.assertEqual([d.forces for d in self.drivers if d.is_held], [0 for d in self.drivers if d.is_held],
+                         "a force takes an arm from the controller that holds it")
 
     def engage(self, press):
         press()
@@ -214,8 +237,11 @@ class Masters(unittest.TestCase):
         left, right = Omni("left"), Omni("right")
         self.begin("omni_pair", [left, right])
         said = self.run_family((RIGHT, FORWARD, minus(DOWN)), 0.1, lambda: right.press(1), lambda: right.press(0))
-        self.assertIn("left: force on /left/force_feedback, read by 1", said)
+        self.assertIn(f"left: force on /left/force_feedback, read by 1: {rospy.get_name()}", said)
         self.assertIn("let go", said)
+        for driver in (left, right):  # the last message, of no force, pulls a device that is locked nowhere
+            self.assertLess(math.dist(driver.held_at, driver.position), 0.001)
+            self.assertGreater(math.hypot(*driver.position), 0.003)
 
     def test_touch_geomagic(self):
         touch = Geomagic()
@@ -235,6 +261,7 @@ class Masters(unittest.TestCase):
         self.begin("mtm", arms)
         self.settle()
         self.assertEqual([arm.is_absolute for arm in arms], [True, True])
+        self.assertEqual([arm.is_compensated for arm in arms], [True, True])
         self.engage(lambda: foot.publish(Joy(buttons=[1])))
         self.check_motion((minus(RIGHT), minus(DOWN), FORWARD), 0.2)
         # jaws: from where they were to 0.8 rad, then half closed
@@ -249,6 +276,40 @@ class Masters(unittest.TestCase):
         self.await_that(lambda: "/MTML/operating_state is not ENABLED" in self.console.said(), "it is not told")
         foot.unregister()
         self.await_that(lambda: "nobody publishes /footpedals/coag" in self.console.said(), "a lost pedal is not told")
+
+    def test_forces_wait_for_the_axes_of_the_base(self):
+        names = ("MTML", "MTMR")
+        arms = [Crtk(name, "body/servo_cf") for name in names]
+        foot = rospy.Publisher("/footpedals/coag", Joy, queue_size=10, latch=True)
+        foot.publish(Joy(buttons=[0]))
+        self.addCleanup(foot.unregister)
+        self.begin("mtm", arms)
+        self.settle()
+        self.engage(lambda: foot.publish(Joy(buttons=[1])))
+        self.daemon.force = [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+        for name in names:
+            self.await_that(lambda n=name: f"nobody reads /{n}/body/set_cf_orientation_absolute: forces stay zero"
+                            in self.console.said(), "a missing listener is not told")
+        time.sleep(0.5)
+        self.assertEqual([arm.force for arm in arms], 2 * [(0.0, 0.0, 0.0)])
+        arms[0].await_absolute("body/set_cf_orientation_absolute")
+        self.await_that(lambda: math.dist(arms[0].force, (0.0, 0.0, 1.0)) < 1e-9, f"no force: {arms[0].force}")
+        self.assertEqual(arms[1].force, (0.0, 0.0, 0.0))
+
+    def test_a_pedal_whose_program_is_killed_is_up(self):
+        arms = [Crtk(n, "body/servo_cf", "body/set_cf_orientation_absolute") for n in ("MTML", "MTMR")]
+        self.begin("mtm", arms, swap={"  silent_after: 0.0 ": "  silent_after: 0.5 "})
+        self.settle()
+        foot = subprocess.Popen(["/usr/bin/python3", "-c", FOOT])
+        self.addCleanup(foot.wait)
+        self.addCleanup(foot.kill)
+        self.await_that(lambda: self.daemon.pedal == 1, "not engaged", 30)
+        time.sleep(1.0)
+        self.assertEqual(self.daemon.pedal, 1, "held, and repeated")
+        foot.send_signal(signal.SIGKILL)
+        self.await_that(lambda: self.daemon.pedal == 0, "a pedal whose program was killed stays down", 5)
+        self.await_that(lambda: "nothing came on /footpedals/coag" in self.console.said(), "it is not told")
+        self.await_that(lambda: all(arm.force == (0.0, 0.0, 0.0) for arm in arms), "a force with the pedal up")
 
     def test_gamepad(self):
         pad = Gamepad()
@@ -300,6 +361,11 @@ class Masters(unittest.TestCase):
         self.engage(lambda: touch.press(1))
         touch.listener.unregister()
         self.await_that(lambda: "read by NOBODY any more" in self.console.said(), "a lost reader is not told")
+        stranger = subprocess.Popen(["/usr/bin/python3", "-c", STRANGER])
+        self.addCleanup(stranger.wait)
+        self.addCleanup(stranger.kill)
+        self.await_that(lambda: "read by 1: /stranger, but not by " + rospy.get_name() in self.console.said(),
+                        "a reader that is not the driver is taken for it", 30)
         touch.close()
         self.await_that(lambda: self.daemon.pedal == 0, "a silent device does not lift the pedal")
         self.await_that(lambda: "left: nothing came on /Geomagic/pose" in self.console.said(), "it is not told")

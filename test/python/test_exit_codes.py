@@ -37,6 +37,11 @@ def test_wrong_arguments_have_numbers_of_their_own(arguments, code):
     assert run("simulate", *arguments)[0] == code
 
 
+@pytest.mark.parametrize("scale", ["0", "1.5", "-0.1"])
+def test_a_scale_has_the_range_of_its_key(scale):
+    assert run("simulator", "--scale", scale)[0] == run("master_console", "--scale", scale)[0] == OUT_OF_RANGE
+
+
 def test_an_argument_that_is_missing():
     assert run("export_session")[0] == MISSING
 

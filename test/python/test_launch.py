@@ -54,6 +54,12 @@ def test_a_master_takes_the_place_of_the_motion():
     assert "--master" not in options()["master_console"]
 
 
+def test_console_and_daemon_have_the_same_scale():
+    seen = options("master:=mtm", "scale:=0.2")
+    assert float(seen["master_console"]["--scale"]) == float(seen["simulator"]["--scale"]) == 0.2
+    assert all("--scale" not in of for of in options("master:=omni_pair").values())
+
+
 HARDWARE = os.path.join(os.path.dirname(LAUNCH), "hardware.launch")
 
 
@@ -84,8 +90,18 @@ def test_scripted_hands_at_a_real_robot_are_slow():
     nodes, _ = hardware("robot_host:=192.168.7.2", "console:=true", "master_port:=4711")
     words = nodes["master_console"].args.split()
     assert float(words[words.index("--scale") + 1]) == 0.05
+    words = nodes["simulator"].args.split()
+    assert float(words[words.index("--scale") + 1]) == 0.05
     for node in nodes.values():
         assert "--master-port 4711" in " ".join(node.args.split())
+
+
+def test_the_daemon_is_told_the_scale_of_the_surgeons_master():
+    nodes, _ = hardware("robot_host:=192.168.7.2", "scale:=0.03")
+    words = nodes["simulator"].args.split()
+    assert float(words[words.index("--scale") + 1]) == 0.03
+    assert words[-1] == "--strict"
+    assert "--scale" not in hardware("robot_host:=192.168.7.2")[0]["simulator"].args
 
 
 def test_the_bridge_runs_on_the_robots_computer_and_serves_its_network():

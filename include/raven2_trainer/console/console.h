@@ -93,6 +93,8 @@ class Console {
   /** Pedals held beside the one that ITP carries, bits of core/pedals.h. */
   std::uint32_t pedals() const noexcept;
   bool finished() const noexcept;
+  /** Its hands are. */
+  bool isReal() const noexcept;
   /** [m] how far the force pushes each hand now. */
   PerArm<Vec3> deflection() const noexcept;
 

@@ -18,7 +18,7 @@ Eigen::Matrix3d axisMatrix(const AxisMap& map) noexcept;
 Vec3 toDevice(const MasterConfig& config, const Vec3& force_I) noexcept;
 
 /**
- * Looks at what a device publishes: units, reach, jumps, silence, poses that do not change. Called once a millisecond;
+ * Looks at what a device publishes: units, reach, jumps and turns, silence, poses that do not change. Called once a millisecond;
  * knows the time by that alone. Real-time safe.
  */
 class DeviceWatch {
@@ -34,6 +34,7 @@ class DeviceWatch {
  private:
   DeviceFinding judge(const DeviceSample& sample) const noexcept;
   DeviceFinding judgePlace(const Vector3& p, double elapsed) const noexcept;
+  DeviceFinding judgeTurn(const Quat& q, double elapsed) const noexcept;
   void keep(const DeviceSample& sample) noexcept;
 
   const MasterConfig& config_;
@@ -52,6 +53,7 @@ class DeviceWatch {
 /**
  * Hands on one or two real devices, or on a gamepad. The pedal counts from a press on that meets nothing wrong: a
  * device that goes silent, jumps or leaves its workspace lifts it, and it has to be released and pressed anew.
+ * A hand starts at its first pose from the press on: what it did before that moves nothing, however late it is told.
  * Poses that come slower than 1 kHz are gone to within the time between them, at most 20 ms, and in steps of which each
  * fits into a packet at config.scale. Jaws move, at config.jaw_speed, only while engaged; what a finger does meanwhile
  * they catch up with. `link` must outlive it. Its tick() is real-time safe.

@@ -322,7 +322,7 @@ struct ConsoleConfig {
   double clutch_time{};                ///< [s] pedal up while clutching
   Vec3 task_W_min{},
       task_W_max{};            ///< [m] [@frame W] box of the strokes' targets for the gold arm, mirrored in y for green
-  double ready_timeout{};      ///< [s] begin without a robot that is ready after this long; 0 = never
+  double ready_timeout{};      ///< [s] scripted hands begin without a ready robot after this long; 0 = never
   double recording_scale{};    ///< [-] hand motion = recording x this
   double recording_lead_in{};  ///< [s] minimum-jerk move from home to the recording's first position
 };

@@ -53,9 +53,10 @@ struct DeviceTopics {
   std::string gripper;               ///< sensor_msgs/JointState, its first joint
   std::string operating_state;       ///< crtk_msgs/OperatingState
   std::string force;
-  std::string force_absolute;   ///< std_msgs/Bool: told true, once, for forces in the axes of the base
-  std::array<int, 3> sticks{};  ///< axes of a Joy that are velocities along x, y, z
-  int gripper_input{-1};        ///< number of the button or of the Joy's axis; -1 none
+  std::string force_absolute;        ///< std_msgs/Bool: told true, once, for forces in the axes of the base
+  std::string gravity_compensation;  ///< std_msgs/Bool: told true, once: a device that only feels forces does not sink
+  std::array<int, 3> sticks{};       ///< axes of a Joy that are velocities along x, y, z
+  int gripper_input{-1};             ///< number of the button or of the Joy's axis; -1 none
 };
 
 /** A file of config/masters. */
@@ -71,6 +72,8 @@ struct MasterConfig {
   Vec3 workspace{};                   ///< [m] size of the device's workspace along its x, y, z
   double reach{};                     ///< [m] no position is farther from the device's origin
   double max_speed{}, max_jump{};     ///< [m/s], [m] more than both together from one pose to the next is a jump
+  double max_turn_rate{};             ///< [rad/s] the same of orientations
+  double max_turn_jump{};             ///< [rad]
   double watch{};                     ///< [s] poses are looked at before the first pedal-down counts
   double silent_after{};              ///< [s]
   double frozen_after{};              ///< [s] with the same pose, engaged; 0 never
@@ -78,6 +81,7 @@ struct MasterConfig {
   PedalFrom pedal_from{PedalFrom::kAny};
   int pedal_button{};
   std::string pedal_topic;
+  double pedal_silent_after{};  ///< [s] of its topic, held; 0 never: it tells changes alone
   GripperFrom gripper_from{GripperFrom::kNone};
   double jaws_open{}, jaws_closed{};        ///< [rad] of the tool's jaws
   double jaw_speed{};                       ///< [rad/s]
@@ -97,7 +101,8 @@ struct DeviceSample {
   std::array<double, 8> axes{};  ///< of a Joy
   double gripper{};              ///< reading of the gripper's joint
   std::uint8_t has_gripper{};    ///< 1: one has come
-  std::uint8_t is_ready{1};      ///< 0: its operating state says that it is not enabled and homed
+  std::uint8_t is_ready{1};      ///< 0: its operating state does not say that it is enabled and homed
+  std::uint8_t is_stateless{};   ///< 1: nor anything else: it has one, and none has come
   std::uint8_t is_locked{};      ///< 1: the driver holds it where it is
 };
 
@@ -108,14 +113,17 @@ struct FootPedal {
 
 /** What a device is to press the hand with. */
 struct DeviceForce {
-  Vec3 force{};     ///< the driver's units, the device's axes
-  Vec3 position{};  ///< where the device is, in its units and axes
+  Vec3 force{};              ///< the driver's units, the device's axes
+  Vec3 position{};           ///< where the device was last, in its units and axes; always finite
+  std::uint8_t is_placed{};  ///< 1: it was somewhere
+  std::uint8_t has_begun{};  ///< 1: the pedal has counted once
 };
 
 enum class DeviceTrouble : std::uint8_t {
   kNone,
   kNeverHeard,     ///< no pose has come
   kSilent,         ///< [s] none comes any more
+  kNoState,        ///< no operating state has come
   kNotReady,       ///< the operating state is not enabled and homed
   kLocked,         ///< the driver says that it holds the device; told, and nothing more
   kNotFinite,      ///< a number of the pose is none
@@ -125,6 +133,7 @@ enum class DeviceTrouble : std::uint8_t {
   kTooWide,        ///< [m] moved through more than five times the workspace
   kMetres,         ///< [m] positions so small that they must be metres
   kJump,           ///< [m] from one pose to the next
+  kTurnJump,       ///< [rad] the same of the orientation
   kNeverMoved,     ///< the pose has not changed since the start
   kFrozen,         ///< [s] it has not while engaged; told, and nothing more: one of two devices may rest
   kTooSoon,        ///< poses were not looked at for long enough
@@ -173,5 +182,11 @@ constexpr const char* deviceName(Arm arm) noexcept {
 
 /** A line for an operator: which device, what is wrong, and what it most likely is. Empty for kNone. */
 std::string words(const MasterConfig& config, Arm arm, const DeviceFinding& finding);
+
+/**
+ * A line for an operator whose master moves the tool by another scale than `console_scale`, which is what a daemon of
+ * the same configuration takes for it. Empty if they are the same.
+ */
+std::string wordsOfScale(const MasterConfig& config, double console_scale);
 
 }  // namespace raven2_trainer

@@ -12,7 +12,8 @@ namespace raven2_trainer::ros_bridge {
 /**
  * Haptic devices by their drivers' topics: poses, buttons, grippers and states go to the link, forces come from it,
  * MasterConfig::force_rate a second, as the family's message; nothing once the console is silent for 50 ms, and nothing
- * at the end. Says on stderr and on /diagnostics who reads the forces, and what was refused. `link` must outlive it.
+ * at the end. Says by nextLine() and on /diagnostics who reads the forces, and what was refused. `link` must outlive
+ * it.
  */
 class MasterDevices : public RosFace {
  public:
@@ -24,6 +25,9 @@ class MasterDevices : public RosFace {
   void start() override;
   void stop() override;
   std::vector<std::string> services() const override { return {}; }
+  /** What the operator is to know. One thread, any: none of those that move something prints. @return false: no more.
+   */
+  bool nextLine(std::string* line);
 
  private:
   struct Impl;

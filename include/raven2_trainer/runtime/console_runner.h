@@ -51,7 +51,7 @@ class ConsoleRunner {
   PedalBeat pedal_beat_;
   net::UdpReceiver forces_;
   std::optional<net::UdpReceiver> pictures_;
-  const std::int64_t ready_timeout_ns_;
+  const std::int64_t ready_timeout_ns_;  ///< 0 never: hands that are real wait for the robot, however long
   const bool must_sign_;
   std::int64_t started_ns_{0};
   bool ready_{false};

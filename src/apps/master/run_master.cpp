@@ -45,6 +45,12 @@ class ReportTeller {
   MasterReport told_;
 };
 
+void print(ros_bridge::MasterDevices* devices) {
+  std::string line;
+  while (devices->nextLine(&line))
+    std::fprintf(stderr, "%s\n", line.c_str());
+}
+
 PerArm<double> jawsAtHome(const TrainerConfig& config) {
   const double opening = kinematics::jawOpening(config.arms.geometry.home);
   return {opening, opening};
@@ -55,6 +61,8 @@ PerArm<double> jawsAtHome(const TrainerConfig& config) {
 int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char** argv) {
   MasterConfig master = config::findMaster(shareFolder() + "/config/masters", options.master);
   if (options.scale > 0.0) master.scale = options.scale;
+  const std::string of_scale = wordsOfScale(master, config.console.scale);
+  if (!of_scale.empty()) std::fprintf(stderr, "%s\n", of_scale.c_str());
   config.console.scale = master.scale;
   config.network.sight = false;  // the eyes are the surgeon's own
   MasterLink link;
@@ -68,6 +76,7 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
     if (waitForSignal(kPoll)) break;
     teller.look(link.report.load());
+    print(&devices);
     if (time < kPatience && time + kPoll >= kPatience && !ros.met())
       std::fprintf(stderr, "no ROS master yet: without one there are no devices; waiting\n");
   }
@@ -77,7 +86,9 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   std::fprintf(stderr, "forces: %llu received = %llu applied + %llu rejected\n",
                static_cast<unsigned long long>(forces.received), static_cast<unsigned long long>(forces.applied),
                static_cast<unsigned long long>(forces.rejectedTotal()));
-  return ros.leave(0);
+  const int status = ros.leave(0);
+  print(&devices);
+  return status;
 }
 
 }  // namespace raven2_trainer::apps

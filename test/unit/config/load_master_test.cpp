@@ -33,11 +33,13 @@ workspace: [0.16, 0.12, 0.07]
 reach: 0.5
 max_speed: 3.0
 max_jump: 0.005
+max_turn_rate: 30.0
+max_turn_jump: 0.2
 watch: 0.5
 silent_after: 0.1
 frozen_after: 2.0
 force: {max: 3.3, per_newton: 1.0, rate: 500}
-pedal: {from: any, button: 0, topic: ""}
+pedal: {from: any, button: 0, topic: "", silent_after: 0.5}
 gripper: {from: button_toggles, open: 0.6, closed: 0.0, speed: 3.0, reading_open: 1.0, reading_closed: 0.0}
 devices:
   right:
@@ -47,6 +49,7 @@ devices:
     operating_state: ""
     force: /right/servo_cf
     force_absolute: ""
+    gravity_compensation: ""
     gripper_input: 1
 )";
 
@@ -75,6 +78,10 @@ TEST(LoadMaster, ValuesArriveInMetresAndArms) {
   EXPECT_EQ(right.buttons.size(), 2U);
   EXPECT_EQ(right.force, "/right/servo_cf");
   EXPECT_EQ(right.gripper_input, 1);
+  EXPECT_EQ(right.gravity_compensation, "");
+  EXPECT_EQ(findMaster(kFolder, "mtm").devices[1].gravity_compensation, "/MTMR/use_gravity_compensation");
+  EXPECT_EQ(master.pedal_silent_after, 0.5);
+  EXPECT_EQ(findMaster(kFolder, "mtm").pedal_silent_after, 0.0);
   EXPECT_EQ(master.max_force, 3.3);
   EXPECT_EQ(master.force_rate, 500.0);
   EXPECT_EQ(master.gripper_from, GripperFrom::kToggles);
@@ -93,29 +100,33 @@ TEST(LoadMaster, WhatIsWrongIsNamedWithItsLine) {
                      {"forward: [0, 0, -1]", "forward: [0, 0, 1]", 6},
                      {"orientation: true", "orientation: maybe", 9},
                      {"reach: 0.5", "reach: 500", 12},
-                     {"rate: 500", "rate: 5000", 18},
-                     {"from: any", "from: foot", 19},
-                     {"from: any", "from: left", 19},
-                     {"from: any", "from: topic", 19},
-                     {"from: button_toggles", "from: axis", 20},
-                     {"from: button_toggles", "from: joint", 25},
-                     {"open: 0.6", "open: -0.1", 20},
-                     {"reading_open: 1.0", "reading_open: 0.0", 20},
-                     {"pose: /right/measured_cp", "pose: \"\"", 23},
-                     {"pose: /right/measured_cp", "pose: /right//measured_cp", 23},
-                     {"pose: /right/measured_cp", "pose: ~measured_cp", 23},
-                     {"/right/button2]", "right button]", 24},
-                     {"force: /right/servo_cf", "force: 9", 27},
-                     {"gripper_input: 1", "gripper_input: 99", 29},
-                     {"  right:\n    pose", "  middle:\n    pose", 22}});
+                     {"max_turn_rate: 30.0", "max_turn_rate: 0.0", 15},
+                     {"max_turn_jump: 0.2", "max_turn_jump: 4.0", 16},
+                     {"rate: 500", "rate: 5000", 20},
+                     {"from: any", "from: foot", 21},
+                     {"from: any", "from: left", 21},
+                     {"from: any", "from: topic", 21},
+                     {"silent_after: 0.5", "silent_after: 0.01", 21},
+                     {"silent_after: 0.5", "silent_after: 61.0", 21},
+                     {"from: button_toggles", "from: axis", 22},
+                     {"from: button_toggles", "from: joint", 27},
+                     {"open: 0.6", "open: -0.1", 22},
+                     {"reading_open: 1.0", "reading_open: 0.0", 22},
+                     {"pose: /right/measured_cp", "pose: \"\"", 25},
+                     {"pose: /right/measured_cp", "pose: /right//measured_cp", 25},
+                     {"pose: /right/measured_cp", "pose: ~measured_cp", 25},
+                     {"/right/button2]", "right button]", 26},
+                     {"force: /right/servo_cf", "force: 9", 29},
+                     {"gripper_input: 1", "gripper_input: 99", 32},
+                     {"  right:\n    pose", "  middle:\n    pose", 24}});
 }
 
 TEST(LoadMaster, KeysOfAnotherFamilyAndMissingOnesAreRefused) {
   expectRefused(load, replaced(kGood, "family: crtk", "family: joy"), 1, "stick_speed is missing");
   expectRefused(load, replaced(kGood, "watch: 0.5\n", ""), 1, "watch is missing");
-  expectRefused(load, kGood + "stick_speed: 0.1\n", 30, "unknown key");
-  expectRefused(load, replaced(kGood, "buttons: [/right/button1, /right/button2]", "buttons: []"), 22, "no buttons");
-  expectRefused(load, replaced(kGood, "gripper_input: 1", "gripper_input: -1"), 22, "no gripper_input");
+  expectRefused(load, kGood + "stick_speed: 0.1\n", 33, "unknown key");
+  expectRefused(load, replaced(kGood, "buttons: [/right/button1, /right/button2]", "buttons: []"), 24, "no buttons");
+  expectRefused(load, replaced(kGood, "gripper_input: 1", "gripper_input: -1"), 24, "no gripper_input");
 }
 
 TEST(LoadMaster, AnUnknownNameListsTheKnownOnes) {

@@ -26,6 +26,8 @@ inline MasterConfig testMaster() {
   c.reach = 0.5;
   c.max_speed = 3.0;
   c.max_jump = 0.005;
+  c.max_turn_rate = 30.0;
+  c.max_turn_jump = 0.2;
   c.watch = 0.5;
   c.silent_after = 0.1;
   c.frozen_after = 2.0;

@@ -82,8 +82,11 @@ TEST(ShippedMasters, TurnsOfTheDeviceTurnTheHandAboutTheSameAxes) {
       // WHEN it turns by 0.3 rad about one of its base's axes
       Eigen::Vector3d about(0, 0, 0);
       about[static_cast<Eigen::Index>(axis)] = 1.0;
-      bench.samples[0].orientation = toArray(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, about)) * before);
-      const Quat turn = bench.tick().turn_I[0];
+      Quat turn = kIdentityQuat;
+      for (const double angle : {0.15, 0.3}) {
+        bench.samples[0].orientation = toArray(Eigen::Quaterniond(Eigen::AngleAxisd(angle, about)) * before);
+        turn = bench.tick().turn_I[0];
+      }
       expectNear({turn[0], turn[1], turn[2]}, times(std::sin(0.15), family.axes[axis]), 1e-12, file);
       EXPECT_NEAR(turn[3], std::cos(0.15), 1e-12);
     }
@@ -164,11 +167,12 @@ TEST(DeviceHands, WhatIsNoPoseLiftsThePedal) {
     Quat orientation;
     DeviceTrouble trouble;
   };
-  const std::array<Case, 5> cases{{{{nan, 0, 0}, kIdentityQuat, DeviceTrouble::kNotFinite},
+  const std::array<Case, 6> cases{{{{nan, 0, 0}, kIdentityQuat, DeviceTrouble::kNotFinite},
                                    {{0, 0, 0}, {0, 0, nan, 1}, DeviceTrouble::kNotFinite},
                                    {{0, 0, 0}, {0, 0, 0, 0}, DeviceTrouble::kNotUnit},
                                    {{0, 0, 0.7}, kIdentityQuat, DeviceTrouble::kOutOfReach},
-                                   {{0, 0.02, 0}, kIdentityQuat, DeviceTrouble::kJump}}};
+                                   {{0, 0.02, 0}, kIdentityQuat, DeviceTrouble::kJump},
+                                   {{0, 0, 0}, {0, 0, std::sin(0.15), std::cos(0.15)}, DeviceTrouble::kTurnJump}}};
   for (const Case& c : cases) {
     MasterConfig config = testMaster();
     config.orientation = true;
@@ -204,6 +208,40 @@ TEST(DeviceHands, AFastHandIsNoJump) {
     if (bench.publishes) bench.samples[0].position[0] += 0.02;
     ASSERT_TRUE(bench.tick().pedal) << i;
   }
+}
+
+TEST(DeviceHands, AFastWristIsNoJumpAndAQuaternionOfTheOtherSignIsNone) {
+  MasterConfig config = testMaster();
+  config.orientation = true;
+  DeviceBench bench(config);
+  bench.warmUp();
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  // 20 rad/s, a pose every 10 ms, each other one as the negative quaternion
+  for (int i = 0; i < 300; ++i) {
+    bench.publishes = i % 10 == 9;
+    const double half = 0.1 * (i / 10 + 1), sign = i / 10 % 2 == 0 ? -1.0 : 1.0;
+    if (bench.publishes) bench.samples[0].orientation = {sign * std::sin(half), 0.0, 0.0, sign * std::cos(half)};
+    ASSERT_TRUE(bench.tick().pedal) << i;
+  }
+  // 0.52 rad within 9 ms are one
+  bench.publishes = false;
+  bench.tick(8);
+  bench.publishes = true;
+  const double half = 0.1 * 30 + 0.26;
+  bench.samples[0].orientation = {std::sin(half), 0.0, 0.0, std::cos(half)};
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kTurnJump);
+  EXPECT_EQ(bench.said().find("left: it turned by 0.52 rad"), 0U) << bench.said();
+}
+
+TEST(DeviceHands, WithoutOrientationATurnIsNoJump) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  bench.press();
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.samples[0].orientation = {1.0, 0.0, 0.0, 0.0};
+  EXPECT_TRUE(bench.tick().pedal);
 }
 
 TEST(DeviceHands, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
@@ -247,6 +285,29 @@ TEST(DeviceHands, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
   EXPECT_EQ(bench.report().found[0], told) << "once";
 }
 
+TEST(DeviceHands, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
+  MasterConfig config = testMaster();
+  config.pedal_from = PedalFrom::kAll;
+  DeviceBench bench(config);
+  bench.warmUp();
+  bench.samples[0].buttons = bench.samples[1].buttons = 1;
+  ASSERT_TRUE(bench.tick().pedal);
+  // GIVEN a driver that dies with its button down, and another that is started: of the release nothing came
+  bench.publishes = false;
+  ASSERT_FALSE(bench.tick(200).pedal);
+  EXPECT_EQ(bench.report().pedal, 0);
+  bench.publishes = true;
+  // WHEN the other device's button alone is pressed, THEN the pedal stays up
+  for (const std::uint32_t right : {1U, 0U, 1U}) {
+    bench.samples[1].buttons = right;
+    EXPECT_FALSE(bench.tick(20).pedal);
+  }
+  bench.samples[0].buttons = 0;
+  bench.tick();
+  bench.samples[0].buttons = 1;
+  EXPECT_TRUE(bench.tick().pedal);
+}
+
 TEST(DeviceHands, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {
   DeviceBench bench(testMaster());
   bench.publishes = false;
@@ -284,6 +345,29 @@ TEST(DeviceHands, AnOperatingStateThatIsNotEnabledForbidsAndALockIsToldAlone) {
   bench.samples[1].is_ready = 0;
   EXPECT_FALSE(bench.tick().pedal);
   EXPECT_EQ(bench.newest(Arm::kGreen), DeviceTrouble::kNotReady);
+}
+
+TEST(DeviceHands, AnOperatingStateThatHasNotComeForbidsAndIsToldAfterAMoment) {
+  DeviceBench bench(testMaster());
+  bench.samples[0].is_ready = 0;
+  bench.samples[0].is_stateless = 1;
+  bench.warmUp();
+  EXPECT_EQ(bench.report().found[0], 0U) << "ROS needs a moment";
+  bench.tick(1500);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNoState);
+  EXPECT_EQ(bench.said(),
+            "left: nothing has come on /operating_state (does its driver publish it, and under this name?)");
+  EXPECT_EQ(bench.report().found[0], 1U);
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  bench.samples[0].is_stateless = 0;
+  bench.tick();
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNotReady) << "it is DISABLED, say";
+  bench.press(0);
+  bench.samples[0].is_ready = 1;
+  bench.tick();
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal);
 }
 
 TEST(DeviceHands, ThePedalIsWhereTheFileSays) {
@@ -414,6 +498,43 @@ TEST(DeviceHands, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   EXPECT_EQ(bench.force(Arm::kGreen), (Vec3{0, 0, 0}));
 }
 
+TEST(DeviceHands, AForceSaysWhetherThePedalHasEverCounted) {
+  DeviceBench bench(testMaster());
+  const auto has_begun = [&] { return bench.link.forces[1].load().has_begun; };
+  bench.press();
+  bench.tick(10);  // pressed too soon
+  bench.press(0);
+  bench.warmUp();
+  EXPECT_EQ(has_begun(), 0);
+  bench.press();
+  bench.tick();
+  EXPECT_EQ(has_begun(), 1);
+  bench.press(0);
+  bench.tick(10);
+  EXPECT_EQ(has_begun(), 1);
+}
+
+TEST(DeviceHands, WithAForceGoesTheLastPlaceThatIsOne) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  DeviceBench bench(testMaster());
+  const auto told = [&] { return bench.link.forces[0].load(); };
+  bench.samples[0].position = {nan, 0.0, 0.0};
+  bench.publishes = false;
+  bench.tick(3);
+  EXPECT_EQ(told().is_placed, 0) << "before the first pose";
+  bench.publishes = true;
+  bench.tick(3);
+  EXPECT_EQ(told().is_placed, 0) << "before the first finite one";
+  EXPECT_EQ(told().position, (Vec3{0, 0, 0}));
+  bench.samples[0].position = {0.01, 0.02, 0.03};
+  bench.tick();
+  EXPECT_EQ(told().is_placed, 1);
+  bench.samples[0].position = {0.01, nan, 0.03};
+  bench.tick();
+  EXPECT_EQ(told().is_placed, 1);
+  EXPECT_EQ(told().position, (Vec3{0.01, 0.02, 0.03}));
+}
+
 TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
   for (const Published& family : kPublished) {
     const MasterConfig master = shipped(family.file);
@@ -425,7 +546,8 @@ TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
 
 /** A console with such hands on a robot that is ready. */
 struct RealConsole {
-  explicit RealConsole(double scale = 0.1, bool orientation = false) : bench(master(scale, orientation)) {
+  explicit RealConsole(double scale = 0.1, bool orientation = false, double max_turn_jump = 0.2)
+      : bench(master(scale, orientation, max_turn_jump)) {
     ConsoleConfig at_once = testConfig();
     at_once.start_delay = 0.0;
     at_once.scale = scale;
@@ -433,10 +555,11 @@ struct RealConsole {
     console->setReady(true);
   }
 
-  static MasterConfig master(double scale, bool orientation) {
+  static MasterConfig master(double scale, bool orientation, double max_turn_jump) {
     MasterConfig config = testMaster();
     config.scale = scale;
     config.orientation = orientation;
+    config.max_turn_jump = max_turn_jump;
     return config;
   }
 
@@ -498,7 +621,7 @@ TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::array<double, 6> odd{inf, -inf, std::nan(""), 1e300, 83.0, -0.4};
   Random random(5);
-  RealConsole real(1.0, /*orientation=*/true);
+  RealConsole real(1.0, /*orientation=*/true, /*max_turn_jump=*/3.2);  // all of its random turns reach the packet
   real.warmUp();
   int engaged = 0, moved = 0;
   for (int i = 0; i < 60000; ++i) {
@@ -521,6 +644,70 @@ TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
   }
   EXPECT_GT(engaged, 5000);
   EXPECT_GT(moved, 1000);
+}
+
+TEST(RealHands, WhatAHandDidBeforeThePedalWasDownMovesNothingHoweverLateItIsTold) {
+  // GIVEN a driver that stalls: for less than silent_after, for longer, and one of 100 Hz between two of its poses
+  for (const int stall : {5, 60, 200}) {
+    for (const bool pressed_amidst : {true, false}) {
+      RealConsole real(0.1, /*orientation=*/true);
+      real.warmUp();
+      real.is_silent = true;
+      for (int i = 0; i < stall; ++i)
+        real.tick();
+      if (pressed_amidst && stall < 100) {
+        real.bench.press();
+        ASSERT_EQ(real.tick().surgeon_mode, 1);
+      }
+      // WHEN it tells at once what the hand did meanwhile, and the pedal goes down
+      real.is_silent = false;
+      DeviceSample& left = real.bench.samples[0];
+      left.position[0] += 0.015;
+      left.orientation = {std::sin(0.05), 0.0, 0.0, std::cos(0.05)};
+      real.bench.press();
+      // THEN the tool stays
+      for (int i = 0; i < 100; ++i) {
+        const wire::ItpPacket packet = real.tick();
+        ASSERT_EQ(packet.surgeon_mode, 1);
+        ASSERT_EQ(packet.delx_um[0], 0) << stall << " " << pressed_amidst << " " << i;
+        ASSERT_NEAR(packet.Qx[0], 0.0, 1e-12);
+      }
+      // and what it does from there on counts
+      left.position[1] += 0.004;
+      int moved = 0;
+      for (int i = 0; i < 30; ++i)
+        moved += real.tick().dely_um[0];
+      EXPECT_EQ(moved, 400);
+    }
+  }
+}
+
+TEST(RealHands, ATurnIsAddedToTheOneBeforeTheClutch) {
+  RealConsole real(0.1, /*orientation=*/true);
+  real.warmUp();
+  DeviceSample& left = real.bench.samples[0];
+  const auto turnBy = [&](double angle, const Eigen::Vector3d& about) {
+    left.orientation =
+        toArray(Eigen::Quaterniond(Eigen::AngleAxisd(angle, about)) * Eigen::Quaterniond(toEigen(left.orientation)));
+  };
+  Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+  for (int stroke = 0; stroke < 3; ++stroke) {
+    real.bench.press();
+    real.tick();
+    for (int i = 0; i < 100; ++i) {
+      turnBy(0.005, Eigen::Vector3d::UnitZ());
+      const wire::ItpPacket packet = real.tick();
+      ASSERT_EQ(packet.surgeon_mode, 1);
+      turned = Eigen::Quaterniond(packet.Qw[0], packet.Qx[0], packet.Qy[0], packet.Qz[0]) * turned;
+    }
+    real.bench.press(0);
+    for (int i = 0; i < 100; ++i) {  // back again, and somewhere else
+      turnBy(-0.004, Eigen::Vector3d::UnitX());
+      ASSERT_EQ(real.tick().surgeon_mode, 0);
+    }
+  }
+  const Eigen::Quaterniond wanted(Eigen::AngleAxisd(3 * 0.5, Eigen::Vector3d::UnitZ()));
+  EXPECT_LT(turned.angularDistance(wanted), 1e-6);
 }
 
 TEST(RealHands, TheSumOfTheIncrementsIsTheScaledMotion) {

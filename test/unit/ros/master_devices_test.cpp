@@ -14,6 +14,9 @@
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
 #include "ros/master_status.h"
+#include "ros/operator_lines.h"
+#include "ros/pedal_hold.h"
+#include "ros/rest_watch.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -161,6 +164,8 @@ TEST(DeviceReader, ReadsCrtkPosesWithATimeAndButtonsOfSeveralTopics) {
 TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
   const MasterConfig config = shipped("mtm");
   MasterDeviceReader reader(config, config.devices[0]);
+  EXPECT_EQ(reader.sample().is_ready, 0) << "it has not said so";
+  EXPECT_EQ(reader.sample().is_stateless, 1);
   devices::OperatingState state;
   for (const auto& [name, homed, ready] : {std::tuple("ENABLED", 1, 1), std::tuple("ENABLED", 0, 0),
                                            std::tuple("DISABLED", 1, 0), std::tuple("FAULT", 1, 0)}) {
@@ -168,7 +173,10 @@ TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
     state.is_homed = static_cast<std::uint8_t>(homed);
     ASSERT_TRUE(reader.operatingState(receivedAs("crtk_msgs/OperatingState", state)));
     EXPECT_EQ(reader.sample().is_ready, ready) << name << homed;
+    EXPECT_EQ(reader.sample().is_stateless, 0);
   }
+  const MasterConfig omni = shipped("omni");
+  EXPECT_EQ(MasterDeviceReader(omni, omni.devices[0]).sample().is_ready, 1) << "it has none";
   sensor_msgs::JointState joints;
   ASSERT_TRUE(reader.gripper(received(joints)));
   EXPECT_EQ(reader.sample().has_gripper, 0);
@@ -224,17 +232,133 @@ TEST(PedalTopic, IsAButtonOfAJoy) {
   EXPECT_FALSE(readJoyButton(received(std_msgs::String()), 0, &held));
 }
 
-TEST(ForceReadersTest, AreToldOnceAndWhenTheyChange) {
-  ForceReaders readers("left", "/left/servo_cf", 2.0);
-  EXPECT_EQ(readers.look(0, 0.5), "");
-  EXPECT_EQ(readers.look(1, 0.6), "left: force on /left/servo_cf, read by 1");
-  EXPECT_EQ(readers.look(1, 5.0), "");
-  EXPECT_NE(readers.look(0, 6.0).find("NOBODY any more"), std::string::npos);
-  EXPECT_EQ(readers.look(0, 7.0), "");
-  EXPECT_EQ(readers.look(2, 8.0), "left: force on /left/servo_cf, read by 2");
-  ForceReaders nobody("right", "/f", 2.0);
-  EXPECT_EQ(nobody.look(0, 1.9), "");
-  EXPECT_EQ(nobody.look(0, 2.1), "right: force on /f, read by NOBODY: no force will be felt");
+TEST(OperatorLinesTest, ComeOutInOrderAndSayHowManyDidNot) {
+  OperatorLines lines;
+  std::string line;
+  EXPECT_FALSE(lines.next(&line));
+  lines.tell("");
+  EXPECT_FALSE(lines.next(&line));
+  for (int i = 0; i < 40; ++i)
+    lines.tell("line " + std::to_string(i));
+  for (int i = 0; i < 32; ++i) {
+    ASSERT_TRUE(lines.next(&line));
+    EXPECT_EQ(line, "line " + std::to_string(i));
+  }
+  ASSERT_TRUE(lines.next(&line));
+  EXPECT_EQ(line, "8 lines more, which were not kept");
+  EXPECT_FALSE(lines.next(&line));
+  lines.tell(std::string(2000, 'x'));
+  ASSERT_TRUE(lines.next(&line));
+  EXPECT_EQ(line, std::string(504, 'x'));
+}
+
+TEST(RestWatchTest, ADeviceRestsThatHasNotMovedForAMoment) {
+  RestWatch watch;
+  // 20 mm/s, a pose every 10 ms, looked at every 5 ms
+  double time = 0.0;
+  for (int i = 0; i < 40; ++i, time += 0.005)
+    EXPECT_FALSE(watch.look({4e-4 * (i / 2), 0.0, 0.05}, time)) << i;
+  const Vector3 end(4e-4 * 19, 0.0, 0.05);
+  EXPECT_FALSE(watch.look(end, 0.2));
+  EXPECT_TRUE(watch.look(end, 0.211));
+  EXPECT_TRUE(watch.look(end + Vector3(1e-4, 0.0, 0.0), 0.22)) << "trembles";
+  EXPECT_FALSE(watch.look(end + Vector3(0.0, 3e-4, 0.0), 0.225));
+}
+
+TEST(PedalHoldTest, OneThatRepeatsItselfIsUpOnceItIsSilent) {
+  PedalHold pedal("/foot", 0.5);
+  std::string news;
+  EXPECT_FALSE(pedal.look(true, 0.0, &news));
+  pedal.hear(true, 1.0);
+  EXPECT_TRUE(pedal.look(true, 1.4, &news));
+  pedal.hear(true, 1.4);
+  EXPECT_TRUE(pedal.look(true, 1.8, &news));
+  EXPECT_EQ(news, "");
+  // its process is killed: the ROS master counts it on
+  EXPECT_FALSE(pedal.look(true, 2.0, &news));
+  EXPECT_EQ(news, "pedal: nothing came on /foot for 600 ms while it was held: it counts as up");
+  news.clear();
+  EXPECT_FALSE(pedal.look(true, 9.0, &news));
+  EXPECT_EQ(news, "") << "once";
+  // whoever comes back with the foot on it
+  pedal.hear(true, 10.0);
+  EXPECT_FALSE(pedal.look(true, 10.1, &news));
+  pedal.hear(false, 10.2);
+  pedal.hear(true, 10.3);
+  EXPECT_TRUE(pedal.look(true, 10.4, &news));
+  // up and silent is nothing to tell
+  pedal.hear(false, 10.5);
+  EXPECT_FALSE(pedal.look(true, 20.0, &news));
+  EXPECT_EQ(news, "");
+  // a message after a silence that nobody has looked at
+  pedal.hear(true, 20.1);
+  pedal.hear(true, 21.0);
+  EXPECT_FALSE(pedal.look(true, 21.0, &news));
+}
+
+TEST(PedalHoldTest, OneThatTellsChangesIsUpOnceNobodyPublishes) {
+  PedalHold pedal("/foot", 0.0);
+  std::string news;
+  pedal.hear(true, 1.0);
+  EXPECT_TRUE(pedal.look(true, 100.0, &news));
+  EXPECT_FALSE(pedal.look(false, 101.0, &news));
+  EXPECT_EQ(news, "pedal: nobody publishes /foot: it counts as up");
+  news.clear();
+  EXPECT_FALSE(pedal.look(true, 102.0, &news)) << "another one, which has said nothing";
+  pedal.hear(true, 103.0);
+  EXPECT_TRUE(pedal.look(true, 104.0, &news));
+  EXPECT_EQ(news, "");
+}
+
+TEST(PedalHoldTest, OneThatWasNeverThereIsToldOnceAfterTheStart) {
+  PedalHold pedal("/foot", 0.0);
+  std::string news;
+  pedal.look(false, 1.9, &news);
+  EXPECT_EQ(news, "");
+  pedal.look(false, 2.1, &news);
+  EXPECT_NE(news.find("nobody publishes /foot"), std::string::npos);
+  news.clear();
+  pedal.look(false, 3.0, &news);
+  EXPECT_EQ(news, "");
+}
+
+TEST(ForceReadersTest, AreToldByNameOnceAndWhenTheyChange) {
+  ForceReaders readers("left", "/left/servo_cf", "/left/measured_cp", 2.0);
+  EXPECT_EQ(readers.look({}, "", 0.5), "");
+  EXPECT_EQ(readers.look({"/saw"}, "", 0.6), "left: force on /left/servo_cf, read by 1: /saw");
+  EXPECT_EQ(readers.look({"/saw"}, "/saw", 5.0), "") << "who publishes the poses is among them";
+  EXPECT_NE(readers.look({}, "/saw", 6.0).find("NOBODY any more"), std::string::npos);
+  EXPECT_EQ(readers.look({}, "/saw", 7.0), "");
+  EXPECT_EQ(readers.look({"/saw", "/bag"}, "/saw", 8.0), "left: force on /left/servo_cf, read by 2: /saw /bag");
+  EXPECT_EQ(
+      readers.look({"/bag"}, "/saw", 9.0),
+      "left: force on /left/servo_cf, read by 1: /bag, but not by /saw, which publishes /left/measured_cp: no force "
+      "may be felt");
+  EXPECT_EQ(readers.look({"/bag"}, "/saw", 10.0), "");
+  ForceReaders nobody("right", "/f", "/p", 2.0);
+  EXPECT_EQ(nobody.look({}, "/saw", 1.9), "");
+  EXPECT_EQ(nobody.look({}, "/saw", 2.1), "right: force on /f, read by NOBODY: no force will be felt");
+}
+
+TEST(ForceReadersTest, WithoutATopicThereIsNoForce) {
+  ForceReaders readers("left", "", "/p", 2.0);
+  EXPECT_EQ(readers.look({}, "", 1.0), "");
+  EXPECT_NE(readers.look({}, "", 2.0).find("left: no force"), std::string::npos);
+  EXPECT_EQ(readers.look({}, "/saw", 3.0), "");
+}
+
+TEST(AbsoluteListenerTest, IsToldWhereItIsMissing) {
+  AbsoluteListener listener("left", "/left/absolute", 2.0);
+  EXPECT_EQ(listener.look(false, 1.0), "");
+  EXPECT_NE(listener.look(false, 2.0).find("left: nobody reads /left/absolute: forces stay zero"), std::string::npos);
+  EXPECT_EQ(listener.look(false, 3.0), "");
+  EXPECT_EQ(listener.look(true, 4.0), "left: /left/absolute is read now: forces go out");
+  EXPECT_EQ(listener.look(true, 5.0), "");
+  EXPECT_NE(listener.look(false, 6.0).find("nobody reads"), std::string::npos);
+  AbsoluteListener there("left", "/left/absolute", 2.0);
+  EXPECT_EQ(there.look(true, 0.5), "");
+  EXPECT_EQ(there.look(true, 2.5), "") << "nothing to tell of what is as it should be";
+  EXPECT_NE(there.look(false, 2.6).find("nobody reads"), std::string::npos);
 }
 
 TEST(MasterStatus, SaysWhatIsWrong) {
@@ -247,6 +371,15 @@ TEST(MasterStatus, SaysWhatIsWrong) {
   status = masterStatus(config, Arm::kGreen, report, {998.0, 0});
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(status.message.find("/right/force_feedback"), std::string::npos);
+  status = masterStatus(config, Arm::kGreen, report, {998.0, 1, false, false});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_EQ(status.message, "/right/force_feedback is read, but not by who publishes /right/state");
+  status = masterStatus(shipped("mtm"), Arm::kGreen, report, {998.0, 1, true, true});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
+  EXPECT_EQ(status.message, "nobody reads /MTMR/body/set_cf_orientation_absolute: forces stay zero");
+  status = masterStatus(shipped("gamepad"), Arm::kGreen, report, {50.0, 0});
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK);
+  EXPECT_EQ(status.message, "pedal up; no force");
   report.now[1] = {DeviceTrouble::kSilent, 0.4};
   status = masterStatus(config, Arm::kGreen, report, {0.0, 0});
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);

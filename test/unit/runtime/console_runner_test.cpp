@@ -25,14 +25,17 @@ struct Hands : console::MotionSource {
   struct Told {
     std::optional<Sight> seen;
     std::uint32_t pedals{};
+    bool is_real{}, may_move{};
   };
   explicit Hands(Told* what) : told(*what) {}
   console::Intent tick(const console::Senses& senses) override {
     told.seen = senses.sight;
+    told.may_move = senses.may_move;
     console::Intent intent;
     intent.pedals = told.pedals;
     return intent;
   }
+  bool isReal() const noexcept override { return told.is_real; }
   Told& told;
 };
 
@@ -123,6 +126,24 @@ TEST_F(ConsoleOnSockets, ForcesAreTakenAsBefore) {
   tick(console.get(), 2);
   EXPECT_EQ(console->forceCounts().applied, 1U);
   EXPECT_TRUE(console->forceCounts().addsUp());
+}
+
+TEST_F(ConsoleOnSockets, OnlyScriptedHandsBeginWithoutARobotAfterAWhile) {
+  for (const bool is_real : {false, true}) {
+    told = {};
+    told.is_real = is_real;
+    const auto console = makeConsole();
+    tick(console.get(), 100);
+    EXPECT_EQ(told.may_move, !is_real) << "ready_timeout is 1 ms";
+    net::UdpSender forces("127.0.0.1", console->forcePort());
+    ForcePacket force;
+    force.sequence = 1;
+    force.runlevel = static_cast<std::uint8_t>(RunLevel::kPedalUp);
+    const wire::ForceBytes bytes = wire::encodeForce(force);
+    forces.send(bytes.data(), bytes.size());
+    tick(console.get(), 3);
+    EXPECT_TRUE(told.may_move);
+  }
 }
 
 TEST_F(ConsoleOnSockets, PedalsGoBesideItpFromTheSameSocketAndAreHeeded) {
