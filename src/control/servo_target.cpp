@@ -26,6 +26,13 @@ constexpr double kLeashJaw = 0.02;   // [rad]
 constexpr double kReachStep = 0.01;     // [m]
 constexpr double kReachTurn = 0.2;      // [rad]
 constexpr double kMostReachSteps = 64;  // 0.64 m: farther than an arm reaches
+constexpr double kMostJointSteps = 32;  // 0.33 m of insertion and 364 degrees of roll: all that arms.yaml allows
+
+constexpr double kSameJoint = 1e-3;  // [rad; m] at the end of a way in joints: another solution is farther away
+
+// On a straight line joints' rates are met within this, or the way ends: near its singularities an arm cannot go on.
+constexpr double kRateRounding = 1e-3;
+constexpr int kMostAttempts = 4;
 
 constexpr int kTipSamples = 16;  // of a move in joints, for the highest rate of its tip
 
@@ -52,10 +59,6 @@ bool areFinite(const std::array<double, N>& values) noexcept {
 
 bool isTurn(const Quat& q) noexcept {
   return areFinite(q) && std::abs(toEigen(q).norm() - 1.0) <= kNormError;
-}
-
-bool isReached(IkStatus status) noexcept {
-  return status == IkStatus::kOk || status == IkStatus::kSingularWrist;
 }
 
 bool isPast(double value, double limit) noexcept {
@@ -86,6 +89,23 @@ bool isWhole(const ServoCommand& c) noexcept {
 
 Pose poseIn(const ServoCommand& c) noexcept {
   return {toEigen(c.pose_B.q).normalized().toRotationMatrix(), toEigen(c.pose_B.p)};
+}
+
+ServoJoints between(const ServoJoints& from, const ServoJoints& to, double share) noexcept {
+  if (share >= 1.0) return to;
+  ServoJoints result{};
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    result[j] = from[j] + share * (to[j] - from[j]);
+  return result;
+}
+
+/** [-] The largest step of a joint in a tick, over what it may be. */
+double jointStep(const JointArray& from, const JointArray& to, double most_speed, double most_rate) noexcept {
+  const ServoJoints a = servoJoints(from), b = servoJoints(to);
+  double most = 0.0;
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    most = std::max(most, std::abs(b[j] - a[j]) / (j == kInsertion ? most_speed : most_rate));
+  return most / kTickSeconds;
 }
 
 ServoJoints sum(const ServoJoints& a, const ServoJoints& b) noexcept {
@@ -124,9 +144,16 @@ void ServoTarget::startFrom(const Pose& X_BT, const JointArray& q, double openin
   q_ = q;
   opening_ = std::clamp(opening, kMinOpening, kMaxOpening);
   if (motion_ == Motion::kMove) beginMove();
+  if (isServoTooFar()) servo(Motion::kHold);
   if (!moves_jaw_) return;
   jaw_.from = opening_;
   jaw_.elapsed = 0;
+}
+
+/** Where the arm was taken elsewhere meanwhile, a servo command leads farther than it may. */
+bool ServoTarget::isServoTooFar() const noexcept {
+  if (motion_ == Motion::kJoints) return checkStep(servoJoints(goal_q_)).reason != ServoRefusal::kNone;
+  return motion_ == Motion::kPose && checkStep(goal_X_).reason != ServoRefusal::kNone;
 }
 
 /** Joints that are not asked for follow from the pose, and the mapping is who knows which. */
@@ -188,8 +215,10 @@ ServoVerdict ServoTarget::takeJoints(const ServoJoints& joints) noexcept {
   ServoVerdict verdict = checkJoints(joints);
   if (verdict.reason == ServoRefusal::kNone) verdict = checkStep(joints);
   if (verdict.reason != ServoRefusal::kNone) return verdict;
+  const JointArray to = withServoJoints(q_, joints);
+  if (!reaches(q_, to)) return {ServoRefusal::kUnreachable};
   servo(Motion::kJoints);
-  goal_q_ = withServoJoints(q_, joints);
+  goal_q_ = to;
   return {};
 }
 
@@ -234,8 +263,10 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
   if (move.in_joints) {
     const ServoVerdict verdict = checkJoints(command.joints);
     if (verdict.reason != ServoRefusal::kNone) return verdict;
-    move.q = withServoJoints(move.q, command.joints);
-    move.X = poseOf(move.q);
+    const JointArray to = withServoJoints(move.q, command.joints);
+    if (!reaches(move.q, to)) return {ServoRefusal::kUnreachable};
+    move.q = to;
+    move.X = poseOf(to);
   } else {
     move.X = poseIn(command);
     if (!reaches(from, move.X, &move.q)) return {ServoRefusal::kUnreachable};
@@ -295,11 +326,37 @@ bool ServoTarget::reaches(const Pose& from, const Pose& to, JointArray* q) const
   const double wanted = std::max(distance(from, to) / kReachStep, turnBetween(to.R, from.R) / kReachTurn);
   const double steps = std::clamp(std::ceil(wanted), 1.0, kMostReachSteps);
   for (double i = 1.0; i <= steps; i += 1.0) {
-    const auto ik = kinematics::inverseWithinLimits(geometry_, arm_, between(from, to, i / steps), opening_, *q);
-    if (!isReached(ik.status)) return false;
-    *q = ik.q;
+    if (solve(between(from, to, i / steps), q) != Solved::kThere) return false;
   }
   return true;
+}
+
+/** The same in joints: the arm is told poses, so each must lead back to joints, and in the end to those asked for. */
+bool ServoTarget::reaches(const JointArray& from, const JointArray& to) const noexcept {
+  const ServoJoints begin = servoJoints(from), end = servoJoints(to);
+  double wanted = 1.0;
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    wanted = std::max(wanted, std::abs(end[j] - begin[j]) / (j == kInsertion ? kReachStep : kReachTurn));
+  const double steps = std::min(std::ceil(wanted), kMostJointSteps);
+  JointArray q = from;
+  for (double i = 0.0; i <= steps; i += 1.0) {
+    if (solve(poseOf(withServoJoints(from, between(begin, end, i / steps))), &q) == Solved::kNowhere) return false;
+  }
+  const ServoJoints reached = servoJoints(q);
+  for (std::size_t j = 0; j < kServoJointCount; ++j) {
+    if (std::abs(reached[j] - end[j]) > kSameJoint) return false;
+  }
+  return true;
+}
+
+/** Joints for a pose, near those given: by the model's inverse, where the robot's has any.
+ *  @param[in,out] q [rad; m] unchanged if there are none. */
+ServoTarget::Solved ServoTarget::solve(const Pose& X_BT, JointArray* q) const noexcept {
+  if (kinematics::isFirstWristPointAtRcm(geometry_, X_BT)) return Solved::kNowhere;
+  const auto ik = kinematics::inverseWithinLimits(geometry_, arm_, X_BT, opening_, *q);
+  if (!kinematics::isUsable(ik.status)) return Solved::kNowhere;
+  *q = ik.q;
+  return ik.status == IkStatus::kClamped ? Solved::kAtLimit : Solved::kThere;
 }
 
 // ---- a tick ------------------------------------------------------------------------------------------------------
@@ -343,10 +400,7 @@ void ServoTarget::stepJoints() noexcept {
   const Pose before = poseOf(q_);
   JointArray q = q_;
   for (int attempt = 0; attempt < 2; ++attempt) {
-    ServoJoints next = to;
-    for (std::size_t j = 0; j < kServoJointCount && share < 1.0; ++j)
-      next[j] = from[j] + share * (to[j] - from[j]);
-    q = withServoJoints(q_, next);
+    q = withServoJoints(q_, between(from, to, share));
     const Pose X = poseOf(q);
     const double over = std::max(distance(X, before) / most, turnBetween(X.R, before.R) / most_turn);
     if (over <= 1.0) break;
@@ -376,22 +430,46 @@ void ServoTarget::stepTwist() noexcept {
 
 /** Stands where the way ends. */
 void ServoTarget::stepTo(const Pose& X_BT) noexcept {
-  const auto ik = kinematics::inverseWithinLimits(geometry_, arm_, X_BT, opening_, q_);
-  if (!isReached(ik.status)) return servo(Motion::kHold);
-  X_ = X_BT;
+  const Pose from = X_;
+  const auto way = [&](double share) { return between(from, X_BT, share); };
+  if (!stepAlong(way, limits_.max_speed, limits_.max_turn_rate)) servo(Motion::kHold);
+}
+
+/** As much of a tick's way as leaves every joint within its rate: how far they come is known afterwards.
+ *  @param[in] way pose at 0 to 1 of it. @return that share; 0 if the way ends here. */
+template <typename Way>
+double ServoTarget::stepAlong(const Way& way, double most_speed, double most_rate) noexcept {
+  JointArray here = q_;
+  if (solve(X_, &here) == Solved::kNowhere) return 0.0;
+  double share = 1.0;
+  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+    const Pose next = way(share);
+    JointArray q = here;
+    if (solve(next, &q) != Solved::kThere) return 0.0;
+    const double over = jointStep(here, q, most_speed, most_rate);
+    if (over <= 1.0 + kRateRounding) {
+      X_ = next;
+      return share;
+    }
+    share /= over;
+  }
+  return 0.0;
 }
 
 void ServoTarget::stepMove() noexcept {
   const Move& move = moves_[0];
-  const double share = quinticBlend(static_cast<double>(++elapsed_) * kTickSeconds / duration_);
   if (move.in_joints) {
+    const double share = shareAt(elapsed_ += 1.0);
     for (std::size_t j = 0; j < kJointCount; ++j)
       q_[j] = from_q_[j] + share * (move.q[j] - from_q_[j]);
     X_ = poseOf(q_);
   } else {
-    X_ = between(from_X_, move.X, share);
+    const auto way = [&](double ticks) { return between(from_X_, move.X, shareAt(elapsed_ + ticks)); };
+    const double ticks = stepAlong(way, limits_.move_speed, limits_.move_turn_rate);
+    if (ticks <= 0.0) return servo(Motion::kHold);
+    elapsed_ += ticks;
   }
-  if (share < 1.0) return;
+  if (shareAt(elapsed_) < 1.0) return;
   std::copy(moves_.begin() + 1, moves_.begin() + static_cast<std::ptrdiff_t>(move_count_), moves_.begin());
   if (--move_count_ == 0) return servo(Motion::kHold);
   beginMove();
@@ -400,11 +478,15 @@ void ServoTarget::stepMove() noexcept {
 void ServoTarget::beginMove() noexcept {
   from_X_ = X_;
   from_q_ = q_;
-  elapsed_ = 0;
+  elapsed_ = 0.0;
   duration_ = duration(moves_[0]);
 }
 
-/** [s] so that neither the tip nor a joint is faster than a move may be. */
+double ServoTarget::shareAt(double ticks) const noexcept {
+  return quinticBlend(ticks * kTickSeconds / duration_);
+}
+
+/** [s] so that the tip is no faster than a move may be, nor a joint of one in joints. */
 double ServoTarget::duration(const Move& move) const noexcept {
   double mean =
       std::max(distance(move.X, X_) / limits_.move_speed, turnBetween(move.X.R, X_.R) / limits_.move_turn_rate);
@@ -415,10 +497,7 @@ double ServoTarget::duration(const Move& move) const noexcept {
           std::max(mean, std::abs(to[j] - from[j]) / (j == kInsertion ? limits_.move_speed : limits_.move_turn_rate));
     Pose before = poseOf(q_);
     for (int i = 1; i <= kTipSamples; ++i) {
-      ServoJoints on_way{};
-      for (std::size_t j = 0; j < kServoJointCount; ++j)
-        on_way[j] = from[j] + (to[j] - from[j]) * i / kTipSamples;
-      const Pose X = poseOf(withServoJoints(q_, on_way));
+      const Pose X = poseOf(withServoJoints(q_, between(from, to, static_cast<double>(i) / kTipSamples)));
       mean = std::max({mean, kTipSamples * distance(X, before) / limits_.move_speed,
                        kTipSamples * turnBetween(X.R, before.R) / limits_.move_turn_rate});
       before = X;

@@ -31,6 +31,7 @@ void TeleopMapper::rebasePose(const JointArray& q) noexcept {
   X_BTd_.p = p_um_ * 1e-6;
   q_d_ = q;
   kinematics::setJaws(kinematics::jawMidline(q), opening_, &q_d_);
+  status_ = IkStatus::kOk;
 }
 
 void TeleopMapper::rebase(const JointArray& q) noexcept {
@@ -55,7 +56,8 @@ IkStatus TeleopMapper::add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, co
   } else if (kinematics::isUsable(result.status)) {
     q_d_ = result.q;
   }
-  return result.status;
+  status_ = result.status;
+  return status_;
 }
 
 }  // namespace raven2_trainer::control

@@ -60,7 +60,8 @@ void applyToCommand(FaultEngine* engine, MasterCommand* command) noexcept {
     double& dgrasp = at(command->dgrasp, arm);
     dgrasp = engine->applyInt(FaultVariable::kGrasp, arm, 0, toWire(dgrasp * 1e3)) * 1e-3;
   }
-  command->pedal = engine->applyInt(FaultVariable::kPedal, Arm::kGold, 0, command->pedal) != 0 ? 1 : 0;
+  const bool is_down = engine->applyInt(FaultVariable::kPedal, Arm::kGold, 0, command->pedal != 0 ? 1 : 0) != 0;
+  if (is_down != (command->pedal != 0)) command->pedal = is_down ? kSurgeonsPedal : 0;
   command->sequence = faultedSequence(engine, command->sequence);
 }
 

@@ -80,6 +80,8 @@ std::string reason(const ServoRefused& r) {
                                             : "planning, a trial, a replay or the camera comes first (topic mode)";
     case ServoRefusal::kRobotStop:
       return "the robot is in E-STOP, which is ended at the robot";
+    case ServoRefusal::kOperatorStop:
+      return "an operator stopped the arms; service clear_stop first";
     case ServoRefusal::kNotFinite:
       return "a number that is not finite, or a quaternion that is no orientation";
     case ServoRefusal::kOutOfRange:

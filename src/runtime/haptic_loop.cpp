@@ -191,9 +191,10 @@ Vector3 HapticLoop::fixtures(Arm arm, const HapticState& asked, double seconds) 
       seconds);
 }
 
-/** [m] The masters send increments alone: where the middle is, is an assumption (WorkspaceOrigin). */
+/** [m] The masters send increments alone: where the middle is, is an assumption (WorkspaceOrigin). A hand that takes
+ * the pedal from a CRTK client, which moved no hand, presses it there. */
 Vector3 HapticLoop::handFromMiddle(Arm arm, const ModelState& model) const noexcept {
-  const bool pressed = model.pedal != 0 && last_.pedal == 0;
+  const bool pressed = model.pedal == kSurgeonsPedal && last_.pedal != kSurgeonsPedal;
   if (pressed && gains_.edge.origin == WorkspaceOrigin::kPedalDown) return Vector3::Zero();
   const Vector3 moved = (toEigen(at(model.master_I, arm)) - toEigen(at(last_.master_I, arm))) / scale_;
   return toEigen(at(last_.hand_I, arm)) + moved;

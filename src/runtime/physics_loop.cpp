@@ -137,8 +137,9 @@ void PhysicsLoop::drainCommands() noexcept {
 
 void PhysicsLoop::consume(const MasterCommand& command) noexcept {
   shared_.command_records.tryPush({state_.tick + 1, command});
-  for (const Arm arm : kArms)  // where the hands really are
-    at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
+  for (const Arm arm : kArms) {  // where the hands really are
+    if (command.pedal != kClientsPedal) at(state_.master_I, arm) = sum(at(state_.master_I, arm), at(command.dp_I, arm));
+  }
   master_faults_.beginPacket(command.pedal != 0);
   corruptMaster(command);
 }
@@ -165,6 +166,7 @@ void PhysicsLoop::takeHeldCommands() noexcept {
 
 void PhysicsLoop::takeCommand(const MasterCommand& command) noexcept {
   pedal_ = command.pedal != 0;
+  is_clients_ = command.pedal == kClientsPedal;
   silent_ticks_ = 0;
   increments_.last_sequence = command.sequence;
   ++increments_.commands;
@@ -238,7 +240,6 @@ void PhysicsLoop::drainRequests() noexcept {
       handleRequest(request);
     }
   }
-  serveClientsRequest();
   PlanResult result;
   while (shared_.plan_results.tryPop(&result))
     handlePlanResult(result);

@@ -97,7 +97,7 @@ void PhysicsLoop::updatePedal() noexcept {
   // Asked again next tick: the pedal counts once the robot is homed, and the model back on it.
   if (pressed && (isRobotNotReady() || waitsForReturn())) return;
   pedal_before_ = pedal_;
-  state_.pedal = pedal_ ? 1 : 0;
+  state_.pedal = heldPedal();
   if (pressed && mayPress()) raise(Event::kPedalPressed);
   if (!released) return;
   if (state_.mode == Mode::kExecuting) endExecution(ExecutionEnd::kReleased);

@@ -33,7 +33,7 @@ void PhysicsLoop::superviseReplay() noexcept {
   if (state_.mode != Mode::kReplaying) return;
   const bool pressed = pedal_;
   if (pressed) pedal_before_ = true;
-  if (pressed) state_.pedal = 1;
+  if (pressed) state_.pedal = heldPedal();
   if (pressed || isReplayOver()) raise(Event::kReplayEnded);
 }
 

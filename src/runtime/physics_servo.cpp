@@ -30,15 +30,6 @@ void PhysicsLoop::serveClients() noexcept {
   consume(command);
 }
 
-/** In the record it stands behind the operators', and so it does in a re-simulation. */
-void PhysicsLoop::serveClientsRequest() noexcept {
-  Request request;
-  if (!servo_.takeRequest(&request)) return;
-  shared_.servo_requests.add();
-  shared_.request_records.tryPush({state_.tick + 1, request});
-  handleRequest(request);
-}
-
 ServoStand PhysicsLoop::servoStand() const noexcept {
   const bool returns = state_.mode == Mode::kReturning && !trial_.isUnderWay();
   ServoStand stand;
@@ -54,6 +45,7 @@ ServoStand PhysicsLoop::servoStand() const noexcept {
   stand.linked = linked_;
   stand.applies = robotApplies();
   stand.keeps_back = !master_stream_.isEmpty();
+  stand.pedal_down = pedal_;
   stand.is_taken = increments_.commands > 0;
   return stand;
 }

@@ -39,6 +39,22 @@ bool isHeld(Mode mode) noexcept {
   return mode == Mode::kTeleoperating || mode == Mode::kCameraMoving;
 }
 
+/** There is a robot that could move. */
+bool isReady(const ServoStand& stand) noexcept {
+  return stand.robot_there && stand.robot_ready;
+}
+
+/** A move along whose way joints were looked for. */
+bool isCostly(ServoKind kind, ServoRefusal reason) noexcept {
+  return isMove(kind) && (reason == ServoRefusal::kNone || reason == ServoRefusal::kUnreachable);
+}
+
+bool letsGo(const ServoCommand& command) noexcept {
+  const bool is_state = command.kind == ServoKind::kState;
+  return command.kind == ServoKind::kFree ||
+         (is_state && (command.state == StateCommand::kPause || command.state == StateCommand::kDisable));
+}
+
 /** [um] In B, whole. */
 Vector3 wholeStep(const Vector3& from, const Vector3& to, double most_um) noexcept {
   const Vector3 missing = ((to - from) * 1e6).unaryExpr([](double um) { return std::round(um); });
@@ -71,9 +87,15 @@ void ServoDesk::hear(const MasterCommand& command) noexcept {
   const bool was_down = console_pedal_;
   console_pedal_ = command.pedal != 0;
   if (console_pedal_ == was_down) return;
-  holds_pedal_ = releases_ = false;  // taken: it stays down
+  holds_pedal_ = releases_ = has_released_ = false;  // taken: it stays down
   forget();
   state_ = console_pedal_ ? OperatingState::kEnabled : OperatingState::kPaused;
+}
+
+/** Its pedal-down was seen: a fault on the way may lose a single pedal-up. */
+void ServoDesk::settleRelease(const ServoStand& stand) noexcept {
+  if (has_released_ && !stand.pedal_down) releases_ = false;
+  has_released_ = false;
 }
 
 /** What happened to the arms since the tick before, and what that means for their clients. */
@@ -85,7 +107,8 @@ void ServoDesk::observe(const ServoStand& stand) noexcept {
   if (holds_pedal_ && hasLostPedal(stand)) letGo(OperatingState::kPaused);
   if (holds_pedal_ && stand.mode == Mode::kCameraMoving) forget();
   stand_ = stand;
-  clears_stop_ = false;
+  if (stand.mode != Mode::kCameraMoving) is_joined_ = stand.linked;
+  had_robot_ = had_robot_ || stand.robot_there;
   if (isInFault()) {
     if (state_ != OperatingState::kFault) letGo(OperatingState::kFault);
   } else if (state_ == OperatingState::kFault || stand.mode == Mode::kStopped) {
@@ -93,14 +116,16 @@ void ServoDesk::observe(const ServoStand& stand) noexcept {
   }
 }
 
-/** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows. Or it
- * never began, and would be something else now: a request of the same tick came first. */
+/** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows, or one
+ * came that the model moved without. Or it never began, and would be something else now: a request of the same tick
+ * came first. The camera's pedal lets go of the robot, which is joined anew behind it. */
 bool ServoDesk::hasLostPedal(const ServoStand& stand) const noexcept {
   if (!isHeld(stand.mode) && !stand.teleoperates) return true;
   if (!presses_ || !isHeld(stand_.mode)) return false;
-  const bool has_parted = stand_.linked && !stand.linked;
-  const bool is_refused = stand_.applies && !stand.applies;
-  return !isHeld(stand.mode) || has_parted || is_refused;
+  const bool has_parted = is_joined_ && !stand.linked && stand.mode != Mode::kCameraMoving;
+  const bool is_refused = stand_.applies && !stand.applies && stand_.mode != Mode::kCameraMoving;
+  const bool has_come = !is_joined_ && !stand.linked && isReady(stand) && !isReady(stand_);
+  return !isHeld(stand.mode) || has_parted || is_refused || has_come;
 }
 
 void ServoDesk::letGo(OperatingState state) noexcept {
@@ -123,27 +148,49 @@ void ServoDesk::releaseIdle() noexcept {
 // ---- commands ----------------------------------------------------------------------------------------------------
 
 void ServoDesk::drain() noexcept {
+  ServoQueue& queue = shared_.servo_commands;
+  const std::uint64_t asked = queue.asked();  // first: no motion overtakes an order that it was given behind
+  ServoOrder order;
+  for (std::size_t i = 0; i < ServoQueue::kOrders && queue.popOrder(&order); ++i)
+    serveOrder(order);
   ServoCommand command;
-  for (int commands = 0, moves = 0; commands < kMostCommands && moves < kMostMoves; ++commands) {
-    if (!shared_.servo_commands.tryPop(&command)) return;
-    serve(command);
-    idle_ = 0;
-    if (isMove(command.kind)) ++moves;
+  for (int commands = 0, moves = 0; commands < kMostCommands && moves < kMostMoves && queue.taken() < asked;) {
+    const std::uint64_t number = queue.taken();
+    if (!queue.popMotion(&command)) return;
+    if (number < at(over_, command.arm)) {
+      ++received_;
+      continue;
+    }
+    const ServoVerdict verdict = number < enabled_ ? ServoVerdict{ServoRefusal::kNotEnabled} : judge(command);
+    serve(command, verdict);
+    if (isCostly(command.kind, verdict.reason)) ++moves;
+    ++commands;
   }
 }
 
-void ServoDesk::serve(const ServoCommand& command) noexcept {
-  const OperatingState before = state_;
-  const ServoVerdict verdict = judge(command);
+/** Motions that it was given behind, and that wait still, are over with a hold or a pause, and were none yet for the
+ * one that enables. */
+void ServoDesk::serveOrder(const ServoOrder& order) noexcept {
+  const bool was_enabled = state_ == OperatingState::kEnabled, held = holds_pedal_;
+  const ServoVerdict verdict = judge(order.command);
+  serve(order.command, verdict);
+  if (verdict.reason != ServoRefusal::kNone) return;
+  if (order.command.kind == ServoKind::kHold) at(over_, order.command.arm) = order.behind;
+  if (letsGo(order.command) && was_enabled) over_ = {order.behind, order.behind};
+  if (holds_pedal_ && !held) enabled_ = order.behind;
+}
+
+void ServoDesk::serve(const ServoCommand& command, const ServoVerdict& verdict) noexcept {
+  idle_ = 0;
   ++received_;
   if (verdict.reason == ServoRefusal::kNone) return;
   ++refused_;
   ServoRefused refused;
   refused.id = command.id;
   refused.kind = command.kind;
-  refused.state = command.state;
+  refused.state = command.kind == ServoKind::kFree ? StateCommand::kPause : command.state;  // what it amounts to
   refused.reason = verdict.reason;
-  refused.in = before;
+  refused.in = state_;  // a refusal changes none
   refused.arm = command.arm;
   refused.joint = verdict.joint;
   refused.is_turn = verdict.is_turn;
@@ -155,7 +202,7 @@ void ServoDesk::serve(const ServoCommand& command) noexcept {
 ServoVerdict ServoDesk::judge(const ServoCommand& command) noexcept {
   if (command.kind == ServoKind::kState) return {takeState(command.state)};
   if (command.kind == ServoKind::kFree) return {takeState(StateCommand::kPause)};  // a Raven's brakes hold it
-  const ServoRefusal reason = mayMove();
+  const ServoRefusal reason = command.kind == ServoKind::kHold ? mayHold() : mayMove();
   return reason == ServoRefusal::kNone ? at(targets_, command.arm).take(command) : ServoVerdict{reason};
 }
 
@@ -173,32 +220,28 @@ ServoRefusal ServoDesk::takeState(StateCommand command) noexcept {
   return holds_pedal_ ? ServoRefusal::kNone : takePedal();
 }
 
-/** A stop that was asked for is cleared with the pedal up: that goes down a tick later. */
+/** What an operator stopped, no client sets going again. */
 ServoRefusal ServoDesk::takePedal() noexcept {
-  if (stand_.mode == Mode::kStopped) {
-    if (!stand_.stop_asked) return ServoRefusal::kRobotStop;  // it is being started
-    clears_stop_ = true;
-  } else if (!stand_.teleoperates) {
-    return ServoRefusal::kMode;
-  }
+  if (stand_.stop_asked) return ServoRefusal::kOperatorStop;
+  if (stand_.mode == Mode::kStopped) return ServoRefusal::kRobotStop;  // it is being started
+  if (!stand_.teleoperates) return ServoRefusal::kMode;
   holds_pedal_ = true;
   state_ = OperatingState::kEnabled;
   return ServoRefusal::kNone;
 }
 
-/** What is asked for before the robot takes increments waits for that. */
-ServoRefusal ServoDesk::mayMove() const noexcept {
+ServoRefusal ServoDesk::mayHold() const noexcept {
   if (console_pedal_) return ServoRefusal::kConsole;
-  if (!holds_pedal_) return ServoRefusal::kNotEnabled;
-  if (stand_.robot_there && !stand_.robot_ready) return ServoRefusal::kNotHomed;
-  return stand_.teleoperates || clears_stop_ ? ServoRefusal::kNone : ServoRefusal::kMode;
+  return holds_pedal_ ? ServoRefusal::kNone : ServoRefusal::kNotEnabled;
 }
 
-bool ServoDesk::takeRequest(Request* request) noexcept {
-  if (!clears_stop_) return false;
-  *request = Request{};
-  request->kind = RequestKind::kClearStop;
-  return true;
+/** What is asked for before the robot takes increments waits for that. */
+ServoRefusal ServoDesk::mayMove() const noexcept {
+  const ServoRefusal reason = mayHold();
+  if (reason != ServoRefusal::kNone) return reason;
+  if (stand_.robot_there && !stand_.robot_ready) return ServoRefusal::kNotHomed;
+  const bool may_move = stand_.teleoperates && stand_.mode != Mode::kReturning;  // which leads elsewhere
+  return may_move ? ServoRefusal::kNone : ServoRefusal::kMode;
 }
 
 // ---- a tick ------------------------------------------------------------------------------------------------------
@@ -206,21 +249,26 @@ bool ServoDesk::takeRequest(Request* request) noexcept {
 bool ServoDesk::next(const ServoStand& stand,
                      const PerArm<control::TeleopMapper>& mappers,
                      MasterCommand* command) noexcept {
+  settleRelease(stand);
   observe(stand);
   releaseIdle();
   drain();
   *command = MasterCommand{};
   command->sequence = sequence_ + 1;
-  const bool releases = releases_;
-  releases_ = false;
-  presses_ =
-      holds_pedal_ && !releases && !clears_stop_ && !stand.is_taken;  // pressed anew: between, it is up for a tick
-  command->pedal = presses_ ? 1 : 0;
+  has_released_ = releases_;
+  presses_ = holds_pedal_ && !releases_ && !stand.is_taken;  // pressed anew: between, it is up for a tick
+  command->pedal = presses_ ? kClientsPedal : 0;
   for (const Arm arm : kArms)
     aim(arm, at(mappers, arm), command);
-  if (!presses_ && !releases) return false;
+  if (!presses_ && !releases_) return false;
   ++sequence_;
   return true;
+}
+
+/** Increments that the mapping refused led nowhere: from where the arm is asked to be, they are taken back. */
+Pose ServoDesk::takenBy(const control::TeleopMapper& mapper, Arm arm) const noexcept {
+  if (kinematics::isUsable(mapper.status())) return mapper.desiredPose();
+  return kinematics::forward(geometry_, arm, mapper.desired());
 }
 
 /** From where the commands before led to the arm's set point; nothing until they are taken. */
@@ -228,9 +276,11 @@ void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand*
   control::ServoTarget& target = at(targets_, arm);
   Sent& sent = at(sent_, arm);
   const bool moves = command->pedal != 0 && stand_.mode == Mode::kTeleoperating && stand_.applies;
-  if (!moves || !stand_.keeps_back) sent = {mapper.desiredPose(), mapper.opening()};
-  if (!moves) return target.startFrom(sent.X_BT, mapper.desired(), sent.opening);
-  target.keepTo(sent.X_BT, mapper.desired(), sent.opening);
+  const bool is_known = !moves || !stand_.keeps_back;
+  if (is_known) sent = {mapper.desiredPose(), mapper.opening()};
+  const Pose taken = is_known ? takenBy(mapper, arm) : sent.X_BT;
+  if (!moves) return target.startFrom(taken, mapper.desired(), sent.opening);
+  target.keepTo(taken, mapper.desired(), sent.opening);
   target.step();
   const Vector3 step_um = wholeStep(sent.X_BT.p, target.pose().p, rules_.max_increment_um);
   const Quaternion turn = turnStep(sent.X_BT.R, target.pose().R, rules_.max_rotation);
@@ -254,6 +304,8 @@ void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray
   state.state = state_;
   state.is_homed = !stand_.robot_there || stand_.robot_homed ? 1 : 0;
   state.holds_pedal = holds_pedal_ ? 1 : 0;
+  const bool is_alone = stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_;
+  state.alone = holds_pedal_ && is_alone ? 1 : 0;
   for (const Arm arm : kArms) {
     ServoArmState& out = at(state.arms, arm);
     const control::ServoTarget& target = at(targets_, arm);

@@ -248,7 +248,7 @@ struct Layout<ModelState> {
     v.field("session_tick", s.session_tick, "ms", "since the first pedal down; -1 before");
     v.field("time_ns", s.time_ns, "ns", "monotonic clock at the start of the tick; in lockstep tick x 1e6");
     v.field("mode", s.mode, "", "what the daemon is doing");
-    v.field("pedal", s.pedal, "", "1 while the surgeon's pedal is down");
+    v.field("pedal", s.pedal, "", "1 while the surgeon's pedal is down, 2 a CRTK client's");
     v.field("engaged", s.engaged, "", "1 while the robot is sent the surgeon's motion");
     v.field("robot_fresh", s.robot_fresh, "", "1 while the robot's state is connected and fresh");
     v.field("linked", s.linked, "", "1 while model and robot move from a common pose");
@@ -328,7 +328,7 @@ struct Layout<HapticState> {
     v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent");
     v.field("hand_I", s.hand_I, "m", "of the hand from what is taken for the middle of its workspace");
     v.field("guide_plan", s.guide_plan, "", "id of the plan whose path was at hand; 0 none");
-    v.field("pedal", s.pedal, "", "1 while the surgeon's pedal is down");
+    v.field("pedal", s.pedal, "", "1 while the surgeon's pedal is down, 2 a CRTK client's");
     v.field("active", s.active, "", "1 while forces may act");
   }
 };
@@ -338,7 +338,7 @@ struct Layout<MasterCommand> {
   template <typename Visitor, typename Command>
   static void visit(Visitor& v, Command& s) {
     v.field("sequence", s.sequence, "", "of the master's packet");
-    v.field("pedal", s.pedal, "", "1 while the pedal is down");
+    v.field("pedal", s.pedal, "", "1 while the pedal is down, 2 that of a CRTK client");
     v.field("dp_I", s.dp_I, "m", "position increment in master axes");
     v.field("dq_I", s.dq_I, "", "orientation increment, unit quaternion x y z w");
     v.field("dgrasp", s.dgrasp, "rad", "grasp increment, positive closes");
@@ -656,7 +656,6 @@ struct Layout<SessionCounts> {
     v.field("master_overruled", s.master_overruled, "packets",
             "of the applied ones, not used: a CRTK client held the pedal");
     v.field("servo_made", s.servo_made, "commands", "that what CRTK clients asked for became");
-    v.field("servo_requests", s.servo_requests, "requests", "that CRTK clients' state commands became");
     v.field("robot_state", s.robot_state, "", "robot to daemon, state frames");
     v.field("relay_sent", s.relay_sent, "packets", "daemon to robot, sent");
     v.field("relay_failed", s.relay_failed, "packets", "daemon to robot, not taken by the system");

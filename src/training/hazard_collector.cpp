@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/pedals.h"
 
 namespace raven2_trainer::training {
@@ -54,7 +55,7 @@ void HazardCollector::openWindows(Tick now) {
 HandSample HazardCollector::sampleOf(const TickRecord& record) const {
   HandSample sample;
   const ModelState& model = record.model;
-  sample.pedal = model.pedal;
+  sample.pedal = model.pedal == kSurgeonsPedal ? 1 : 0;
   sample.stop = stop_tick_ == model.tick || (model.pedals & bit(Pedal::kStop)) != 0 ? 1 : 0;
   sample.has_robot = record.robot.frame > 0 && record.robot.connected != 0 ? 1 : 0;
   sample.master_I = model.master_I;

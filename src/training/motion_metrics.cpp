@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/pedals.h"
 #include "raven2_trainer/training/enclosing_sphere.h"
 #include "raven2_trainer/training/smoothness.h"
@@ -147,7 +148,7 @@ void MotionAccumulator::sample(const ModelState& model, bool follows) {
     addTo(&at(sum_.tip_W, arm), tipInWorld(model, arm));
     addTo(&at(sum_.master_I, arm), at(model.master_I, arm));
   }
-  sum_.engaged = sum_.engaged && model.pedal != 0;
+  sum_.engaged = sum_.engaged && model.pedal == kSurgeonsPedal;
   if (++in_sum_ < kSampleTicks) return;
   samples_.push_back(sum_);
   in_sum_ = 0;
@@ -227,7 +228,7 @@ std::vector<std::vector<double>> MotionAccumulator::speeds(Arm arm) const {
   return all;
 }
 
-/** Samples without a gap between them; @param[in] engaged only those with the pedal down. */
+/** Samples without a gap between them; @param[in] engaged only those with the surgeon's pedal down. */
 std::vector<std::vector<Vec3>> MotionAccumulator::pieces(const PerArm<Vec3> Sample::*place,
                                                          Arm arm,
                                                          bool engaged) const {

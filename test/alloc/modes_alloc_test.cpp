@@ -61,7 +61,7 @@ int allModes(ModeDriver* d) {
   return repeated;
 }
 
-/** CRTK clients: every kind of command, refused ones too, the console in between, and a stop cleared by enabling. */
+/** CRTK clients: every kind of command, refused ones too, the console in between, and a stop. */
 void allCommands(ModeDriver* d, ServoClient* client) {
   client->send(StateCommand::kUnhome);
   client->enable();
@@ -90,6 +90,10 @@ void allCommands(ModeDriver* d, ServoClient* client) {
   client->rest(20, /*console_pedal=*/true);
   client->rest(20);
   d->ask(RequestKind::kEmergencyStop);
+  client->rest(2);
+  client->send(StateCommand::kEnable);
+  client->rest(1);
+  d->ask(RequestKind::kClearStop);
   client->rest(2);
   client->enable();
   client->send(StateCommand::kDisable);

@@ -216,7 +216,7 @@ class EventfulSession {
     until(Mode::kPedalUp, false);
   }
 
-  /** CRTK clients: servos and moves of both arms, the console that takes over, a stop that is cleared by enabling. */
+  /** CRTK clients: servos and moves of both arms, the console that takes over, a stop, and enabling again. */
   void clients() {
     ServoClient client(&rig);
     ASSERT_TRUE(client.enable());
@@ -237,6 +237,8 @@ class EventfulSession {
     client.rest(30);
     request(RequestKind::kEmergencyStop, 76);
     client.rest(5);
+    request(RequestKind::kClearStop, 77);
+    client.rest(2);
     ASSERT_TRUE(client.enable());
     client.send(ServoKind::kServoPoseBy, Arm::kGold, RigidPose{{0.002, 0.0, 0.001}, kIdentityQuat});
     client.rest(100);

@@ -33,7 +33,8 @@ class ServoTarget {
 
   ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, Arm arm) noexcept;
 
-  /** The set point; what is asked for stays. Moves begin here. @param[in] opening [rad]. */
+  /** The set point; what is asked for stays, but a servo command that leads farther from here than one may. Moves begin
+   *  here. @param[in] opening [rad]. */
   void startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept;
   /** What became of the set point of the tick before: that stays in force unless this is far from it. */
   void keepTo(const Pose& X_BT, const JointArray& q, double opening) noexcept;
@@ -53,6 +54,7 @@ class ServoTarget {
 
  private:
   enum class Motion : std::uint8_t { kHold, kJoints, kPose, kTwist, kMove };
+  enum class Solved : std::uint8_t { kNowhere, kAtLimit, kThere };  ///< kAtLimit: by joints that were clamped
   struct Move {
     bool in_joints{};
     JointArray q{};  ///< its end
@@ -72,7 +74,10 @@ class ServoTarget {
   ServoVerdict checkJoints(const ServoJoints& joints) const noexcept;
   ServoVerdict checkStep(const ServoJoints& joints) const noexcept;
   ServoVerdict checkStep(const Pose& X_BT) const noexcept;
+  bool isServoTooFar() const noexcept;
   bool reaches(const Pose& from, const Pose& to, JointArray* q) const noexcept;
+  bool reaches(const JointArray& from, const JointArray& to) const noexcept;
+  Solved solve(const Pose& X_BT, JointArray* q) const noexcept;
   void servo(Motion motion) noexcept;
 
   void stepJaw() noexcept;
@@ -81,6 +86,9 @@ class ServoTarget {
   void stepTwist() noexcept;
   void stepMove() noexcept;
   void stepTo(const Pose& X_BT) noexcept;
+  template <typename Way>
+  double stepAlong(const Way& way, double most_speed, double most_rate) noexcept;
+  double shareAt(double ticks) const noexcept;
   void beginMove() noexcept;
   double duration(const Move& move) const noexcept;
   Pose poseOf(const JointArray& q) const noexcept { return kinematics::forward(geometry_, arm_, q); }
@@ -104,7 +112,7 @@ class ServoTarget {
   Pose from_X_{};
   JointArray from_q_{};
   double duration_{};  ///< [s]
-  Tick elapsed_{0};
+  double elapsed_{};   ///< [1 ms] of it; a joint at its highest rate makes it go slower
   double goal_jaw_{};  ///< [rad] servo
   bool servos_jaw_{false}, moves_jaw_{false};
   JawMove jaw_{};

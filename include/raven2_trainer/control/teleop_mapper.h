@@ -44,6 +44,8 @@ class TeleopMapper {
    */
   kinematics::IkStatus add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept;
 
+  /** What add() gave last; kOk since a re-base. */
+  kinematics::IkStatus status() const noexcept { return status_; }
   /** [rad; m] desired joints; unchanged by an increment that was refused. */
   const JointArray& desired() const noexcept { return q_d_; }
   /** Desired pose of T in B, refused increments included. */
@@ -56,6 +58,7 @@ class TeleopMapper {
   Vector3 p_um_;  // [um] whole numbers, so that model and robot round alike
   double opening_{};
   JointArray q_d_{};
+  kinematics::IkStatus status_{kinematics::IkStatus::kOk};
 };
 
 }  // namespace raven2_trainer::control

@@ -10,10 +10,15 @@
 
 namespace raven2_trainer {
 
-/** One accepted ITP packet of the masters. Increments are already scaled by the master (ITP has no scale). */
+// MasterCommand::pedal, ModelState::pedal: whose it is while it is down.
+constexpr std::uint8_t kSurgeonsPedal = 1;
+constexpr std::uint8_t kClientsPedal = 2;  ///< of a CRTK client: what it moves, no hand moved
+
+/** One accepted ITP packet of the masters, or what CRTK clients ask for in a tick. Increments are already scaled by the
+ * master (ITP has no scale). */
 struct MasterCommand {
   std::uint32_t sequence{};
-  std::uint8_t pedal{};                               ///< surgeon_mode != 0
+  std::uint8_t pedal{};                               ///< 0 up; kSurgeonsPedal: surgeon_mode != 0; kClientsPedal
   PerArm<Vec3> dp_I{};                                ///< [m] [@frame I] position increment
   PerArm<Quat> dq_I{{kIdentityQuat, kIdentityQuat}};  ///< [@frame I] incremental orientation
   PerArm<double> dgrasp{};                            ///< [rad] grasp increment, positive closes

@@ -62,21 +62,22 @@ static_assert(std::is_trivially_copyable<ServoCommand>::value, "travels in a rin
 /** Why a command did nothing. */
 enum class ServoRefusal : std::uint8_t {
   kNone,
-  kInvalid,      ///< the state table has no such command in this state
-  kNotEnabled,   ///< not ENABLED
-  kNotHomed,     ///< the robot is not ready to move
-  kConsole,      ///< the surgeon's console has the pedal down
-  kMode,         ///< planning, a trial, a replay: something that ends first
-  kRobotStop,    ///< the robot is in E-STOP: that is ended at the robot
-  kNotFinite,    ///< a number that is none, or a turn that is none
-  kOutOfRange,   ///< a joint or the jaws beyond its limits: `value`, `limit`, `joint`
-  kTooFar,       ///< farther from the set point than a servo command may lead: `value`, `limit`; move_* goes there
-  kTooFast,      ///< kServoTwist: `value`, `limit`
-  kUnreachable,  ///< a pose without joints for it
-  kQueueFull,    ///< more moves wait than are kept
-  kNotOffered,   ///< a Raven cannot: unhome
+  kInvalid,       ///< the state table has no such command in this state
+  kNotEnabled,    ///< not ENABLED
+  kNotHomed,      ///< the robot is not ready to move
+  kConsole,       ///< the surgeon's console has the pedal down
+  kMode,          ///< planning, a trial, a replay: something that ends first
+  kRobotStop,     ///< the robot is in E-STOP: that is ended at the robot
+  kOperatorStop,  ///< an operator stopped the arms: whoever did clears that
+  kNotFinite,     ///< a number that is none, or a turn that is none
+  kOutOfRange,    ///< a joint or the jaws beyond its limits: `value`, `limit`, `joint`
+  kTooFar,        ///< farther from the set point than a servo command may lead: `value`, `limit`; move_* goes there
+  kTooFast,       ///< kServoTwist: `value`, `limit`
+  kUnreachable,   ///< a pose without joints for it
+  kQueueFull,     ///< more moves wait than are kept
+  kNotOffered,    ///< a Raven cannot: unhome
 };
-constexpr std::size_t kServoRefusalCount = 14;
+constexpr std::size_t kServoRefusalCount = 15;
 
 /** One for each command that did nothing. */
 struct ServoRefused {
@@ -108,6 +109,7 @@ struct ServoState {
   OperatingState state{OperatingState::kDisabled};
   std::uint8_t is_homed{};
   std::uint8_t holds_pedal{};  ///< 1 while a client moves the arms, 0 nobody or the console
+  std::uint8_t alone{};        ///< 1 while a client moves the model without the robot that was there before
   PerArm<ServoArmState> arms{};
   std::uint64_t received{}, applied{}, refused{};  ///< commands; received = applied + refused
 };

@@ -16,6 +16,7 @@
 #include "raven2_trainer/core/record_rings.h"
 #include "raven2_trainer/core/replay_frame.h"
 #include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/core/servo_queue.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/state_cell.h"
@@ -103,7 +104,7 @@ struct SharedState {
   // ingest -> physics: what the pedals and buttons beside the one that engages ask for
   SpscRing<Request, 32> pedal_requests;
   // ros (crtk) -> physics
-  SpscRing<ServoCommand, 256> servo_commands;
+  ServoQueue servo_commands;
   // physics -> ros (crtk): those that did nothing
   SpscRing<ServoRefused, 256> servo_refused;
   // ros -> faults
@@ -140,7 +141,6 @@ struct SharedState {
   Counter master_used;       // physics
   Counter master_overruled;  // physics: of the console, while a client held the pedal
   Counter servo_made;        // physics: commands that what clients ask for became
-  Counter servo_requests;    // physics: requests that clients' state commands became
   Counter ik_clamped;        // physics
   Counter relay_sent;        // sender
   Counter force_sent;        // sender
@@ -179,7 +179,6 @@ inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   c.master_used = s.master_used.value();
   c.master_overruled = s.master_overruled.value();
   c.servo_made = s.servo_made.value();
-  c.servo_requests = s.servo_requests.value();
   c.relay_sent = s.relay_sent.value();
   c.relay_failed = s.relay_failed.value();
   c.relay_released = s.relay_released.value();

@@ -122,20 +122,20 @@ struct ModelState {
   Tick session_tick{-1};   ///< [1 ms] since the first pedal down; -1 before
   std::int64_t time_ns{};  ///< [ns] CLOCK_MONOTONIC at the start of the tick; in lockstep tick x 1e6
   Mode mode{Mode::kWaiting};
-  std::uint8_t pedal{};        ///< 1 while the surgeon's pedal is down
+  std::uint8_t pedal{};        ///< 1 while the surgeon's pedal is down, 2 a CRTK client's (core/command.h)
   std::uint8_t engaged{1};     ///< 1 while the robot is sent the surgeon's motion
   std::uint8_t robot_fresh{};  ///< 1 while the robot's state is connected and at most 20 ms old
   std::uint8_t linked{};  ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
   std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
-  PerArm<Vec3> master_I{};        ///< [m] [@frame I] sum of all increments sent by the masters, used or not
-  PlanningState planning{};       ///< how far planning and executing are
-  ExerciseState exercise{};       ///< how far the exercise is
-  CameraState camera{};           ///< where the movable camera stands
-  std::uint32_t pedals{};         ///< Pedal bits held
-  std::uint32_t trial_ticks{};    ///< [1 ms] of the virtual trial that are kept
-  std::uint8_t view{};            ///< 1: the real camera's picture is asked for
-  DaemonFaults faults{};          ///< what they do here
+  PerArm<Vec3> master_I{};      ///< [m] [@frame I] sum of all increments sent by the masters, used or not; not clients'
+  PlanningState planning{};     ///< how far planning and executing are
+  ExerciseState exercise{};     ///< how far the exercise is
+  CameraState camera{};         ///< where the movable camera stands
+  std::uint32_t pedals{};       ///< Pedal bits held
+  std::uint32_t trial_ticks{};  ///< [1 ms] of the virtual trial that are kept
+  std::uint8_t view{};          ///< 1: the real camera's picture is asked for
+  DaemonFaults faults{};        ///< what they do here
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies, then breakables, in SceneModel order
 };

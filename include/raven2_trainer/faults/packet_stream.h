@@ -178,7 +178,7 @@ struct CommandTraits {
   }
   static void forge(MasterCommand* command, Arm arm, std::size_t axis, double um) noexcept {
     at(command->dp_I, arm)[axis] = um * 1e-6;
-    command->pedal = 1;
+    if (command->pedal == 0) command->pedal = kSurgeonsPedal;
   }
 };
 using CommandStream = PacketStream<MasterCommand, CommandTraits>;

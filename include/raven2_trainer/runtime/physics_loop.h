@@ -124,6 +124,7 @@ class PhysicsLoop {
   bool isRobotThere() const noexcept { return state_.robot_fresh != 0 && robot_ready_; }
   bool isRobotLost() const noexcept { return !hasRobot() || robot_silent_; }
   bool isRobotNotReady() const noexcept { return state_.robot_fresh != 0 && !robot_ready_; }
+  std::uint8_t heldPedal() const noexcept { return !pedal_ ? 0 : is_clients_ ? kClientsPedal : kSurgeonsPedal; }
   bool isPedalUp() const noexcept { return !pedal_ && !pedal_before_; }
   bool mayBegin() const noexcept { return isPedalUp() && !isRobotNotReady(); }
   JointArray followRobot(Arm arm) noexcept;
@@ -168,7 +169,6 @@ class PhysicsLoop {
   // CRTK clients: physics_servo.cpp
   void drainConsole() noexcept;
   void serveClients() noexcept;
-  void serveClientsRequest() noexcept;
   ServoStand servoStand() const noexcept;
 
   // planning and executing: physics_planning.cpp
@@ -226,6 +226,7 @@ class PhysicsLoop {
   bool robot_took_{false};     ///< kExecuting: the robot was sent a piece of the path
   PerArm<bool> collisions_{};  ///< as configured and asked for
   bool pedal_{false}, pedal_before_{false};
+  bool is_clients_{false};   ///< the newest command was a CRTK client's pedal-down
   Tick silent_ticks_{0};     ///< since the last master command
   bool robot_ready_{false};  ///< homed was seen
   bool robot_there_{false};  ///< it was ready and heard in the tick before

@@ -22,6 +22,7 @@ struct ServoStand {
   bool linked{};       ///< model and robot move from a common pose
   bool applies{};      ///< whoever shall move takes increments
   bool keeps_back{};   ///< a fault holds commands on their way to the mapping
+  bool pedal_down{};   ///< as the loop has taken commands so far
   bool is_taken{};     ///< a command of the console was used in this tick: a press would be lost behind its release
 };
 
@@ -47,8 +48,6 @@ class ServoDesk {
    * @return whether there is a command of theirs in this tick.
    */
   bool next(const ServoStand& stand, const PerArm<control::TeleopMapper>& mappers, MasterCommand* command) noexcept;
-  /** What a client's command asks of the loop in this tick. @return whether there is anything. */
-  bool takeRequest(Request* request) noexcept;
 
   /** At the end of the tick. @param[in] q_d [rad; m] what the arms' controllers are asked for. */
   void publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept;
@@ -59,18 +58,22 @@ class ServoDesk {
     double opening{};
   };
 
+  void settleRelease(const ServoStand& stand) noexcept;
   void observe(const ServoStand& stand) noexcept;
   bool isInFault() const noexcept { return stand_.robot_stopped || !stand_.is_healthy; }
   bool hasLostPedal(const ServoStand& stand) const noexcept;
   void drain() noexcept;
-  void serve(const ServoCommand& command) noexcept;
+  void serveOrder(const ServoOrder& order) noexcept;
+  void serve(const ServoCommand& command, const control::ServoVerdict& verdict) noexcept;
   control::ServoVerdict judge(const ServoCommand& command) noexcept;
   ServoRefusal takeState(StateCommand command) noexcept;
   ServoRefusal takePedal() noexcept;
+  ServoRefusal mayHold() const noexcept;
   ServoRefusal mayMove() const noexcept;
   void letGo(OperatingState state) noexcept;
   void forget() noexcept;
   void releaseIdle() noexcept;
+  Pose takenBy(const control::TeleopMapper& mapper, Arm arm) const noexcept;
   void aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept;
   bool isMoving() const noexcept { return targets_[0].isMoving() || targets_[1].isMoving(); }
 
@@ -84,10 +87,14 @@ class ServoDesk {
   ServoStand stand_{};
   OperatingState state_{OperatingState::kDisabled};
   bool holds_pedal_{false};    ///< a client
-  bool releases_{false};       ///< it let go, and the loop was not told yet
+  bool releases_{false};       ///< it let go, and the loop's pedal is not seen up yet
+  bool has_released_{false};   ///< the loop was told in the tick before
   bool presses_{false};        ///< the loop was told that it is down
-  bool clears_stop_{false};    ///< in this tick
   bool console_pedal_{false};  ///< down
+  bool is_joined_{false};      ///< model and robot, but for the camera's pedal
+  bool had_robot_{false};
+  PerArm<std::uint64_t> over_{};  ///< motions before this number: a hold or a pause came behind them
+  std::uint64_t enabled_{0};      ///< motions before this number were asked for before the arms were enabled
   Tick console_silence_{0}, idle_{0};
   std::uint32_t sequence_{0};
   std::uint64_t received_{0}, refused_{0};

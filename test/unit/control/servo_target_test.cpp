@@ -97,6 +97,10 @@ class ServoTargetTest : public ::testing::Test {
     top_turn_rate = std::max(top_turn_rate, turn_rate);
     const auto ik = kinematics::inverseWithinLimits(geometry, Arm::kGreen, target.pose(), target.opening(), q);
     ASSERT_TRUE(kinematics::isUsable(ik.status));
+    for (std::size_t j = 0; j < kServoJointCount; ++j) {
+      const double step = std::abs(servoJoints(ik.q)[j] - servoJoints(q)[j]);
+      if (j != kInsertion) top_joint_rate = std::max(top_joint_rate, step / kTickSeconds);
+    }
     q = ik.q;
   }
   void tick(int count) {
@@ -111,10 +115,19 @@ class ServoTargetTest : public ::testing::Test {
     return ticks;
   }
 
+  /** Roll one way, the jaws' line the other. */
+  Pose bentOtherwise(double roll) const {
+    JointArray to = bent;
+    to[kToolRotation] += roll;
+    kinematics::setJaws(kinematics::jawMidline(bent) + roll, kinematics::jawOpening(bent), &to);
+    return poseOf(to);
+  }
+
   const ArmGeometry geometry;
+  const JointArray bent{0.6, 1.4, 0.35, 0.3, 1.1, 0.5, 0.9};
   ServoTarget target;
   JointArray q{};
-  double speed{}, turn_rate{}, top_speed{}, top_turn_rate{};  // [m/s], [rad/s]
+  double speed{}, turn_rate{}, top_speed{}, top_turn_rate{}, top_joint_rate{};  // [m/s], [rad/s]
 };
 
 TEST_F(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed) {
@@ -269,6 +282,69 @@ TEST_F(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
   EXPECT_EQ(pose(ServoKind::kServoPose, poseOf(past)).reason, ServoRefusal::kUnreachable);
 }
 
+/** With the wrist point within lw, 13 mm, of the remote centre, which is at 470 mm of insertion, nobody's does. The
+ * robot's stops at the first of two points, which past the centre is lw beyond the tip: there it does up to 509 mm. */
+TEST_F(ServoTargetTest, JointsOnWhoseWayAnInverseGivesUpAreUnreachable) {
+  const auto inserted = [this](double metres) {
+    ServoJoints to = servoJoints(q);
+    to[kInsertion] = metres;
+    return to;
+  };
+  standAt({0.6, 1.4, 0.445, 0.3, 0.2, 0.5, 0.9});
+  const Pose before = target.pose();
+  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.46)).reason, ServoRefusal::kUnreachable);
+  EXPECT_EQ(joints(ServoKind::kServoJointsBy, {0.0, 0.0, 0.019, 0.0, 0.0, 0.0}).reason, ServoRefusal::kUnreachable);
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.47)).reason, ServoRefusal::kUnreachable);
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.55)).reason, ServoRefusal::kUnreachable) << "behind it";
+  EXPECT_FALSE(target.isMoving());
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.30)).reason, ServoRefusal::kNone);
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.55)).reason, ServoRefusal::kUnreachable)
+      << "from where that ends";
+  target.hold();
+  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.43)).reason, ServoRefusal::kNone);
+  target.hold();
+  EXPECT_EQ(target.pose().p, before.p);
+  standAt({0.6, 1.4, 0.515, 0.3, 0.2, 0.5, 0.9});
+  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.50)).reason, ServoRefusal::kUnreachable) << "the robot's";
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.56)).reason, ServoRefusal::kNone) << "to its very limit";
+  standAt({0.6, 1.4, 0.47, 0.3, 0.2, 0.5, 0.9});
+  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.486)).reason, ServoRefusal::kUnreachable) << "nor out of it";
+}
+
+TEST_F(ServoTargetTest, AnyWayInJointsAwayFromTheRemoteCentreIsTaken) {
+  for (const double roll : {-3.1, -1.0, 2.0, 3.1}) {
+    for (const double wrist : {-1.2, 0.0, 1.2}) {
+      for (const double insertion : {0.231, 0.40}) {
+        const ServoJoints to{1.5, 0.8, insertion, roll, wrist, -1.0};
+        ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone) << roll << " " << wrist;
+        target.hold();
+      }
+    }
+  }
+}
+
+TEST_F(ServoTargetTest, AServoCommandThatCameToLeadTooFarIsDropped) {
+  const auto stoodElsewhere = [this](double metres) {
+    JointArray elsewhere = q;
+    elsewhere[kInsertion] += metres;
+    target.startFrom(poseOf(elsewhere), elsewhere, kinematics::jawOpening(elsewhere));
+    return target.hasGoal();
+  };
+  const Pose start = target.pose();
+  ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.0, 0.002, 0.0})).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(stoodElsewhere(0.005)) << "not far";
+  EXPECT_FALSE(stoodElsewhere(-0.03));
+  standAt(q);
+  ServoJoints to = servoJoints(q);
+  to[kShoulder] += 0.01;
+  ASSERT_EQ(joints(ServoKind::kServoJoints, to).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(stoodElsewhere(0.005));
+  EXPECT_FALSE(stoodElsewhere(-0.03));
+  standAt(q);
+  ASSERT_EQ(pose(ServoKind::kMovePose, start).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(stoodElsewhere(-0.03)) << "a move goes anywhere";
+}
+
 TEST_F(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
   const ServoJoints from = servoJoints(q), to{1.1, 1.9, 0.31, -1.2, -0.4, 0.0};
   ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone);
@@ -301,6 +377,48 @@ TEST_F(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
   EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
   EXPECT_NEAR(top_speed, 0.04, 1e-4);
   EXPECT_LT((target.pose().R - from.R).norm(), 1e-12);
+}
+
+/** With the wrist bent, roll and jaws' line turn about axes that are near each other: one against the other turns the
+ * tip less than either. */
+TEST_F(ServoTargetTest, NoJointIsFasterThanAllowedOnAStraightWayEither) {
+  double slowest = 10.0, fastest = 0.0;  // [rad/s]
+  for (const Vec3& axis : {Vec3{1.0, 0.0, 0.0}, Vec3{0.0, 1.0, 0.0}, Vec3{0.0, 0.0, 1.0}}) {
+    standAt(bent);
+    top_joint_rate = top_turn_rate = 0.0;
+    ASSERT_EQ(twist({}, {2.0 * axis[0], 2.0 * axis[1], 2.0 * axis[2]}).reason, ServoRefusal::kNone);
+    tick(60);
+    EXPECT_LT(top_joint_rate, 2.0 * 1.002);
+    slowest = std::min(slowest, top_turn_rate);
+    fastest = std::max(fastest, top_joint_rate);
+  }
+  EXPECT_LT(slowest, 1.9) << "or none was held back";
+  EXPECT_GT(fastest, 1.99) << "no slower than need be";
+  // a servo_cp of the same kind gets there, later
+  standAt(bent);
+  top_joint_rate = 0.0;
+  const Pose to = bentOtherwise(0.35);
+  ASSERT_EQ(pose(ServoKind::kServoPose, to).reason, ServoRefusal::kNone);
+  tick(600);
+  EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
+  EXPECT_LT(turnBetween(target.pose().R, to.R), 1e-9);
+  EXPECT_LT(top_joint_rate, 2.0 * 1.002);
+}
+
+TEST_F(ServoTargetTest, AMoveCpTakesTheTimeThatItsJointsNeed) {
+  standAt(bent);
+  const Pose to = bentOtherwise(0.6);
+  const double turn = turnBetween(to.R, target.pose().R);
+  ASSERT_LT(turn, 0.45);
+  ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone);
+  const double seconds = static_cast<double>(finish()) * kTickSeconds;
+  EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
+  EXPECT_LT(turnBetween(target.pose().R, to.R), 1e-9);
+  EXPECT_LT(top_joint_rate, 0.5 * 1.002);
+  EXPECT_GT(top_joint_rate, 0.49);
+  EXPECT_LT(turn_rate, 1e-2) << "to rest";
+  EXPECT_GT(seconds, 0.6 / 0.5) << "which roll needs at its highest rate";
+  EXPECT_GT(seconds, 1.1 * 15.0 / 8 * turn / 0.5) << "or no joint was held back";
 }
 
 TEST_F(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {

@@ -58,8 +58,6 @@ TEST(SessionCounts, AddUpWhereClientsAreMastersToo) {
   c.master_overruled = 300;  // of the console
   c.servo_made = 290;
   at(c, RingId::kCommandRecords) = {959, 959, 1};
-  c.servo_requests = 2;
-  at(c, RingId::kRequestRecords) = {9, 9, 0};
   EXPECT_EQ(wrongSum(c), nullptr);
   c.master_used = 961;
   EXPECT_NE(wrongSum(c), nullptr) << "more than were recorded";
@@ -76,7 +74,6 @@ TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {
       [](SessionCounts& c) { c.master_used = 971; },
       [](SessionCounts& c) { ++c.master_overruled; },
       [](SessionCounts& c) { ++c.servo_made; },
-      [](SessionCounts& c) { ++c.servo_requests; },
       [](SessionCounts& c) { --c.relay_sent; },
       [](SessionCounts& c) { ++at(c, RingId::kRelayPackets).pushed; },
       [](SessionCounts& c) { --c.force_sent; },

@@ -57,9 +57,7 @@ class HapticParts : public ::testing::Test {
   }
 
   /** Both tips of the arm there: no deviation, so no cue. */
-  void putTips(Arm arm, const Vec3& p_B) {
-    at(model.arms, arm).p_BT = at(robot.arms, arm).p_BT = p_B;
-  }
+  void putTips(Arm arm, const Vec3& p_B) { at(model.arms, arm).p_BT = at(robot.arms, arm).p_BT = p_B; }
 
   TrainerConfig config;
   SharedState shared;
@@ -148,6 +146,21 @@ TEST_F(HapticParts, PedalDownIsTheMiddleOfTheWorkspace) {
   model.pedal = 0;
   tick();
   model.pedal = 1;
+  state = tick();
+  EXPECT_EQ(state.hand_I[0], Vec3{});
+  EXPECT_EQ(state.edge_B[0], Vec3{});
+}
+
+TEST_F(HapticParts, AHandThatTakesThePedalFromAClientIsInTheMiddle) {
+  tick();
+  model.master_I[0] = {0.0, 0.0079, 0.0};
+  tick();
+  model.pedal = 0;
+  tick();
+  model.pedal = kClientsPedal;
+  HapticState state = ticks(50);
+  EXPECT_NEAR(state.hand_I[0][1], 0.079, kRounding) << "where it was left";
+  model.pedal = kSurgeonsPedal;  // without a break
   state = tick();
   EXPECT_EQ(state.hand_I[0], Vec3{});
   EXPECT_EQ(state.edge_B[0], Vec3{});

@@ -55,8 +55,9 @@ class ServoCommands : public ::testing::Test {
   enum class Heard { kUp, kDown, kNothing };
   void tick(Heard console = Heard::kUp) {
     stand.mode = mode;
-    stand.teleoperates =
-        mode == Mode::kTeleoperating || control::nextMode(mode, Event::kPedalPressed) == Mode::kTeleoperating;
+    stand.teleoperates = mode == Mode::kTeleoperating || mode == Mode::kReturning ||
+                         control::nextMode(mode, Event::kPedalPressed) == Mode::kTeleoperating;
+    stand.pedal_down = pedal;
     stand.is_taken = false;
     MasterCommand command;
     command.pedal = console == Heard::kDown ? 1 : 0;
@@ -71,23 +72,25 @@ class ServoCommands : public ::testing::Test {
     made = desk.next(stand, mappers, &command);
     if (made) {
       EXPECT_FALSE(stand.is_taken && command.pedal != 0) << "a press behind a release of the same tick is lost";
-      pedal = command.pedal != 0;
       under_way.push_back(command);
+      if (command.pedal == 0 && lost_releases > 0) {
+        --lost_releases;
+        under_way.pop_back();
+      } else {
+        pedal = command.pedal != 0;
+      }
     }
     while (under_way.size() > delay) {
       take(under_way.front());
       under_way.pop_front();
     }
-    while (desk.takeRequest(&asked) && asked.kind == RequestKind::kClearStop && mode == Mode::kStopped)
-      mode = Mode::kPedalUp;
     if (in_tick) in_tick();
     press();
     for (const Arm arm : kArms) {
       const bool moves = mode == Mode::kTeleoperating && stand.applies;
       if (moves)
         at(mappers, arm)
-            .add(at(increments.dp_I, arm), at(increments.dq_I, arm), at(increments.dgrasp, arm),
-                 at(mappers, arm).desired());
+            .add(at(increments.dp_I, arm), at(increments.dq_I, arm), at(increments.dgrasp, arm), joints(arm));
     }
     desk.publish(++ticks, 0, {mappers[0].desired(), mappers[1].desired()});
     while (shared->servo_refused.tryPop(&refused)) {
@@ -98,8 +101,18 @@ class ServoCommands : public ::testing::Test {
       tick(console);
   }
 
+  /** Where the arm is: where it is asked to be, or so far away that its mapping takes nothing. */
+  JointArray joints(Arm arm) const {
+    JointArray q = at(mappers, arm).desired();
+    if (is_far) q[kInsertion] += 0.03;
+    return q;
+  }
+
   void take(const MasterCommand& command) {
     increments = command;
+    if (command.pedal != 0) {
+      EXPECT_EQ(command.pedal, kClientsPedal);
+    }
     for (const Arm arm : kArms) {
       for (const double d : at(command.dp_I, arm))
         EXPECT_NEAR(d * 1e6, std::round(d * 1e6), 1e-6) << "whole micrometres";
@@ -154,9 +167,10 @@ class ServoCommands : public ::testing::Test {
   bool pedal{false}, pedal_before{false}, made{false};
   MasterCommand increments;
   std::deque<MasterCommand> under_way;
+  bool is_far{false};
+  int lost_releases{0};
   std::size_t delay{0};  ///< [ticks] that commands take to the mapping
   std::function<void()> in_tick;
-  Request asked;
   RigidPose goal;
   ServoRefused refused;
   std::uint32_t id{0};
@@ -340,19 +354,22 @@ TEST_F(ServoCommands, AreRefusedWithTheReasonThatHolds) {
   EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kMode);
 }
 
-TEST_F(ServoCommands, ClearAStopThatWasAskedFor) {
+TEST_F(ServoCommands, DoNotEndAStopThatAnOperatorAskedFor) {
   enable();
   mode = Mode::kStopped;
   stand.stop_asked = true;
   tick();
   EXPECT_EQ(state().state, OperatingState::kDisabled);
   EXPECT_FALSE(pedal);
-  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
-  EXPECT_FALSE(pedal) << "it is cleared with the pedal up";
-  EXPECT_EQ(mode, Mode::kPedalUp);
-  stand.stop_asked = false;
-  tick(2);
-  EXPECT_EQ(mode, Mode::kTeleoperating);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kOperatorStop);
+    EXPECT_EQ(state().state, OperatingState::kDisabled);
+    EXPECT_FALSE(pedal);
+  }
+  EXPECT_EQ(ask(StateCommand::kDisable), ServoRefusal::kNone);
+  stand.stop_asked = false;  // whoever stopped the arms cleared that
+  mode = Mode::kPedalUp;
+  enable();
   mode = Mode::kStopped;  // by the robot, which starts again
   tick();
   EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
@@ -395,6 +412,201 @@ TEST_F(ServoCommands, ThatAreKeptBackAreNotSentTwice) {
   }
   EXPECT_NEAR(farthest, 0.01, 1e-6) << "or it would go past";
   EXPECT_LT(apart(tip(), goal.p), 1e-6);
+}
+
+TEST_F(ServoCommands, ThatTheMappingRefusesAreTakenBack) {
+  enable();
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {0.01, 0.0, 0.0}), ServoRefusal::kNone);
+  tick(20);
+  is_far = true;
+  const Vec3 here = tip();
+  for (int i = 0; i < 300; ++i) {
+    tick();
+    const Pose asked = kinematics::forward(config.arms.geometry, Arm::kGold, mappers[0].desired());
+    ASSERT_LT((mappers[0].desiredPose().p - asked.p).norm(), 3.1e-4) << "a leap, once they are taken";
+  }
+  EXPECT_LT(apart(tip(), here), 1e-9);
+  is_far = false;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 before = tip();
+    tick();
+    ASSERT_LT(apart(tip(), before), 3.1e-4);
+  }
+  EXPECT_LT(apart(tip(), goal.p), 1e-6) << "and then it goes on";
+}
+
+TEST_F(ServoCommands, AreRefusedWhileTheModelGoesBackToTheRobot) {
+  enable();
+  mode = Mode::kReturning;
+  pedal_before = pedal;
+  tick();
+  EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kNone);
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone) << "the pedal waits for it";
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {0.01, 0.0, 0.0}), ServoRefusal::kMode);
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.01, 0.0, 0.0}), ServoRefusal::kMode);
+  EXPECT_EQ(ask(ServoCommand{}), ServoRefusal::kNone) << "hold";
+}
+
+TEST_F(ServoCommands, EndWhenARobotComesThatTheModelMovedWithout) {
+  enable();
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone);
+  tick(100);
+  EXPECT_EQ(state().alone, 0) << "there was none";
+  stand.robot_there = true;
+  tick(10);
+  EXPECT_EQ(state().state, OperatingState::kEnabled) << "it homes";
+  stand.robot_ready = stand.robot_homed = true;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_FALSE(pedal);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+  stand.linked = true;
+  tick(5);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  EXPECT_EQ(state().alone, 0);
+  stand.linked = stand.robot_there = false;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+  tick(5);
+  EXPECT_EQ(state().alone, 1) << "the robot is gone";
+  stand.robot_there = true;
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused) << "and here again";
+  EXPECT_EQ(state().alone, 0);
+}
+
+TEST_F(ServoCommands, OutlastTheCamerasPedalWithARobotToo) {
+  stand.robot_there = stand.robot_ready = stand.robot_homed = stand.linked = true;
+  enable();
+  mode = Mode::kCameraMoving;
+  stand.linked = false;
+  tick(50);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  EXPECT_TRUE(pedal);
+  mode = Mode::kTeleoperating;
+  stand.linked = true;
+  stand.applies = false;  // until the robot's own pedal is down again
+  tick(10);
+  stand.applies = true;
+  tick(10);
+  EXPECT_EQ(state().state, OperatingState::kEnabled);
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {0.001, 0.0, 0.0}), ServoRefusal::kNone);
+  mode = Mode::kCameraMoving;
+  stand.linked = false;
+  tick(50);
+  mode = Mode::kTeleoperating;  // it was lost meanwhile, or disengaged
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+}
+
+TEST_F(ServoCommands, LetGoUntilThatIsSeen) {
+  enable();
+  lost_releases = 10;
+  ServoCommand pause;
+  pause.kind = ServoKind::kState;
+  pause.state = StateCommand::kPause;
+  ASSERT_TRUE(shared->servo_commands.tryPush(pause));
+  for (int i = 0; i < 11; ++i) {
+    EXPECT_TRUE(pedal) << i;
+    tick(Heard::kNothing);
+    EXPECT_TRUE(made);
+  }
+  EXPECT_FALSE(pedal);
+  tick(Heard::kNothing);
+  EXPECT_FALSE(made);
+}
+
+TEST_F(ServoCommands, PressAgainOnlyOnceTheReleaseIsSeen) {
+  enable();
+  lost_releases = 5;
+  for (const StateCommand state : {StateCommand::kPause, StateCommand::kResume}) {
+    ServoCommand command;
+    command.kind = ServoKind::kState;
+    command.state = state;
+    ASSERT_TRUE(shared->servo_commands.tryPush(command));
+  }
+  int ticks_until_up = 0;
+  for (; pedal && ticks_until_up < 100; ++ticks_until_up)
+    tick(Heard::kNothing);
+  EXPECT_EQ(ticks_until_up, 6);
+  EXPECT_EQ(mode, Mode::kPedalUp);
+  tick(2, Heard::kNothing);
+  EXPECT_EQ(mode, Mode::kTeleoperating);
+}
+
+TEST_F(ServoCommands, ThatStopDoNotWaitBehindAFloodOfMotions) {
+  enable();
+  ServoCommand move, pause;
+  move.kind = ServoKind::kMovePose;
+  move.pose_B = state().arms[0].setpoint_B;
+  pause.kind = ServoKind::kState;
+  pause.state = StateCommand::kPause;
+  while (shared->servo_commands.tryPush(move))
+    move.pose_B.p[0] += 1e-4;
+  ASSERT_TRUE(shared->servo_commands.tryPush(pause)) << "nor are they lost";
+  const std::uint64_t before = state().received;
+  const Vec3 here = tip();
+  tick();
+  EXPECT_EQ(state().state, OperatingState::kPaused);
+  EXPECT_FALSE(pedal);
+  tick(20);
+  EXPECT_EQ(state().received - before, ServoQueue::kMotions + 1);
+  EXPECT_EQ(state().refused, 0U) << "they were over with the pause";
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+  tick(100);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
+  EXPECT_LT(apart(tip(), here), 1e-9);
+}
+
+TEST_F(ServoCommands, OfMotionBeforeAHoldOrAnEnableAreNotDoneAfterIt) {
+  ServoCommand move, enabled, hold;
+  move.kind = ServoKind::kMovePose;
+  move.pose_B = state().arms[0].setpoint_B;
+  move.pose_B.p[0] += 0.01;
+  enabled.kind = ServoKind::kState;
+  enabled.state = StateCommand::kEnable;
+  hold.arm = Arm::kGold;
+  for (const ServoCommand& command : {move, enabled})
+    ASSERT_TRUE(shared->servo_commands.tryPush(command));
+  tick(5);
+  EXPECT_EQ(refused.reason, ServoRefusal::kNotEnabled) << "as they came";
+  EXPECT_EQ(state().refused, 1U);
+  ASSERT_EQ(mode, Mode::kTeleoperating);
+  ServoCommand green = move;
+  green.arm = Arm::kGreen;
+  green.pose_B = state().arms[1].setpoint_B;
+  for (const ServoCommand& command : {move, green, move, hold})
+    ASSERT_TRUE(shared->servo_commands.tryPush(command));
+  tick(5);
+  EXPECT_EQ(state().arms[0].is_busy, 0) << "held";
+  EXPECT_EQ(state().arms[1].is_busy, 1) << "the other arm's";
+  EXPECT_EQ(state().refused, 1U);
+  for (const ServoCommand& command : {hold, move})
+    ASSERT_TRUE(shared->servo_commands.tryPush(command));
+  tick(5);
+  EXPECT_EQ(state().arms[0].is_busy, 1) << "behind it";
+}
+
+TEST_F(ServoCommands, ThatAreRefusedAtOnceDoNotSlowTheRest) {
+  enable();
+  ServoCommand move;
+  move.kind = ServoKind::kMovePose;
+  move.pose_B = state().arms[0].setpoint_B;
+  for (std::size_t i = 0; i < ServoQueue::kMotions; ++i)
+    ASSERT_TRUE(shared->servo_commands.tryPush(move));
+  tick(20);  // eight that are looked at, and the rest 32 a tick
+  EXPECT_EQ(state().refused, ServoQueue::kMotions - control::ServoTarget::kMoves);
+  EXPECT_EQ(refused.reason, ServoRefusal::kQueueFull);
+}
+
+TEST_F(ServoCommands, ToFreeAreRefusedAsTheStateTheyAmountTo) {
+  ServoCommand let_go;
+  let_go.kind = ServoKind::kFree;
+  EXPECT_EQ(ask(let_go), ServoRefusal::kInvalid);
+  EXPECT_EQ(refused.state, StateCommand::kPause);
+  EXPECT_EQ(refused.kind, ServoKind::kFree);
 }
 
 TEST_F(ServoCommands, AreServedInOrderHoweverManyCome) {

@@ -114,7 +114,7 @@ TEST_F(ServoDeskTest, PauseAndResumeInOneTickIsANewPedalDown) {
   c->rest(1);
   EXPECT_EQ(rig->model().pedal, 0);
   c->rest(2);
-  EXPECT_EQ(rig->model().pedal, 1);
+  EXPECT_EQ(rig->model().pedal, kClientsPedal);
   c->rest(20);
   EXPECT_EQ(state(), OperatingState::kEnabled);
   EXPECT_EQ(mode(), Mode::kTeleoperating);
@@ -173,7 +173,7 @@ TEST_F(ServoDeskTest, AClientThatFallsSilentLosesThePedal) {
   EXPECT_EQ(state(), OperatingState::kEnabled) << "a move is no silence";
 }
 
-TEST_F(ServoDeskTest, AStopByRequestDisablesAndEnablingClearsIt) {
+TEST_F(ServoDeskTest, AStopByRequestDisablesAndOnlyTheRequestThatClearsItEndsIt) {
   alone();
   ASSERT_TRUE(c->enable());
   request(RequestKind::kEmergencyStop);
@@ -181,11 +181,19 @@ TEST_F(ServoDeskTest, AStopByRequestDisablesAndEnablingClearsIt) {
   EXPECT_EQ(mode(), Mode::kStopped);
   EXPECT_EQ(state(), OperatingState::kDisabled);
   EXPECT_EQ(c->ask(ServoKind::kServoPose, Arm::kGold, setpoint()), ServoRefusal::kNotEnabled);
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kOperatorStop);
+  c->rest(50);
+  EXPECT_EQ(mode(), Mode::kStopped);
+  EXPECT_EQ(rig->model().pedal, 0);
+  EXPECT_EQ(state(), OperatingState::kDisabled);
+  request(RequestKind::kClearStop);
+  c->rest(2);
+  EXPECT_EQ(mode(), Mode::kPedalUp);
+  EXPECT_EQ(state(), OperatingState::kDisabled) << "nor does clearing enable";
   EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
   c->rest(5);
   EXPECT_EQ(mode(), Mode::kTeleoperating);
   EXPECT_EQ(state(), OperatingState::kEnabled);
-  EXPECT_EQ(rig->counts().servo_requests, 1U);
 }
 
 TEST_F(ServoDeskTest, OtherModesAreEndedFirst) {
@@ -289,6 +297,22 @@ TEST_F(ServoDeskTest, TheConsoleTakesThePedalAtOnceAndAClientNeverTakesItsOwn) {
   EXPECT_EQ(mode(), Mode::kPedalUp);
   EXPECT_EQ(rig->counts().master_overruled, overruled) << "the surgeon's own release counts";
   EXPECT_EQ(c->ask(StateCommand::kResume), ServoRefusal::kNone);
+}
+
+TEST_F(ServoDeskTest, WhatAClientMovesIsNoMotionOfTheHands) {
+  alone();
+  ASSERT_TRUE(c->enable());
+  const Vec3 hand = rig->model().master_I[0], from = tip();
+  EXPECT_EQ(c->ask(ServoKind::kServoPose, Arm::kGold, beside(setpoint(), {0.01, 0.0, 0.0})), ServoRefusal::kNone);
+  c->rest(200);
+  EXPECT_GT(apart(tip(), from), 9e-3);
+  EXPECT_EQ(rig->model().master_I[0], hand);
+  EXPECT_EQ(rig->model().pedal, kClientsPedal);
+  rig->tick(true, {0.0, 0.0, -40e-6});
+  EXPECT_EQ(rig->model().pedal, kSurgeonsPedal) << "taken without a break";
+  EXPECT_NEAR(rig->model().master_I[0][2], hand[2] - 40e-6, 1e-12);
+  c->rest(5);
+  EXPECT_EQ(rig->model().pedal, 0);
 }
 
 TEST_F(ServoDeskTest, AConsoleThatFallsSilentWithItsPedalDownPauses) {
@@ -527,6 +551,60 @@ TEST_F(ServoDeskTest, ARobotThatGoesAwayPausesAndResumingDoesNotLeap) {
   EXPECT_EQ(state(), OperatingState::kEnabled);
   EXPECT_EQ(rig->model().linked, 1);
   EXPECT_LT(apart(tip(), before), 0.5e-3);
+}
+
+TEST_F(ServoDeskTest, ARobotThatComesWhileTheModelMovesAlonePausesAndIsJoinedByResuming) {
+  together();
+  rig->robot_connected = false;
+  rig->link.disconnected();
+  c->rest(10);
+  ASSERT_TRUE(c->enable());
+  EXPECT_EQ(c->state().alone, 1);
+  EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
+  c->rest(300);
+  rig->robot_connected = true;
+  rig->connect();
+  for (int i = 0; i < 100 && state() == OperatingState::kEnabled; ++i)
+    c->rest(1);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+  EXPECT_EQ(rig->model().linked, 0);
+  EXPECT_FALSE(c->isBusy());
+  EXPECT_EQ(c->ask(StateCommand::kResume), ServoRefusal::kNone);
+  const RigidPose there = setpoint();
+  for (int i = 0; i < 3000 && mode() != Mode::kTeleoperating; ++i) {
+    const ServoRefusal reason = c->ask(ServoKind::kServoPose, Arm::kGold, there);  // 20 mm from the robot
+    if (mode() == Mode::kReturning) {
+      EXPECT_NE(reason, ServoRefusal::kNone);
+    }
+  }
+  c->rest(300);
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+  EXPECT_EQ(rig->model().linked, 1);
+  EXPECT_EQ(c->state().alone, 0);
+}
+
+TEST_F(ServoDeskTest, TheCamerasPedalKeepsARobotStillAndTheClientEnabled) {
+  together();
+  ASSERT_TRUE(c->enable());
+  EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
+  c->rest(200);
+  request(RequestKind::kSetCameraPedal, static_cast<std::uint8_t>(CameraPedal::kPressed));
+  c->rest(100);
+  ASSERT_EQ(mode(), Mode::kCameraMoving);
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+  EXPECT_EQ(rig->last_relay.command.pedal, 0);
+  const Vec3 before = tip();
+  request(RequestKind::kSetCameraPedal, static_cast<std::uint8_t>(CameraPedal::kReleased));
+  c->rest(300);
+  EXPECT_EQ(mode(), Mode::kTeleoperating);
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+  EXPECT_EQ(rig->model().linked, 1);
+  EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalDown);
+  EXPECT_LT(apart(tip(), before), kRebased) << "what was asked for before is forgotten";
+  const RigidPose to = beside(setpoint(), {0.003, 0.0, 0.0});
+  EXPECT_EQ(c->ask(ServoKind::kServoPose, Arm::kGold, to), ServoRefusal::kNone);
+  c->rest(200);
+  EXPECT_LT(apart(tip(), to.p), 1e-6);
 }
 
 TEST_F(ServoDeskTest, DisengagingPauses) {

@@ -224,7 +224,7 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
   EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
-  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 15 * 8 + 3 * 3 * 8 + 2 * sizeof(LoopTiming) +
+  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 14 * 8 + 3 * 3 * 8 + 2 * sizeof(LoopTiming) +
                                        kRingCount * sizeof(RingCounts) + 2 + /*padding*/ 6u);
   EXPECT_EQ(sizeof(Fault), 4 + 8 + 4 + 12 * 8u);
   EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + 4 + 1 + /*padding*/ 7 + 8 * sizeof(Fault));

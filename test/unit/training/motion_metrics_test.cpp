@@ -100,6 +100,23 @@ TEST(MotionMetrics, TakeTheLargestEngagementForTheMastersRadius) {
   EXPECT_NEAR(gold(motion.result()).master_radius.value(), 15 * kMillimetre, 0.2 * kMillimetre);
 }
 
+TEST(MotionMetrics, OfTheMastersAreThoseOfTheSurgeonsPedal) {
+  MotionSettings settings;
+  settings.motion_scale = 1.0;
+  MotionAccumulator motion(settings);
+  for (Tick k = 0; k < 3000; ++k) {
+    TickRecord record = makeRecord(k);
+    record.model.pedal = k < 1000 ? kSurgeonsPedal : kClientsPedal;
+    // 0 to 10 mm; then a CRTK client holds the pedal, and the hand rests, but for 2 mm in its middle
+    const double x = k < 1000 ? 1e-5 * static_cast<double>(k) : k < 2000 ? 0.01 : 0.012;
+    at(record.model.master_I, Arm::kGold)[1] = x;
+    motion.add(record);
+  }
+  const HandMotion hand = gold(motion.result());
+  EXPECT_NEAR(hand.master_radius.value(), 5 * kMillimetre, 0.1 * kMillimetre);
+  EXPECT_NEAR(hand.master_deviation.value(), 10 * kMillimetre / std::sqrt(12.0), 0.1 * kMillimetre);
+}
+
 TEST(MotionMetrics, AreNotInflatedByNoiseAsTheSumOfMillisecondStepsIs) {
   Random random(4);
   const Path line = [](double t) { return Vec3{0.02 * t, 0.0, 0.0}; };

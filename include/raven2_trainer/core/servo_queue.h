@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/core/spsc_ring.h"
+
+namespace raven2_trainer {
+
+/** States, hold and free; all else moves something. */
+constexpr bool isOrder(ServoKind kind) noexcept {
+  return kind == ServoKind::kState || kind == ServoKind::kHold || kind == ServoKind::kFree;
+}
+
+/** An order, and how many motions were asked for before it. */
+struct ServoOrder {
+  ServoCommand command{};
+  std::uint64_t behind{};
+};
+
+/**
+ * What CRTK clients ask for. Orders have a ring of their own, so that no flood of motions delays or displaces a pause;
+ * each says which motions it was given behind. One producer thread, one consumer thread. Real-time safe.
+ */
+class ServoQueue {
+ public:
+  static constexpr std::size_t kOrders = 64, kMotions = 256;
+
+  /** @return false if there is no room: dropped and counted. */
+  bool tryPush(const ServoCommand& command) noexcept {
+    return isOrder(command.kind) ? orders_.tryPush({command, asked()}) : motions_.tryPush(command);
+  }
+
+  /** Motions asked for since the start. Read before orders are taken, it bounds the motions behind none of the rest. */
+  std::uint64_t asked() const noexcept { return motions_.counts().pushed; }
+  /** Motions taken since the start: the number of the next one. */
+  std::uint64_t taken() const noexcept { return motions_.counts().taken; }
+  bool popOrder(ServoOrder* order) noexcept { return orders_.tryPop(order); }
+  bool popMotion(ServoCommand* command) noexcept { return motions_.tryPop(command); }
+
+  /** Either, orders first. */
+  bool tryPop(ServoCommand* command) noexcept {
+    ServoOrder order;
+    if (!popOrder(&order)) return popMotion(command);
+    *command = order.command;
+    return true;
+  }
+
+  /** Of both rings. Any thread. */
+  RingCounts counts() const noexcept {
+    const RingCounts orders = orders_.counts();
+    RingCounts sum = motions_.counts();
+    sum.pushed += orders.pushed;
+    sum.taken += orders.taken;
+    sum.dropped += orders.dropped;
+    return sum;
+  }
+
+ private:
+  SpscRing<ServoOrder, kOrders> orders_;
+  SpscRing<ServoCommand, kMotions> motions_;
+};
+
+}  // namespace raven2_trainer
