@@ -319,6 +319,7 @@ void readCrtk(Section& root, CrtkConfig* c) {
   c->move_turn_rate = root.number("move_turn_rate", 0.01, c->max_turn_rate);
   c->twist_timeout = root.number("twist_timeout", 0.01, 5);
   c->release_after = root.number("release_after", 0, 3600);
+  c->trim_time = root.number("trim_time", 0, 60);
 }
 
 CameraConfig readCamera(Section& camera) {

@@ -47,6 +47,8 @@ ServoStand PhysicsLoop::servoStand() const noexcept {
   stand.keeps_back = !master_stream_.isEmpty();
   stand.pedal_down = pedal_;
   stand.is_taken = increments_.commands > 0;
+  for (const Arm arm : kArms)
+    at(stand.robot_q, arm) = at(robot_.arms, arm).q;
   return stand;
 }
 

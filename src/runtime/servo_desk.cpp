@@ -17,6 +17,8 @@ constexpr int kMostMoves = 1;
 
 constexpr double kNoTurn = 1e-9;  // [rad] rounding
 
+constexpr Tick kRestTicks = 200;  // a set point that stands: the robot's arm has stopped, too
+
 /** What a receiver of ITP takes in one packet bounds how fast anybody may move. */
 CrtkConfig withinRules(CrtkConfig crtk, const ItpRules& rules) {
   crtk.max_speed = std::min(crtk.max_speed, rules.max_increment_um * 1e-6 / kTickSeconds);
@@ -77,6 +79,7 @@ ServoDesk::ServoDesk(const TrainerConfig& config, SharedState* shared)
       shared_(*shared),
       targets_{control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGold),
                control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGreen)},
+      rests_{Rest{control::ServoTrim(config.crtk.trim_time)}, Rest{control::ServoTrim(config.crtk.trim_time)}},
       console_limit_(ticksOf(rules_.pedalTimeout())),
       idle_limit_(ticksOf(config.crtk.release_after)) {}
 
@@ -279,11 +282,16 @@ void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand*
   const bool is_known = !moves || !stand_.keeps_back;
   if (is_known) sent = {mapper.desiredPose(), mapper.opening()};
   const Pose taken = is_known ? takenBy(mapper, arm) : sent.X_BT;
-  if (!moves) return target.startFrom(taken, mapper.desired(), sent.opening);
-  target.keepTo(taken, mapper.desired(), sent.opening);
+  if (!moves) {
+    at(rests_, arm).leave();
+    return target.startFrom(taken, mapper.desired(), sent.opening);
+  }
+  const JointArray q = at(rests_, arm).trim.without(mapper.desired());
+  target.keepTo(at(rests_, arm).trimmed.before(taken), q, sent.opening);
   target.step();
-  const Vector3 step_um = wholeStep(sent.X_BT.p, target.pose().p, rules_.max_increment_um);
-  const Quaternion turn = turnStep(sent.X_BT.R, target.pose().R, rules_.max_rotation);
+  const Pose asked = trimmed(arm, q);
+  const Vector3 step_um = wholeStep(sent.X_BT.p, asked.p, rules_.max_increment_um);
+  const Quaternion turn = turnStep(sent.X_BT.R, asked.R, rules_.max_rotation);
   const double jaw_mrad = std::round((target.opening() - sent.opening) * 1e3);
   const Matrix3& C = control::itpToBase(arm);
   Quaternion dq_I = turn;
@@ -294,6 +302,18 @@ void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand*
   sent.X_BT.p += step_um * 1e-6;
   sent.X_BT.R = (turn * Quaternion(sent.X_BT.R)).normalized().toRotationMatrix();
   sent.opening += jaw_mrad * 1e-3;
+}
+
+/** The set point, and what friction keeps the robot from it. @param[in] q [rad; m] the set point's joints. */
+Pose ServoDesk::trimmed(Arm arm, const JointArray& q) noexcept {
+  Rest& rest = at(rests_, arm);
+  const Pose& X_BT = at(targets_, arm).pose();
+  const bool stands = X_BT.p == rest.X_BT.p && X_BT.R == rest.X_BT.R;
+  rest.ticks = stands ? rest.ticks + 1 : 0;
+  rest.X_BT = X_BT;
+  rest.trim.step(q, at(stand_.robot_q, arm), stand_.linked && rest.ticks >= kRestTicks);
+  rest.trimmed = control::displacement(geometry_, arm, q, rest.trim.with(q));
+  return rest.trimmed.of(X_BT);
 }
 
 void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {
@@ -309,7 +329,7 @@ void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray
   for (const Arm arm : kArms) {
     ServoArmState& out = at(state.arms, arm);
     const control::ServoTarget& target = at(targets_, arm);
-    const JointArray& q = at(q_d, arm);
+    const JointArray q = at(rests_, arm).trim.without(at(q_d, arm));
     out.is_busy = is_homing || target.isMoving() ? 1 : 0;
     out.setpoint_B = toArray(kinematics::forward(geometry_, arm, q));
     out.setpoint_q = control::servoJoints(q);

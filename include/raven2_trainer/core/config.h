@@ -252,6 +252,7 @@ struct CrtkConfig {
   double move_turn_rate{};  ///< [rad/s] the same
   double twist_timeout{};   ///< [s] servo_cv without another
   double release_after{};   ///< [s] of silence after which the pedal goes up; 0 never
+  double trim_time{};       ///< [s] constant in which a resting robot is brought nearer to the set point; 0 it is not
 };
 
 /** Whether a camera stays where it is, and if not, what takes it along. */

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "raven2_trainer/control/servo_target.h"
+#include "raven2_trainer/control/servo_trim.h"
 #include "raven2_trainer/control/teleop_mapper.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
@@ -24,6 +25,7 @@ struct ServoStand {
   bool keeps_back{};   ///< a fault holds commands on their way to the mapping
   bool pedal_down{};   ///< as the loop has taken commands so far
   bool is_taken{};     ///< a command of the console was used in this tick: a press would be lost behind its release
+  PerArm<JointArray> robot_q{};  ///< [rad; m] as measured; while linked
 };
 
 /**
@@ -57,6 +59,14 @@ class ServoDesk {
     Pose X_BT{};
     double opening{};
   };
+  struct Rest {
+    control::ServoTrim trim;
+    control::Displacement trimmed{};  ///< by it, of the tick before
+    Pose X_BT{};                      ///< set point of the tick before
+    Tick ticks{0};                    ///< that it stands
+
+    void leave() noexcept { trim.forget(), trimmed = {}, ticks = 0; }
+  };
 
   void settleRelease(const ServoStand& stand) noexcept;
   void observe(const ServoStand& stand) noexcept;
@@ -75,6 +85,7 @@ class ServoDesk {
   void releaseIdle() noexcept;
   Pose takenBy(const control::TeleopMapper& mapper, Arm arm) const noexcept;
   void aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept;
+  Pose trimmed(Arm arm, const JointArray& q) noexcept;
   bool isMoving() const noexcept { return targets_[0].isMoving() || targets_[1].isMoving(); }
 
   ArmGeometry geometry_;
@@ -82,6 +93,7 @@ class ServoDesk {
   SharedState& shared_;
   PerArm<control::ServoTarget> targets_;
   PerArm<Sent> sent_{};  ///< where the commands so far lead
+  PerArm<Rest> rests_;
   Tick console_limit_, idle_limit_;
 
   ServoStand stand_{};

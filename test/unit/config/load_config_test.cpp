@@ -225,6 +225,7 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
       {"move_turn_rate: 0.5 ", "move_turn_rate: 2.1 ", "move_turn_rate is 2.1, expected [0.01, 2]"},
       {"max_step: 0.02 ", "max_step: 20 ", "max_step is 20"},
       {"release_after: 30.0 ", "release_after: -1 ", "release_after is -1"},
+      {"trim_time: 1.0 ", "trim_time: 61 ", "trim_time is 61, expected [0, 60]"},
       {"dialect: modern ", "dialect: old ", "dialect is \"old\", expected one of: modern, raven"},
       {"green: arm2 ", "green: arm1 ", "green is \"arm1\", as is gold"},
       {"green: arm2 ", "green: 2nd ", "green is \"2nd\", expected a ROS name"},

@@ -26,7 +26,7 @@ constexpr double kRebased = 2e-3;
 
 // What dry friction keeps the Raven's tool joints from, the integral of their control alone takes away: kp 0.05 Nm/rad
 // over ki 0.05 Nm/(rad s) (raven2.md 3.6) are a time constant of a second.
-constexpr int kSettle = 4000;                     // [ticks]
+constexpr int kSettle = 5000;                     // [ticks]
 constexpr double kRobotOff = 0.5e-3;              // [m]
 constexpr double kRobotTurn = 0.2 * kPi / 180.0;  // [rad]
 
