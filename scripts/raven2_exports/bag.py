@@ -120,7 +120,8 @@ def _frames(facts, put, messages):
              for which in ("model", "robot")}
     for i, record in enumerate(told):
         is_linked = record["robot"]["frame"] > 0 and record["robot"]["connected"]
-        moving = [_transform(messages, f"{which}/{name}", p[i], q[i]) for which in ("model", "robot")[:1 + bool(is_linked)]
+        there = ("model", "robot") if is_linked else ("model",)
+        moving = [_transform(messages, f"{which}/{name}", p[i], q[i]) for which in there
                   for name, (p, q) in poses[which].items() if name not in arms.fixed]
         put("/tf", messages.TFMessage(moving), int(record["model"]["time_ns"]))
 
@@ -182,7 +183,8 @@ def _event(facts, event, messages):
 
 
 def _events(facts, put, messages):
-    """At the session's tick in which they happened; numbered as the simulator does, from the log's beginning."""
+    """At the session's tick in which they happened, its first at the earliest; numbered as the simulator does, from the
+    log's beginning."""
     model = facts.series.ticks["model"]
     for number, record in enumerate(facts.log.exercise_events if facts.log.exercise_events is not None else (), 1):
         at = facts.session_time(int(record["tick"]))
