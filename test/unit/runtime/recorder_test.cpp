@@ -173,7 +173,8 @@ TEST_F(RecorderTest, TheCopyOfTheConfigurationHoldsWhatParametersOverride) {
   ASSERT_EQ(header.configuration.size(), plain.configuration.size());
   for (std::size_t i = 0; i < plain.configuration.size(); ++i) {
     const bool is_its_file = fs::path(plain.configuration[i].path).filename() == "haptics.yaml";
-    EXPECT_EQ(header.configuration[i].fnv1a != plain.configuration[i].fnv1a, is_its_file) << plain.configuration[i].path;
+    EXPECT_EQ(header.configuration[i].fnv1a != plain.configuration[i].fnv1a, is_its_file)
+        << plain.configuration[i].path;
   }
 }
 
