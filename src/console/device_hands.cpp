@@ -261,6 +261,7 @@ class DeviceHands : public MotionSource {
     } else if (!engaged_ && !refused_) {
       engaged_ = isGoodToStart(may_move);
       refused_ = !engaged_;
+      report_.engagements += engaged_ ? 1U : 0U;
     }
   }
 

@@ -44,6 +44,7 @@ class Driver:
     def __init__(self):
         self.position = [0.0, 0.0, 0.0]
         self.trembles = True
+        self.listener, self.others = None, []
         self.is_held = False  # by a controller of its own, until the first force
         self.force = None  # [N] newest, as the driver was told
         self.forces = 0
@@ -75,6 +76,8 @@ class Driver:
     def close(self):
         self._stop.set()
         self._thread.join()
+        for subscription in filter(None, [self.listener, *self.others]):  # of the next test, too: all are one node
+            subscription.unregister()
 
 
 class Omni(Driver):
@@ -139,13 +142,13 @@ class Crtk(Driver):
         self._buttons = [rospy.Publisher(f"/{name}/button{n}", Joy, queue_size=10) for n in (1, 2)]
         self.listener = rospy.Subscriber(f"/{name}/{force}", WrenchStamped, self.feel)
         self.is_absolute, self.is_compensated, self.frame, self.angle = None, None, None, 0.8
-        rospy.Subscriber(f"/{name}/use_gravity_compensation", Bool, self.compensate)
+        self.others = [rospy.Subscriber(f"/{name}/use_gravity_compensation", Bool, self.compensate)]
         if absolute:
             self.await_absolute(absolute)
         self.enable("ENABLED")
 
     def await_absolute(self, topic):
-        rospy.Subscriber(f"/{self._name}/{topic}", Bool, self.turn_absolute)
+        self.others.append(rospy.Subscriber(f"/{self._name}/{topic}", Bool, self.turn_absolute))
 
     def enable(self, state):
         self._state.publish(OperatingState(Header(stamp=rospy.Time.now()), state, True, False))

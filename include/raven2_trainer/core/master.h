@@ -155,6 +155,7 @@ struct DeviceFinding {
 struct MasterReport {
   std::uint8_t pedal{};            ///< 1: it is held
   std::uint8_t engaged{};          ///< 1: and it counts
+  std::uint32_t engagements{};     ///< pedal-downs so far that counted
   PerArm<std::uint32_t> found{};   ///< findings so far that were none a tick before, or that a pedal-down met
   PerArm<DeviceFinding> newest{};  ///< of these
   PerArm<DeviceFinding> now{};

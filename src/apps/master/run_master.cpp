@@ -25,11 +25,19 @@ class ReportTeller {
   void look(const MasterReport& report) {
     for (const Arm arm : kArms)
       tellDevice(arm, report);
-    if (report.engaged != told_.engaged) std::fprintf(stderr, "%s\n", report.engaged != 0 ? "engaged" : "let go");
+    tellPedal(report);
     told_ = report;
   }
 
  private:
+  /** A release between two looks is told, too. */
+  void tellPedal(const MasterReport& report) const {
+    const bool is_anew = report.engagements != told_.engagements;
+    if (told_.engaged != 0 && (is_anew || report.engaged == 0)) std::fputs("let go\n", stderr);
+    if (is_anew) std::fputs("engaged\n", stderr);
+    if (is_anew && report.engaged == 0) std::fputs("let go\n", stderr);
+  }
+
   void tellDevice(Arm arm, const MasterReport& report) {
     const DeviceFinding& newest = at(report.newest, arm);
     if (at(report.found, arm) != at(told_.found, arm)) {

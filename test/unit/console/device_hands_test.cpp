@@ -512,6 +512,10 @@ TEST(DeviceHands, AForceSaysWhetherThePedalHasEverCounted) {
   bench.press(0);
   bench.tick(10);
   EXPECT_EQ(has_begun(), 1);
+  EXPECT_EQ(bench.report().engagements, 1U);
+  bench.press();
+  bench.tick(10);
+  EXPECT_EQ(bench.report().engagements, 2U);
 }
 
 TEST(DeviceHands, WithAForceGoesTheLastPlaceThatIsOne) {
