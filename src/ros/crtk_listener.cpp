@@ -1,7 +1,9 @@
 #include "ros/crtk_listener.h"
 
+#include <ros/message_event.h>
 #include <std_msgs/Empty.h>
 
+#include <memory>
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
@@ -34,38 +36,44 @@ const char* topicOf(ServoKind kind) {
   return kServoKindNames[static_cast<std::size_t>(kind)];
 }
 
-/** What makes an arm safer, and who asks for it need not be trusted. */
-bool isSafer(const std::string& word) {
-  return word == "pause" || word == "disable";
+/** Zero: none. */
+template <typename Message>
+ros::Time stampOf(const Message& message) {
+  const ros::Time* const stamp = ros::message_traits::timeStamp(message);
+  return stamp == nullptr ? ros::Time() : *stamp;
 }
 
 }  // namespace
 
 CrtkListener::CrtkListener(const ros::NodeHandle& node,
                            Arm arm,
-                           const CrtkConfig& config,
+                           const TrainerConfig& config,
                            const Pose& X_WB,
                            bool may_command,
+                           const std::optional<CrtkPublishers>& before,
                            CrtkInbox* inbox,
                            CrtkVoice* voice)
     : node_(node),
       arm_(arm),
-      name_(at(config.names, arm)),
-      jaw_name_(jawNamespace(config, arm)),
+      name_(at(config.crtk.names, arm)),
+      jaw_name_(jawNamespace(config.crtk, arm)),
+      geometry_(config.arms.geometry),
       world_(worldFrame(X_WB)),
       base_(baseFrame(arm)),
+      before_(before),
       inbox_(*inbox),
       voice_(*voice) {
   hearState(may_command);
   hearPlain(ServoKind::kHold);
   if (!may_command) return;
   hearMotion();
-  config.dialect == CrtkDialect::kRaven ? hearRaven() : hearModern();
+  config.crtk.dialect == CrtkDialect::kRaven ? hearRaven() : hearModern();
 }
 
 void CrtkListener::hearState(bool may_command) {
   hear<crtk::StringStamped>(inArm("state_command"), kOrdered, [this, may_command](const crtk::StringStamped& message) {
-    if (may_command || isSafer(message.string)) return readState(arm_, message.string);
+    CrtkAsked asked = readState(arm_, message.string);
+    if (may_command || !asked.command || isSafer(*asked.command)) return asked;
     return CrtkAsked{std::nullopt, "state_command: a network may pause and disable, no more (enable_remote_control)"};
   });
 }
@@ -96,8 +104,9 @@ void CrtkListener::hearRaven() {
   using sensor_msgs::JointState;
   const CrtkFrame frame = ravenFrame(arm_);
   for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kServoJointsBy})
-    hear<JointState>(inArm(topicOf(kind)), queueOf(kind),
-                     [this, kind](const JointState& message) { return readRavenJoints(arm_, kind, message); });
+    hear<JointState>(inArm(topicOf(kind)), queueOf(kind), [this, kind](const JointState& message) {
+      return readRavenJoints(geometry_, arm_, kind, message);
+    });
   for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoPoseBy})
     hear<TransformStamped>(inArm(topicOf(kind)), queueOf(kind), [this, kind, frame](const TransformStamped& message) {
       return readTransform(arm_, kind, frame, message);
@@ -138,13 +147,25 @@ void CrtkListener::hearTwist(const CrtkFrame& frame) {
                      [this, frame](const TwistStamped& message) { return readTwist(arm_, frame, message); });
 }
 
+CrtkStored CrtkListener::storedOf(const std::string& topic) const {
+  if (!before_) return CrtkStored(std::nullopt);
+  const auto found = before_->find(node_.resolveName(topic));
+  return CrtkStored(found == before_->end() ? std::set<std::string>() : found->second);
+}
+
 template <typename Message>
 void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::function<CrtkAsked(const Message&)> read) {
-  const auto callback = [this, topic, read = std::move(read)](const boost::shared_ptr<const Message>& message) {
-    take(topic, read(*message));
+  using Event = ros::MessageEvent<const Message>;
+  const auto stored = std::make_shared<CrtkStored>(storedOf(topic));
+  const boost::function<void(const Event&)> callback = [this, topic, stored,
+                                                        read = std::move(read)](const Event& event) {
+    const Message& message = *event.getConstMessage();
+    const bool may_be_stored = stored->mayBe(event.getConnectionHeaderPtr());
+    const CrtkOrigin origin{event.getPublisherName(), may_be_stored, stampOf(message), ros::Time::now()};
+    take(topic, unlessOld(read(message), origin));
   };
   const auto at_once = ros::TransportHints().tcpNoDelay();
-  subscribers_.push_back(node_.subscribe<Message>(topic, queue, callback, ros::VoidConstPtr(), at_once));
+  subscribers_.push_back(node_.subscribe<Message, const Event&>(topic, queue, callback, ros::VoidConstPtr(), at_once));
 }
 
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/config.h"
+#include "ros/crtk_age.h"
 #include "ros/crtk_inbox.h"
 #include "ros/crtk_voice.h"
 
@@ -20,12 +21,14 @@ class CrtkListener {
    * @param[in] node its callback queue must be served by one thread, the inbox's.
    * @param[in] inbox, voice outlive this.
    * @param[in] may_command without it only hold, and state_command's pause and disable, are listened to.
+   * @param[in] before who published before anything was listened to: publishersNow().
    */
   CrtkListener(const ros::NodeHandle& node,
                Arm arm,
-               const CrtkConfig& config,
+               const TrainerConfig& config,
                const Pose& X_WB,
                bool may_command,
+               const std::optional<CrtkPublishers>& before,
                CrtkInbox* inbox,
                CrtkVoice* voice);
 
@@ -41,6 +44,7 @@ class CrtkListener {
   void hearTwist(const CrtkFrame& frame);
 
   std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
+  CrtkStored storedOf(const std::string& topic) const;
   template <typename Message>
   void hear(const std::string& topic, std::uint32_t queue, std::function<CrtkAsked(const Message&)> read);
   void take(const std::string& topic, const CrtkAsked& asked);
@@ -48,7 +52,9 @@ class CrtkListener {
   ros::NodeHandle node_;
   const Arm arm_;
   const std::string name_, jaw_name_;
+  const ArmGeometry geometry_;
   const CrtkFrame world_, base_;
+  const std::optional<CrtkPublishers> before_;
   CrtkInbox& inbox_;
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "raven2_trainer/control/servo_target.h"
+#include "raven2_trainer/control/teleop_mapper.h"
+#include "ros/crtk_words.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -126,6 +129,31 @@ Vector3 longTurn(const Quaternion& q) {
   return sine > 0.0 ? Vector3(q.vec() / sine * (2.0 * std::atan2(sine, q.w()))) : Vector3(Vector3::Zero());
 }
 
+/** Limits of ServoJoints, then of the jaws, as control::ServoTarget has them. */
+std::pair<double, double> limitsOf(const ArmGeometry& geometry, std::size_t joint) {
+  if (joint == kServoJointCount) return {control::kMinOpening, control::kMaxOpening};
+  if (joint + 1 == kServoJointCount) return {geometry.q_min[kGrasp1], geometry.q_max[kGrasp2]};
+  return {geometry.q_min[joint], geometry.q_max[joint]};
+}
+
+/** Why positions of an arm and its jaws are beyond their limits; empty: they are not. */
+std::string rangeFault(const ArmGeometry& geometry, const ServoCommand& joints, const ServoCommand& jaw) {
+  for (std::size_t j = 0; j <= kServoJointCount; ++j) {
+    const bool is_jaw = j == kServoJointCount;
+    const double value = is_jaw ? jaw.jaw : joints.joints[j];
+    const auto [low, high] = limitsOf(geometry, j);
+    if (value >= low && value <= high) continue;
+    ServoRefused refused;
+    refused.kind = joints.kind;
+    refused.reason = ServoRefusal::kOutOfRange;
+    refused.joint = static_cast<std::uint8_t>(j);
+    refused.value = value;
+    refused.limit = value < low ? low : high;
+    return sentence(refused);
+  }
+  return "";
+}
+
 }  // namespace
 
 CrtkAsked readState(Arm arm, const std::string& word) {
@@ -173,7 +201,10 @@ CrtkAsked readTransform(Arm arm,
   return poseIn(arm, kind, frame, message.header, vectorOf(X.translation), X.rotation);
 }
 
-CrtkAsked readRavenJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState& message) {
+CrtkAsked readRavenJoints(const ArmGeometry& geometry,
+                          Arm arm,
+                          ServoKind kind,
+                          const sensor_msgs::JointState& message) {
   const bool is_by = kind == ServoKind::kServoJointsBy;
   const std::size_t count = message.position.size();
   if (count < kJointCount || (count > kJointCount && !is_by))
@@ -181,11 +212,14 @@ CrtkAsked readRavenJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState
   if (!areFinite(message.position)) return notFinite(kind);
   JointArray q{};
   std::copy_n(message.position.begin(), kJointCount, q.begin());
-  CrtkAsked asked{commandOf(arm, kind), ""};
-  asked.command->joints = control::servoJoints(q);
-  asked.jaw = commandOf(arm, is_by ? ServoKind::kServoJawBy : ServoKind::kServoJaw);
-  asked.jaw->jaw = kinematics::jawOpening(q);
-  return asked;
+  ServoCommand joints = commandOf(arm, kind);
+  ServoCommand jaw = commandOf(arm, is_by ? ServoKind::kServoJawBy : ServoKind::kServoJaw);
+  joints.joints = control::servoJoints(q);
+  jaw.jaw = kinematics::jawOpening(q);
+  if (is_by && jaw.jaw == 0.0) return {joints, ""};
+  const std::string fault = is_by ? "" : rangeFault(geometry, joints, jaw);
+  if (!fault.empty()) return {std::nullopt, fault};
+  return {joints, "", jaw};
 }
 
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message) {

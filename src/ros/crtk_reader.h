@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/servo.h"
 #include "ros/crtk_frames.h"
 
@@ -47,8 +48,9 @@ CrtkAsked readTransform(Arm arm,
                         const CrtkFrame& frame,
                         const geometry_msgs::TransformStamped& message);
 /** Its servo_jp and servo_jr: seven positions, shoulder to wrist and both graspers. What servo_jr has beyond them
- * counts for nothing, as there; names do not either. */
-CrtkAsked readRavenJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
+ * counts for nothing, as there; names do not either. Neither arm nor jaws are asked for anything if one is to be beyond
+ * its limits; jaws are not if a step leaves them as they are, which would end their move. */
+CrtkAsked readRavenJoints(const ArmGeometry& geometry, Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
 /** Its servo_cv: translation in m/s; the rotation is the turn of one second, up to a whole one. */
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message);
 

@@ -54,6 +54,7 @@ const char* wayToEnabled(OperatingState state) {
 
 std::string invalid(const ServoRefused& r) {
   const std::string in = nameOf(kOperatingStateNames, r.in);
+  if (r.kind == ServoKind::kFree) return "the arms are " + in + ", nothing holds them but the brakes";
   const std::string way = r.in == OperatingState::kEnabled ? "disable or pause" : wayToEnabled(r.in);
   return std::string(nameOf(kStateCommandNames, r.state)) + " is nothing in " + in + "; there " + way + " goes on";
 }

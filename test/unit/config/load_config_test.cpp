@@ -217,7 +217,7 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
   EXPECT_TRUE(crtk.enabled);
   EXPECT_EQ(crtk.names, (PerArm<std::string>{"arm1", "arm2"}));
   EXPECT_EQ(crtk.dialect, CrtkDialect::kModern);
-  EXPECT_EQ(crtk.period, 0.002);
+  EXPECT_EQ(crtk.period, 0.00195);
   EXPECT_EQ(crtk.twist_timeout, 0.1);
   const std::vector<std::array<std::string, 3>> wrong{
       {"max_speed: 0.1 ", "max_speed: 0 ", "max_speed is 0, expected [0.001, 1]"},

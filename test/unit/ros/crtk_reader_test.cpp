@@ -200,9 +200,20 @@ TEST(CrtkReader, TheRobotsOwnBranchTurnsItsBase) {
   expectTurn(green.command->pose_B.q, 0.5, 0.5, 0.5, 0.5);
 }
 
+/** Limits as wide as a Raven's, in round numbers. */
+ArmGeometry limited() {
+  ArmGeometry geometry{};
+  geometry.q_min = {0.0, 0.8, 0.23, -3.0, -1.5, -1.5, -1.4};
+  geometry.q_max = {1.5, 2.4, 0.56, 3.0, 1.5, 1.4, 1.5};
+  return geometry;
+}
+
+CrtkAsked ravenAsks(Arm arm, ServoKind kind, const std::vector<double>& positions) {
+  return readRavenJoints(limited(), arm, kind, jointsAt(positions));
+}
+
 TEST(CrtkReader, TheRobotsOwnBranchAsksForSevenJoints) {
-  const auto asked =
-      readRavenJoints(Arm::kGreen, ServoKind::kServoJoints, jointsAt({0.1, 1.2, 0.4, 0.3, 0.2, 0.25, 0.75}));
+  const auto asked = ravenAsks(Arm::kGreen, ServoKind::kServoJoints, {0.1, 1.2, 0.4, 0.3, 0.2, 0.25, 0.75});
   ASSERT_TRUE(asked.command && asked.jaw);
   EXPECT_EQ(asked.command->kind, ServoKind::kServoJoints);
   EXPECT_EQ(asked.command->joints, (ServoJoints{0.1, 1.2, 0.4, 0.3, 0.2, 0.25}))
@@ -213,16 +224,41 @@ TEST(CrtkReader, TheRobotsOwnBranchAsksForSevenJoints) {
   std::vector<double> steps(15, 0.0);  // as raven2_CRTK_Python_controller sends
   steps[1] = 0.001;
   steps[6] = 0.002;
-  const auto by = readRavenJoints(Arm::kGold, ServoKind::kServoJointsBy, jointsAt(steps));
+  const auto by = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, steps);
   ASSERT_TRUE(by.command && by.jaw);
   EXPECT_EQ(by.command->joints, (ServoJoints{0, 0.001, 0, 0, 0, 0.001}));
   EXPECT_EQ(by.jaw->kind, ServoKind::kServoJawBy);
   EXPECT_EQ(by.jaw->jaw, 0.002);
-  EXPECT_FALSE(readRavenJoints(Arm::kGold, ServoKind::kServoJoints, jointsAt(steps)).command);
+  EXPECT_FALSE(ravenAsks(Arm::kGold, ServoKind::kServoJoints, steps).command);
   steps.resize(6);
-  EXPECT_FALSE(readRavenJoints(Arm::kGold, ServoKind::kServoJointsBy, jointsAt(steps)).command);
+  EXPECT_FALSE(ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, steps).command);
   steps.assign(7, kNan);
-  EXPECT_FALSE(readRavenJoints(Arm::kGold, ServoKind::kServoJointsBy, jointsAt(steps)).command);
+  EXPECT_FALSE(ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, steps).command);
+}
+
+TEST(CrtkReader, ASeventhJointThatStaysAsksNothingOfTheJaws) {
+  const auto still = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, {0.001, 0, 0, 0, 0, 0, 0});
+  EXPECT_TRUE(still.command);
+  EXPECT_FALSE(still.jaw) << "it would end a move of theirs";
+  const auto turned = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, {0, 0, 0, 0, 0, -0.001, 0.001});
+  ASSERT_TRUE(turned.command);
+  EXPECT_DOUBLE_EQ(turned.command->joints.back(), 0.001) << "both graspers, one way";
+  EXPECT_FALSE(turned.jaw);
+  EXPECT_TRUE(ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 1.2, 0.4, 0, 0, 0, 0}).jaw)
+      << "closed is a place, not a step";
+}
+
+TEST(CrtkReader, JawsBeyondTheirLimitsHoldTheArmBackAndTheArmTheJaws) {
+  const auto jaws = ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 1.2, 0.4, 0, 0, 0.8, 0.8});
+  EXPECT_FALSE(jaws.command || jaws.jaw);
+  EXPECT_EQ(jaws.refusal, "servo_jp: jaw at 1.6 rad, at most 1.57 rad");
+  const auto elbow = ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 0.7, 0.4, 0, 0, 0.2, 0.2});
+  EXPECT_FALSE(elbow.command || elbow.jaw);
+  EXPECT_EQ(elbow.refusal, "servo_jp: elbow at 0.7 rad, at least 0.8 rad");
+  const auto midline = ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 1.2, 0.4, 0, 0, -1.55, 1.55});
+  EXPECT_EQ(midline.refusal, "servo_jp: jaw_midline at 1.55 rad, at most 1.5 rad");
+  const auto far = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, {0, 0, 2.0, 0, 0, 0.1, 0.1});
+  EXPECT_TRUE(far.command && far.jaw) << "from where a step goes is known where the arm is moved";
 }
 
 TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {

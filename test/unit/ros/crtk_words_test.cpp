@@ -62,6 +62,15 @@ TEST(CrtkWords, WhatIsRefusedBecauseOfTheStateSaysTheWayOut) {
   EXPECT_EQ(sentence(refused), "state_command: pause is nothing in DISABLED; there enable goes on");
 }
 
+TEST(CrtkWords, FreeThatFindsNothingToLetGoOfNamesNoOtherCommand) {
+  ServoRefused refused = refusalOf(ServoKind::kFree, ServoRefusal::kInvalid);
+  refused.in = OperatingState::kDisabled;
+  for (std::size_t i = 0; i < kStateCommandCount; ++i) {
+    refused.state = static_cast<StateCommand>(i);  // which `free` is none of
+    EXPECT_EQ(sentence(refused), "free: the arms are DISABLED, nothing holds them but the brakes");
+  }
+}
+
 TEST(CrtkWords, EveryReasonHasASentenceOfItsOwn) {
   std::set<std::string> sentences;
   for (std::size_t i = 0; i < kServoRefusalCount; ++i) {

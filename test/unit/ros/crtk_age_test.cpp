@@ -1,0 +1,126 @@
+#include "ros/crtk_age.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+/** A connection's header, as roscpp gives it with each message of the connection. */
+ros::M_stringPtr connectionOf(const std::string& publisher, const char* latching = "1") {
+  const auto header = boost::make_shared<ros::M_string>();
+  (*header)["callerid"] = publisher;
+  (*header)["latching"] = latching;
+  return header;
+}
+
+TEST(CrtkStored, WhoPublishedBeforeMayHaveStoredItsFirstMessage) {
+  CrtkStored stored(std::set<std::string>{"/old"});
+  const auto old = connectionOf("/old"), fresh = connectionOf("/fresh");
+  EXPECT_TRUE(stored.mayBe(old));
+  EXPECT_FALSE(stored.mayBe(old)) << "what follows on a connection is new";
+  EXPECT_FALSE(stored.mayBe(fresh)) << "it came while somebody listened";
+  EXPECT_FALSE(stored.mayBe(fresh));
+}
+
+TEST(CrtkStored, WhoConnectsAgainGivesAgainWhatItHadGiven) {
+  CrtkStored stored(std::set<std::string>{});
+  auto first = connectionOf("/client");
+  EXPECT_FALSE(stored.mayBe(first));
+  first.reset();  // broken, as the only one who held it lets go
+  const auto second = connectionOf("/client");
+  EXPECT_TRUE(stored.mayBe(second));
+  EXPECT_FALSE(stored.mayBe(second));
+  EXPECT_TRUE(stored.mayBe(connectionOf("/client"))) << "and a third time, the second still there";
+  EXPECT_FALSE(stored.mayBe(connectionOf("/other")));
+}
+
+TEST(CrtkStored, WhoDoesNotLatchStoresNothing) {
+  CrtkStored stored(std::set<std::string>{"/old"});
+  EXPECT_FALSE(stored.mayBe(connectionOf("/old", "0")));
+  EXPECT_FALSE(stored.mayBe(connectionOf("/old", "0")));
+  EXPECT_FALSE(stored.mayBe(boost::make_shared<ros::M_string>()));
+  EXPECT_FALSE(stored.mayBe({}));
+}
+
+TEST(CrtkStored, WithoutTheMastersAnswerAnybodyMayHaveBeenThere) {
+  CrtkStored stored(std::nullopt);
+  const auto client = connectionOf("/client");
+  EXPECT_TRUE(stored.mayBe(client));
+  EXPECT_FALSE(stored.mayBe(client));
+}
+
+TEST(CrtkPublishers, AreThoseOfTheMastersAnswer) {
+  XmlRpc::XmlRpcValue state;
+  state[0][0][0] = "/arm1/servo_cp";
+  state[0][0][1][0] = "/a";
+  state[0][0][1][1] = "/b";
+  state[0][1][0] = "/arm2/servo_cp";
+  state[0][1][1][0] = "/b";
+  state[1][0][0] = "/arm1/hold";
+  state[1][0][1][0] = "/raven2_simulator";
+  state[2].setSize(0);
+  const auto publishers = publishersIn(state);
+  ASSERT_TRUE(publishers);
+  const CrtkPublishers expected{{"/arm1/servo_cp", {"/a", "/b"}}, {"/arm2/servo_cp", {"/b"}}};
+  EXPECT_EQ(*publishers, expected);
+  XmlRpc::XmlRpcValue nobody;
+  for (int i = 0; i < 3; ++i)
+    nobody[i].setSize(0);
+  ASSERT_TRUE(publishersIn(nobody));
+  EXPECT_TRUE(publishersIn(nobody)->empty());
+  EXPECT_FALSE(publishersIn(XmlRpc::XmlRpcValue("no")));
+  EXPECT_FALSE(publishersIn(XmlRpc::XmlRpcValue()));
+}
+
+CrtkAsked of(ServoKind kind) {
+  return readPlain(Arm::kGold, kind);
+}
+
+TEST(CrtkAge, WhatMayBeStoredIsRefusedUnlessItMakesTheArmsSafer) {
+  const CrtkOrigin stored{"/circle", true, {}, ros::Time(100.0)};
+  const CrtkAsked asked = unlessOld(readState(Arm::kGold, "enable"), stored);
+  EXPECT_FALSE(asked.command);
+  EXPECT_EQ(asked.refusal, "state_command: /circle latches, and may have said so long ago; say it again");
+  for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoJawBy, ServoKind::kMoveJoints})
+    EXPECT_FALSE(unlessOld(of(kind), stored).command);
+  for (const std::string word : {"resume", "home"})
+    EXPECT_FALSE(unlessOld(readState(Arm::kGold, word), stored).command) << word;
+  for (const std::string word : {"pause", "disable"})
+    EXPECT_TRUE(unlessOld(readState(Arm::kGold, word), stored).command) << word;
+  for (const ServoKind kind : {ServoKind::kHold, ServoKind::kFree})
+    EXPECT_TRUE(unlessOld(of(kind), stored).command);
+}
+
+TEST(CrtkAge, AStampIsNotOlderThanHalfASecondOrThereIsNone) {
+  const ros::Time now(100.0);
+  const auto is_taken = [&](ServoKind kind, double stamp) {
+    return unlessOld(of(kind), {"/c", false, ros::Time(stamp), now}).command.has_value();
+  };
+  EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 99.6));
+  EXPECT_FALSE(is_taken(ServoKind::kServoJoints, 99.4));
+  EXPECT_FALSE(is_taken(ServoKind::kMovePose, 1.0));
+  EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 0.0)) << "none";
+  EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 103.0)) << "another host's clock, not an old command";
+  EXPECT_TRUE(is_taken(ServoKind::kHold, 1.0));
+  const auto pause = unlessOld(readState(Arm::kGold, "pause"), {"/c", false, ros::Time(1.0), now});
+  EXPECT_TRUE(pause.command);
+  const auto resume = unlessOld(readState(Arm::kGold, "resume"), {"/c", false, ros::Time(98.0), now});
+  EXPECT_EQ(resume.refusal, "state_command: stamped 2 s ago, at most 0.5 s; clocks must agree, or leave the stamp out");
+}
+
+TEST(CrtkAge, WhatIsNoCommandAnywayKeepsItsReason) {
+  const CrtkAsked asked = unlessOld(readState(Arm::kGold, "go"), {"/c", true, ros::Time(1.0), ros::Time(100.0)});
+  EXPECT_NE(asked.refusal.find("\"go\""), std::string::npos) << asked.refusal;
+}
+
+TEST(CrtkAge, JawsOfTheSameMessageAreAsOld) {
+  CrtkAsked asked = of(ServoKind::kServoJoints);
+  asked.jaw = of(ServoKind::kServoJaw).command;
+  EXPECT_FALSE(unlessOld(asked, {"/c", true, {}, {}}).jaw);
+  EXPECT_TRUE(unlessOld(asked, {"/c", false, {}, {}}).jaw);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
