@@ -8,6 +8,7 @@ import rostest
 from crtk_test import OperatingState, StringStamped, until, vector
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 OperatingState._type = "crtk_msgs/operating_state"  # the retired name of the same fields: rospy compares names
 RATE = 200  # Hz
@@ -29,11 +30,13 @@ class CrtkRaven(unittest.TestCase):
         rospy.init_node("crtk_raven_test", disable_signals=True)
         cls.states = []
         cls.subscriber = rospy.Subscriber("/arm1/operating_state", OperatingState, cls.states.append)
+        until(lambda: cls.states, 40, "the daemon")
         kinds = {"/arm1/state_command": StringStamped, "/arm1/servo_cp": TransformStamped, "/arm1/servo_cr": TransformStamped,
-                 "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/grasp1/servo_jr": JointState}
-        cls.say = {topic: rospy.Publisher(topic, kind, queue_size=100) for topic, kind in kinds.items()}
-        until(lambda: all(p.get_num_connections() for p in cls.say.values()) and cls.states, 40, "all topics")
-        cls.say["/arm1/state_command"].publish(StringStamped(string="enable"))
+                 "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/grasp1/servo_jr": JointState,
+                 "/grasp1/move_jp": JointState}
+        cls.say = {topic: rospy.Publisher(topic, kind, queue_size=100, latch=True) for topic, kind in kinds.items()}
+        cls.say["/arm1/state_command"].publish(StringStamped(string="enable"))  # stored until it is connected, as that one does
+        until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
         until(lambda: cls.states[-1].state == "ENABLED" and cls.states[-1].is_homed and not cls.states[-1].is_busy, 40, "homed")
         rospy.sleep(1.5)
 
@@ -63,6 +66,7 @@ class CrtkRaven(unittest.TestCase):
 
     def test_2_a_pose_that_was_told_can_be_asked_for(self):
         goal = self.next("/arm1/measured_cp", TransformStamped)
+        goal.header = Header()  # its stamp becomes too old
         goal.transform.translation.z -= 2e-3
         self.stream("/arm1/servo_cp", goal, 50)
         now = self.next("/arm1/measured_cp", TransformStamped)
@@ -82,6 +86,18 @@ class CrtkRaven(unittest.TestCase):
         grasp = self.next("/grasp1/measured_js", JointState)
         self.assertEqual(list(grasp.name), ["gold_grasp", "gold_jaw1", "gold_jaw2"])
         self.assertAlmostEqual(grasp.position[0], opening[0], delta=0.03)
+
+    def test_4_increments_of_the_arm_alone_let_the_jaws_go_on(self):
+        def at(topic):
+            return self.next(topic, JointState).position[0]
+
+        start, measured, shoulder = at("/grasp1/setpoint_js"), at("/grasp1/measured_js"), at("/arm1/measured_js")
+        by = 0.5 if start < 0.7 else -0.5
+        self.say["/grasp1/move_jp"].publish(JointState(position=[start + by]))  # 0.5 rad at 0.5 rad/s: 1.9 s
+        self.stream("/arm1/servo_jr", JointState(position=[-0.0005] + [0.0] * 14), 100)
+        until(lambda: abs(at("/grasp1/setpoint_js") - start - by) < 2e-3, 5, "the set point there")
+        until(lambda: abs(at("/grasp1/measured_js") - measured - by) < 0.02, 5, "the jaws there")
+        self.assertAlmostEqual(at("/arm1/measured_js") - shoulder, -0.05, delta=5e-3)
 
 
 if __name__ == "__main__":
