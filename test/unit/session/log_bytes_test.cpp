@@ -120,7 +120,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 8, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 9, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
