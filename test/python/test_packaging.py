@@ -130,7 +130,7 @@ def test_the_container_runs_what_the_readme_tells():
     for named in re.findall(r"scripts/\w+(?:\.sh)?", "\n".join(lines)):
         assert (ROOT / named).is_file(), named
     assert lines[-1] == 'CMD ["scripts/run"]'
-    commands = re.findall(r"^(scripts/\w+) ", text("README.md").split("\n## Two commands\n")[1].split("```")[1], re.M)
+    commands = re.findall(r"^(scripts/\w+) ", text("README.md").split("\n## Two commands\n")[1].split("\n## ")[0], re.M)
     assert commands == ["scripts/run", "scripts/test"]
     started = re.findall(r"^#   podman run [^#\n]* raven2_trainer\b *(scripts/\w+)?", text("Containerfile"), re.M)
     assert {name or "scripts/run" for name in started} == set(commands)
