@@ -432,7 +432,7 @@ void ServoTarget::stepTwist() noexcept {
 void ServoTarget::stepTo(const Pose& X_BT) noexcept {
   const Pose from = X_;
   const auto way = [&](double share) { return between(from, X_BT, share); };
-  if (!stepAlong(way, limits_.max_speed, limits_.max_turn_rate)) servo(Motion::kHold);
+  if (stepAlong(way, limits_.max_speed, limits_.max_turn_rate) <= 0.0) servo(Motion::kHold);
 }
 
 /** As much of a tick's way as leaves every joint within its rate: how far they come is known afterwards.
