@@ -32,20 +32,13 @@ class ServoQueue {
     return isOrder(command.kind) ? orders_.tryPush({command, asked()}) : motions_.tryPush(command);
   }
 
-  /** Motions asked for since the start. Read before orders are taken, it bounds the motions behind none of the rest. */
+  /** Motions asked for since the start. Read before orders are taken: what it counts was asked for before any order
+   * that is not there yet. */
   std::uint64_t asked() const noexcept { return motions_.counts().pushed; }
   /** Motions taken since the start: the number of the next one. */
   std::uint64_t taken() const noexcept { return motions_.counts().taken; }
   bool popOrder(ServoOrder* order) noexcept { return orders_.tryPop(order); }
   bool popMotion(ServoCommand* command) noexcept { return motions_.tryPop(command); }
-
-  /** Either, orders first. */
-  bool tryPop(ServoCommand* command) noexcept {
-    ServoOrder order;
-    if (!popOrder(&order)) return popMotion(command);
-    *command = order.command;
-    return true;
-  }
 
   /** Of both rings. Any thread. */
   RingCounts counts() const noexcept {
