@@ -100,6 +100,7 @@ CrtkArm::JointTopic CrtkArm::jointTopic(ros::NodeHandle* node, const std::string
 
 void CrtkArm::publish(const CrtkCycle& cycle) {
   publishState(cycle);
+  tellAlone(cycle.servo);
   publishMeasured(cycle);
   publishSetpoint(cycle);
 }
@@ -119,6 +120,12 @@ void CrtkArm::publishState(const CrtkCycle& cycle) {
   told_ = now;
   told_tick_ = servo.tick;
   has_told_ = true;
+}
+
+void CrtkArm::tellAlone(const ServoState& servo) {
+  const bool is_alone = servo.alone != 0;
+  if (is_alone && !was_alone_) voice_.say(CrtkLevel::kWarning, kAloneSentence);
+  was_alone_ = is_alone;
 }
 
 void CrtkArm::publishMeasured(const CrtkCycle& cycle) {

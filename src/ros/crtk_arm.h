@@ -68,6 +68,7 @@ class CrtkArm {
   static JointTopic jointTopic(ros::NodeHandle* node, const std::string& topic);
 
   void publishState(const CrtkCycle& cycle);
+  void tellAlone(const ServoState& servo);
   void publishMeasured(const CrtkCycle& cycle);
   void publishJoints(const CrtkJoints& joints, const ros::Time& stamp, JointTopic* all, JointTopic* jaw);
   void publishForce(const CrtkCycle& cycle, const Pose& X_BT);
@@ -87,6 +88,7 @@ class CrtkArm {
   ros::Publisher operating_state_;
   crtk::OperatingState told_;
   bool has_told_{false};
+  bool was_alone_{false};
   Tick told_tick_{};
 
   JointTopic measured_js_, setpoint_js_, jaw_measured_js_, jaw_setpoint_js_;

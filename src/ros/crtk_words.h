@@ -25,6 +25,9 @@ std::string sentence(OperatingState state);
 /** kError for FAULT. */
 CrtkLevel level(OperatingState state) noexcept;
 
+/** For ServoState::alone: nothing else tells that a motion is none of the robot's. */
+constexpr const char* kAloneSentence = "the robot that was there is not: the model moves alone";
+
 /** Lets a sentence through once a second: a stream of refused commands must not become a stream of words. */
 class CrtkPatience {
  public:

@@ -2,21 +2,21 @@
 """A CRTK client against daemon and virtual Raven, without a console.
 
 Written from CRTK's own documents (collaborative-robotics.github.io, crtk_msgs 1.3.0) alone: nothing of the package is
-imported, and the messages of crtk_msgs, which is not in Debian, are made from their published text.
+imported, and the messages of crtk_msgs, which is not in Debian, are made from their published text (test/support).
 """
 import math
 import os
 import pathlib
 import re
+import signal
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import xmlrpc.client
 
-import genmsg
-import genpy.dynamic
 import rosgraph
 import rospy
 import rostest
@@ -26,25 +26,17 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Float64MultiArray
 from tf2_msgs.msg import TFMessage
 
-TEXTS = {"crtk_msgs/OperatingState": "Header  header\nstring  state\nbool    is_homed\nbool    is_busy\n",
-         "crtk_msgs/StringStamped": "std_msgs/Header header\nstring string\n"}
+HERE = pathlib.Path(__file__).resolve().parent
+MESSAGES = HERE.parent / "support/crtk_messages.py"
+sys.path.insert(0, str(MESSAGES.parent))
+from crtk_messages import OperatingState, StringStamped  # noqa: E402
+
 ARMS = ("arm1", "arm2")
 RATE = 200  # Hz, of CRTK's example clients
 SETTLE = 8  # s at the longest; doc/crtk.md has 6: until the integral of a Raven's tool joints broke their dry friction
 NEAR, NEAR_TURN = 0.5e-3, math.radians(0.2)  # m, rad: measured from set point, at rest
 STILL, STILL_TURN = 0.1e-3, math.radians(0.1)  # m, rad
 SAME = 1e-5  # m: a set point that stands
-HERE = pathlib.Path(__file__).resolve().parent
-
-
-def message_class(name):
-    context = genmsg.MsgContext.create_default()
-    spec = genmsg.msg_loader.load_msg_from_string(context, TEXTS[name], name)
-    genmsg.msg_loader.load_depends(context, spec, {"std_msgs": ["/usr/share/std_msgs/msg"]})
-    return genpy.dynamic.generate_dynamic(name, genmsg.gentools.compute_full_text(context, spec))[name]
-
-
-OperatingState, StringStamped = (message_class(name) for name in TEXTS)
 
 
 def until(condition, seconds, words):
@@ -556,8 +548,8 @@ class Crtk(unittest.TestCase):
         count = self.arms[0].count("operating_state")
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "crtk_msgs").mkdir()
-            (pathlib.Path(folder) / "crtk_msgs/msg.py").write_text("from crtk_test import OperatingState, StringStamped\n")
-            paths = [folder, str(HERE), os.environ.get("PYTHONPATH", "")]
+            (pathlib.Path(folder) / "crtk_msgs/msg.py").symlink_to(MESSAGES)
+            paths = [folder, os.environ.get("PYTHONPATH", "")]
             run = subprocess.run([sys.executable, "-"], input=program, text=True, timeout=60, capture_output=True,
                                  env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)})
         for topic in topics.values():
@@ -574,6 +566,23 @@ class Crtk(unittest.TestCase):
             print(f"the circle of 20 mm by {name}: {1e3 * x:.2f} mm in x, {1e3 * y:.2f} in y, {1e3 * z:.2f} in z")
             for width, wanted in ((x, 0.02), (y, 0.0), (z, 0.02)):
                 self.assertAlmostEqual(width, wanted, delta=near, msg=name)
+
+    def test_17_without_its_robot_it_pauses_and_says_that_the_model_goes_on_alone(self):
+        arm = self.arms[0]
+        arm.command("enable")
+        arm.await_state("ENABLED")
+        time.sleep(1.0)
+        node = xmlrpc.client.ServerProxy(rosgraph.Master("/crtk_test").lookupNode("/virtual_raven"))
+        os.kill(node.getPid("/crtk_test")[2], signal.SIGKILL)
+        arm.await_state("PAUSED")
+        count = arm.count("warning")
+        arm.command("resume")
+        arm.await_state("ENABLED")
+        self.assertIn("model", arm["warning"].since(count, "alone"))
+        start = arm.pose()
+        self.stream_poses([moved(a.pose(), (0.0, 0.0, 0.004)) for a in self.arms], seconds=0.5)
+        time.sleep(0.5)
+        self.assertAlmostEqual(arm.pose("measured_cp").pose.position.z - start.pose.position.z, 0.004, delta=2e-4)
 
 
 if __name__ == "__main__":
