@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "support/servo_client.h"
@@ -46,8 +48,10 @@ class ServoDeskTest : public ::testing::Test {
   }
 
   /** With the virtual Raven, homed. */
-  void together() {
-    rig = std::make_unique<Rig>(ModeDriver::configuration());
+  void together(const std::function<void(TrainerConfig*)>& change = [](TrainerConfig*) {}) {
+    TrainerConfig config = ModeDriver::configuration();
+    change(&config);
+    rig = std::make_unique<Rig>(config);
     c = std::make_unique<ServoClient>(rig.get());
     ASSERT_TRUE(rig->home());
     c->rest(200);
@@ -518,6 +522,31 @@ TEST_F(ServoDeskTest, TheRobotIsWhereItIsAskedToBeOnceItsToolJointsSettled) {
     }
   }
   EXPECT_EQ(rig->model().linked, 1);
+}
+
+TEST_F(ServoDeskTest, WhatFrictionKeepsARestingRobotFromIsAskedForInAddition) {
+  constexpr std::size_t kElbow = 1;
+  const auto worst_elbow = [&](double trim_time) {
+    together([&](TrainerConfig* config) { config->crtk.trim_time = trim_time; });
+    EXPECT_TRUE(c->enable());
+    PerArm<double> asked{};
+    for (const Arm arm : kArms) {
+      ServoJoints q = c->arm(arm).setpoint_q;
+      q[kElbow] += 0.03;
+      at(asked, arm) = q[kElbow];
+      EXPECT_EQ(c->ask(ServoKind::kServoJoints, arm, q), ServoRefusal::kNone);
+    }
+    c->rest(kSettle);
+    double worst = 0.0;
+    for (const Arm arm : kArms) {
+      EXPECT_NEAR(c->arm(arm).setpoint_q[kElbow], at(asked, arm), 2e-4) << "told without the trim";
+      worst = std::max(worst, std::abs(control::servoJoints(at(rig->robot().arms, arm).q)[kElbow] - at(asked, arm)));
+    }
+    return worst;
+  };
+  EXPECT_GT(worst_elbow(0.0), 2e-3) << "dry friction over kp: up to 3.5 mrad";
+  EXPECT_LT(worst_elbow(ModeDriver::configuration().crtk.trim_time), 0.7e-3)
+      << "control::ServoTrim::kEnough, and noise";
 }
 
 TEST_F(ServoDeskTest, WhatIsAskedForBeforeTheRobotFollowsIsDoneOnceItDoes) {
