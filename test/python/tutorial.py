@@ -3,7 +3,8 @@
 A block of bash or Python below the line `<!-- run -->` is run, in one shell with all others of its page; `<!-- run: 300 s -->`
 gives it so long (60 s without). The paragraph `Expected: ...;` below it, which may be a comment, says what must come of it:
 `output X` (X stands in what the block printed), `file X` (X is there and not empty), `exit code N` or `N or M` (of the last
-command that failed; 0 unless said). A line `<!-- with: NAME -->` ends the shell: what follows is run in a new one, in a new folder, beside BESIDE[NAME].
+command that failed; 0 unless said). A line `<!-- with: NAME -->` ends the shell: what follows is run in a new one, in a new
+folder, beside BESIDE[NAME].
 
 Commands that are not run say why: `<!-- not run: REASON -->` above them, one of REASONS."""
 
