@@ -18,8 +18,8 @@ Eigen::Matrix3d axisMatrix(const AxisMap& map) noexcept;
 Vec3 toDevice(const MasterConfig& config, const Vec3& force_I) noexcept;
 
 /**
- * Looks at what a device publishes: units, reach, jumps and turns, silence, poses that do not change. Called once a millisecond;
- * knows the time by that alone. Real-time safe.
+ * Looks at what a device publishes: units, reach, jumps and turns, silence, poses that do not change. Called once a
+ * millisecond; knows the time by that alone. Real-time safe.
  */
 class DeviceWatch {
  public:
