@@ -178,6 +178,7 @@ SessionReplay::~SessionReplay() = default;
 void SessionReplay::start() {
   Impl& s = *impl_;
   s.refused.store(!s.hasSimTime());
+  if (isRefused()) return;  // without topics: /tf_static is latched, and goes to whoever connects in time
   s.node = std::make_unique<ros::NodeHandle>();
   s.clock = s.node->advertise<rosgraph_msgs::Clock>("/clock", kQueue);
   const TopicSource source{s.config, s.raven, *s.shared, s.header.body_names, [] { return PlanCounts{}; }};
