@@ -41,11 +41,12 @@ class SessionReplay : public RosFace {
   void stop() override;
   std::vector<std::string> services() const override { return {}; }
 
-  /** After start(): whether /use_sim_time is not set, so that nothing can be played. Any thread. */
+  /** After start(): whether /use_sim_time is not set, so that nothing can be played and there are no topics. Any
+   * thread. */
   bool isRefused() const noexcept;
 
   /**
-   * Plays until the end of the log, or for ever. Between start() and stop().
+   * Plays until the end of the log, or for ever. Between start() and stop(), unless isRefused().
    * @param[in] wait Waits so many seconds, zero included; true: end now.
    * @return instants published. @throw SessionException if the log cannot be read.
    */
