@@ -211,7 +211,7 @@ TEST(DamagedLog, PassesOverKindsAndVersionsItDoesNotKnow) {
 
 TEST(DamagedLog, IsNoLogIfMissingOrAFolder) {
   EXPECT_THROW(readLog(scratchPath("missing.rlog"), {}), SessionException);
-  EXPECT_THROW(readLog(testing::TempDir(), {}), SessionException);
+  EXPECT_THROW(readLog(::testing::TempDir(), {}), SessionException);
 }
 
 TEST(DamagedLog, IsRefusedWithAnotherFormatVersion) {

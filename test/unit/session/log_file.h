@@ -1,22 +1,17 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
 
-#include "gtest/gtest.h"
+#include "support/scratch_path.h"
 
 namespace raven2_trainer::session {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/** A path of this process alone in the test's scratch folder. */
-inline std::string scratchPath(const std::string& name) {
-  return testing::TempDir() + "/raven2_" + std::to_string(getpid()) + "_" + name;
-}
+using raven2_trainer::testing::scratchPath;
 
 inline Bytes readBytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

@@ -79,7 +79,7 @@ TEST(FileHash, IsFnv1a64) {
   EXPECT_EQ(textHash(""), "cbf29ce484222325");
   EXPECT_EQ(textHash("foobar"), "85944171f73967e8");
   EXPECT_THROW(fileHash(scratchPath("missing_file")), SessionException);
-  EXPECT_THROW(fileHash(testing::TempDir()), SessionException);
+  EXPECT_THROW(fileHash(::testing::TempDir()), SessionException);
 }
 
 TEST(SessionMeta, HoldsWhatWasGiven) {

@@ -1,7 +1,5 @@
 #include "raven2_trainer/training/session_metrics.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -9,9 +7,12 @@
 
 #include "gtest/gtest.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "support/scratch_path.h"
 
 namespace raven2_trainer::training {
 namespace {
+
+using raven2_trainer::testing::scratchPath;
 
 constexpr double kMillimetre = 0.001;
 constexpr Tick kOrigin = 5000;  // model tick of the first pedal down
@@ -534,10 +535,6 @@ TEST(SessionMetrics, CountsExecutionsBeyondTheLongestList) {
     metrics.add(makeExecution(-1, static_cast<Tick>(i)));
   EXPECT_EQ(metrics.result().executions.size(), kMaxExecutions);
   EXPECT_EQ(metrics.result().executions_beyond, 5U);
-}
-
-std::string scratchPath(const std::string& name) {
-  return testing::TempDir() + "/raven2_training_" + std::to_string(getpid()) + "_" + name;
 }
 
 nlohmann::json readJson(const std::string& path) {
