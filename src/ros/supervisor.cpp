@@ -62,7 +62,7 @@ struct Supervisor::Impl {
     if (!started) return face.stop();
     known_pid = pid;
     met.store(true);
-    std::fprintf(stderr, "ROS master %s: topics and services are there\n", ros::master::getURI().c_str());
+    std::fprintf(stderr, "ROS master %s: registered\n", ros::master::getURI().c_str());
   }
 
   void reconnect(int pid) {
