@@ -61,8 +61,9 @@ class StockSearch {
   }
 
  private:
+  /** Asked by PRM* from two threads. */
   bool isOver() const {
-    const bool drawn = order_.stops_on_draws && problem_.counts().draws >= drawsAllowed();
+    const bool drawn = order_.stops_on_draws && problem_.draws() >= drawsAllowed();
     return drawn || order_.task.stop();
   }
 

@@ -20,18 +20,21 @@ using Space = ob::RealVectorStateSpace;
 /** Uniform samples from our own generator: OMPL's is seeded for the whole process, before its first use only. */
 class SeededSampler : public ob::StateSampler {
  public:
-  SeededSampler(const ob::StateSpace* space, std::uint64_t seed, std::uint64_t stream, std::uint64_t* draws)
+  SeededSampler(const ob::StateSpace* space,
+                std::uint64_t seed,
+                std::uint64_t stream,
+                std::atomic<std::uint64_t>* draws)
       : ob::StateSampler(space), random_(seed, stream), draws_(draws) {}
 
   void sampleUniform(ob::State* state) override {
-    ++*draws_;
+    countDraw();
     UnitState unit;
     for (double& x : unit)
       x = random_.uniform(0.0, 1.0);
     toOmpl(unit, state);
   }
   void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
-    ++*draws_;
+    countDraw();
     UnitState unit = fromOmpl(near);
     for (double& x : unit)
       x = random_.uniform(x - distance, x + distance);
@@ -39,7 +42,7 @@ class SeededSampler : public ob::StateSampler {
     space_->enforceBounds(state);
   }
   void sampleGaussian(ob::State* state, const ob::State* mean, double deviation) override {
-    ++*draws_;
+    countDraw();
     UnitState unit = fromOmpl(mean);
     for (double& x : unit)
       x += deviation * random_.normal();
@@ -48,12 +51,14 @@ class SeededSampler : public ob::StateSampler {
   }
 
  private:
+  void countDraw() { draws_->fetch_add(1, std::memory_order_relaxed); }
+
   Random random_;
-  std::uint64_t* draws_;
+  std::atomic<std::uint64_t>* draws_;
 };
 
 /** The space of one problem. Planners take several samplers: each has a stream of its own. */
-std::shared_ptr<Space> makeSpace(std::uint64_t seed, std::uint64_t* draws) {
+std::shared_ptr<Space> makeSpace(std::uint64_t seed, std::atomic<std::uint64_t>* draws) {
   auto space = std::make_shared<Space>(kPlanDimension);
   space->setBounds(0.0, 1.0);
   auto taken = std::make_shared<std::uint64_t>(0);
@@ -152,7 +157,7 @@ class PlanningProblem::EdgeValidator : public ob::MotionValidator {
 
 PlanningProblem::PlanningProblem(const PlanningTask& task) {
   ompl::msg::noOutputHandler();
-  space_ = std::make_shared<ob::SpaceInformation>(makeSpace(task.seed, &counts_.draws));
+  space_ = std::make_shared<ob::SpaceInformation>(makeSpace(task.seed, &draws_));
   space_->setStateValidityChecker([this, &task](const ob::State* state) {
     const std::lock_guard<std::mutex> alone(serial_);
     ++counts_.state_checks;
@@ -166,6 +171,12 @@ PlanningProblem::PlanningProblem(const PlanningTask& task) {
 }
 
 PlanningProblem::~PlanningProblem() = default;
+
+PlanningCounts PlanningProblem::counts() const {
+  PlanningCounts counts = counts_;
+  counts.draws = draws();
+  return counts;
+}
 
 void PlanningProblem::block(const UnitState& a, const UnitState& b) {
   validator_->block(a, b);

@@ -4,6 +4,7 @@
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/SpaceInformation.h>
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -54,7 +55,7 @@ class MotionObjective : public ompl::base::OptimizationObjective {
   ompl::base::Cost motionCostHeuristic(const ompl::base::State* a, const ompl::base::State* b) const override;
 
   const MotionCost& cost() const { return *task_.cost; }
-  PlanningCounts& counts() const { return *counts_; }
+  PlanningCounts& counts() const { return *counts_; }  ///< but draws
   void throwWhenStopped() { throws_ = true; }
 
  private:
@@ -77,7 +78,10 @@ class PlanningProblem {
 
   const ompl::base::SpaceInformationPtr& space() const { return space_; }
   const ompl::base::ProblemDefinitionPtr& definition() const { return definition_; }
-  const PlanningCounts& counts() const { return counts_; }
+  /** Samples drawn; may be asked while a planner runs, which PRM* does from its second thread. */
+  std::uint64_t draws() const { return draws_.load(std::memory_order_relaxed); }
+  /** Once no planner runs any longer. */
+  PlanningCounts counts() const;
 
   /** An edge on which the dynamics failed: not free from now on. */
   void block(const UnitState& a, const UnitState& b);
@@ -88,7 +92,8 @@ class PlanningProblem {
  private:
   class EdgeValidator;
 
-  PlanningCounts counts_;
+  std::atomic<std::uint64_t> draws_{0};
+  PlanningCounts counts_;  ///< but draws
   std::mutex serial_;
   std::shared_ptr<EdgeValidator> validator_;
   std::shared_ptr<MotionObjective> objective_;

@@ -597,8 +597,8 @@ TEST_F(PathPlannerTest, APlannerThatIsUnknownOrCannotRepeatItselfFails) {
 }
 
 TEST_F(PathPlannerTest, TheConfigurationKnowsTheSamePlanners) {
-  // config/load_config.cpp lists the names: the layer below this one.
-  std::ifstream file(RAVEN2_TRAINER_SOURCE_DIR "/src/config/load_config.cpp");
+  // config/read_planner.cpp lists the names: the layer below this one.
+  std::ifstream file(RAVEN2_TRAINER_SOURCE_DIR "/src/config/read_planner.cpp");
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   std::string list;
   for (const char* name : kPlannerNames)
