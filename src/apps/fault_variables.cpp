@@ -46,8 +46,11 @@ Json variableJson(const FaultVariableInfo& info) {
 }
 
 Json everything() {
-  Json all{{"hosts", kFaultHostNames}, {"sites", kFaultSiteNames}, {"kinds", kFaultKindNames},
-           {"triggers", kFaultTriggerNames}, {"variables", Json::array()}};
+  Json all{{"hosts", kFaultHostNames},
+           {"sites", kFaultSiteNames},
+           {"kinds", kFaultKindNames},
+           {"triggers", kFaultTriggerNames},
+           {"variables", Json::array()}};
   for (const FaultVariableInfo& info : kFaultVariables) {
     if (info.variable != FaultVariable::kNone) all["variables"].push_back(variableJson(info));
   }
@@ -59,7 +62,8 @@ Json everything() {
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
-  CLI::App app{"Prints what can be injected where: hosts, sites, kinds, triggers and variables of core/fault_variables.h."};
+  CLI::App app{
+      "Prints what can be injected where: hosts, sites, kinds, triggers and variables of core/fault_variables.h."};
   return apps::runProgram(&app, argc, argv, [] {
     std::printf("%s\n", everything().dump(2).c_str());
     return 0;

@@ -45,9 +45,12 @@ void write(const std::string& path, const nlohmann::ordered_json& json) {
 }
 
 constexpr std::array kLoops{LoopId::kPhysics, LoopId::kHaptic};
-std::string nameOf(LoopId id) { return kLoopNames[static_cast<std::size_t>(id)]; }
+std::string nameOf(LoopId id) {
+  return kLoopNames[static_cast<std::size_t>(id)];
+}
 
-/** What the machine gives to threads that do nothing. A signal ends it: beside a session its length is not known before. */
+/** What the machine gives to threads that do nothing. A signal ends it: beside a session its length is not known
+ * before. */
 int measureBare(const Options& options, const TrainerConfig& config) {
   runtime::BareLoops bare(config);
   observe(&bare, options.calibrate, "bare threads");

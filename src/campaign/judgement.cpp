@@ -108,8 +108,7 @@ Judgement judge(const Campaign& campaign,
   for (const auto& [key, entry] : entries) {
     const auto found = explanations.find(key);
     const bool is_explained = found != explanations.end() && isMaskedAlone(found->second.allowed);
-    if (entry.is_masked && !entry.expects_masked && !is_explained && is_whole)
-      judgement.inert.push_back(key);
+    if (entry.is_masked && !entry.expects_masked && !is_explained && is_whole) judgement.inert.push_back(key);
   }
   return judgement;
 }

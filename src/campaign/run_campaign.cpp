@@ -125,14 +125,14 @@ class Group {
   std::int64_t now_{0};
 };
 
-/** What a run does to itself is an outcome. Whoever sends it another signal ended the campaign, and none is made of it. */
+/** What a run does to itself is an outcome. Who sends it another signal ends the campaign, and none is made of it. */
 void refuseOutsideKill(const ChildEnd& end) {
   if (end.ending != Ending::kDied || end.signal == 0) return;
   for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP, SIGXCPU}) {
     if (end.signal == own) return;
   }
-  throw Exception("run " + std::to_string(end.tag) + " was killed from outside (signal " +
-                  std::to_string(end.signal) + "); --resume goes on");
+  throw Exception("run " + std::to_string(end.tag) + " was killed from outside (signal " + std::to_string(end.signal) +
+                  "); --resume goes on");
 }
 
 RunResult resultOf(const ChildEnd& end) {

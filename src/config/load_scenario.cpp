@@ -63,7 +63,8 @@ void readDelay(Section& root, Fault* fault) {
 
 void readForgery(Section& root, Fault* fault) {
   fault->value = readValue(root, "value", FaultVariable::kIncrement);
-  fault->low = static_cast<double>(root.integer("low", static_cast<std::int64_t>(-kMaxForgedAhead), static_cast<std::int64_t>(kMaxForgedAhead)));
+  fault->low = static_cast<double>(
+      root.integer("low", static_cast<std::int64_t>(-kMaxForgedAhead), static_cast<std::int64_t>(kMaxForgedAhead)));
 }
 
 void readImpairment(Section& root, const std::vector<std::string>& names, Fault* fault) {

@@ -16,7 +16,7 @@ namespace {
 // against the periods of 80 ms and more in which a hand can swing.
 constexpr int kBlockTicks = 16;
 
-constexpr double kReserve = 0.5;   ///< of the budget: below it the force fades
+constexpr double kReserve = 0.5;    ///< of the budget: below it the force fades
 constexpr double kYielding = 0.75;  ///< of the budget: below it what yields fades, to nothing at kReserve
 
 std::int64_t ticks(double seconds) noexcept {

@@ -19,7 +19,7 @@ class ParkedContacts {
   /** Of a body that is no longer parked. */
   void remove(int id) noexcept;
   void clear() noexcept { count_ = shown_ = 0; }
-  /** From here on those added are there for others: in the tick in which a body is parked its own contacts still are. */
+  /** From here on those added are there for others: in the tick in which a body is parked its own still are. */
   void show() noexcept { shown_ = count_; }
 
   /** Puts them where they belong in a sorted list. */

@@ -55,11 +55,7 @@ ArmClearance::ArmClearance(const model::RavenModel& model,
                            Arm arm,
                            double clearance,
                            const Poll& poll)
-    : model_(model),
-      grid_(grid),
-      clearance_(clearance),
-      chain_(model, arm),
-      other_chain_(model, otherArm(arm)) {
+    : model_(model), grid_(grid), clearance_(clearance), chain_(model, arm), other_chain_(model, otherArm(arm)) {
   const JudgedPairs judged = judgedPairs(model, arm, clearance);
   if (judged.own.size() > kMaxShapes)
     throw ModelException(model.description.file + ":1: an arm has " + std::to_string(judged.own.size()) +

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "raven2_trainer/raven/low_pass.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/raven/low_pass.h"
 #include "raven2_trainer/raven/usb_packets.h"
 
 namespace raven2_trainer::raven {

@@ -134,7 +134,7 @@ void CyclicThread::run() noexcept {
 }
 
 /** Runs the tick due at `release_`, and late ones after it. @return when to go on: at the next release, or, if there is
- *  more to make up for than one tick may, at the next one still to come, so that what runs below this thread gets time. */
+ *  more to make up for than one tick may, at the next one to come, so that what runs below this thread gets time. */
 std::int64_t CyclicThread::catchUp() noexcept {
   const std::int64_t late = net::monotonicNow() - release_;
   counts_.max_late_ns = std::max(counts_.max_late_ns, late);

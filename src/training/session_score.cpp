@@ -99,9 +99,9 @@ SessionScore scoreSession(const std::string& log_path, const ScoreSettings& sett
   score.hazards = scan.hazards();
   score.hazards_beyond = scan.hazardsBeyond();
   for (const CollectedAttempt& attempt : scan.attempts()) {
-    score.attempts.push_back(
-        scoreAttempt(attempt.outcome, attempt.motion.result(), compare(attempt.transits.transits(), settings.plan),
-                     hazardsIn(attempt.outcome, score.hazards), settings.standard));
+    score.attempts.push_back(scoreAttempt(attempt.outcome, attempt.motion.result(),
+                                          compare(attempt.transits.transits(), settings.plan),
+                                          hazardsIn(attempt.outcome, score.hazards), settings.standard));
     score.histories.push_back(attempt.history);
   }
   return score;

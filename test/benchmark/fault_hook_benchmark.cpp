@@ -56,7 +56,8 @@ void print(const char* what, double ns, double bare) {
 }
 
 int run(std::int64_t calls) {
-  faults::FaultEngine idle(FaultHost::kRobot), elsewhere = armed(FaultVariable::kMvel), here = armed(FaultVariable::kDac);
+  faults::FaultEngine idle(FaultHost::kRobot), elsewhere = armed(FaultVariable::kMvel),
+                                               here = armed(FaultVariable::kDac);
   const auto through = [](faults::FaultEngine* engine) {
     return [engine](double value, std::size_t joint) {
       return engine->apply(FaultVariable::kDac, Arm::kGold, joint, value);

@@ -6,8 +6,8 @@
 #include "raven2_trainer/core/command.h"
 
 // The daemon's ingest, hardened, plain and signed: a stream of datagrams, judged one by one.
-// Input: for each datagram a byte (its size is 124 but for odd bytes, whose upper bits give it), then its bytes. The byte
-// also gives the time since the one before, up to 31 ms, and the sender, of two.
+// Input: for each datagram a byte (its size is 124 but for odd bytes, whose upper bits give it), then its bytes. The
+// byte also gives the time since the one before, up to 31 ms, and the sender, of two.
 
 namespace raven2_trainer::fuzz {
 namespace {

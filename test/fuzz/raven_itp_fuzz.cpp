@@ -22,10 +22,9 @@ FaultPlan readPlan(Input* input) {
   fault.id = 1;
   fault.host = FaultHost::kRobot;
   fault.site = FaultSite::kNetworkLayer;
-  constexpr std::array<FaultVariable, 7> kVariables{FaultVariable::kIncrement, FaultVariable::kPedal,
-                                                    FaultVariable::kQuaternion, FaultVariable::kTurn,
-                                                    FaultVariable::kGrasp,      FaultVariable::kSequence,
-                                                    FaultVariable::kPacket};
+  constexpr std::array<FaultVariable, 7> kVariables{
+      FaultVariable::kIncrement, FaultVariable::kPedal,    FaultVariable::kQuaternion, FaultVariable::kTurn,
+      FaultVariable::kGrasp,     FaultVariable::kSequence, FaultVariable::kPacket};
   fault.variable = kVariables[input->byte() % kVariables.size()];
   fault.kind = static_cast<FaultKind>(input->byte() % kFaultKindCount);
   fault.arm = static_cast<std::int8_t>(input->byte() % 3 - 1);

@@ -57,8 +57,8 @@ class Teleop {
     require(mapper.desiredPose().p.allFinite() && mapper.desiredPose().R.allFinite(), "the desired pose is finite");
   }
 
-  /** As on the robot (raven2.md 2.3) the jaws' mid-line has a limit, not each jaw: at it they keep the wanted opening, so
-   *  that one of them wants to go half of it beyond. */
+  /** As on the robot (raven2.md 2.3) the jaws' mid-line has a limit, not each jaw: at it they keep the wanted opening,
+   * so that one of them wants to go half of it beyond. */
   void requireWithinLimits(const JointArray& q) const {
     constexpr double kMostOpening = 1.571;
     for (std::size_t j = 0; j < kJointCount; ++j) {

@@ -140,7 +140,8 @@ TEST(Overruns, ABacklogUpToTheLimitIsCaughtUpTickByTick) {
 
 TEST(Overruns, AMillisecondMakesUpForFourTicksAtMost) {
   const OneStall stall(100);
-  // The stall left 100 ticks: 20 wake-ups of five ticks, a millisecond apart, the first of them at once and perhaps late.
+  // The stall left 100 ticks: 20 wake-ups of five ticks, a millisecond apart, the first of them at once and perhaps
+  // late.
   EXPECT_GE(stall.begins[149] - stall.begins[50], 18 * kTickNanoseconds);
 }
 

@@ -109,8 +109,8 @@ TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
   std::printf("%llu physics and %llu haptic ticks; minor page faults %llu and %llu, major %llu; %s\n",
               static_cast<unsigned long long>(physics.ticks), static_cast<unsigned long long>(haptic.ticks),
               static_cast<unsigned long long>(physics.minor_faults),
-              static_cast<unsigned long long>(haptic.minor_faults),
-              static_cast<unsigned long long>(major), memory.words.c_str());
+              static_cast<unsigned long long>(haptic.minor_faults), static_cast<unsigned long long>(major),
+              memory.words.c_str());
 }
 
 /** A tick of a session that never was, and in each clutch the request that it be shown. */

@@ -13,7 +13,8 @@
 
 namespace raven2_trainer::testing {
 
-/** Memory and times mean little then, and long simulations take 30 to 60 times as long: tests may run a part of them. */
+/** Memory and times mean little then, and long simulations take 30 to 60 times as long: tests may run a part of them.
+ */
 constexpr bool kIsSanitized =
 #ifdef RAVEN2_HAS_SANITIZER
     true;

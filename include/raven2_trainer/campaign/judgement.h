@@ -44,9 +44,7 @@ struct Judgement {
    *  allowed: its fault does nothing. Of whole tables only. */
   std::vector<std::string> inert;
 
-  bool isGood() const {
-    return never_acted.empty() && without_outcome.empty() && unexplained.empty() && inert.empty();
-  }
+  bool isGood() const { return never_acted.empty() && without_outcome.empty() && unexplained.empty() && inert.empty(); }
 };
 
 /** @param[in] rows of outcomes.csv by run. Scenarios for which nothing was published are not compared. */

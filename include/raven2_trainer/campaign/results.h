@@ -60,7 +60,10 @@ class PartialOutcomes {
    * that says what they are of; if it is of another campaign, seed,
    * build or shard, if another process writes it, or if it cannot be written.
    */
-  PartialOutcomes(const OutputPaths& paths, const Identity& identity, const Campaign& campaign, bool resume,
+  PartialOutcomes(const OutputPaths& paths,
+                  const Identity& identity,
+                  const Campaign& campaign,
+                  bool resume,
                   int lock_wait = 0);
   ~PartialOutcomes();
   PartialOutcomes(const PartialOutcomes&) = delete;

@@ -62,7 +62,7 @@ class FaultEngine {
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
     return isArmed() ? corrupt(variable, arm, channel, value) : value;
   }
-  /** The same for what is a whole number in the robot's program: rounded, at the ends of int32 saturated; NaN gives 0. */
+  /** The same for whole numbers of the robot's program: rounded, at the ends of int32 saturated; NaN gives 0. */
   std::int32_t applyInt(FaultVariable variable, Arm arm, std::size_t channel, std::int32_t value) noexcept;
   /** Every element of an array. */
   template <typename Array>
@@ -97,9 +97,9 @@ class FaultEngine {
   static constexpr std::size_t kChannels = kArmCount * kMaxFaultChannels;
 
   struct Element {
-    double last{};        ///< before the activation
-    double onset{};       ///< at its first tick
-    double drawn{};       ///< for the activation
+    double last{};              ///< before the activation
+    double onset{};             ///< at its first tick
+    double drawn{};             ///< for the activation
     std::int64_t of{-1};        ///< activation that `onset` belongs to
     std::int64_t drawn_of{-1};  ///< that `drawn` belongs to
     bool seen{};

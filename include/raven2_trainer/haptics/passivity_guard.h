@@ -67,10 +67,10 @@ class PassivityGuard {
   static constexpr std::size_t kSlots = kMaxGuardDelay + 1;
 
   PassivityConfig config_;
-  std::size_t delays_;        ///< number of round trips watched: 0 ... max_delay
-  std::int64_t rest_ticks_;   ///< without force until the account starts anew
-  bool resting_{true};        ///< no force since then: nothing to watch
-  std::int64_t silence_{0};   ///< [ticks] since the last force
+  std::size_t delays_;       ///< number of round trips watched: 0 ... max_delay
+  std::int64_t rest_ticks_;  ///< without force until the account starts anew
+  bool resting_{true};       ///< no force since then: nothing to watch
+  std::int64_t silence_{0};  ///< [ticks] since the last force
   bool has_position_{false};
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()};  ///< [m] of the hand at the last tick
   Eigen::Vector3d anchor_{Eigen::Vector3d::Zero()};    ///< [m] where it was when the force began

@@ -23,8 +23,8 @@ struct DetectorReport {
 /**
  * The Raven's control program (`r2_control`), emulated and stepped: network layer with the robot's own sequence rules,
  * state machine, inverse kinematics, cable coupling, PD in motor space, DAC, overdrive check, USB packets, in the
- * order of raven2.md 4.2, with an injection point in each of its functions (core/fault_variables.h). No sockets, threads or clocks.
- * Real-time safe after construction.
+ * order of raven2.md 4.2, with an injection point in each of its functions (core/fault_variables.h). No sockets,
+ * threads or clocks. Real-time safe after construction.
  */
 class ControlSoftware {
  public:

@@ -49,7 +49,7 @@ class PlanDesk {
   bool isFull() const noexcept { return plans_under_way_ >= kMaxPlansUnderWay; }
   /** @param[in] standing [rad; m] both arms. @param[in] tick in which it is asked for. */
   void ask(const Request& request, const PerArm<JointArray>& standing, Tick tick) noexcept;
-  /** Notes for the record that a request got no plan; who asked learns it from answer(). The plan that is there stays. */
+  /** Notes for the record that a request got no plan; who asked learns it from answer(). An earlier plan stays. */
   void refuse(std::uint32_t id, Tick tick) noexcept;
   /** An answer came. @return it, cancelled if nobody waits for it any more; what was awaited is kept if it succeeded.
    */

@@ -86,12 +86,12 @@ class RavenServer {
   RuntimeConfig runtime_;
   net::EventFd report_ready_;
 
-  SpscRing<Datagram, 256> datagrams_;      // receiver -> control
-  SpscRing<Reply, 16> replies_;            // control -> receiver
-  SpscRing<RavenReport, 256> reports_;     // control -> ros
-  SpscRing<RavenAutomove, 64> automoves_;  // ros -> control
-  StateCell<RobotState> state_;            // written by control
-  StateCell<LoopTiming> timing_;           // written by control
+  SpscRing<Datagram, 256> datagrams_;              // receiver -> control
+  SpscRing<Reply, 16> replies_;                    // control -> receiver
+  SpscRing<RavenReport, 256> reports_;             // control -> ros
+  SpscRing<RavenAutomove, 64> automoves_;          // ros -> control
+  StateCell<RobotState> state_;                    // written by control
+  StateCell<LoopTiming> timing_;                   // written by control
   std::atomic<std::uint64_t> detector_cycles_{0};  // written by control
   std::atomic<bool> start_pressed_{false};
   std::atomic<bool> stop_{false};

@@ -33,7 +33,7 @@ bool isUnclean(const SessionPaths& paths);
 /** Whether a living process writes the log, or recovers it. */
 bool isBeingWritten(const SessionPaths& paths);
 
-/** Whether the log was recovered, but whoever did it was stopped before the metrics were written, or had none to write. */
+/** Whether the log was recovered by somebody who was stopped before the metrics were written, or had none to write. */
 bool lacksMetrics(const SessionPaths& paths);
 
 /**
@@ -45,8 +45,8 @@ bool lacksMetrics(const SessionPaths& paths);
  */
 Recovery recoverSession(const SessionPaths& paths, const std::function<bool()>& cancelled = {});
 
-/** Directories directly below `parent` of sessions that are unclean or lack their metrics and that nobody writes, newest
- *  first, at most `limit`. Reads the last 8 KiB of every log there. */
+/** Directories directly below `parent` of sessions that are unclean or lack their metrics and that nobody writes,
+ * newest first, at most `limit`. Reads the last 8 KiB of every log there. */
 std::vector<std::string> findUnfinishedSessions(const std::string& parent, std::size_t limit);
 
 }  // namespace raven2_trainer::session

@@ -48,12 +48,12 @@ struct LogHeader {
   HeaderCamera camera{};
   std::vector<std::vector<std::string>> step_names;  ///< of the exercise, by ExerciseEvent::track and ::step
   std::vector<std::string> object_names;             ///< of its scene, in the order of SceneRoles::objects
-  std::string motion;                   ///< as the console was started (runtime/motion.h); "" unknown
-  double d4{};                          ///< [m] for conversions of joint coordinates
-  double tolerance{};                   ///< [m] of the haptic cue
-  PerArm<bool> arm_contacts{};          ///< the model's arm meets the scene, at the start
-  std::vector<std::string> body_names;  ///< by the numbers of contact records
-  std::vector<ConfigurationFile> configuration;  ///< copies beside the log, the root file first; empty: none
+  std::string motion;                                ///< as the console was started (runtime/motion.h); "" unknown
+  double d4{};                                       ///< [m] for conversions of joint coordinates
+  double tolerance{};                                ///< [m] of the haptic cue
+  PerArm<bool> arm_contacts{};                       ///< the model's arm meets the scene, at the start
+  std::vector<std::string> body_names;               ///< by the numbers of contact records
+  std::vector<ConfigurationFile> configuration;      ///< copies beside the log, the root file first; empty: none
 };
 
 /** Where a log stands: all that is whole in the file. */

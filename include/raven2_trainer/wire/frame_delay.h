@@ -10,11 +10,10 @@ namespace raven2_trainer::wire {
  * frame that waited in some buffer is known to be old when it comes out.
  *
  * The smallest difference is kept over the last 5 to 10 s of the *peer's* clock: a silence wears it out only by its
- * ageing, and a peer whose clock stood still (a suspended computer) is trusted again 10 s later. It ages by 200 ppm, the
- * worst that two quartz clocks drift apart, so that drift is never taken for delay; the estimate can therefore be too
- * small by as much as 4 ms (200 ppm each way over 10 s; more for the first frames behind a longer silence), and by the
- * fastest way there is, which nobody can know.
- * Real-time safe.
+ * ageing, and a peer whose clock stood still (a suspended computer) is trusted again 10 s later. It ages by 200 ppm,
+ * the worst that two quartz clocks drift apart, so that drift is never taken for delay; the estimate can therefore be
+ * too small by as much as 4 ms (200 ppm each way over 10 s; more for the first frames behind a longer silence), and by
+ * the fastest way there is, which nobody can know. Real-time safe.
  */
 class FrameDelay {
  public:

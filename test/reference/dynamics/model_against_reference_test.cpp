@@ -36,7 +36,8 @@ TEST_P(OpenLoop, EveryJointFollowsTheReferenceForASecond) {
       for (Eigen::Index j = 0; j < 7; ++j) {
         // Demanded: 0.5 %. Bare links in violent motion part exponentially from any difference; where a joint starts or
         // stops, dry friction changes within a step; all others keep 1e-4.
-        EXPECT_LT(errors[j], terms.rotors && !terms.dry ? 1e-4 : 2.5e-3) << name(arm) << " joint " << j << " seed " << seed;
+        EXPECT_LT(errors[j], terms.rotors && !terms.dry ? 1e-4 : 2.5e-3)
+            << name(arm) << " joint " << j << " seed " << seed;
       }
     }
   }
@@ -45,7 +46,8 @@ TEST_P(OpenLoop, EveryJointFollowsTheReferenceForASecond) {
 std::string openLoopName(const ::testing::TestParamInfo<std::tuple<int, Family>>& test) {
   const Terms terms = allTerms()[static_cast<std::size_t>(std::get<0>(test.param))];
   return std::string(terms.gravity ? "gravity_" : "weightless_") + (terms.friction ? "friction_" : "free_") +
-         (terms.rotors ? "rotors_" : "bare_") + (terms.dry ? "dry_" : "") + kFamilyNames[static_cast<std::size_t>(std::get<1>(test.param))];
+         (terms.rotors ? "rotors_" : "bare_") + (terms.dry ? "dry_" : "") +
+         kFamilyNames[static_cast<std::size_t>(std::get<1>(test.param))];
 }
 
 INSTANTIATE_TEST_SUITE_P(AllTerms,

@@ -108,8 +108,10 @@ TEST(HostileYaml, ALongQuotedValueWithoutEndIsRefused) {
 }
 
 TEST(HostileYaml, ControlCharactersDoNotReachTheTerminal) {
-  expectRefused("name: hostile\ntitle: t\nnumber: 1\nsource: s\npublished: p\nhazard: []\nmaude: []\n"
-                "maude_link: \"\\e[2J\\a\"\n", "?[2J?");
+  expectRefused(
+      "name: hostile\ntitle: t\nnumber: 1\nsource: s\npublished: p\nhazard: []\nmaude: []\n"
+      "maude_link: \"\\e[2J\\a\"\n",
+      "?[2J?");
 }
 
 TEST(HostileYaml, AMegabyteOfCommentIsNoScenario) {

@@ -393,7 +393,10 @@ TEST(FaultTriggers, OneThatCameLateDoesNotRunIntoItsNextTime) {
   fault.duration_ticks = 6;
   fault.period_ticks = 10;
   // Due at 10 with the pedal up until 18: it acts from 18 to 23, over its time at 20, and then at 30.
-  EXPECT_EQ(actingCycles(armed(fault), 37, [](int i) { return FaultCycle{i < 10 || i >= 18, 3, {}}; }),
+  EXPECT_EQ(actingCycles(armed(fault), 37,
+                         [](int i) {
+                           return FaultCycle{i < 10 || i >= 18, 3, {}};
+                         }),
             (std::vector<int>{18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35}));
 }
 

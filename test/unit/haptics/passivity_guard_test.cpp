@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr PassivityConfig kConfig{/*enabled=*/true, /*max_delay=*/0.12, /*budget=*/0.02, /*bank=*/0.03,
+constexpr PassivityConfig kConfig{/*enabled=*/true,     /*max_delay=*/0.12, /*budget=*/0.02, /*bank=*/0.03,
                                   /*hand_damping=*/1.0, /*rest=*/0.5};
 constexpr double kRounding = 1e-12;  // [J]
 

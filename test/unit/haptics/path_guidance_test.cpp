@@ -166,8 +166,8 @@ TEST(PathGuidance, DoesNotJumpAnywhereNearAKinkedPath) {
   for (int i = 0; i < 20000; ++i) {
     const double along = random.uniform(0.0, 0.1);
     const Vector3d on = along < 0.05 ? Vector3d(along, 0.0, 0.0) : Vector3d(0.05, along - 0.05, 0.0);
-    const Vector3d place = on + Vector3d(random.uniform(-0.005, 0.005), random.uniform(-0.005, 0.005),
-                                         random.uniform(-0.005, 0.005));
+    const Vector3d place =
+        on + Vector3d(random.uniform(-0.005, 0.005), random.uniform(-0.005, 0.005), random.uniform(-0.005, 0.005));
     Vector3d step(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     step *= 1e-5 / step.norm();
     const Vector3d a = pathGuidance(kConfig, kinked, place), b = pathGuidance(kConfig, kinked, place + step);

@@ -26,12 +26,12 @@ TEST(SpringDamper, FollowsEquationFiveJustOutside) {
 
 TEST(SpringDamper, IsThePapersSumAndDirection) {
   // e = (2, -3, 6) mm, 7 mm long; the speeds differ by (0.2, 0.1, -0.2), 0.3 m/s: 100 * 0.007 + 1 * 0.3 = 1 N
-  const Vector3d force = springDamper(kGains, {0.012, 0.007, 0.026}, {0.010, 0.010, 0.020}, {0.25, 0.1, -0.1},
-                                      {0.05, 0.0, 0.1});
+  const Vector3d force =
+      springDamper(kGains, {0.012, 0.007, 0.026}, {0.010, 0.010, 0.020}, {0.25, 0.1, -0.1}, {0.05, 0.0, 0.1});
   EXPECT_NEAR((force - Vector3d(2.0, -3.0, 6.0) / 7.0).norm(), 0.0, 1e-12);
   // and the damper adds, whichever way they part: eq. (5) has norms alone
-  const Vector3d parting = springDamper(kGains, {0.012, 0.007, 0.026}, {0.010, 0.010, 0.020}, {0.05, 0.0, 0.1},
-                                        {0.25, 0.1, -0.1});
+  const Vector3d parting =
+      springDamper(kGains, {0.012, 0.007, 0.026}, {0.010, 0.010, 0.020}, {0.05, 0.0, 0.1}, {0.25, 0.1, -0.1});
   EXPECT_EQ(parting, force);
 }
 

@@ -14,7 +14,10 @@ namespace {
 using Eigen::Vector3d;
 
 // the Omni's box: 70 mm deep (x forward), 160 wide (y right), 120 high (z down)
-constexpr EdgeConfig kConfig{/*enabled=*/true, {0.07, 0.16, 0.12}, /*margin=*/0.01, /*max_force=*/1.5,
+constexpr EdgeConfig kConfig{/*enabled=*/true,
+                             {0.07, 0.16, 0.12},
+                             /*margin=*/0.01,
+                             /*max_force=*/1.5,
                              WorkspaceOrigin::kPedalDown};
 
 TEST(WorkspaceEdge, IsSilentUpToTheMargin) {

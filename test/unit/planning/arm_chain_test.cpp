@@ -100,7 +100,7 @@ TEST_P(LeverBoundTest, NoPointMovesFartherThanItSays) {
     const model::CollisionShape& shape = shapeOf(raven.description, ref);
     const ArmChain::Mount mount = chain.mount(ref.link);
     const LeverBound bound(chain, mount.joint,
-                            makeSolid(raven.description, linkOf(raven.description, ref), shape, mount.X_JL, 0.0));
+                           makeSolid(raven.description, linkOf(raven.description, ref), shape, mount.X_JL, 0.0));
     for (int i = 0; i < 1000; ++i) {
       const JointArray a = test::randomJoints(raven.arms.geometry, &random);
       const JointArray b =

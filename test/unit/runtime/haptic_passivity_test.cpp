@@ -26,8 +26,8 @@ struct Bench {
   Vector3 offset_B{0.003, 0.0, 0.0};                  ///< [m] model from robot while the hand rests
   Vector3 kick_I{0.0, 0.0, -0.3};                     ///< [N] for 20 ms
   double seconds{20.0};
-  Vector3 rest_I{0, 0, 0};                            ///< [m] where the hand holds still
-  double busy{0.0};  ///< [s] before the kick in which the hand is moved at will, 30 mm to and fro in 2 s, across
+  Vector3 rest_I{0, 0, 0};  ///< [m] where the hand holds still
+  double busy{0.0};         ///< [s] before the kick in which the hand is moved at will, 30 mm to and fro in 2 s, across
 };
 
 /** What came of it. Of the gold arm. */

@@ -64,7 +64,8 @@ TEST_P(ImpairedIngest, AppliesEveryAcceptedPacketOnceAndNoOther) {
   rules.master_timeout = 0.2;
   MasterIngest ingest(rules, nullptr, shared.get());
   MasterCommand command;
-  const wire::ItpBytes first = wire::encodeItp(wire::ItpPacket{});  // number 0, pedal up: the master is known from now on
+  const wire::ItpBytes first =
+      wire::encodeItp(wire::ItpPacket{});  // number 0, pedal up: the master is known from now on
   ASSERT_EQ(ingest.receive({first.data(), first.size(), 1, 0}), Reject::kNone);
   ASSERT_TRUE(shared->master_commands.tryPop(&command));
   impair::Channel channel(impairment(), 5, 0, 0);
