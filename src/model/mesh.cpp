@@ -1,6 +1,7 @@
 #include "raven2_trainer/model/mesh.h"
 
 #include <assimp/DefaultIOSystem.h>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -9,6 +10,9 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/eigen.h"
@@ -23,17 +27,39 @@ constexpr std::uintmax_t kMaxBytes = 64U << 20U;  // a million triangles as bina
 // Of the forty formats that assimp reads, those that robot descriptions use.
 constexpr std::array<const char*, 3> kFormats{".stl", ".obj", ".dae"};
 
-/** Lets a mesh read no file but its own: OBJ and DAE may name others, anywhere. */
+std::string extensionOf(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+/**
+ * Lets a mesh read no file but its own: OBJ and DAE may name others, anywhere. Of OBJ assimp 5.2 keeps a line in a
+ * buffer as long as the file and gives its numbers to strtol, which runs on where one line fills the buffer: with a
+ * line end and a zero behind the file none does.
+ */
 class OneFileSystem : public Assimp::DefaultIOSystem {
  public:
   explicit OneFileSystem(std::string path) : path_(std::move(path)) {}
   bool Exists(const char* file) const override { return path_ == file && DefaultIOSystem::Exists(file); }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
-    return path_ == file ? DefaultIOSystem::Open(file, mode) : nullptr;
+    if (path_ != file) return nullptr;
+    return extensionOf(path_) == ".obj" ? openEnded() : DefaultIOSystem::Open(file, mode);
   }
 
  private:
+  Assimp::IOStream* openEnded() {
+    std::ifstream file(path_, std::ios::binary);
+    if (!file) return nullptr;
+    bytes_.assign(std::istreambuf_iterator<char>(file), {});
+    bytes_.push_back('\n');
+    bytes_.push_back('\0');
+    return new Assimp::MemoryIOStream(bytes_.data(), bytes_.size());  // Close() deletes it
+  }
+
   std::string path_;
+  std::vector<std::uint8_t> bytes_;
 };
 
 const aiScene* import(Assimp::Importer* importer, const std::string& path) {
@@ -51,9 +77,7 @@ void checkFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ModelException(path + ":1: no such mesh file");
   if (std::filesystem::file_size(path, error) > kMaxBytes) throw ModelException(path + ":1: mesh file over 64 MiB");
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = extensionOf(path);
   if (std::find(kFormats.begin(), kFormats.end(), extension) == kFormats.end()) {
     throw ModelException(path + ":1: \"" + extension + "\" is no mesh format of .stl, .obj, .dae");
   }

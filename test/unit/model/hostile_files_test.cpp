@@ -151,6 +151,13 @@ TEST(HostileMesh, IndicesBeyondTheVerticesAreRefused) {
   expectMeshRefused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -99999999\n", "");
 }
 
+TEST(HostileMesh, OneLineAsLongAsTheFileIsNotReadBeyondItsEnd) {
+  // AddressSanitizer tells: found by fuzzing
+  expectMeshRefused("a.obj", "llib /etc/ /etc/[\x01mtllib /etc/passwas\x8d\x88\x9b\xf1v/etc/papad\n", "");
+  expectMeshRefused("a.obj", "v 0 0 0 f 1 2 3 12", "");
+  expectMeshRefused("a.obj", "f 1 2 3             \n", "");
+}
+
 TEST(HostileMesh, FormatsThatNobodyNeedsAreRefused) {
   expectMeshRefused("a.blend", "BLENDER-v248", "no mesh format");
   expectMeshRefused("a", "solid a", "no mesh format");
