@@ -99,9 +99,15 @@ class Loader {
   }
 
   void readJoint(const urdf::Joint& source, Link* link) {
-    line_ = tree_.joint_lines.at(source.name);
+    const auto line = tree_.joint_lines.find(source.name);
+    const auto parent = indices_.find(source.parent_link_name);
+    if (line == tree_.joint_lines.end() || parent == indices_.end()) {  // markup that the two readers take differently
+      fail(what_ + " hangs on joint '" + source.name + "' of link '" + source.parent_link_name +
+           "' by some readings only");
+    }
+    line_ = line->second;
     const std::string link_what = std::exchange(what_, "joint '" + source.name + "'");
-    link->parent = indices_.at(source.parent_link_name);
+    link->parent = parent->second;
     link->joint_name = source.name;
     link->joint = kindOf(source);
     link->X_PJ = readPose(source.parent_to_joint_origin_transform);

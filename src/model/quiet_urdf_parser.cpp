@@ -3,6 +3,7 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <exception>
 
 namespace raven2_trainer::model {
@@ -27,13 +28,23 @@ class LogCatcher : public console_bridge::OutputHandler {
   std::string text_;
 };
 
+/**
+ * For urdfdom, whose messages are formats (xml_outline.h). Tags that hold any were refused; this holds also where the
+ * two readers disagree about what is a tag and what a comment.
+ */
+std::string withoutFormats(std::string text) {
+  std::replace(text.begin(), text.end(), '%', '_');
+  std::replace(text.begin(), text.end(), '&', '_');
+  return text;
+}
+
 }  // namespace
 
 urdf::ModelInterfaceSharedPtr parseQuietly(const std::string& text, std::string* errors) {
   LogCatcher catcher;
   urdf::ModelInterfaceSharedPtr model;
   try {
-    model = urdf::parseURDF(text);
+    model = urdf::parseURDF(withoutFormats(text));
     *errors = catcher.text();
   } catch (const std::exception& e) {
     *errors = e.what();

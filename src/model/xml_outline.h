@@ -16,11 +16,13 @@ struct XmlElement {
 /**
  * The tags of an XML text with their line numbers, which the URDF parser does not keep. Checks that tags are closed
  * in order, because that parser's message for a broken file has no line either.
- * @throw ModelException FILE:LINE: for text that is not well-formed.
+ * @throw ModelException FILE:LINE: for text that is not well-formed, and for a tag that holds '%', '&' or a zero byte:
+ * urdfdom 3.0 gives what it cannot read to printf as the format, so that "%s" for a number reads memory that is not
+ * there; with '&' a '%' can be written; a zero ends the text for some functions and not for others.
  */
 std::vector<XmlElement> outlineXml(const std::string& text, const std::string& file);
 
-/** Throws ModelException("FILE:LINE: what"). */
+/** Throws ModelException("FILE:LINE: what"), of a long `what` its beginning and of control characters none. */
 [[noreturn]] void failAt(const std::string& file, int line, const std::string& what);
 
 }  // namespace raven2_trainer::model

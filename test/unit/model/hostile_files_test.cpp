@@ -116,6 +116,46 @@ TEST(HostileUrdf, AMeshThatIsNoMeshIsRefusedWithTheLineOfItsLink) {
   expectRefused(withMesh("hostile.urdf"), ":2: link 'a': mesh 'hostile.urdf'");
 }
 
+TEST(HostileUrdf, ANumberThatIsAFormatIsRefused) {
+  // urdfdom gives its messages to printf as formats: each of these read memory that is not there, found by fuzzing
+  for (const char* number : {"%s%s%s%s%s%s%s%s", "%n%n%n%n%n%n%n%n", "&#37;s&#37;s&#37;s&#37;s",
+                             "&#x25;s&#x25;s&#x25;s", "&#4294967333;s&#4294967333;s&#4294967333;s"}) {
+    expectRefused(body(number, "1"), ":3: <mass> holds '%', '&'");
+  }
+}
+
+TEST(HostileUrdf, AFormatHiddenFromOneOfTheTwoReadersIsNone) {
+  // a comment to the outline, a link to the parser, for which the CDATA section ends with "]]>"
+  const std::string hidden = "<link name=\"b\"><inertial><mass value=\"%s%s%s%s%s%s\"/></inertial></link>";
+  expectRefused(robot("<link name=\"a\"/>\n<![CDATA[ > <!-- ]]>" + hidden + "<![CDATA[ --> ]]>\n"), "_s_s_s_s_s_s");
+}
+
+TEST(HostileUrdf, AZeroByteInANameIsRefused) {
+  std::string text = robot("<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"j?\" type=\"fixed\">" +
+                           std::string("<parent link=\"a\"/><child link=\"b\"/></joint>\n"));
+  text[text.find('?')] = '\0';
+  expectRefused(text, ":4: <joint> holds '%', '&' or a zero byte");
+}
+
+TEST(HostileUrdf, AJointHiddenFromOneOfTheTwoReadersIsRefused) {
+  const std::string ends = "\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>";
+  expectRefused(robot("<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"j" + ends +
+                      "<![CDATA[ > <!-- ]]><joint name=\"k" + ends + "<![CDATA[ --> ]]>\n"),
+                ":3: link 'b' hangs on joint 'k'");
+}
+
+TEST(UrdfComment, MayHoldAPercentSign) {
+  const auto parsed = parseUrdf(robot("<!-- 100 %s &#37; -->\n<link name=\"a\"/>\n"), "a.urdf");
+  ASSERT_EQ(parsed.links.size(), 1U);
+  EXPECT_EQ(parsed.links[0].name, "a");
+}
+
+TEST(HostileUrdf, AReasonFitsAScreen) {
+  expectRefused(robot("<link name=\"" + std::string(5000, 'x') + "\"/>\n<link name=\"b\"/>\n"), "x...");
+  expectRefused(body(std::string(5000, 'x'), "1"), ":");
+  expectRefused(robot("<link name=\"a\"/>\n<link name=\"\x1b[2J\"/>\n"), ":3: link '?[2J'");
+}
+
 /** A binary STL that says `count` triangles and holds `held`; corner coordinates all `x`, but for two. */
 std::string stl(std::uint32_t count, std::uint32_t held, float x) {
   std::string bytes(80, '\0');
