@@ -9,6 +9,7 @@
 
 #include "config/yaml_guard.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/shown.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -35,14 +36,9 @@ std::string print(double value) {
   return out.str();
 }
 
-/** For messages: what a file holds may be a megabyte long, or control a terminal. */
 std::string shown(const std::string& text) {
-  constexpr std::size_t kMost = 80;
-  std::string out = text.substr(0, kMost);
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  return text.size() > kMost ? out + "..." : out;
+  constexpr std::size_t kMost = 80;  // a line of a screen
+  return raven2_trainer::shown(text, kMost);
 }
 
 std::string join(const std::vector<std::string>& words) {

@@ -103,7 +103,7 @@ class Loader {
     const auto parent = indices_.find(source.parent_link_name);
     if (line == tree_.joint_lines.end() || parent == indices_.end()) {  // markup that the two readers take differently
       fail(what_ + " hangs on joint '" + source.name + "' of link '" + source.parent_link_name +
-           "' by some readings only");
+           "' in one of two readings of the XML");
     }
     line_ = line->second;
     const std::string link_what = std::exchange(what_, "joint '" + source.name + "'");

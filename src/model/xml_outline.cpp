@@ -4,13 +4,14 @@
 #include <string_view>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/shown.h"
 
 namespace raven2_trainer::model {
 namespace {
 
 constexpr std::size_t kMaxDepth = 64;        // the URDF parser recurses
 constexpr std::size_t kMaxElements = 20000;  // the larger of the files in urdf/ has 800
-constexpr std::size_t kMostOfAReason = 600;  // what a file holds may be a megabyte long, or control a terminal
+constexpr std::size_t kMostOfAReason = 600;  // a few lines of a screen
 constexpr const char* kSpace = " \t\r\n";
 
 /** What the URDF parser would take for more than a part of a name or a number (xml_outline.h). */
@@ -81,7 +82,7 @@ class Outliner {
     element.tag = inside.substr(0, inside.find_first_of(" \t\r\n/"));
     if (element.tag.empty()) fail("tag without a name");
     if (inside.find_first_of(kNotInTags) != std::string::npos) {
-      fail("<" + element.tag + "> holds '%', '&' or a zero byte");
+      fail("<" + element.tag + "> holds '%', '&' or a zero byte, which no tag may");
     }
     if (open_.empty() && !elements_.empty()) fail("second root element <" + element.tag + ">");
     element.line = line_;
@@ -140,12 +141,7 @@ std::vector<XmlElement> outlineXml(const std::string& text, const std::string& f
 }
 
 void failAt(const std::string& file, int line, const std::string& what) {
-  std::string shown = what.substr(0, kMostOfAReason);
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = c == '\n' ? ' ' : '?';
-  }
-  if (what.size() > kMostOfAReason) shown += "...";
-  throw ModelException(file + ":" + std::to_string(line) + ": " + shown);
+  throw ModelException(file + ":" + std::to_string(line) + ": " + shown(what, kMostOfAReason));
 }
 
 }  // namespace raven2_trainer::model

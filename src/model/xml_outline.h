@@ -22,7 +22,7 @@ struct XmlElement {
  */
 std::vector<XmlElement> outlineXml(const std::string& text, const std::string& file);
 
-/** Throws ModelException("FILE:LINE: what"), of a long `what` its beginning and of control characters none. */
+/** Throws ModelException("FILE:LINE: what"), of `what` as much as is shown(). */
 [[noreturn]] void failAt(const std::string& file, int line, const std::string& what);
 
 }  // namespace raven2_trainer::model

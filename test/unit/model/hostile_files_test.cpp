@@ -134,14 +134,14 @@ TEST(HostileUrdf, AZeroByteInANameIsRefused) {
   std::string text = robot("<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"j?\" type=\"fixed\">" +
                            std::string("<parent link=\"a\"/><child link=\"b\"/></joint>\n"));
   text[text.find('?')] = '\0';
-  expectRefused(text, ":4: <joint> holds '%', '&' or a zero byte");
+  expectRefused(text, ":4: <joint> holds '%', '&' or a zero byte, which no tag may");
 }
 
 TEST(HostileUrdf, AJointHiddenFromOneOfTheTwoReadersIsRefused) {
   const std::string ends = "\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>";
   expectRefused(robot("<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"j" + ends +
                       "<![CDATA[ > <!-- ]]><joint name=\"k" + ends + "<![CDATA[ --> ]]>\n"),
-                ":3: link 'b' hangs on joint 'k'");
+                ":3: link 'b' hangs on joint 'k' of link 'a' in one of two readings of the XML");
 }
 
 TEST(UrdfComment, MayHoldAPercentSign) {
