@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/vec3.h"
+
 namespace raven2_trainer::campaign {
 namespace {
-
-double distance(const Vec3& a, const Vec3& b) noexcept {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
 
 Vec3 difference(const Vec3& a, const Vec3& b) noexcept {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

@@ -11,6 +11,7 @@
 #include "raven2_trainer/campaign/process_pool.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/runtime/motion.h"
 
@@ -20,10 +21,6 @@ namespace {
 constexpr std::uint64_t kGolden = 0;  // tag; runs have their numbers, from 1
 /** Times the processor time that a run may take, by the wall: for one that waits for ever and so takes none. */
 constexpr std::int64_t kWallFactor = 100;
-
-double norm(const Vec3& v) noexcept {
-  return std::hypot(v[0], v[1], v[2]);
-}
 
 /** [ticks] A run's fork, once the golden run's pedal-down is known. */
 std::int64_t forkOf(const CampaignRun& run, std::int64_t pedal_down) noexcept {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "config/names.h"
 #include "config/read_predicate.h"
 #include "config/read_script.h"
 #include "raven2_trainer/config/section.h"
@@ -17,13 +18,7 @@ namespace fs = std::filesystem;
 
 using Sets = std::map<std::string, std::vector<std::string>>;
 
-constexpr std::size_t kLongestName = 32;
 constexpr std::size_t kMostLinks = 64, kMostMetrics = 64, kMostSets = 32;
-
-bool isName(const std::string& text) {
-  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
-  return !text.empty() && text.size() <= kLongestName && std::all_of(text.begin(), text.end(), fits);
-}
 
 void refuse(bool wrong, const std::string& where, const std::string& why) {
   if (wrong) throw ConfigException(where + " " + why);

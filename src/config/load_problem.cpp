@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "config/names.h"
 #include "named_files.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
@@ -13,8 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAnyJoint = 10.0;  // [rad, m] looser than any limit: those of the joint are judged one by one
-constexpr double kFarthest = 1.0;   // [m] from the middle of the scene, beyond what an arm reaches
-
 JointArray readJoints(Section& section, const std::string& key, const ArmGeometry& geometry) {
   const JointArray q = section.joints(key, -kAnyJoint, kAnyJoint);
   for (std::size_t j = 0; j < kJointCount; ++j) {

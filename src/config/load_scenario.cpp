@@ -206,7 +206,7 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
 namespace {
 
 /** What a person reads: something must be there. */
-std::string words(Section& root, const char* key) {
+std::string sentence(Section& root, const char* key) {
   const std::string text = root.text(key);
   refuse(text.empty(), root, key, "is empty");
   return text;
@@ -219,7 +219,7 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
   Scenario scenario;
   scenario.name = root.text("name");
   if (scenario.name != fs::path(path).stem()) throw ConfigException(root.where("name") + " is not the file's name");
-  scenario.title = words(root, "title");
+  scenario.title = sentence(root, "title");
   scenario.number = root.integer("number", 0, 10000);
   scenario.source = root.text("source");
   scenario.published = root.text("published");
@@ -232,8 +232,8 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
   scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
   refuse(scenario.maude.empty() != (scenario.maude_link == "none"), root, "maude_link", "does not fit maude");
   scenario.basis = root.text("basis", {"published", "design"});
-  scenario.expected = words(root, "expected");
-  scenario.response = words(root, "response");
+  scenario.expected = sentence(root, "expected");
+  scenario.response = sentence(root, "response");
   for (Section& row : root.list("faults"))
     scenario.faults.push_back(readFault(row, id, impairments));
   for (std::size_t i = 0; i < scenario.faults.size(); ++i)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "config/names.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
@@ -10,20 +11,6 @@ namespace raven2_trainer::config {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kFarthest = 1.0;  // [m] from the middle of the base plate, beyond what an arm reaches
-constexpr std::size_t kLongestName = 32;
-
-bool isName(const std::string& text) {
-  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
-  return !text.empty() && text.size() <= kLongestName && std::all_of(text.begin(), text.end(), fits);
-}
-
-void checkCount(const Section& root, const std::string& key, std::size_t count, std::size_t most) {
-  if (count <= most) return;
-  throw ConfigException(root.where(key) + " has " + std::to_string(count) + " entries, at most " +
-                        std::to_string(most) + " are allowed");
-}
 
 /** Names of the entries under `key`. */
 std::vector<std::string> namesIn(Section& entries, const Section& root, const std::string& key, std::size_t most) {
@@ -60,7 +47,7 @@ void checkLinks(const Section& root, const std::string& key, const std::vector<P
   }
 }
 
-SceneObject readObject(Section& entry, const std::string& name) {
+SceneObject readSceneObject(Section& entry, const std::string& name) {
   SceneObject object;
   object.name = name;
   object.link = entry.text("link");
@@ -72,7 +59,7 @@ SceneObject readObject(Section& entry, const std::string& name) {
   return object;
 }
 
-ScenePeg readPeg(Section& entry, const std::string& name) {
+ScenePeg readScenePeg(Section& entry, const std::string& name) {
   ScenePeg peg;
   peg.name = name;
   peg.link = entry.text("link");
@@ -144,8 +131,8 @@ SceneRoles loadScene(const std::string& path) {
   roles.file = path;
   roles.title = root.text("title");
   roles.urdf = readUrdf(root);
-  roles.objects = readParts<SceneObject>(root, "objects", kMaxSceneBodies, readObject);
-  roles.pegs = readParts<ScenePeg>(root, "pegs", kMaxSceneParts, readPeg);
+  roles.objects = readParts<SceneObject>(root, "objects", kMaxSceneBodies, readSceneObject);
+  roles.pegs = readParts<ScenePeg>(root, "pegs", kMaxSceneParts, readScenePeg);
   roles.wires = readParts<SceneWire>(root, "wires", kMaxSceneParts, readWire);
   readBreakables(root, &roles);
   roles.tissue = root.texts("tissue");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "config/names.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -57,12 +58,6 @@ void readValues(Section& section, const std::string& prefix, std::vector<ScriptV
 
 std::string placeOf(const Section& section) {
   return section.where("");
-}
-
-void checkCount(const Section& root, const std::string& key, std::size_t count, std::size_t most) {
-  if (count <= most) return;
-  throw ConfigException(root.where(key) + " has " + std::to_string(count) + " entries, expected at most " +
-                        std::to_string(most));
 }
 
 void readExpert(Section& root, Exercise* exercise) {

@@ -12,8 +12,6 @@ constexpr double kJawsApart = 0.0045;   ///< [m] from the middle of opened jaws 
 constexpr double kShaftApart = 0.0055;  ///< [m] the same of a shaft of 4 mm radius
 constexpr double kJawLength = 0.010;    ///< [m]
 constexpr double kOffFloor = 0.0004;    ///< [m] of the jaws' tips
-constexpr double kStepLength = 0.004;   ///< [m] between the poses of a way that are looked at
-constexpr double kStepAngle = 0.1;      ///< [rad]
 
 // A jaw is a box (raven2.urdf) with its inner face in the plane of the hinge; about as much is in three round rods.
 constexpr double kJawThickness = 0.0015, kJawWidth = 0.0036;  ///< [m]

@@ -13,6 +13,10 @@
 
 namespace raven2_trainer::console {
 
+/** Between two poses of a path that are checked. */
+constexpr double kStepLength = 0.004;  ///< [m]
+constexpr double kStepAngle = 0.1;     ///< [rad]
+
 /** A straight thing with round ends. */
 struct Capsule {
   Vector3 a{0, 0, 0}, b{0, 0, 0};  ///< [m] [@frame W]

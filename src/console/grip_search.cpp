@@ -12,8 +12,6 @@ namespace raven2_trainer::console {
 namespace {
 
 constexpr double kWireStep = 0.001;                     ///< [m]
-constexpr double kStepLength = 0.004;                   ///< [m] of a trail
-constexpr double kStepAngle = 0.1;                      ///< [rad]
 constexpr double kMaxJointStep = 0.5;                   ///< [rad] in one such step: farther is a jump to another branch
 constexpr double kInsertionScale = 8.7;                 ///< [rad/m] 16 mm of insertion are as far as 8 degrees
 constexpr double kOutOfReach = -2.0, kNotThere = -1.0;  ///< scores of a ring that cannot be taken, or not carried so
@@ -26,8 +24,8 @@ constexpr std::array<double, 7> kSpins{0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2};
 constexpr std::array<double, 5> kLeans{0.17, 0.0, 0.52, 0.79, 1.05};  ///< [rad]
 
 // On a bar, the jaws reach 9.9 mm beyond their pivot, and shall keep off what the ring may lie on.
-constexpr double kJawsReach = 0.0099, kOffFloor = 0.0008;   ///< [m]
-constexpr double kUsualReach = 0.0075, kFarReach = 0.0092;  ///< [m] pivot to bar
+constexpr double kJawsReach = 0.0099, kGripOffFloor = 0.0008;  ///< [m]
+constexpr double kGripReach = 0.0075, kFarReach = 0.0092;      ///< [m] pivot to bar
 
 /** W from B: rotations from ITP axes, remote centre. */
 Pose baseInWorld(const ArmsConfig& arms, Arm arm) noexcept {
@@ -57,7 +55,7 @@ bool jumps(const JointArray& from, const JointArray& to) noexcept {
 }
 
 double reachFor(double above_floor) noexcept {
-  return std::clamp(kJawsReach + kOffFloor - above_floor, kUsualReach, kFarReach);
+  return std::clamp(kJawsReach + kGripOffFloor - above_floor, kGripReach, kFarReach);
 }
 
 Pose raisedTo(Pose X_WT, double height) noexcept {

@@ -13,6 +13,11 @@ namespace raven2_trainer::console {
 /** Fraction of a minimum-jerk move at fraction `s` of its time (Flash and Hogan 1985, eq. 11); clamped to [0, 1]. */
 double minimumJerk(double s) noexcept;
 
+/** The same of a motion of `length` ticks that began at `start`. */
+inline double fraction(Tick now, Tick start, Tick length) noexcept {
+  return minimumJerk(static_cast<double>(now - start) / static_cast<double>(length));
+}
+
 /** W (x forward, y left, z up) to I (x forward, y right, z down), and back: a half turn about x. */
 Vector3 worldToItp(const Vector3& v_W) noexcept;
 

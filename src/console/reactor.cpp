@@ -2,14 +2,11 @@
 
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::console {
 namespace {
-
-Tick toTicks(double seconds) noexcept {
-  return static_cast<Tick>(std::lround(seconds / kTickSeconds));
-}
 
 class ReactingSource : public MotionSource {
  public:

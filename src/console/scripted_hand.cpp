@@ -13,13 +13,9 @@ constexpr double kMaxStroke = 0.25;
 constexpr int kTargetTries = 50;
 constexpr double kSpeedSpread = 0.25;  ///< [-] strokes differ from the mean speed by up to this
 
-constexpr double kOpenJaws = 0.8;    ///< [rad]
-constexpr double kClosedJaws = 0.1;  ///< [rad] on the rim of a ring
+constexpr double kOpenHand = 0.8;    ///< [rad]
+constexpr double kClosedHand = 0.1;  ///< [rad] on the rim of a ring
 constexpr Tick kGraspTicks = 250;
-
-double fraction(Tick now, Tick start, Tick length) noexcept {
-  return minimumJerk(static_cast<double>(now - start) / static_cast<double>(length));
-}
 
 /** Seed streams: one a hand, none shared with the script. */
 std::uint64_t stream(Arm arm) noexcept {
@@ -73,7 +69,7 @@ void ScriptedHand::startStroke(Tick now) noexcept {
 void ScriptedHand::startGrasp(Tick now) noexcept {
   holds_ = !holds_;
   jaws_from_ = jaws_to_;
-  jaws_to_ = holds_ ? kClosedJaws : kOpenJaws;
+  jaws_to_ = holds_ ? kClosedHand : kOpenHand;
   jaws_start_ = now;
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "raven2_trainer/console/console.h"
+#include "raven2_trainer/core/ticks.h"
 #include "scripted_hand.h"
 
 namespace raven2_trainer::console {
@@ -11,10 +12,6 @@ namespace {
 constexpr double kBothHands = 0.3;     ///< [-] share of strokes that both hands make together
 constexpr double kClutchSpread = 0.3;  ///< [-] times between clutchings differ from their mean by up to this
 constexpr std::uint64_t kScriptStream = 1;
-
-Tick toTicks(double seconds) noexcept {
-  return static_cast<Tick>(std::lround(seconds / kTickSeconds));
-}
 
 /**
  * Reach, close, carry, open, the hands in turns and sometimes together; between strokes a rest, and now and then, in a

@@ -9,6 +9,7 @@
 
 #include "grip_search.h"
 #include "raven2_trainer/console/expert.h"
+#include "raven2_trainer/core/ticks.h"
 #include "tool_hand.h"
 
 namespace raven2_trainer::console {
@@ -16,10 +17,6 @@ namespace raven2_trainer::console {
 constexpr double kShortestMove = 0.3;  ///< [s]
 constexpr double kSettle = 0.25;       ///< [s] the tool is behind the hand by 80 ms, the picture by up to 33
 constexpr double kLookAgain = 0.25;    ///< [s] in which a correction is made
-
-inline Tick toTicks(double seconds) noexcept {
-  return static_cast<Tick>(std::lround(seconds / kTickSeconds));
-}
 
 /** Eyes, hands and pedals of a scripted surgeon, and the steps that verbs are made of: each starts something and says
  *  how long it takes. */

@@ -10,10 +10,6 @@ namespace {
 constexpr double kMaxBias = 0.004;     ///< [m]
 constexpr double kMaxBiasAngle = 0.3;  ///< [rad]
 
-double fraction(Tick now, Tick start, Tick length) noexcept {
-  return minimumJerk(static_cast<double>(now - start) / static_cast<double>(length));
-}
-
 ConsoleConfig shaken(ConsoleConfig config, double shaking) noexcept {
   config.tremor_amplitude *= shaking;
   return config;

@@ -3,13 +3,13 @@
 namespace raven2_trainer::control {
 namespace {
 
-struct Row {
+struct Transition {
   OperatingState from;
   StateCommand command;
   OperatingState to;
 };
 
-constexpr Row kRows[] = {
+constexpr Transition kTransitions[] = {
     // clang-format off
     {OperatingState::kDisabled, StateCommand::kEnable,  OperatingState::kEnabled},
     {OperatingState::kDisabled, StateCommand::kDisable, OperatingState::kDisabled},
@@ -27,7 +27,7 @@ constexpr Row kRows[] = {
 }  // namespace
 
 std::optional<OperatingState> nextState(OperatingState state, StateCommand command) noexcept {
-  for (const Row& row : kRows) {
+  for (const Transition& row : kTransitions) {
     if (row.from == state && row.command == command) return row.to;
   }
   return std::nullopt;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLongestBurst = 1e9;  // [packets] a Pareto tail has no end
 
-bool happens(double probability, Random* random) noexcept {
+bool isDrawn(double probability, Random* random) noexcept {
   return random->uniform(0.0, 1.0) < probability;
 }
 
@@ -20,7 +20,7 @@ double sample(const ParetoTwo& law, Random* random) noexcept {
 }
 
 void step(bool* bad, double to_bad, double to_good, Random* random) noexcept {
-  if (happens(*bad ? to_good : to_bad, random)) *bad = !*bad;
+  if (isDrawn(*bad ? to_good : to_bad, random)) *bad = !*bad;
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ LossModel::LossModel(const Impairment& impairment, std::uint64_t seed, std::uint
       run_random_(generator(seed, stream + 3)) {}
 
 Loss LossModel::next() noexcept {
-  const bool independent = loss_ > 0.0 && happens(loss_, &independent_random_);
+  const bool independent = loss_ > 0.0 && isDrawn(loss_, &independent_random_);
   const bool in_chain = chain();
   const bool in_burst = paretoBurst();
   const bool in_run = run();
@@ -47,7 +47,7 @@ Loss LossModel::next() noexcept {
 bool LossModel::chain() noexcept {
   if (chain_.to_bad <= 0.0 && chain_.loss_good <= 0.0) return false;
   step(&chain_bad_, chain_.to_bad, chain_.to_good, &chain_random_);
-  return happens(chain_bad_ ? chain_.loss_bad : chain_.loss_good, &chain_random_);
+  return isDrawn(chain_bad_ ? chain_.loss_bad : chain_.loss_good, &chain_random_);
 }
 
 bool LossModel::paretoBurst() noexcept {
@@ -60,7 +60,7 @@ bool LossModel::paretoBurst() noexcept {
 
 bool LossModel::run() noexcept {
   if (runs_.probability <= 0.0) return false;
-  if (run_left_ == 0 && happens(runs_.probability, &run_random_)) run_left_ = runs_.packets;
+  if (run_left_ == 0 && isDrawn(runs_.probability, &run_random_)) run_left_ = runs_.packets;
   if (run_left_ == 0) return false;
   --run_left_;
   return true;

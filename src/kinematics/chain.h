@@ -27,7 +27,6 @@ struct Chain {
   double sign;              // +1 gold, -1 green: sign of z in the inverse
 };
 
-constexpr double kDegree = kPi / 180.0;
 constexpr Angle kLink12{0.25881904510252076235, 0.96592582628906828675};  // La12 = 75 degrees, r2_kinematics.h
 constexpr Angle kLink23{0.61566147532565827967, 0.78801075360672195669};  // La23 = 52 degrees
 constexpr Angle kQuarter{0.0, 1.0};

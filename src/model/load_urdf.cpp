@@ -17,21 +17,21 @@
 namespace raven2_trainer::model {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 2U << 20U;  // the files of urdf/ take 31 kB; parsing costs 20 times as much memory
+constexpr std::uintmax_t kMaxUrdfBytes =
+    2U << 20U;  // the files of urdf/ take 31 kB; parsing costs 20 times as much memory
 // What a robot or a scene on a table can have; beyond it, sums and products of good numbers stop being good numbers.
 constexpr double kMaxLength = 100.0;  // [m]
 constexpr double kMinMass = 1e-9;     // [kg]
 constexpr double kMaxMass = 1e5;      // [kg]
 constexpr double kMinMoment = 1e-18;  // [kg m2] a grain of a milligram and a micrometre
 constexpr double kMaxLimit = 1e4;     // [rad; m]
-constexpr const char* kPackage = "package://raven2_trainer/";
 constexpr std::array<float, 4> kGrey{0.6F, 0.6F, 0.6F, 1.0F};
 constexpr double kTriangleTolerance = 1e-6;  // relative: files hold rounded numbers
 
 std::string readText(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) failAt(path, 1, "no such file");
-  if (std::filesystem::file_size(path, error) > kMaxBytes) failAt(path, 1, "file over 2 MiB");
+  if (std::filesystem::file_size(path, error) > kMaxUrdfBytes) failAt(path, 1, "file over 2 MiB");
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
@@ -39,7 +39,7 @@ std::string readText(const std::string& path) {
   return text.str();
 }
 
-Vector3 toEigen(const urdf::Vector3& v) {
+Vector3 fromUrdf(const urdf::Vector3& v) {
   return {v.x, v.y, v.z};
 }
 
@@ -92,7 +92,7 @@ class Loader {
   Pose readPose(const urdf::Pose& source) const {
     double x = 0, y = 0, z = 0, w = 1;
     source.rotation.getQuaternion(x, y, z, w);
-    const Pose pose{Quaternion(w, x, y, z).normalized().toRotationMatrix(), toEigen(source.position)};
+    const Pose pose{Quaternion(w, x, y, z).normalized().toRotationMatrix(), fromUrdf(source.position)};
     if (!pose.R.allFinite() || !pose.p.allFinite()) fail(what_ + ": origin that is not finite");
     if (pose.p.cwiseAbs().maxCoeff() > kMaxLength) fail(what_ + ": origin beyond " + text(kMaxLength) + " m");
     return pose;
@@ -134,7 +134,7 @@ class Loader {
   }
 
   void readMotion(const urdf::Joint& source, Link* link) const {
-    const Vector3 axis = toEigen(source.axis);
+    const Vector3 axis = fromUrdf(source.axis);
     if (!axis.allFinite() || axis.norm() < 1e-9) fail(what_ + ": axis without a direction");
     link->axis = axis.normalized();
     if (!source.limits) fail(what_ + ": no limits");

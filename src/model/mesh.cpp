@@ -23,7 +23,7 @@ namespace {
 constexpr float kSmoothingAngle = 40.0F;  // [deg] edges sharper than this stay sharp
 constexpr double kMaxSize = 10.0;         // [m]
 constexpr std::size_t kMaxTriangles = 1'000'000;
-constexpr std::uintmax_t kMaxBytes = 64U << 20U;  // a million triangles as binary STL, 240,000 as text
+constexpr std::uintmax_t kMaxMeshBytes = 64U << 20U;  // a million triangles as binary STL, 240,000 as text
 // Of the forty formats that assimp reads, those that robot descriptions use.
 constexpr std::array<const char*, 3> kFormats{".stl", ".obj", ".dae"};
 
@@ -76,7 +76,7 @@ const aiScene* import(Assimp::Importer* importer, const std::string& path) {
 void checkFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ModelException(path + ":1: no such mesh file");
-  if (std::filesystem::file_size(path, error) > kMaxBytes) throw ModelException(path + ":1: mesh file over 64 MiB");
+  if (std::filesystem::file_size(path, error) > kMaxMeshBytes) throw ModelException(path + ":1: mesh file over 64 MiB");
   const std::string extension = extensionOf(path);
   if (std::find(kFormats.begin(), kFormats.end(), extension) == kFormats.end()) {
     throw ModelException(path + ":1: \"" + extension + "\" is no mesh format of .stl, .obj, .dae");

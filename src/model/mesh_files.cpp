@@ -11,8 +11,6 @@ namespace raven2_trainer::model {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kPackage = "package://raven2_trainer/";
-
 }  // namespace
 
 std::string modelFolder(const std::string& urdf) {

@@ -37,10 +37,6 @@ JointArray toJoints(const Vector7& values) noexcept {
   return result;
 }
 
-std::size_t uindex(int i) noexcept {
-  return static_cast<std::size_t>(i);
-}
-
 [[noreturn]] void refuse(const model::Description& description, const model::Link& link, const std::string& reason) {
   throw ModelException(description.file + ":" + std::to_string(link.line) + ": joint " + link.joint_name + " " +
                        reason);

@@ -5,10 +5,6 @@
 namespace raven2_trainer::physics {
 namespace {
 
-std::size_t uindex(int i) noexcept {
-  return static_cast<std::size_t>(i);
-}
-
 /** Mass, first moment and second moment about the origin of W. */
 struct Composite {
   double mass{};

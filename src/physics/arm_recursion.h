@@ -12,6 +12,10 @@ namespace raven2_trainer::physics {
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
+inline std::size_t uindex(int i) noexcept {
+  return static_cast<std::size_t>(i);
+}
+
 /** One moving link and the joint that carries it. */
 struct ArmLink {
   int parent{-1};         ///< index of the link that carries the joint; -1: the world

@@ -11,7 +11,7 @@ namespace raven2_trainer::physics {
 namespace {
 
 // Some 50 rows: a matrix of them is 20 KiB, its factor another, the Jacobians 10. [bytes]
-constexpr std::size_t kSolverMemory = 256U << 10U;
+constexpr std::size_t kArmSolverMemory = 256U << 10U;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ struct ArmWorld::Impl {
   Impl(const model::RavenModel& raven, Arm arm, const ModelConfig& config)
       : sub_steps(config.sub_steps),
         step_time(kTickSeconds / config.sub_steps),
-        world(config, kSolverMemory),
+        world(config, kArmSolverMemory),
         bodies(world.get(), raven, findCarriers(raven.description), fixedPoses(raven), arm, config, step_time, true),
         jaw_stop(makeJawStop(world.get(), raven, arm, bodies, config.erp)) {}
 

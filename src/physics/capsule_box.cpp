@@ -13,7 +13,7 @@ constexpr double kInside = 1e-9;
 // Sine of the angle from which on a direction counts as askew to a face's normal.
 constexpr double kAskew = 0.05;
 // Points nearer than this part of the radius are one.
-constexpr double kSamePoint = 1e-3;
+constexpr double kSameShare = 1e-3;
 
 /** The capsule's axis from a to b, and the box's half edges; all in the box's frame. */
 struct Scene {
@@ -98,7 +98,7 @@ LocalPoint outside(const Scene& s, double t) noexcept {
 int add(const LocalPoint& point, const Scene& s, int count, std::array<LocalPoint, 3>* points) noexcept {
   if (point.depth <= -s.margin || point.normal.isZero()) return count;
   for (int i = 0; i < count; ++i) {
-    if (((*points)[static_cast<std::size_t>(i)].axis - point.axis).norm() < kSamePoint * s.radius) return count;
+    if (((*points)[static_cast<std::size_t>(i)].axis - point.axis).norm() < kSameShare * s.radius) return count;
   }
   (*points)[static_cast<std::size_t>(count)] = point;
   return count + 1;

@@ -7,7 +7,7 @@
 namespace raven2_trainer::physics {
 namespace {
 
-bool isBefore(const Contact& a, const Contact& b) noexcept {
+bool isListedBefore(const Contact& a, const Contact& b) noexcept {
   return a.a != b.a ? a.a < b.a : a.b < b.b;
 }
 
@@ -48,7 +48,7 @@ void ParkedContacts::report(ContactList* list) const noexcept {
       continue;
     }
     const auto begin = list->contacts.begin(), end = begin + list->count;
-    const auto place = std::upper_bound(begin, end, contacts_[i], isBefore);
+    const auto place = std::upper_bound(begin, end, contacts_[i], isListedBefore);
     std::move_backward(place, end, end + 1);
     *place = contacts_[i];
     ++list->count;

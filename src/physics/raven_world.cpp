@@ -27,7 +27,7 @@ constexpr double kPartingSpeed = 0.5;
 constexpr unsigned long kSeed = 1;
 // As many contacts as are kept (48 pairs of 4 points with friction) and the joints are some 680 rows, and two matrices
 // of that size 7 MiB. Ten minutes with a hazard every 8 s came to 0.2 MiB. [bytes]
-constexpr std::size_t kSolverMemory = 8U << 20U;
+constexpr std::size_t kSceneSolverMemory = 8U << 20U;
 
 bool isFinite(const dReal* values, int count) noexcept {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
@@ -92,7 +92,7 @@ struct RavenWorld::Impl {
 RavenWorld::Impl::Impl(const model::RavenModel& raven, const model::SceneModel& scene, const ModelConfig& config)
     : sub_steps(config.sub_steps),
       step_time(kTickSeconds / config.sub_steps),
-      world(config, kSolverMemory),
+      world(config, kSceneSolverMemory),
       carriers(findCarriers(raven.description)),
       arms{ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGold, config, step_time),
            ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGreen, config, step_time)},

@@ -1,11 +1,19 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "planning/solid.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::planning {
+
+/** True where every joint is finite and no arithmetic below breaks: under 10 rad or m, which no joint reaches. */
+inline bool isSound(const JointArray& q) noexcept {
+  constexpr double kLargest = 10.0;
+  return std::all_of(q.begin(), q.end(), [](double x) { return std::abs(x) < kLargest; });  // false for NaN
+}
 
 /**
  * Forward kinematics of one arm for collision checks: the seven joint frames J alone, the axis of each its z, with

@@ -16,7 +16,6 @@ constexpr double kNearby = 4e-3;      // [m] nearer than this interpolation is w
 constexpr double kShare = 0.7;        // [-] of the room at a point, asked for along the whole axis
 constexpr double kHope = 0.7;         // [-] of a ball's radius, beyond which the next point is looked at
 constexpr double kMiddle = 0.15;      // [m] axes shorter than this are first looked at from their middle
-constexpr double kLargest = 10.0;     // [rad, m] no joint goes there, and no arithmetic breaks there
 constexpr double kTableCap = 0.2;     // [m] tables tell no more
 constexpr double kTableSlack = 0.01;  // [-] of a joint's range, by which tables go beyond its limits
 constexpr double kOnAxis = 1e-9;      // [m] a capsule is round about a joint's axis if its own is no farther away
@@ -27,10 +26,6 @@ constexpr int kIntervals = 64;  // bisection halves what is left each time: 2^64
 
 /** The order in which shapes are judged, by joint, the shaft's first: what collides most comes first. */
 constexpr std::array<Joint, 6> kAfterShaft{kWrist, kGrasp1, kGrasp2, kInsertion, kElbow, kShoulder};
-
-bool isSound(const JointArray& q) noexcept {
-  return std::all_of(q.begin(), q.end(), [](double x) { return std::abs(x) < kLargest; });  // false for NaN
-}
 
 bool carries(int joint, int outer) noexcept {
   while (outer > joint)

@@ -12,12 +12,6 @@
 namespace raven2_trainer::planning {
 namespace {
 
-constexpr double kLargest = 10.0;  // [rad, m] no joint goes there, and no arithmetic breaks there
-
-bool isSound(const JointArray& q) noexcept {
-  return std::all_of(q.begin(), q.end(), [](double x) { return std::abs(x) < kLargest; });  // false for NaN
-}
-
 struct Placed {
   Solid solid;
   Bounds bounds;

@@ -9,21 +9,16 @@
 #include <limits>
 
 #include "planning/free_volume.h"
+#include "planning/poll.h"
 
 namespace raven2_trainer::planning {
 namespace {
 
 namespace ob = ompl::base;
-using Clock = std::chrono::steady_clock;
-
 /** It draws until it has n free samples, however rare they are; past this many tries a sample it gives up. */
 constexpr std::uint64_t kTriesPerSample = 200;
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /** The cheapest comes first; equals by number, so that no library's sorting decides. */
 const auto kDearer = [](const auto& a, const auto& b) { return a.cost != b.cost ? a.cost > b.cost : a.from > b.from; };

@@ -14,7 +14,7 @@ constexpr std::uint64_t kStream = 77;
 // A step of success grows by e^0.4, one of failure shrinks by e^-0.1: as large as it may be where one in five helps
 // (Rechenberg's rule of evolution strategies).
 const double kGrowth = std::exp(0.4), kShrinking = std::exp(-0.1);
-constexpr double kFirstStep = 0.1, kLeastStep = 0.001;
+constexpr double kFirstStep = 0.1, kLastStep = 0.001;
 
 /** What may be added to `sum` below `limit`, and so much more that rounding cannot bring the sum of both below it. */
 double room(double limit, double sum) {
@@ -38,7 +38,7 @@ class Improvement {
       const std::size_t i = 1 + random_.next() % (path_.size() - 2);
       if (attempt % 4 == 0 && leaveOut(i)) continue;
       const bool better = moveTo(i, attempt % 4 == 1 ? towardLine(i) : nearby(i));
-      steps_[i] = std::max(kLeastStep, std::min(1.0, steps_[i] * (better ? kGrowth : kShrinking)));
+      steps_[i] = std::max(kLastStep, std::min(1.0, steps_[i] * (better ? kGrowth : kShrinking)));
     }
     return path_;
   }

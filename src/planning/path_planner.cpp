@@ -7,19 +7,14 @@
 
 #include "planning/free_volume.h"
 #include "planning/plan_run.h"
+#include "planning/poll.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::planning {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /** [m] how far the least distance of a followed path is told. */
 constexpr double kFollowedRange = 0.05;
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 void reset(PlanProgress* progress) {
   progress->samples.store(0);

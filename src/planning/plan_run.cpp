@@ -5,12 +5,11 @@
 #include <stdexcept>
 
 #include "planning/path_improvement.h"
+#include "planning/poll.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::planning {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /** [-] how far outside its limits a start may be and still count: the arm settles a little beyond a limit. */
 constexpr double kStartSlack = 0.003;

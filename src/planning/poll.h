@@ -1,10 +1,17 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <utility>
 
 namespace raven2_trainer::planning {
+
+using Clock = std::chrono::steady_clock;
+
+inline double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 /** Called now and then in long work; throws to end it. May be empty. */
 using Poll = std::function<void()>;

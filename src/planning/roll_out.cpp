@@ -28,7 +28,7 @@ bool isStill(const JointArray& dq) noexcept {
   return std::all_of(dq.begin(), dq.end(), [](double rate) { return std::abs(rate) < kStill; });
 }
 
-bool isSound(const JointArray& q) noexcept {
+bool isSomewhere(const JointArray& q) noexcept {
   return std::all_of(q.begin(), q.end(), [](double angle) { return std::abs(angle) < kNowhere; });  // false for NaN
 }
 
@@ -78,7 +78,7 @@ struct RollOut::Impl {
         now(controller) {}
 
   std::size_t knownEdges(const std::vector<JointArray>& path, const std::vector<double>& times, const JointArray& at);
-  bool isBroken() const noexcept { return !world->healthy() || !isSound(world->q()); }
+  bool isBroken() const noexcept { return !world->healthy() || !isSomewhere(world->q()); }
   void mendWorld();
   void begin(const JointArray& start);
   void resume(const Progress& from);

@@ -9,7 +9,6 @@
 namespace raven2_trainer::plant {
 namespace {
 
-constexpr double kDegree = kPi / 180.0;
 constexpr double kStep = kTickSeconds / ArmPlant::kSubSteps;
 constexpr double kCountsPerVolt = 65536.0 / 20.0;  // 16 bits over +-10 V (raven2.md 6.2)
 

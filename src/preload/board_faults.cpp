@@ -9,7 +9,6 @@ namespace {
 using raven::UsbRead;
 
 constexpr std::int32_t kBoards = 2;               // activeAtStart
-constexpr std::uint8_t kPedalDown = 3;            // run level
 constexpr std::uint64_t kMaxPacketsACycle = 256;  // a flood is counted, but not at the control thread's cost
 constexpr std::size_t kFirstCount = sizeof(raven::UsbInBytes) - kMaxFaultChannels;
 

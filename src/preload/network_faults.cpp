@@ -3,12 +3,6 @@
 #include "preload/plan_rows.h"
 
 namespace raven2_trainer::preload {
-namespace {
-
-constexpr std::uint8_t kPedalDown = 3;  // run level
-
-}  // namespace
-
 NetworkFaults::NetworkFaults(const FaultPlan& plan, CycleHistory* history) : history_(*history) {
   engine_.setPlan(rowsOf(plan, /*of_network=*/true));
 }

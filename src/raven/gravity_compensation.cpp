@@ -8,7 +8,6 @@
 namespace raven2_trainer::raven {
 namespace {
 
-constexpr double kDegree = kPi / 180.0;
 constexpr double kGravity = 9.8;                             // [m/s2] as the robot's software has it
 constexpr std::array<double, 3> kMass{0.494, 0.750, 0.231};  // [kg] raven2 grav_comp.cpp:74-76
 

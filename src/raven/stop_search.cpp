@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "raven2_trainer/core/ticks.h"
+
 namespace raven2_trainer::raven {
 namespace {
-
-constexpr double kDegree = kPi / 180.0;
 
 /** [rad/s; m/s] of the search, raven2 homing.cpp:393-395. */
 constexpr JointArray kSpeed{-10 * kDegree, 10 * kDegree, 0.02, 80 * kDegree, 40 * kDegree, 40 * kDegree, 40 * kDegree};
@@ -15,14 +15,10 @@ constexpr JointArray kSpeed{-10 * kDegree, 10 * kDegree, 0.02, 80 * kDegree, 40 
 /** [rad; m] hard stop on that side, `max_position`: raven2 defines.h:285-291, tools.cpp:269-276. */
 constexpr JointArray kStop{0.0, 137.5 * kDegree, 0.562, 330 * kDegree, 100 * kDegree, 120 * kDegree, 120 * kDegree};
 
-constexpr std::int64_t kAmplifierWait = 1000;  // [cycles] homing.cpp:130
-constexpr std::int64_t kSettle = 200;          // [cycles] homing.cpp:198-204, "for cables to settle down"
-constexpr double kRampTime = 0.5;              // [s] half the period of 1 s of trajectory.cpp:245-263
-constexpr double kHomeTime = 2.5;              // [s] homing.cpp:420
-
-double seconds(std::int64_t cycles) noexcept {
-  return static_cast<double>(cycles) * kTickSeconds;
-}
+constexpr std::int64_t kAmplifierCycles = 1000;  // [cycles] homing.cpp:130
+constexpr std::int64_t kSettle = 200;            // [cycles] homing.cpp:198-204, "for cables to settle down"
+constexpr double kRampTime = 0.5;                // [s] half the period of 1 s of trajectory.cpp:245-263
+constexpr double kHomeTime = 2.5;                // [s] homing.cpp:420
 
 }  // namespace
 
@@ -71,13 +67,13 @@ void ArmStopSearch::advanceJoint(std::size_t joint, double q) noexcept {
 }
 
 void ArmStopSearch::ramp(std::size_t joint) noexcept {
-  const double t = seconds(++elapsed_[joint]);
+  const double t = toSeconds(++elapsed_[joint]);
   const double share = t < kRampTime ? 1.0 - std::cos(2.0 * kPi * t) : 1.0;  // up to 2, then 1: so it is there
   desired_[joint] += kTickSeconds * kSpeed[joint] * share;
 }
 
 void ArmStopSearch::goHome(std::size_t joint) noexcept {
-  const double t = seconds(elapsed_[joint]);
+  const double t = toSeconds(elapsed_[joint]);
   if (t >= kHomeTime) {
     states_[joint] = JointHoming::kReady;
     return;
@@ -114,11 +110,11 @@ void StopSearch::interrupt() noexcept {
 }
 
 bool StopSearch::advance(const PerArm<JointArray>& q) noexcept {
-  if (cycle_ < kAmplifierWait) {
+  if (cycle_ < kAmplifierCycles) {
     ++cycle_;
     return false;
   }
-  if (cycle_++ == kAmplifierWait) {
+  if (cycle_++ == kAmplifierCycles) {
     settling_since_ = 0;
     for (const Arm which : kArms)
       at(arms_, which).begin(at(q, which));

@@ -8,8 +8,8 @@ namespace raven2_trainer::render {
 
 namespace {
 
-constexpr double kNear = 0.005;       // [m]
-constexpr double kFar = 10.0;         // [m]
+constexpr double kNearPlane = 0.005;  // [m]
+constexpr double kFarPlane = 10.0;    // [m]
 constexpr double kFloor = 0.02;       // [m] height of what most shadows fall on
 constexpr double kShadowShare = 1.2;  // [-] half width of the shadow map over the distance of what is looked at
 constexpr double kMinShadowReach = 0.15, kMaxShadowReach = 0.65;  // [m]
@@ -31,8 +31,8 @@ Eigen::Matrix4d clipFromCamera(const model::Camera& c) {
   m(0, 2) = 2.0 * (c.cx + 0.5) / c.width - 1.0;
   m(1, 1) = -2.0 * c.fy / c.height;
   m(1, 2) = 1.0 - 2.0 * (c.cy + 0.5) / c.height;
-  m(2, 2) = (kFar + kNear) / (kFar - kNear);
-  m(2, 3) = -2.0 * kFar * kNear / (kFar - kNear);
+  m(2, 2) = (kFarPlane + kNearPlane) / (kFarPlane - kNearPlane);
+  m(2, 3) = -2.0 * kFarPlane * kNearPlane / (kFarPlane - kNearPlane);
   m(3, 2) = 1.0;
   return m;
 }
@@ -49,7 +49,7 @@ std::array<Vector3, 4> sidesOf(const model::Camera& c) noexcept {
 bool isSweepInView(const model::Camera& camera, const Vector3& from_W, const Vector3& to_W, double radius) noexcept {
   const Pose X_CW = camera.X_WC.inverse();
   const Vector3 from = X_CW * from_W, to = X_CW * to_W;
-  if (std::max(from.z(), to.z()) + radius < kNear) return false;
+  if (std::max(from.z(), to.z()) + radius < kNearPlane) return false;
   const std::array<Vector3, 4> sides = sidesOf(camera);
   return std::none_of(sides.begin(), sides.end(),
                       [&](const Vector3& outward) { return std::min(outward.dot(from), outward.dot(to)) > radius; });

@@ -14,7 +14,7 @@ namespace {
 constexpr Tick kLongestGap = 250;
 constexpr Tick kLastTick = Tick{1} << 60;  // damaged logs hold any number; keeps the sums below from overflowing
 
-Tick toTicks(double seconds) {
+Tick ticksOf(double seconds) {
   return std::max<Tick>(1, std::llround(seconds / kTickSeconds));
 }
 
@@ -25,7 +25,7 @@ bool isPlanFollowed(Mode mode) noexcept {
 }  // namespace
 
 TipTrails::TipTrails(const ArmGeometry& geometry, const PerArm<Pose>& X_WB, const TrailConfig& config)
-    : geometry_(geometry), X_WB_(X_WB), step_(toTicks(config.step)), duration_(toTicks(config.duration)) {}
+    : geometry_(geometry), X_WB_(X_WB), step_(ticksOf(config.step)), duration_(ticksOf(config.duration)) {}
 
 TipTrails::Past TipTrails::stateOf(const Snapshot& snapshot, Arm arm) const {
   const ArmState& state = at(snapshot.model.arms, arm);

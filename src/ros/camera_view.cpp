@@ -4,13 +4,10 @@
 
 #include "raven2_trainer/net/clock.h"
 #include "ros/compressed_picture.h"
+#include "ros/topic.h"
 
 namespace raven2_trainer::ros_bridge {
-namespace {
-
-constexpr std::uint32_t kQueue = 2;
-
-}  // namespace
+namespace {}  // namespace
 
 bool isWhole(const sensor_msgs::Image& picture) noexcept {
   return picture.width > 0 && picture.height > 0 && picture.step >= picture.width &&
@@ -24,8 +21,8 @@ CameraView::CameraView(const ros::NodeHandle& node, const RenderConfig& config, 
       spinner_(1, &queue_),
       encoder_(config.live_jpeg_quality) {
   node_.setCallbackQueue(&queue_);
-  pictures_ = node_.advertise<sensor_msgs::Image>("view/image_raw", kQueue);
-  compressed_ = node_.advertise<sensor_msgs::CompressedImage>("view/image_raw/compressed", kQueue);
+  pictures_ = node_.advertise<sensor_msgs::Image>("view/image_raw", kPictureQueue);
+  compressed_ = node_.advertise<sensor_msgs::CompressedImage>("view/image_raw/compressed", kPictureQueue);
   if (config.real_camera_topic.empty()) return;
   if (node_.resolveName(config.real_camera_topic) == pictures_.getTopic()) {  // by a remapping
     std::fprintf(stderr, "real camera: %s is the view itself; not listened to\n", pictures_.getTopic().c_str());

@@ -3,11 +3,10 @@
 #include <ros/advertise_options.h>
 
 #include "ros/name_of.h"
+#include "ros/topic.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
-
-constexpr std::uint32_t kQueue = 10;  // [messages] 20 ms of a subscriber that is slow
 
 /** With the name that the clients of a dialect know the type by; fields and check sum are the same. */
 ros::Publisher advertiseState(ros::NodeHandle* node, const std::string& topic, CrtkDialect dialect) {

@@ -2,12 +2,10 @@
 
 #include <ros/time.h>
 
+#include "ros/topic.h"
+
 namespace raven2_trainer::ros_bridge {
-namespace {
-
-constexpr std::uint32_t kQueue = 10;
-
-}  // namespace
+namespace {}  // namespace
 
 CrtkVoice::CrtkVoice(ros::NodeHandle* node, const std::string& name)
     : publishers_{node->advertise<crtk::StringStamped>(name + "/info", kQueue),

@@ -9,7 +9,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr std::int64_t kPatience = 1'000'000'000;  // [ns] a person reads a sentence in about a second
+constexpr std::int64_t kReadingTime = 1'000'000'000;  // [ns] a person reads a sentence in about a second
 
 std::string number(double value, const char* unit) {
   char text[48];
@@ -134,7 +134,7 @@ std::optional<std::string> CrtkPatience::pass(const std::string& about,
                                               std::int64_t now_ns) {
   const auto [found, is_new] = told_.try_emplace(about, Told{now_ns, 0});
   Told& told = found->second;
-  if (!is_new && now_ns - told.at_ns < kPatience) {
+  if (!is_new && now_ns - told.at_ns < kReadingTime) {
     ++told.left_out;
     return std::nullopt;
   }

@@ -10,7 +10,7 @@ bool endsWith(const std::string& text, const std::string& end) {
 }
 
 template <typename Xyz>
-void set(const Vector3& v, Xyz* xyz) {
+void assign(const Vector3& v, Xyz* xyz) {
   xyz->x = v.x();
   xyz->y = v.y();
   xyz->z = v.z();
@@ -45,8 +45,8 @@ ArmWrench ArmContacts::on(Arm arm, const ContactList& contacts, const Vector3& p
 }
 
 void fill(const ArmWrench& wrench, geometry_msgs::WrenchStamped* message) {
-  set(wrench.force_W, &message->wrench.force);
-  set(wrench.torque_W, &message->wrench.torque);
+  assign(wrench.force_W, &message->wrench.force);
+  assign(wrench.torque_W, &message->wrench.torque);
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -2,21 +2,18 @@
 
 #include "ros/compressed_picture.h"
 #include "ros/messages.h"
+#include "ros/topic.h"
 
 namespace raven2_trainer::ros_bridge {
-namespace {
-
-constexpr std::uint32_t kQueue = 2;
-
-}  // namespace
+namespace {}  // namespace
 
 LiveCamera::LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const CameraView& view)
     : frame_(opticalFrame(config.live_camera)),
       view_(view),
       encoder_(config.live_jpeg_quality),
-      images_(node->advertise<sensor_msgs::Image>("camera/image_raw", kQueue)),
-      infos_(node->advertise<sensor_msgs::CameraInfo>("camera/camera_info", kQueue)),
-      compressed_(node->advertise<sensor_msgs::CompressedImage>("camera/image_raw/compressed", kQueue)) {}
+      images_(node->advertise<sensor_msgs::Image>("camera/image_raw", kPictureQueue)),
+      infos_(node->advertise<sensor_msgs::CameraInfo>("camera/camera_info", kPictureQueue)),
+      compressed_(node->advertise<sensor_msgs::CompressedImage>("camera/image_raw/compressed", kPictureQueue)) {}
 
 bool LiveCamera::isWatched() const {
   return images_.getNumSubscribers() > 0 || infos_.getNumSubscribers() > 0 || compressed_.getNumSubscribers() > 0;

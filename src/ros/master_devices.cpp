@@ -24,6 +24,7 @@
 #include "ros/pedal_hold.h"
 #include "ros/periodic_thread.h"
 #include "ros/rest_watch.h"
+#include "ros/topic.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -33,14 +34,13 @@ using Message = topic_tools::ShapeShifter;
 using Event = ros::MessageEvent<const Message>;
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t kNewest = 1;        // [messages] poses: an old one is worth nothing
-constexpr std::uint32_t kEvents = 100;      // [messages] each press of a button counts
-constexpr double kSettle = 2.0;             // [s] connections are made in
-constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
-constexpr double kNewsPeriod = 0.1;         // [s] who reads forces is looked at
-constexpr auto kForceLifetime = 50ms;       // a force not renewed is gone, as at the console (reliability.md 2.2)
-constexpr int kGoodbyes = 5;                // messages of no force at the end, 5 ms apart
-constexpr int kMostGoodbyes = 50;           // the same to a hand that goes on: 250 ms of the Supervisor's 400
+constexpr std::uint32_t kNewestPose = 1;  // [messages] poses: an old one is worth nothing
+constexpr std::uint32_t kEvents = 100;    // [messages] each press of a button counts
+constexpr double kSettle = 2.0;           // [s] connections are made in
+constexpr double kForceNewsPeriod = 0.1;  // [s] who reads forces is looked at
+constexpr auto kForceLifetime = 50ms;     // a force not renewed is gone, as at the console (reliability.md 2.2)
+constexpr int kGoodbyes = 5;              // messages of no force at the end, 5 ms apart
+constexpr int kMostGoodbyes = 50;         // the same to a hand that goes on: 250 ms of the Supervisor's 400
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -86,7 +86,7 @@ ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Reader
   const auto remove = [readers](const ros::SingleSubscriberPublisher& reader) {
     readers->remove(reader.getSubscriberName());
   };
-  return node->advertise<Force>(topic, kNewest, ros::SubscriberStatusCallback(add),
+  return node->advertise<Force>(topic, kNewestPose, ros::SubscriberStatusCallback(add),
                                 ros::SubscriberStatusCallback(remove));
 }
 
@@ -157,14 +157,14 @@ class FreshForce {
 };
 
 /** What an operator is to know, by the thread that says it. */
-struct News {
+struct DeviceNews {
   OperatorLines of_spinner, of_publisher;
 };
 
 /** One device's topics. Messages come on the spinner's thread, forces go on the publisher's. */
 class Device {
  public:
-  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node, News* news)
+  Device(const MasterConfig& config, Arm arm, MasterLink* link, ros::NodeHandle* node, DeviceNews* news)
       : config_(config),
         news_(*news),
         arm_(arm),
@@ -238,10 +238,10 @@ class Device {
   bool isAbsoluteMissing() const { return absolute_ && absolute_.getNumSubscribers() == 0; }
 
   void listen(ros::NodeHandle* node) {
-    hear(node, topics_.pose, kNewest, [this](const Message& m) { return reader_.pose(m); });
+    hear(node, topics_.pose, kNewestPose, [this](const Message& m) { return reader_.pose(m); });
     for (std::size_t i = 0; i < topics_.buttons.size(); ++i)
       hear(node, topics_.buttons[i], kEvents, [this, i](const Message& m) { return reader_.buttons(m, i); });
-    hear(node, topics_.gripper, kNewest, [this](const Message& m) { return reader_.gripper(m); });
+    hear(node, topics_.gripper, kNewestPose, [this](const Message& m) { return reader_.gripper(m); });
     hear(node, topics_.operating_state, kEvents, [this](const Message& m) { return reader_.operatingState(m); });
   }
 
@@ -281,7 +281,7 @@ class Device {
   }
 
   const MasterConfig& config_;
-  News& news_;
+  DeviceNews& news_;
   const Arm arm_;
   const DeviceTopics& topics_;
   StateCell<DeviceSample>& cell_;
@@ -302,7 +302,7 @@ class Device {
 /** A pedal that is a sensor_msgs/Joy. */
 class PedalTopic {
  public:
-  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node, News* news)
+  PedalTopic(const MasterConfig& config, MasterLink* link, ros::NodeHandle* node, DeviceNews* news)
       : config_(config), news_(*news), cell_(link->pedal), hold_(config.pedal_topic, config.pedal_silent_after) {
     if (config.pedal_from != PedalFrom::kTopic) return;
     const boost::function<void(const Message::ConstPtr&)> hear = [this](const Message::ConstPtr& m) { take(*m); };
@@ -331,7 +331,7 @@ class PedalTopic {
   }
 
   const MasterConfig& config_;
-  News& news_;
+  DeviceNews& news_;
   StateCell<FootPedal>& cell_;
   const Clock::time_point started_{Clock::now()};
   PedalHold hold_;
@@ -380,7 +380,7 @@ struct MasterDevices::Impl {
       pedal->tell();
       for (const auto& device : devices)
         device->press();
-      if (time - told >= kNewsPeriod) tellReaders(time);
+      if (time - told >= kForceNewsPeriod) tellReaders(time);
       if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
     }
 
@@ -416,7 +416,7 @@ struct MasterDevices::Impl {
 
   const MasterConfig config;
   MasterLink& link;
-  News news;
+  DeviceNews news;
   std::unique_ptr<Session> session;
 };
 

@@ -12,7 +12,7 @@ constexpr std::uint32_t kFirstId = kOwnRequestIds + 1;
 constexpr double kPause = 0.001;     // [s] the loop answers at the end of its tick
 constexpr double kAnswerTime = 0.5;  // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
 // The loop has dropped the plan and another one's answer stands where its own stood: a cancelled planner takes 100 ms.
-constexpr int kLooksInVain = 250;
+constexpr int kLooksForPlan = 250;
 constexpr double kGiveUpTime = 0.03;  // [s] so that who cancels has an answer within 100 ms
 
 void sleep() {
@@ -96,7 +96,7 @@ std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double lim
   await(limit, [&] {
     result = plan(id);
     in_vain = state().plan == id ? 0 : in_vain + 1;
-    return result.has_value() || in_vain > kLooksInVain;
+    return result.has_value() || in_vain > kLooksForPlan;
   });
   return result;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "ros/name_of.h"
@@ -63,10 +64,6 @@ geometry_msgs::PoseStamped poseStamped(const Pose& X_WT, const std_msgs::Header&
   message.pose.orientation.z = pose.q[2];
   message.pose.orientation.w = pose.q[3];
   return message;
-}
-
-double distance(const Vec3& a, const Vec3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 }  // namespace

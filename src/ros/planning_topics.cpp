@@ -1,11 +1,11 @@
 #include "ros/planning_topics.h"
 
+#include "ros/topic.h"
+
 namespace raven2_trainer::ros_bridge {
 namespace {
 
 constexpr Tick kProgressPeriod = 100;  // [1 ms] enough for a bar that moves
-constexpr std::uint32_t kQueue = 10;
-constexpr bool kLatched = true;
 
 /** Does something move or get worked out, so that there is progress? */
 bool isUnderWay(PlanningStatus status) {

@@ -14,7 +14,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr std::uint32_t kQueue = 100;  // [messages]
+constexpr std::uint32_t kBridgeQueue = 100;  // [messages]
 
 }  // namespace
 
@@ -63,7 +63,7 @@ struct RavenStateBridge::Impl {
   /** What needs ROS: between start() and stop(). */
   struct Subscription {
     explicit Subscription(Impl* owner)
-        : states(node.subscribe(owner->topic, kQueue, &Impl::take, owner, ros::TransportHints().tcpNoDelay())),
+        : states(node.subscribe(owner->topic, kBridgeQueue, &Impl::take, owner, ros::TransportHints().tcpNoDelay())),
           spinner(1) {
       spinner.start();
     }

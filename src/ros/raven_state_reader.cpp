@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRadians = kPi / 180.0;
 constexpr int kRestart = 0;              // of the stream: no velocity can be told
-constexpr double kLongestGap = 0.1;      // [s] a longer one is a restart
+constexpr double kRestartGap = 0.1;      // [s] a longer one is a restart
 constexpr double kStampNoise = 0.25e-3;  // [s]
 constexpr std::int32_t kReadyLevel = 2;  // PEDAL_UP: reached only homed, which happens once (raven2.md 4.3)
 
@@ -95,7 +95,7 @@ int RavenStateReader::cyclesSince(const ros::Time& stamp, const ros::Duration& d
   const bool is_first = cycle_ == 0;
   const bool is_anew = dt.isZero() && step != 0.0;
   stamp_ = stamp;
-  const bool is_gap = is_first || is_anew || step < 0.0 || step > kLongestGap;
+  const bool is_gap = is_first || is_anew || step < 0.0 || step > kRestartGap;
   const bool is_next = std::abs(step - dt.toSec()) < kStampNoise;
   const int cycles = is_gap ? kRestart : is_next ? 1 : std::max(1, static_cast<int>(std::lround(step / kTickSeconds)));
   cycle_ += static_cast<std::uint64_t>(std::max(cycles, 1));

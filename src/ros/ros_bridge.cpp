@@ -27,15 +27,13 @@
 #include "ros/session_topic.h"
 #include "ros/state_topics.h"
 #include "ros/stereo_view.h"
+#include "ros/topic.h"
 #include "ros/training_services.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr double kDiagnosticsPeriod = 1.0;  // [s] custom of /diagnostics
-constexpr double kNewsPeriod = 0.05;        // [s] what an operator must hear of at once is told no more often than this
-constexpr std::uint32_t kQueue = 10;
-constexpr bool kLatched = true;
+constexpr double kNewsPeriod = 0.05;  // [s] what an operator must hear of at once is told no more often than this
 
 using News = std::array<std::uint64_t, 6>;  // counts and flags of what cannot wait; RosBridge::Impl::isNews
 

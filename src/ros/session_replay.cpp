@@ -19,8 +19,8 @@ namespace raven2_trainer::ros_bridge {
 namespace {
 
 // Two seconds of the fastest replay (20 x 100 Hz): who listens is behind by a hiccup, and misses nothing.
-constexpr std::uint32_t kQueue = 4000;
-constexpr std::int64_t kLongestGap = 1'000'000'000;  // [ns] of the session
+constexpr std::uint32_t kReplayQueue = 4000;
+constexpr std::int64_t kLongestPause = 1'000'000'000;  // [ns] of the session
 
 /** Thrown out of the reading of a log: the visitor has no other way to end it. */
 struct Ended {};
@@ -32,7 +32,7 @@ class Pace {
 
   /** @return [s] from now until the instant of `time_ns` is due; not negative. */
   double waitFor(std::int64_t time_ns) {
-    if (!has_begun_ || time_ns - last_ns_ > kLongestGap) {
+    if (!has_begun_ || time_ns - last_ns_ > kLongestPause) {
       begin_ = Clock::now();
       begin_ns_ = time_ns;
     }
@@ -180,9 +180,9 @@ void SessionReplay::start() {
   s.refused.store(!s.hasSimTime());
   if (isRefused()) return;  // without topics: /tf_static is latched, and goes to whoever connects in time
   s.node = std::make_unique<ros::NodeHandle>();
-  s.clock = s.node->advertise<rosgraph_msgs::Clock>("/clock", kQueue);
+  s.clock = s.node->advertise<rosgraph_msgs::Clock>("/clock", kReplayQueue);
   const TopicSource source{s.config, s.raven, *s.shared, s.header.body_names, [] { return PlanCounts{}; }};
-  s.topics = std::make_unique<StateTopics>(s.node.get(), source, kQueue);
+  s.topics = std::make_unique<StateTopics>(s.node.get(), source, kReplayQueue);
 }
 
 void SessionReplay::stop() {

@@ -11,11 +11,11 @@
 #include "ros/fixed_frames.h"
 #include "ros/markers.h"
 #include "ros/messages.h"
+#include "ros/topic.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr bool kLatched = true;
 constexpr double kTransformPeriod = 0.033;  // [s] as the robot's own /joint_states
 
 }  // namespace

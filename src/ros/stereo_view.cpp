@@ -2,11 +2,11 @@
 
 #include "ros/compressed_picture.h"
 #include "ros/messages.h"
+#include "ros/topic.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr std::uint32_t kQueue = 2;
 constexpr std::array<const char*, 2> kSides{"left", "right"};
 
 }  // namespace
@@ -15,9 +15,9 @@ StereoView::StereoView(const ros::NodeHandle& node, const RenderConfig& config)
     : config_(config.stereo), node_(node), encoder_(config.live_jpeg_quality) {
   for (std::size_t i = 0; i < kSides.size(); ++i) {
     const std::string topic = std::string("camera/") + kSides[i];
-    images_[i] = node_.advertise<sensor_msgs::Image>(topic + "/image_raw", kQueue);
-    compressed_[i] = node_.advertise<sensor_msgs::CompressedImage>(topic + "/image_raw/compressed", kQueue);
-    infos_[i] = node_.advertise<sensor_msgs::CameraInfo>(topic + "/camera_info", kQueue);
+    images_[i] = node_.advertise<sensor_msgs::Image>(topic + "/image_raw", kPictureQueue);
+    compressed_[i] = node_.advertise<sensor_msgs::CompressedImage>(topic + "/image_raw/compressed", kPictureQueue);
+    infos_[i] = node_.advertise<sensor_msgs::CameraInfo>(topic + "/camera_info", kPictureQueue);
   }
 }
 

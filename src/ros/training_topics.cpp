@@ -1,14 +1,13 @@
 #include "ros/training_topics.h"
 
+#include "ros/topic.h"
 #include "ros/training_messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr Tick kPeriod = 100;  // [1 ms] enough for a clock and a bar that move
-constexpr std::uint32_t kQueue = 10;
+constexpr Tick kPeriod = 100;               // [1 ms] enough for a clock and a bar that move
 constexpr std::uint32_t kEventQueue = 256;  // as many as four cycles can bring (ExerciseNews::kKept)
-constexpr bool kLatched = true;
 
 }  // namespace
 

@@ -57,8 +57,8 @@ void ConsoleRunner::send(std::int64_t now_ns) noexcept {
 
 void ConsoleRunner::receiveForces() noexcept {
   std::array<std::uint8_t, 2 * wire::kForceSize> buffer;
-  constexpr int kMaxDrain = 64;  // [datagrams] a tick: a flood must not keep the thread that sends
-  for (int i = 0; i < kMaxDrain; ++i) {
+  constexpr int kMaxForces = 64;  // [datagrams] a tick: a flood must not keep the thread that sends
+  for (int i = 0; i < kMaxForces; ++i) {
     const auto datagram = forces_.receive(buffer.data(), buffer.size());
     if (!datagram) break;
     forces_counted_.count(takeForce(buffer.data(), datagram->size));
@@ -78,8 +78,8 @@ Reject ConsoleRunner::takeForce(const std::uint8_t* bytes, std::size_t size) noe
 void ConsoleRunner::receivePictures() noexcept {
   if (!pictures_) return;
   std::array<std::uint8_t, 2 * wire::kSightSize> buffer;
-  constexpr int kMaxDrain = 8;  // [datagrams] a tick: 30 come in a second
-  for (int i = 0; i < kMaxDrain; ++i) {
+  constexpr int kMaxSights = 8;  // [datagrams] a tick: 30 come in a second
+  for (int i = 0; i < kMaxSights; ++i) {
     const auto datagram = pictures_->receive(buffer.data(), buffer.size());
     if (!datagram) break;
     Sight sight;

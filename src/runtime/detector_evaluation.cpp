@@ -10,7 +10,7 @@
 namespace raven2_trainer::runtime {
 namespace {
 
-using Scenario = StudyFault::Scenario;
+using StudyScenario = StudyFault::Scenario;
 using Run = std::vector<TrialTick>;
 
 // The grids of the authors' generate_mfi2.py (hazards.md 4, rows 34 to 36).
@@ -183,7 +183,7 @@ FaultPlan planOf(const StudyFault& fault) {
   row.duration_ticks = fault.length;
   row.count = 1;
   row.value = fault.value;
-  if (fault.scenario == Scenario::kInputs) {
+  if (fault.scenario == StudyScenario::kInputs) {
     row.site = FaultSite::kNetworkLayer;
     row.variable = FaultVariable::kIncrement;
     row.channel = -1;
@@ -208,21 +208,24 @@ void evaluateDetector(const TrainerConfig& config,
   for (int i = 0; i < options.input_starts; ++i, end()) {
     Start start(config, seed++, options);
     for (const double value : kDistances)
-      start.runFamily({Scenario::kInputs, FaultKind::kAdd, value, 0}, lengths, take);
+      start.runFamily({StudyScenario::kInputs, FaultKind::kAdd, value, 0}, lengths, take);
   }
   for (int i = 0; i < options.torque_starts; ++i, end()) {
     Start start(config, seed++, options);
-    start.runFamily({Scenario::kTorque, FaultKind::kStuckAt, stuckValue(i, options.torque_starts), 0}, stuckLengths(),
-                    take);
+    start.runFamily({StudyScenario::kTorque, FaultKind::kStuckAt, stuckValue(i, options.torque_starts), 0},
+                    stuckLengths(), take);
   }
   for (int i = 0; i < options.add_starts; ++i, end()) {
     Start start(config, seed++, options);
     for (const double value : kAdded)
-      start.runFamily({Scenario::kTorque, FaultKind::kAdd, value, 0}, lengths, take);
+      start.runFamily({StudyScenario::kTorque, FaultKind::kAdd, value, 0}, lengths, take);
   }
 }
 
-StudyRates ratesOf(const std::vector<StudyOutcome>& outcomes, Scenario scenario, DetectorRule rule, double factor) {
+StudyRates ratesOf(const std::vector<StudyOutcome>& outcomes,
+                   StudyScenario scenario,
+                   DetectorRule rule,
+                   double factor) {
   StudyRates rates;
   for (const StudyOutcome& outcome : outcomes) {
     if (outcome.fault.scenario != scenario) continue;

@@ -8,6 +8,7 @@
 #include "raven2_trainer/detector/identify.h"
 #include "raven2_trainer/raven/drives.h"
 #include "raven2_trainer/runtime/detector_study.h"
+#include "runtime/format.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -100,15 +101,6 @@ void identify(const std::vector<std::vector<TrialTick>>& runs, const detector::D
       at(learned->explained, arm)[i] = fit.explained(at(learned->detector.axes, arm)[i]);
     }
   }
-}
-
-std::string format(const char* text, ...) {
-  char buffer[512];
-  va_list arguments;
-  va_start(arguments, text);
-  std::vsnprintf(buffer, sizeof(buffer), text, arguments);
-  va_end(arguments);
-  return buffer;
 }
 
 std::string thresholdsYaml(const DetectorThresholds& t) {

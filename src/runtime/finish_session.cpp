@@ -12,6 +12,7 @@
 #include "raven2_trainer/runtime/reference_paths.h"
 #include "raven2_trainer/runtime/resimulation.h"
 #include "raven2_trainer/session/recovery.h"
+#include "runtime/format.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -124,13 +125,6 @@ void keep(const std::string& directory, const ScoringOptions& options, ScoredSes
 }
 
 // ---- for a terminal
-
-template <typename... Values>
-std::string format(const char* text, Values... values) {
-  std::array<char, 512> line;
-  std::snprintf(line.data(), line.size(), text, values...);
-  return line.data();
-}
 
 const char* statusName(const training::AttemptScore& attempt) {
   return kExerciseStatusNames[static_cast<std::size_t>(attempt.outcome.status)];

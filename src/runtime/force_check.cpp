@@ -9,7 +9,7 @@ namespace {
 // A haptic tick reads the newest model and a robot state that physics may only see some ticks later, or had seen before
 // it stalled: half a second either way covers every stall that is not a time slip.
 constexpr Tick kAhead = 500;
-constexpr std::size_t kWindow = 2 * static_cast<std::size_t>(kAhead);
+constexpr std::size_t kWindowForces = 2 * static_cast<std::size_t>(kAhead);
 
 constexpr std::size_t kPaths = 8;  // more plans than can be under way
 
@@ -20,7 +20,7 @@ ForceCheck::ForceCheck(const TrainerConfig& config)
 
 void ForceCheck::add(const TickRecord& record) {
   window_.push_back(record);
-  if (window_.size() > kWindow) window_.pop_front();
+  if (window_.size() > kWindowForces) window_.pop_front();
 }
 
 void ForceCheck::add(const PlanRecord& record) {

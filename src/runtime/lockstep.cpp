@@ -8,7 +8,7 @@
 namespace raven2_trainer::runtime {
 namespace {
 
-constexpr Tick kProgressEvery = 100;
+constexpr Tick kProgressTicks = 100;
 
 }  // namespace
 
@@ -70,7 +70,7 @@ bool Lockstep::run(double seconds, const std::function<void(double)>& progress, 
       finish();
       return false;
     }
-    if (progress && model.tick % kProgressEvery == 0) {
+    if (progress && model.tick % kProgressTicks == 0) {
       progress(static_cast<double>(std::max<Tick>(model.session_tick, 0)) / static_cast<double>(wanted));
     }
   }

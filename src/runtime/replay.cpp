@@ -14,8 +14,8 @@
 namespace raven2_trainer::runtime {
 namespace {
 
-constexpr std::int64_t kHomingLimit = 60000;  // [cycles]
-constexpr std::int64_t kProgressEvery = 200;  // [cycles]
+constexpr std::int64_t kHomingLimit = 60000;   // [cycles]
+constexpr std::int64_t kProgressCycles = 200;  // [cycles]
 
 VirtualRavenConfig robotOf(const TrainerConfig& config, const ReplayOptions& options) {
   VirtualRavenConfig robot = config.virtual_raven;
@@ -103,7 +103,7 @@ ReplaySummary Replay::run(const std::vector<TraceDatagram>& trace,
     }
     s.step();
     row(stateTraceRow(t0 + now + kPublishDelay, s.software.report()));
-    if (progress && k % kProgressEvery == 0) progress(std::min(1.0, now / (length + s.options.tail)));
+    if (progress && k % kProgressCycles == 0) progress(std::min(1.0, now / (length + s.options.tail)));
   }
   s.summary.seconds = static_cast<double>(s.summary.cycles) * kTickSeconds;
   s.summary.itp = s.software.state().itp;

@@ -42,7 +42,7 @@ constexpr int kIngestWaitMs = 50;
 constexpr int kLinkWaitMs = 5;
 constexpr std::int64_t kResendPlanNs = 1'000'000'000;
 constexpr int kSenderWaitMs = 20;
-constexpr int kMaxDrain = 64;                         // datagrams a wake-up: a flood cannot keep the thread
+constexpr int kMaxDatagrams = 64;                     // datagrams a wake-up: a flood cannot keep the thread
 constexpr int kMaxForeign = 16;                       // of others, for the count; the kernel drops the rest
 constexpr std::size_t kRecoverNewest = 64;            // [sessions] at a start; the next start takes the rest
 constexpr double kPlayerPeriod = 0.05;                // [s] of the second that waits to be shown
@@ -177,7 +177,7 @@ struct Simulator::Impl {
 
   void takeDatagrams() {
     std::array<std::uint8_t, 2 * wire::kSignedItpSize> buffer;
-    for (int i = 0; i < kMaxDrain; ++i) {
+    for (int i = 0; i < kMaxDatagrams; ++i) {
       const auto datagram = receiver.receive(buffer.data(), buffer.size());
       if (!datagram) break;
       takeDatagram(buffer.data(), *datagram);

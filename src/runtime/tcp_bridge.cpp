@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kPiece = 16384;  // [bytes]
 // [bytes] under way in one direction: 0.8 s of state frames. Then the source has to wait, as with a full TCP window.
-constexpr std::size_t kWindow = 512 * 1024;
+constexpr std::size_t kWindowBytes = 512 * 1024;
 constexpr std::array<const char*, 2> kDirections{"forward", "back"};
 
 }  // namespace
@@ -43,7 +43,7 @@ void TcpBridge::watch(net::PollSet* poll) const {
 
 bool TcpBridge::mayRead(const Connection& connection, std::size_t side) const noexcept {
   const Way& way = connection.ways[side];
-  return !way.ended && way.channel.heldBytes() + way.out.size() - way.sent < kWindow;
+  return !way.ended && way.channel.heldBytes() + way.out.size() - way.sent < kWindowBytes;
 }
 
 std::optional<std::int64_t> TcpBridge::nextDue() const noexcept {
@@ -121,7 +121,7 @@ void TcpBridge::flush(Connection* connection, std::size_t side) {
     if (moved.result == net::StreamSocket::Result::kError) connection->broken = true;
     if (moved.result != net::StreamSocket::Result::kDone) return;
     way.sent += moved.count;
-    if (way.sent < kWindow) continue;
+    if (way.sent < kWindowBytes) continue;
     way.out.erase(way.out.begin(), way.out.begin() + static_cast<std::ptrdiff_t>(way.sent));  // a slow reader's past
     way.sent = 0;
   }

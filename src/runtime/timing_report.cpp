@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "runtime/format.h"
+
 namespace raven2_trainer::runtime {
 namespace {
 
@@ -18,13 +20,6 @@ double onTime(const LoopTiming& timing) noexcept {
 
 double microseconds(std::int64_t ns) noexcept {
   return static_cast<double>(ns) * 1e-3;
-}
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
 }
 
 std::string quantilesText(const char* name, const Histogram& histogram, std::int64_t longest) {

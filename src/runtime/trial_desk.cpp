@@ -12,7 +12,7 @@ double distance(const Vec3& a, const Vec3& b) noexcept {
   return (toEigen(a) - toEigen(b)).norm();
 }
 
-double speed(const Vec3& v) noexcept {
+double tipSpeed(const Vec3& v) noexcept {
   return toEigen(v).norm();
 }
 
@@ -132,7 +132,7 @@ ExecutionEnd TrialDesk::supervise(const ModelState& model, const RobotState& rob
     at(off, arm) = worse(distance(now.model_B, now.path_B), on_robot_ ? distance(now.robot_B, now.path_B) : 0.0);
     near = std::min(near, gauge_.measure(arm, state.q, at(model.arms, otherArm(arm)).q));
     if (on_robot_) real_near = std::min(real_near, gauge_.measure(arm, real.q, at(robot.arms, otherArm(arm)).q));
-    fastest = std::max({fastest, speed(state.v_BT), on_robot_ ? speed(real.v_BT) : 0.0});
+    fastest = std::max({fastest, tipSpeed(state.v_BT), on_robot_ ? tipSpeed(real.v_BT) : 0.0});
   }
   control::ExecutionSample& counted = std::isnan(off[0]) || off[0] >= off[1] ? samples[0] : samples[1];
   counted.model_clearance = near;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/training/tissue_distance.h"
@@ -10,6 +9,7 @@
 #include "training/scene_senses.h"
 #include "training/touch_watch.h"
 #include "training/track_runner.h"
+#include "training/units.h"
 
 namespace raven2_trainer::training {
 namespace {
@@ -19,8 +19,6 @@ constexpr std::int32_t kRestsFor = 1000;  // [ticks] let alone, before an object
 constexpr double kMoved = 0.005;          // [m] from where an object could be reached: it is asked for again
 constexpr double kGone = -0.5;            // [m] fallen off the table
 constexpr std::uint16_t kNoBody = 0xFFFF;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /** Time goes on. */
 bool isTimed(Mode mode) noexcept {
   return mode != Mode::kWaiting && mode != Mode::kPaused && mode != Mode::kReplaying;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/haptics/hand_model.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
@@ -146,14 +147,6 @@ void findPush(const HazardWindow& window, const HandMotionTrack& hand, Tick cue,
   }
   const bool goes_on = !hand.wasMoving() || hand.along(displacement) > 0.0;
   if (path > kPushPath && goes_on) found->push_back({Response::kPushOn, static_cast<Tick>(end - window.injection)});
-}
-
-double norm(const Vec3& v) {
-  return std::hypot(v[0], v[1], v[2]);
-}
-
-double distance(const Vec3& a, const Vec3& b) {
-  return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
 }
 
 std::size_t recovery(const HazardWindow& window) {

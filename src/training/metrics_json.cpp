@@ -1,17 +1,15 @@
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/training/session_metrics.h"
+#include "training/json_values.h"
+#include "training/units.h"
 
 namespace raven2_trainer::training {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-constexpr double kMillimetres = 1000.0;  // in a metre
 
 /** Written beside it and renamed, so that a reader never meets half a file. */
 void writeJson(const std::string& path, const Json& json) {
@@ -77,10 +75,6 @@ Json describeQueues(const SessionCounts& counts) {
     queues[kRingNames[i]] = {{"pushed", queue.pushed}, {"taken", queue.taken}, {"dropped", queue.dropped}};
   }
   return queues;
-}
-
-Json orNull(Tick tick) {
-  return tick < 0 ? Json(nullptr) : Json(tick);
 }
 
 Json describeFault(const FaultEvent& event) {

@@ -5,6 +5,8 @@
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/pedals.h"
+#include "raven2_trainer/core/ticks.h"
+#include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/training/enclosing_sphere.h"
 #include "raven2_trainer/training/smoothness.h"
 #include "raven2_trainer/training/tremor.h"
@@ -12,14 +14,6 @@
 namespace raven2_trainer::training {
 
 namespace {
-
-double distance(const Vec3& a, const Vec3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
-double seconds(Tick ticks) {
-  return static_cast<double>(ticks) * kTickSeconds;
-}
 
 void addTo(Vec3* sum, const Vec3& v) {
   for (std::size_t i = 0; i < 3; ++i)
@@ -158,7 +152,7 @@ void MotionAccumulator::followPedals(const ModelState& model) {
   const bool is_down = model.pedal != 0;
   if (is_down && was_down_ && ups_ > 0) {
     ++metrics_.clutches;
-    metrics_.clutch_time += seconds(ups_);
+    metrics_.clutch_time += toSeconds(ups_);
   }
   if (is_down) ups_ = 0;
   if (!is_down && was_down_) ++ups_;
@@ -293,7 +287,7 @@ HandMotion MotionAccumulator::handMotion(Arm arm) const {
   describeStrokes(by_piece, &hand);
   describeMaster(arm, &hand);
   describeTremor(arm, &hand);
-  if (settings_.camera) hand.out_of_view = seconds(at(tip_hidden_ticks_, arm));
+  if (settings_.camera) hand.out_of_view = toSeconds(at(tip_hidden_ticks_, arm));
   return hand;
 }
 
@@ -315,8 +309,8 @@ MotionMetrics MotionAccumulator::result() const {
     at(metrics.hands, arm) = handMotion(arm);
   describeBoth(&metrics);
   if (metrics.ticks > 0) metrics.engaged = static_cast<double>(engaged_ticks_) / static_cast<double>(metrics.ticks);
-  metrics.camera_time = seconds(camera_ticks_);
-  if (settings_.camera) metrics.out_of_view = seconds(hidden_ticks_);
+  metrics.camera_time = toSeconds(camera_ticks_);
+  if (settings_.camera) metrics.out_of_view = toSeconds(hidden_ticks_);
   metrics.touches = contacts_.touches();
   metrics.contact_force = contacts_.force();
   metrics.haptic_force = haptic_.summary();

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "training/opening.h"
+#include "training/units.h"
 
 namespace raven2_trainer::training {
 namespace {
 
 constexpr double kRestSpeed = 0.001;  // [m/s]
 constexpr double kRestTurn = 0.05;    // [rad/s]
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /** [rad] between two attitudes, small angles. */
 double turned(const Matrix3& a, const Matrix3& b) noexcept {
   const Matrix3 R = a.transpose() * b;

@@ -3,23 +3,19 @@
 #include <algorithm>
 
 #include "raven2_trainer/core/metric_names.h"
+#include "raven2_trainer/core/ticks.h"
+#include "training/units.h"
 
 namespace raven2_trainer::training {
 
 namespace {
 
-constexpr double kMillimetres = 1e3;  // in a metre
-constexpr double kMicrometres = 1e6;  // in a metre
 constexpr std::size_t kMostAdvice = 3;
 
 using Value = std::optional<double>;
 
 Value scaled(const Value& value, double factor) {
   return value ? Value(*value * factor) : Value();
-}
-
-double seconds(Tick ticks) {
-  return static_cast<double>(ticks) * kTickSeconds;
 }
 
 Value larger(const MotionMetrics& motion, Value HandMotion::*figure) {
@@ -93,9 +89,9 @@ void listSafety(const MotionMetrics& motion, const AttemptOutcome& outcome, std:
       sum(motion, {Partner::kTower, Partner::kDome, Partner::kPlate, Partner::kOther, Partner::kOtherArm});
   MetricList(MetricGroup::kSafety, metrics)
       .lower("collisions", "count", judged(outcome, Mistake::kCollision, walls.count))
-      .lower("collision_time", "s", seconds(walls.ticks))
+      .lower("collision_time", "s", toSeconds(walls.ticks))
       .lower("wire_touches", "count", judged(outcome, Mistake::kWireTouch, wires.count))
-      .lower("wire_time", "s", seconds(wires.ticks))
+      .lower("wire_time", "s", toSeconds(wires.ticks))
       .lower("drops", "count", mistakes(outcome, Mistake::kDrop))
       .lower("break_offs", "count", mistakes(outcome, Mistake::kBreakOff))
       .lower("out_of_order", "count", mistakes(outcome, Mistake::kOutOfOrder))
@@ -103,7 +99,7 @@ void listSafety(const MotionMetrics& motion, const AttemptOutcome& outcome, std:
       .lower("peak_force", "N", motion.contact_force.peak)
       .lower("force_p95", "N", motion.contact_force.p95)
       .lower("force_impulse", "Ns", motion.contact_force.impulse)
-      .lower("force_above", "s", seconds(motion.contact_force.above))
+      .lower("force_above", "s", toSeconds(motion.contact_force.above))
       .lower("out_of_view", "s", motion.out_of_view);
 }
 

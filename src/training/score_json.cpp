@@ -1,35 +1,26 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/training/session_score.h"
+#include "training/json_values.h"
+#include "training/units.h"
 
 namespace raven2_trainer::training {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-constexpr int kVersion = 1;
-constexpr std::uintmax_t kMostBytes = 64U << 20U;
-constexpr double kMillimetres = 1e3;  // in a metre
-constexpr double kMicrometres = 1e6;
+constexpr int kScoreVersion = 1;
+constexpr std::uintmax_t kMostScoreBytes = 64U << 20U;
 
 Json orNull(const std::optional<double>& value, double factor = 1.0) {
   return value ? Json(*value * factor) : Json(nullptr);
 }
 
-Json orNull(Tick tick) {
-  return tick < 0 ? Json(nullptr) : Json(tick);
-}
-
 Json nameOrNull(const std::string& name) {
   return name.empty() || name == "none" ? Json(nullptr) : Json(name);
-}
-
-double seconds(Tick ticks) {
-  return static_cast<double>(ticks) * kTickSeconds;
 }
 
 Json describe(const MetricScore& score) {
@@ -68,7 +59,7 @@ Json describe(const HandMotion& hand) {
 Json describe(const std::array<Touches, kPartnerCount>& touches) {
   Json all = Json::object();
   for (std::size_t i = 0; i < kPartnerCount; ++i)
-    all[kPartnerNames[i]] = {{"count", touches[i].count}, {"time_s", seconds(touches[i].ticks)}};
+    all[kPartnerNames[i]] = {{"count", touches[i].count}, {"time_s", toSeconds(touches[i].ticks)}};
   return all;
 }
 
@@ -76,8 +67,8 @@ Json describe(const ForceSummary& force) {
   return {{"peak_N", force.peak},
           {"p95_N", force.p95},
           {"impulse_Ns", force.impulse},
-          {"above_s", seconds(force.above)},
-          {"with_force_s", seconds(force.with_force)}};
+          {"above_s", toSeconds(force.above)},
+          {"with_force_s", toSeconds(force.with_force)}};
 }
 
 Json describe(const TimedResponse& response) {
@@ -189,7 +180,7 @@ void writeScore(const std::string& path, const SessionScore& score, const ScoreS
   Json attempts = Json::array();
   for (std::size_t i = 0; i < score.attempts.size(); ++i)
     attempts.push_back(describe(score.attempts[i], score.histories[i]));
-  const Json json = {{"version", kVersion},
+  const Json json = {{"version", kScoreVersion},
                      {"exercise", nameOrNull(score.header.exercise)},
                      {"drill", nameOrNull(score.header.drill)},
                      {"trainee", nameOrNull(score.header.trainee)},
@@ -212,7 +203,7 @@ void writeScore(const std::string& path, const SessionScore& score, const ScoreS
 std::map<std::int64_t, AttemptVerdict> readVerdicts(const std::string& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error || size > kMostBytes) throw SessionException(path + ": not a score.json of at most 64 MiB");
+  if (error || size > kMostScoreBytes) throw SessionException(path + ": not a score.json of at most 64 MiB");
   std::ifstream file(path);
   std::map<std::int64_t, AttemptVerdict> verdicts;
   try {

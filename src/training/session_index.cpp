@@ -20,8 +20,8 @@ namespace raven2_trainer::training {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int kVersion = 1;
-constexpr std::uintmax_t kMostBytes = 64U << 20U;  // a thousand sessions are about 2 MB
+constexpr int kIndexVersion = 1;
+constexpr std::uintmax_t kMostIndexBytes = 64U << 20U;  // a thousand sessions are about 2 MB
 
 /** Held while an index is read, changed and exchanged. */
 class IndexLock {
@@ -85,7 +85,7 @@ Json describe(const IndexEntry& entry) {
 
 Json parse(const std::string& path) {
   std::error_code error;
-  if (std::filesystem::file_size(path, error) > kMostBytes) throw SessionException(path + ": larger than 64 MiB");
+  if (std::filesystem::file_size(path, error) > kMostIndexBytes) throw SessionException(path + ": larger than 64 MiB");
   std::ifstream file(path);
   if (!file) throw SessionException(path + ": cannot be read");
   return Json::parse(file);
@@ -103,7 +103,7 @@ void writeIndex(const std::string& path, const std::vector<IndexEntry>& entries)
     sessions.push_back(describe(entry));
   const std::string draft = path + ".part";
   std::ofstream file(draft);
-  file << Json{{"version", kVersion}, {"sessions", sessions}}.dump(1) << '\n';
+  file << Json{{"version", kIndexVersion}, {"sessions", sessions}}.dump(1) << '\n';
   file.close();
   if (!file || std::rename(draft.c_str(), path.c_str()) != 0) throw SessionException(path + ": cannot be written");
 }
@@ -121,7 +121,7 @@ std::vector<IndexEntry> readIndex(const std::string& path) {
   if (!std::filesystem::exists(path)) return entries;
   try {
     const Json json = parse(path);
-    if (json.at("version").get<int>() != kVersion) throw SessionException(path + ": not of version 1");
+    if (json.at("version").get<int>() != kIndexVersion) throw SessionException(path + ": not of version 1");
     for (const Json& entry : json.at("sessions"))
       entries.push_back(readEntry(entry));
   } catch (const Json::exception& e) {

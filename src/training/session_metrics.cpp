@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/vec3.h"
+
 namespace raven2_trainer::training {
 
 namespace {
 
 constexpr Tick kCalm = 500;  // [ms] below the tolerance until a fault counts as over (session_metrics.h)
-
-double distance(const Vec3& a, const Vec3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
 
 /** [m] Larger tip distance of both arms. */
 double tipError(const TickRecord& record) {

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "training/units.h"
 
 namespace raven2_trainer::training {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const model::Link& findLink(const model::SceneModel& scene, const std::string& name, std::size_t* index) {
   const std::vector<model::Link>& links = scene.description.links;

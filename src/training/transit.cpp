@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/vec3.h"
+#include "raven2_trainer/training/motion_metrics.h"
+
 namespace raven2_trainer::training {
 
 namespace {
-
-constexpr std::int32_t kSampleTicks = 10;  // [1 ms] as in motion_metrics.h
-
-double distance(const Vec3& a, const Vec3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
 
 double distanceToSegment(const Vec3& a, const Vec3& b, const Vec3& point) {
   const Vector3 along = toEigen(b) - toEigen(a), offset = toEigen(point) - toEigen(a);

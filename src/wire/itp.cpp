@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "raven2_trainer/core/bytes.h"
+#include "wire/sealed_packet.h"
 
 namespace raven2_trainer::wire {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 constexpr double kMicrometresPerMetre = 1e6;
 constexpr double kMilliPerUnit = 1e3;  ///< mrad per rad, mN per N
 
-constexpr double kQuaternionNormMin = 0.98;  // reliability.md 2.2, rule 5
-constexpr double kQuaternionNormMax = 1.02;
 constexpr double kUsableNorm = 1e-6;  // far above where squares underflow
 
 /** Whole range of the robot's jaw command, -10 to 90 degrees (raven2.md 1.4): no honest increment is larger. */

@@ -6,7 +6,7 @@
 namespace raven2_trainer::wire {
 namespace {
 
-constexpr PacketKind kKind{kPedalMagic, kPedalVersion, kPedalSize};
+constexpr PacketKind kPedalKind{kPedalMagic, kPedalVersion, kPedalSize};
 constexpr std::uint32_t kKnown = (1U << kPedalCount) - 1U;
 
 }  // namespace
@@ -14,7 +14,7 @@ constexpr std::uint32_t kKnown = (1U << kPedalCount) - 1U;
 PedalBytes encodePedals(const PedalState& pedals) noexcept {
   PedalBytes bytes{};
   ByteWriter out(bytes.data(), bytes.size());
-  putHead(out, kKind);
+  putHead(out, kPedalKind);
   out.put(pedals.sequence);
   out.put(pedals.held);
   out.put(std::uint32_t{0});
@@ -27,7 +27,7 @@ bool isPedals(const std::uint8_t* bytes, std::size_t size) noexcept {
 }
 
 Reject decodePedals(const std::uint8_t* bytes, std::size_t size, PedalState* pedals) noexcept {
-  const Reject reason = checkPacket(bytes, size, kKind);
+  const Reject reason = checkPacket(bytes, size, kPedalKind);
   if (reason != Reject::kNone) return reason;
   ByteReader in(bytes + kPacketHead, size - kPacketHead);
   PedalState decoded;

@@ -122,18 +122,6 @@ Reject checkArm(const RobotArmState& arm) noexcept {
   return Reject::kNone;
 }
 
-template <typename Array>
-void putAll(ByteWriter& out, const Array& values) noexcept {
-  for (const auto& value : values)
-    out.put(value);
-}
-
-template <typename Array>
-void getAll(ByteReader& in, Array* values) noexcept {
-  for (auto& value : *values)
-    value = in.get<typename Array::value_type>();
-}
-
 void putArm(ByteWriter& out, const RobotArmState& arm) noexcept {
   putAll(out, arm.q);
   putAll(out, arm.dq);

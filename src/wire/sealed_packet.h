@@ -19,6 +19,9 @@ struct PacketKind {
   std::uint16_t size{};  ///< [bytes] of the whole
 };
 
+/** Norms of a quaternion that a packet may have (reliability.md 2.2, rule 5). */
+constexpr double kQuaternionNormMin = 0.98, kQuaternionNormMax = 1.02;
+
 constexpr std::size_t kPacketHead = 8;  ///< [bytes]
 constexpr std::size_t kPacketTail = sizeof(std::uint32_t);
 

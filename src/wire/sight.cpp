@@ -8,7 +8,7 @@
 namespace raven2_trainer::wire {
 namespace {
 
-constexpr PacketKind kKind{kSightMagic, kSightVersion, kSightSize};
+constexpr PacketKind kSightKind{kSightMagic, kSightVersion, kSightSize};
 
 constexpr std::size_t kPoses = kArmCount + kMaxSceneBodies;
 static_assert(kPacketHead + 4 + 8 + 4 + 2 + 2 + 4 + (kPoses * 7 + kArmCount + 9) * sizeof(double) + kPacketTail ==
@@ -16,20 +16,6 @@ static_assert(kPacketHead + 4 + 8 + 4 + 2 + 2 + 4 + (kPoses * 7 + kArmCount + 9)
               "the layout of doc/wire.md; another size needs another version");
 
 constexpr double kMaxPlace = 1e6;  ///< [m] a body that fell off the scene for minutes is nearer
-constexpr double kQuaternionNormMin = 0.98, kQuaternionNormMax = 1.02;  // as in ITP
-
-template <typename Array>
-void putAll(ByteWriter& out, const Array& values) noexcept {
-  for (const double value : values)
-    out.put(value);
-}
-
-template <typename Array>
-void getAll(ByteReader& in, Array* values) noexcept {
-  for (double& value : *values)
-    value = in.get<double>();
-}
-
 /** Every number of a sight in the order of the wire, array by array. */
 template <typename Seen, typename Call>
 void forEachArray(Seen& sight, Call call) noexcept {
@@ -105,7 +91,7 @@ bool getStatus(ByteReader& in, Sight* sight) noexcept {
 SightBytes encodeSight(const Sight& sight) noexcept {
   SightBytes bytes{};
   ByteWriter out(bytes.data(), bytes.size());
-  putHead(out, kKind);
+  putHead(out, kSightKind);
   out.put(sight.sequence);
   out.put(sight.tick);
   out.put(static_cast<std::uint8_t>(sight.mode));
@@ -121,7 +107,7 @@ SightBytes encodeSight(const Sight& sight) noexcept {
 }
 
 Reject decodeSight(const std::uint8_t* bytes, std::size_t size, Sight* sight) noexcept {
-  const Reject reason = checkPacket(bytes, size, kKind);
+  const Reject reason = checkPacket(bytes, size, kSightKind);
   if (reason != Reject::kNone) return reason;
   ByteReader in(bytes + kPacketHead, size - kPacketHead);
   Sight decoded;

@@ -73,4 +73,17 @@ class ByteReader {
   bool underflow_{false};
 };
 
+/** All numbers of an array, in order. */
+template <typename Array>
+void putAll(ByteWriter& out, const Array& values) noexcept {
+  for (const auto& value : values)
+    out.put(value);
+}
+
+template <typename Array>
+void getAll(ByteReader& in, Array* values) noexcept {
+  for (auto& value : *values)
+    value = in.get<typename Array::value_type>();
+}
+
 }  // namespace raven2_trainer

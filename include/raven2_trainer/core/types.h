@@ -15,6 +15,7 @@ using Tick = std::int64_t;
 constexpr double kTickSeconds = 0.001;                ///< [s] period of every 1 kHz loop
 constexpr std::int64_t kTickNanoseconds = 1'000'000;  ///< [ns] the same
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegree = kPi / 180.0;  ///< [rad]
 
 /** The two arms. Index 0 is gold (left), 1 is green (right), as in an ITP packet (raven2: include/itp_teleoperation.h).
  */

@@ -5,6 +5,9 @@
 
 namespace raven2_trainer::model {
 
+/** How a URDF names what lies in this package. */
+inline const std::string kPackage = "package://raven2_trainer/";
+
 /** The folder that the meshes of a URDF may not leave: above a folder urdf/, else the file's own. */
 std::string modelFolder(const std::string& urdf);
 
