@@ -36,7 +36,7 @@ TEST(HandModel, FollowsTheStepResponseOfAMassOnASpringAndDamper) {
   }
 }
 
-TEST(HandModel, RestsWhereTheSpringBalancesTheForceWhateverTheConfigurationAllows) {
+TEST(HandModel, StaysWithinTwiceItsBalanceWhateverTheConfigurationAllows) {
   // the corners of config/console.yaml's ranges
   for (const double mass : {0.01, 5.0}) {
     for (const double stiffness : {1.0, 10000.0}) {
