@@ -67,5 +67,32 @@ TEST(CameraOrbit, StopsAtItsLimits) {
   EXPECT_GT(orbit.state().eye_W[2], 0.03) << "never from below";
 }
 
+double elevationOf(const CameraState& state) {
+  return std::asin((state.eye_W[2] - state.target_W[2]) / distanceOf(state)) * 180.0 / kPi;
+}
+
+TEST(CameraOrbit, StaysFiveDegreesAboveTheBasePlateAndFiveFromUpright) {
+  for (const double down : {1e-3, -1e-3}) {
+    CameraOrbit orbit(camera());
+    for (int i = 0; i < 2000; ++i)
+      orbit.move({0.0, 0.0, down});
+    EXPECT_NEAR(elevationOf(orbit.state()), down > 0.0 ? 5.0 : 85.0, 1e-9);
+    orbit.move({0.0, 0.0, -0.1 * down});
+    EXPECT_NEAR((toEigen(orbit.state().eye_W) - toEigen(camera().target_W)).norm(), distanceOf(orbit.state()), 1e-12);
+    EXPECT_GT(elevationOf(orbit.state()), 5.0) << "back at once";
+    EXPECT_LT(elevationOf(orbit.state()), 85.0);
+  }
+}
+
+TEST(CameraOrbit, BringsAConfiguredCameraWithinItsLimits) {
+  CameraConfig near = camera(), far = camera(), below = camera();
+  near.eye_W = {-0.02, 0.0, 0.05};
+  far.eye_W = {-2.0, 0.0, 1.0};
+  below.eye_W = {-0.2, 0.0, -0.1};
+  EXPECT_NEAR(distanceOf(CameraOrbit(near).state()), 0.04, 1e-12);
+  EXPECT_NEAR(distanceOf(CameraOrbit(far).state()), 0.60, 1e-12);
+  EXPECT_NEAR(elevationOf(CameraOrbit(below).state()), 5.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::control

@@ -45,5 +45,18 @@ TEST(JointPid, IntegratesTheInsertionOnlyAndNeverWindsUp) {
   EXPECT_LT(pid.torque(q_d, {}, {}, {})[kInsertion], 1.0) << "the integral grew while saturated";
 }
 
+TEST(JointPid, IsBoundedAndNeverWindsUpInEitherDirection) {
+  for (const double sign : {-1.0, 1.0}) {
+    JointPid pid(gains());
+    JointArray q_d{};
+    q_d.fill(5.0 * sign);
+    for (int i = 0; i < 10000; ++i) {
+      for (const double tau : pid.torque(q_d, {}, {}, {}))
+        ASSERT_EQ(tau, 10.0 * sign);
+    }
+    EXPECT_NEAR(pid.torque({}, {}, {}, {})[kInsertion], 0.0, 1e-12) << "the integral grew while saturated";
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::control

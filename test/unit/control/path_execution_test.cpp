@@ -155,6 +155,39 @@ TEST(PathExecution, NeverJumps) {
   }
 }
 
+TEST(PathExecution, AnotherStartIsAsTheFirst) {
+  // GIVEN executions given up at any time, the last one at rest behind its end, and waiting
+  for (const int ticks : {1, 150, 450, 900, 1600}) {
+    PathExecution used(configuration()), fresh(configuration());
+    used.start(plan(), kMiddle);
+    for (int i = 0; i < ticks; ++i)
+      used.tick(true);
+    for (int i = 0; i < 7; ++i)
+      used.tick(false);
+    used.start(plan(), kGoal);
+    fresh.start(plan(), kGoal);
+    for (int i = 0; i < 1600; ++i) {
+      ASSERT_EQ(used.desired(), fresh.desired()) << ticks << ", tick " << i;
+      ASSERT_EQ(used.progress(), fresh.progress());
+      ASSERT_EQ(used.waited(), fresh.waited());
+      ASSERT_EQ(used.rested(), fresh.rested());
+      ASSERT_EQ(used.tick(true).dq, fresh.tick(true).dq) << ticks << ", tick " << i;
+    }
+  }
+}
+
+TEST(PathExecution, OfMoreWaypointsThanThereCanBeEndsAtTheLastThatThereIs) {
+  PlanResult endless = plan();
+  endless.waypoint_count = kMaxWaypoints + 1;
+  endless.waypoints.back() = kGoal;
+  endless.arrival.back() = 0.7;
+  endless.cost = 99.0;  // lies behind the arrivals
+  PathExecution execution(configuration());
+  execution.start(endless, kStart);
+  EXPECT_EQ(execution.duration(), 0.7);
+  EXPECT_EQ(execution.goal(), kGoal);
+}
+
 TEST(PathExecution, OfOneWaypointIsOverAfterTheHold) {
   PlanResult single = plan();
   single.waypoint_count = 1;

@@ -185,6 +185,60 @@ TEST(PathRelay, SendsNothingWhileThePathStandsStill) {
   EXPECT_LT(toEigen(increment.dq_I).vec().norm(), 1e-12);
 }
 
+TEST(PathRelay, SendsTheShortRotationWhereverTheOrientationIs) {
+  // GIVEN a whole turn of the roll and of the wrist's range: quaternions of the pose change their sign on the way
+  for (const Arm arm : kArms) {
+    for (const std::size_t joint : {kToolRotation, kWrist}) {
+      PathRelay relay(raven(), kLimits);
+      JointArray q = raven().home;
+      const double end = joint == kWrist ? 1.2 : kPi;
+      q[joint] = -end;
+      relay.start(arm, q);
+      relay.advance(q);
+      while ((q[joint] += 0.01) < end) {
+        const Quat dq = relay.advance(q).dq_I;
+        ASSERT_TRUE(relay.isUpToDate()) << q[joint];
+        ASSERT_NEAR(dq[3], std::cos(0.005), 1e-9) << q[joint];
+      }
+    }
+  }
+}
+
+TEST(PathRelay, FillsNoPacketBeyondItsLimitInAnyDirection) {
+  for (const Arm arm : kArms) {
+    for (const double sign : {-1.0, 1.0}) {
+      for (std::size_t j = 0; j < kGrasp1; ++j) {
+        PathRelay relay(raven(), {500.0, 0.01});
+        relay.start(arm, raven().home);
+        JointArray far = raven().home;
+        far[j] += sign * (j == kInsertion ? 0.02 : 0.2);
+        const TipIncrement increment = relay.advance(far);
+        EXPECT_FALSE(relay.isUpToDate());
+        for (const double step : increment.dp_I)
+          EXPECT_LE(std::abs(step), 500e-6 + 1e-12) << kJointNames[j];
+        EXPECT_LE(2.0 * toEigen(increment.dq_I).vec().norm(), 0.01 + 1e-9) << kJointNames[j];
+      }
+    }
+  }
+}
+
+TEST(RobotFollows, NotWhereTheLawLeadsBeyondALimitThatThePathItselfKeeps) {
+  // GIVEN the wrist to 69 of its 70 degrees in 2 s: a lead of 0.2 s is beyond the end of a quintic by
+  // 40 (0.2 / 2)^3 = 4 % at most, 2.8 degrees
+  ModelConfig leading;
+  leading.gains.fill({100.0, 20.0, 0.0, 50.0});
+  for (const Arm arm : kArms) {
+    for (const double degrees : {-69.0, 69.0}) {
+      JointArray goal = raven().home;
+      goal[kWrist] = degrees * kDegree;
+      PlanResult plan = edgeTo(goal);
+      plan.arm = arm;
+      EXPECT_TRUE(robotFollows(raven(), kLimits, kNoLead, plan)) << degrees;
+      EXPECT_FALSE(robotFollows(raven(), kLimits, ArmController(leading, arm), plan)) << degrees;
+    }
+  }
+}
+
 TEST(RobotFollows, NotThroughAJointLimit) {
   JointArray beyond = raven().home;
   beyond[4] = 75 * kDegree;

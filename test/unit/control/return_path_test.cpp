@@ -56,6 +56,30 @@ TEST(ReturnPath, KeepsItsLimitsFromRestToRest) {
     EXPECT_LT(std::abs(rate_before[j]), 1e-3 * kFastest[j]) << "at rest";
 }
 
+TEST(ReturnPath, TakesTheTimeOfTheSlowerArmWhicheverThatIs) {
+  for (const Arm slower : kArms) {
+    ReturnPath path(kFastest, kHardest);
+    PerArm<JointArray> to{kNear, kNear};
+    at(to, slower) = kThere;
+    path.start({kHere, kHere}, to);
+    EXPECT_NEAR(path.duration(), 15.0 / 8.0 * 0.3 / 0.5, 1e-12) << name(slower);
+  }
+}
+
+TEST(ReturnPath, AnotherStartIsAsTheFirst) {
+  ReturnPath used(kFastest, kHardest), fresh(kFastest, kHardest);
+  used.start({kHere, kHere}, {kThere, kNear});
+  for (int i = 0; i < 700; ++i)
+    used.tick();
+  for (ReturnPath* path : {&used, &fresh})
+    path->start({kNear, kThere}, {kHere, kHere});
+  EXPECT_FALSE(used.isOver());
+  EXPECT_EQ(used.goal()[1], kHere);
+  while (!fresh.isOver())
+    ASSERT_EQ(used.tick(), fresh.tick());
+  EXPECT_TRUE(used.isOver());
+}
+
 TEST(ReturnPath, HasNothingToDoWhereItIs) {
   ReturnPath path(kFastest, kHardest);
   EXPECT_TRUE(path.isOver());

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace raven2_trainer::control {
@@ -39,10 +41,9 @@ double turnBetween(const Matrix3& a, const Matrix3& b) {
 }
 
 /** An arm whose mapping takes every set point; the test is the client. */
-class ServoTargetTest : public ::testing::Test {
+class ServoTargetTest : public ::testing::TestWithParam<Arm> {
  protected:
-  explicit ServoTargetTest(const CrtkConfig& config = limits())
-      : geometry(raven()), target(config, geometry, Arm::kGreen) {
+  ServoTargetTest() : arm(GetParam()), geometry(raven()), target(limits(), geometry, arm) {
     standAt({0.6, 1.4, 0.35, 0.3, 0.2, 0.5, 0.9});
   }
 
@@ -51,12 +52,12 @@ class ServoTargetTest : public ::testing::Test {
     target.startFrom(poseOf(q), q, kinematics::jawOpening(q));
   }
 
-  Pose poseOf(const JointArray& joints) const { return kinematics::forward(geometry, Arm::kGreen, joints); }
+  Pose poseOf(const JointArray& joints) const { return kinematics::forward(geometry, arm, joints); }
 
   ServoCommand command(ServoKind kind) const {
     ServoCommand c;
     c.kind = kind;
-    c.arm = Arm::kGreen;
+    c.arm = arm;
     return c;
   }
   ServoVerdict joints(ServoKind kind, const ServoJoints& values) {
@@ -95,7 +96,7 @@ class ServoTargetTest : public ::testing::Test {
     turn_rate = turnBetween(target.pose().R, before.R) / kTickSeconds;
     top_speed = std::max(top_speed, speed);
     top_turn_rate = std::max(top_turn_rate, turn_rate);
-    const auto ik = kinematics::inverseWithinLimits(geometry, Arm::kGreen, target.pose(), target.opening(), q);
+    const auto ik = kinematics::inverseWithinLimits(geometry, arm, target.pose(), target.opening(), q);
     ASSERT_TRUE(kinematics::isUsable(ik.status));
     for (std::size_t j = 0; j < kServoJointCount; ++j) {
       const double step = std::abs(servoJoints(ik.q)[j] - servoJoints(q)[j]);
@@ -123,6 +124,7 @@ class ServoTargetTest : public ::testing::Test {
     return poseOf(to);
   }
 
+  const Arm arm;
   const ArmGeometry geometry;
   const JointArray bent{0.6, 1.4, 0.35, 0.3, 1.1, 0.5, 0.9};
   ServoTarget target;
@@ -130,7 +132,7 @@ class ServoTargetTest : public ::testing::Test {
   double speed{}, turn_rate{}, top_speed{}, top_turn_rate{}, top_joint_rate{};  // [m/s], [rad/s]
 };
 
-TEST_F(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed) {
+TEST_P(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed) {
   const ServoJoints from = servoJoints(q), to{0.65, 1.36, 0.355, 0.1, 0.3, 0.35};
   ASSERT_EQ(joints(ServoKind::kServoJoints, to).reason, ServoRefusal::kNone);
   tick(50);
@@ -150,7 +152,7 @@ TEST_F(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed
   EXPECT_FALSE(target.isMoving()) << "only moves are";
 }
 
-TEST_F(ServoTargetTest, ServoCpLeadsAlongTheStraightLineWithTheTurnSpreadOverIt) {
+TEST_P(ServoTargetTest, ServoCpLeadsAlongTheStraightLineWithTheTurnSpreadOverIt) {
   const Pose from = target.pose(), to = beside({0.008, -0.006, 0.004}, 0.1);
   ASSERT_EQ(pose(ServoKind::kServoPose, to).reason, ServoRefusal::kNone);
   EXPECT_TRUE(target.hasGoal());
@@ -168,7 +170,7 @@ TEST_F(ServoTargetTest, ServoCpLeadsAlongTheStraightLineWithTheTurnSpreadOverIt)
   EXPECT_NEAR(top_speed, 0.1, 1e-6);
 }
 
-TEST_F(ServoTargetTest, TheNewestServoCommandCounts) {
+TEST_P(ServoTargetTest, TheNewestServoCommandCounts) {
   const Pose first = beside({0.015, 0.0, 0.0}), second = beside({0.0, 0.01, 0.0});
   ASSERT_EQ(pose(ServoKind::kServoPose, first).reason, ServoRefusal::kNone);
   tick(50);
@@ -177,7 +179,7 @@ TEST_F(ServoTargetTest, TheNewestServoCommandCounts) {
   EXPECT_LT((target.pose().p - second.p).norm(), 1e-12);
 }
 
-TEST_F(ServoTargetTest, RelativeServoCommandsAddUp) {
+TEST_P(ServoTargetTest, RelativeServoCommandsAddUp) {
   const Pose from = target.pose();
   for (int i = 0; i < 5; ++i)
     ASSERT_EQ(pose(ServoKind::kServoPoseBy, {Matrix3::Identity(), Vector3(0.001, 0.0, -0.002)}).reason,
@@ -196,7 +198,7 @@ TEST_F(ServoTargetTest, RelativeServoCommandsAddUp) {
   EXPECT_NEAR(servoJoints(q)[5], before[5] - 0.06, 1e-7);
 }
 
-TEST_F(ServoTargetTest, MillimetresForMetresAreTooFar) {
+TEST_P(ServoTargetTest, MillimetresForMetresAreTooFar) {
   const Pose before = target.pose();
   const ServoVerdict far = pose(ServoKind::kServoPose, beside({5.0, 0.0, 0.0}));
   EXPECT_EQ(far.reason, ServoRefusal::kTooFar);
@@ -221,7 +223,7 @@ TEST_F(ServoTargetTest, MillimetresForMetresAreTooFar) {
   EXPECT_FALSE(target.hasGoal());
 }
 
-TEST_F(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
+TEST_P(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
   ServoJoints to = servoJoints(q);
   to[kWrist] = 71 * kDegree;
   for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kMoveJoints}) {
@@ -244,7 +246,7 @@ TEST_F(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
   EXPECT_EQ(jaw(ServoKind::kMoveJaw, -0.2).reason, ServoRefusal::kOutOfRange);
 }
 
-TEST_F(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
+TEST_P(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
   ServoJoints bad = servoJoints(q);
   bad[2] = kNan;
   EXPECT_EQ(joints(ServoKind::kServoJoints, bad).reason, ServoRefusal::kNotFinite);
@@ -268,7 +270,7 @@ TEST_F(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
   EXPECT_EQ(target.take(c).reason, ServoRefusal::kNotFinite);
 }
 
-TEST_F(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
+TEST_P(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
   JointArray outside = q;
   outside[kShoulder] = -0.05;
   EXPECT_EQ(pose(ServoKind::kMovePose, poseOf(outside)).reason, ServoRefusal::kUnreachable);
@@ -284,7 +286,7 @@ TEST_F(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
 
 /** With the wrist point within lw, 13 mm, of the remote centre, which is at 470 mm of insertion, nobody's does. The
  * robot's stops at the first of two points, which past the centre is lw beyond the tip: there it does up to 509 mm. */
-TEST_F(ServoTargetTest, JointsOnWhoseWayAnInverseGivesUpAreUnreachable) {
+TEST_P(ServoTargetTest, JointsOnWhoseWayAnInverseGivesUpAreUnreachable) {
   const auto inserted = [this](double metres) {
     ServoJoints to = servoJoints(q);
     to[kInsertion] = metres;
@@ -311,7 +313,7 @@ TEST_F(ServoTargetTest, JointsOnWhoseWayAnInverseGivesUpAreUnreachable) {
   EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.486)).reason, ServoRefusal::kUnreachable) << "nor out of it";
 }
 
-TEST_F(ServoTargetTest, AnyWayInJointsAwayFromTheRemoteCentreIsTaken) {
+TEST_P(ServoTargetTest, AnyWayInJointsAwayFromTheRemoteCentreIsTaken) {
   for (const double roll : {-3.1, -1.0, 2.0, 3.1}) {
     for (const double wrist : {-1.2, 0.0, 1.2}) {
       for (const double insertion : {0.231, 0.40}) {
@@ -323,7 +325,7 @@ TEST_F(ServoTargetTest, AnyWayInJointsAwayFromTheRemoteCentreIsTaken) {
   }
 }
 
-TEST_F(ServoTargetTest, AServoCommandThatCameToLeadTooFarIsDropped) {
+TEST_P(ServoTargetTest, AServoCommandThatCameToLeadTooFarIsDropped) {
   const auto stoodElsewhere = [this](double metres) {
     JointArray elsewhere = q;
     elsewhere[kInsertion] += metres;
@@ -345,7 +347,7 @@ TEST_F(ServoTargetTest, AServoCommandThatCameToLeadTooFarIsDropped) {
   EXPECT_TRUE(stoodElsewhere(-0.03)) << "a move goes anywhere";
 }
 
-TEST_F(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
+TEST_P(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
   const ServoJoints from = servoJoints(q), to{1.1, 1.9, 0.31, -1.2, -0.4, 0.0};
   ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone);
   EXPECT_TRUE(target.isMoving());
@@ -370,7 +372,7 @@ TEST_F(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
   EXPECT_GT(std::max({top_speed / 0.04, top_turn_rate / 0.5, fastest / 0.5}), 0.9) << "no slower than need be";
 }
 
-TEST_F(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
+TEST_P(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
   const Pose from = target.pose(), to = beside({0.03, 0.0, 0.0});
   ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone) << "farther than a servo command may";
   EXPECT_EQ(finish(), 1407) << "15/8 x 30 mm / 40 mm/s = 1.40625 s";
@@ -381,7 +383,7 @@ TEST_F(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
 
 /** With the wrist bent, roll and jaws' line turn about axes that are near each other: one against the other turns the
  * tip less than either. */
-TEST_F(ServoTargetTest, NoJointIsFasterThanAllowedOnAStraightWayEither) {
+TEST_P(ServoTargetTest, NoJointIsFasterThanAllowedOnAStraightWayEither) {
   double slowest = 10.0, fastest = 0.0;  // [rad/s]
   for (const Vec3& axis : {Vec3{1.0, 0.0, 0.0}, Vec3{0.0, 1.0, 0.0}, Vec3{0.0, 0.0, 1.0}}) {
     standAt(bent);
@@ -405,7 +407,7 @@ TEST_F(ServoTargetTest, NoJointIsFasterThanAllowedOnAStraightWayEither) {
   EXPECT_LT(top_joint_rate, 2.0 * 1.002);
 }
 
-TEST_F(ServoTargetTest, AMoveCpTakesTheTimeThatItsJointsNeed) {
+TEST_P(ServoTargetTest, AMoveCpTakesTheTimeThatItsJointsNeed) {
   standAt(bent);
   const Pose to = bentOtherwise(0.6);
   const double turn = turnBetween(to.R, target.pose().R);
@@ -421,7 +423,7 @@ TEST_F(ServoTargetTest, AMoveCpTakesTheTimeThatItsJointsNeed) {
   EXPECT_GT(seconds, 1.1 * 15.0 / 8 * turn / 0.5) << "or no joint was held back";
 }
 
-TEST_F(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
+TEST_P(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
   const Vector3 from = target.pose().p;
   std::vector<Vector3> ends;
   for (int i = 0; i < 8; ++i) {
@@ -439,7 +441,7 @@ TEST_F(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
   EXPECT_EQ(pose(ServoKind::kMovePose, {target.pose().R, from}).reason, ServoRefusal::kNone);
 }
 
-TEST_F(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
+TEST_P(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
   ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
   ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.0, 0.0, 0.0})).reason, ServoRefusal::kNone);
   tick(400);
@@ -460,7 +462,7 @@ TEST_F(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
   EXPECT_FALSE(target.isMoving());
 }
 
-TEST_F(ServoTargetTest, ATwistLastsForItsTime) {
+TEST_P(ServoTargetTest, ATwistLastsForItsTime) {
   const Pose from = target.pose();
   ASSERT_EQ(twist({0.02, 0.0, -0.01}, {0.0, 0.0, 0.4}).reason, ServoRefusal::kNone);
   tick(60);
@@ -471,7 +473,7 @@ TEST_F(ServoTargetTest, ATwistLastsForItsTime) {
   EXPECT_EQ(speed, 0.0);
 }
 
-TEST_F(ServoTargetTest, ATwistThatIsTooFastIsRefused) {
+TEST_P(ServoTargetTest, ATwistThatIsTooFastIsRefused) {
   const ServoVerdict fast = twist({0.08, 0.08, 0.0}, {});
   EXPECT_EQ(fast.reason, ServoRefusal::kTooFast);
   EXPECT_EQ(fast.is_turn, 0);
@@ -482,7 +484,7 @@ TEST_F(ServoTargetTest, ATwistThatIsTooFastIsRefused) {
   EXPECT_EQ(spin.limit, 2.0);
 }
 
-TEST_F(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
+TEST_P(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
   JointArray edge = q;
   edge[kInsertion] = 0.55452;
   standAt(edge);
@@ -497,7 +499,7 @@ TEST_F(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
   EXPECT_GT(q[kInsertion], 0.5599) << "5.5 mm further, 12.5 asked for";
 }
 
-TEST_F(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
+TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
   const Pose from = target.pose();
   ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.015, 0.0, 0.0})).reason, ServoRefusal::kNone);
   for (int i = 0; i < 100; ++i) {
@@ -509,7 +511,7 @@ TEST_F(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
   EXPECT_LT((target.pose().p - from.p - Vector3(0.015, 0.0, 0.0)).norm(), 1e-9) << "once it is taken again";
 }
 
-TEST_F(ServoTargetTest, RoundingOfTheMappingDoesNotStopASlowMotion) {
+TEST_P(ServoTargetTest, RoundingOfTheMappingDoesNotStopASlowMotion) {
   const Pose from = target.pose();
   for (int tenth = 0; tenth < 10; ++tenth) {
     ASSERT_EQ(twist({1e-4, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);  // 0.1 um a tick
@@ -523,7 +525,7 @@ TEST_F(ServoTargetTest, RoundingOfTheMappingDoesNotStopASlowMotion) {
   EXPECT_NEAR(target.pose().p.x() - from.p.x(), 1e-4, 2e-6);
 }
 
-TEST_F(ServoTargetTest, AMoveThatWasHeldUpGoesOnFromRest) {
+TEST_P(ServoTargetTest, AMoveThatWasHeldUpGoesOnFromRest) {
   const Pose to = beside({0.03, 0.0, 0.0});
   ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone);
   tick(700);
@@ -537,7 +539,7 @@ TEST_F(ServoTargetTest, AMoveThatWasHeldUpGoesOnFromRest) {
   EXPECT_LT(top_speed, 0.0401);
 }
 
-TEST_F(ServoTargetTest, TheJawsGoAtTheirOwnRate) {
+TEST_P(ServoTargetTest, TheJawsGoAtTheirOwnRate) {
   const double from = target.opening();  // 1.4
   ASSERT_EQ(jaw(ServoKind::kServoJaw, 0.2).reason, ServoRefusal::kNone) << "any opening within their range";
   tick(100);
@@ -554,6 +556,152 @@ TEST_F(ServoTargetTest, TheJawsGoAtTheirOwnRate) {
   EXPECT_NEAR(target.opening(), 0.8, 1e-12);
   EXPECT_EQ(top_speed, 0.0) << "the arm holds";
 }
+
+TEST_P(ServoTargetTest, TheJawsOpenAndCloseAtTheSameRateAndAServoCommandEndsTheirMove) {
+  for (const double sign : {-1.0, 1.0}) {
+    standAt({0.6, 1.4, 0.35, 0.3, 0.2, 0.3, 0.3});
+    ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.6 - 0.5 * sign).reason, ServoRefusal::kNone);
+    tick(50);
+    const double from = target.opening();
+    ASSERT_EQ(jaw(ServoKind::kServoJaw, 0.6 + 0.5 * sign).reason, ServoRefusal::kNone);
+    EXPECT_FALSE(target.isMoving());
+    tick(100);
+    EXPECT_NEAR(target.opening(), from + 0.2 * sign, 1e-9) << "2 rad/s";
+    target.take(command(ServoKind::kHold));
+    tick(100);
+    EXPECT_NEAR(target.opening(), from + 0.2 * sign, 1e-9) << "a hold ends that, too";
+    ASSERT_EQ(jaw(ServoKind::kServoJawBy, 0.01 * sign).reason, ServoRefusal::kNone);
+    tick(50);
+    EXPECT_NEAR(target.opening(), from + 0.21 * sign, 1e-9) << "from where they are held";
+  }
+}
+
+TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeOfTurnOrJawsIsNotGoneOnFrom) {
+  const Pose from = target.pose();
+  const double opening = target.opening();
+  ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.0, 0.0, 0.0}, 0.3)).reason, ServoRefusal::kNone);
+  ASSERT_EQ(jaw(ServoKind::kServoJaw, opening - 0.5).reason, ServoRefusal::kNone);
+  for (int i = 0; i < 100; ++i) {
+    target.keepTo(from, q, opening);  // both stay where they were
+    target.step();
+    ASSERT_LT(turnBetween(target.pose().R, from.R), 3.1e-3) << i;
+    ASSERT_LT(std::abs(target.opening() - opening), 0.0221) << i;
+  }
+  // a move of the jaws that met a limit is over
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, opening - 1.0).reason, ServoRefusal::kNone);
+  for (int i = 0; target.isMoving() && i < 2000; ++i) {
+    target.keepTo(target.pose(), q, opening);
+    target.step();
+  }
+  EXPECT_FALSE(target.isMoving());
+  target.keepTo(target.pose(), q, opening);
+  target.step();
+  EXPECT_EQ(target.opening(), opening);
+}
+
+TEST_P(ServoTargetTest, MovesGoOnFromWhereTheArmWasTakenMeanwhileWithoutALeap) {
+  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.2).reason, ServoRefusal::kNone);
+  const Pose to = target.goal();
+  tick(700);
+  JointArray elsewhere = q;
+  elsewhere[kInsertion] -= 0.01;
+  kinematics::setJaws(kinematics::jawMidline(q), 0.6, &elsewhere);
+  standAt(elsewhere);
+  const Pose before = target.pose();
+  tick();
+  EXPECT_LT((target.pose().p - before.p).norm(), 1e-6);
+  EXPECT_NEAR(target.opening(), 0.6, 1e-6);
+  top_speed = 0.0;
+  finish();
+  EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
+  EXPECT_NEAR(target.opening(), 0.2, 1e-12);
+  EXPECT_LT(top_speed, 0.0401);
+}
+
+TEST_P(ServoTargetTest, BeginsWithAnOpeningThatTheJawsCanHave) {
+  for (const auto& [opening, expected] : {std::pair{-0.5, -0.174}, {0.3, 0.3}, {2.0, 1.57}}) {
+    JointArray joints = bent;
+    kinematics::setJaws(0.1, opening, &joints);
+    standAt(joints);
+    EXPECT_NEAR(target.opening(), expected, 1e-12);
+    target.keepTo(target.pose(), q, opening);
+    EXPECT_NEAR(target.opening(), expected, 1e-12);
+  }
+}
+
+TEST_P(ServoTargetTest, ATwistTurnsAboutItsAxisOfTheBaseTheRightWayRound) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double rate : {-0.4, 0.4}) {
+      standAt({0.6, 1.4, 0.35, 0.3, 0.2, 0.5, 0.9});
+      const Pose from = target.pose();
+      Vec3 w{};
+      w[static_cast<std::size_t>(axis)] = rate;
+      ASSERT_EQ(twist({}, w).reason, ServoRefusal::kNone);
+      tick(200);
+      const Matrix3 turned = Eigen::AngleAxisd(0.1 * rate, Vector3::Unit(axis)) * from.R;  // 100 ms
+      EXPECT_LT(turnBetween(target.pose().R, turned), 1e-7) << axis << " " << rate;
+      EXPECT_LT((target.pose().p - from.p).norm(), 1e-9) << "the tip stays";
+    }
+  }
+}
+
+TEST_P(ServoTargetTest, EachJointIsRefusedBeyondEitherLimit) {
+  const ServoJoints middle{0.8, 1.6, 0.35, 0.0, 0.0, 0.0};
+  for (std::size_t j = 0; j < kServoJointCount; ++j) {
+    const bool is_midline = j + 1 == kServoJointCount;
+    for (const bool is_upper : {false, true}) {
+      const double low = geometry.q_min[is_midline ? kGrasp1 : j], high = geometry.q_max[is_midline ? kGrasp2 : j];
+      const double limit = is_upper ? high : low;
+      ServoJoints to = middle;
+      to[j] = limit + (is_upper ? 1e-6 : -1e-6);
+      const ServoVerdict verdict = joints(ServoKind::kMoveJoints, to);
+      EXPECT_EQ(verdict.reason, ServoRefusal::kOutOfRange) << j;
+      EXPECT_EQ(verdict.joint, j);
+      EXPECT_EQ(verdict.value, to[j]);
+      EXPECT_EQ(verdict.limit, limit);
+      EXPECT_EQ(verdict.is_turn, j == kInsertion ? 0 : 1);
+    }
+  }
+}
+
+TEST_P(ServoTargetTest, AQuaternionOfAnotherLengthIsNoRotationWhetherLongerOrShorter) {
+  ServoCommand c = command(ServoKind::kServoPose);
+  for (const double norm : {0.97, 0.981, 1.019, 1.03, 2.0}) {
+    c.pose_B = toArray(target.pose());
+    for (double& x : c.pose_B.q)
+      x *= -norm;  // the negative is the same rotation
+    const bool is_unit = std::abs(norm - 1.0) <= 0.02;
+    EXPECT_EQ(target.take(c).reason, is_unit ? ServoRefusal::kNone : ServoRefusal::kNotFinite) << norm;
+  }
+  tick(100);
+  EXPECT_LT(turnBetween(target.pose().R, poseOf(q).R), 1e-9);
+}
+
+TEST_P(ServoTargetTest, TheShortestMoveTakesAFifthOfASecond) {
+  // 10/sqrt(3) x 1 mm / (0.2 s)^2 = 0.144 m/s2
+  for (const double millimetres : {0.01, 1.0}) {
+    ASSERT_EQ(pose(ServoKind::kMovePose, beside({1e-3 * millimetres, 0.0, 0.0})).reason, ServoRefusal::kNone);
+    EXPECT_EQ(finish(), 200) << millimetres;
+  }
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, target.opening() - 0.001).reason, ServoRefusal::kNone);
+  EXPECT_EQ(finish(), 200);
+}
+
+TEST_P(ServoTargetTest, AMoveOfTheRollTakesTheTimeOfItsAngleEitherWayUpToARevolution) {
+  // as far as 170 degrees the tip turns by what the roll does
+  for (const double roll : {-170.0, -130.0, 130.0, 170.0}) {
+    standAt({0.6, 1.4, 0.35, -0.5 * roll * kDegree, 0.0, 0.5, 0.9});
+    ServoJoints to = servoJoints(q);
+    to[kToolRotation] += roll * kDegree;
+    ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone);
+    EXPECT_NEAR(finish(), 1000.0 * 15.0 / 8.0 * std::abs(roll) * kDegree / 0.5, 2.0) << roll;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, ServoTargetTest, ::testing::ValuesIn(kArms), [](const auto& arm) {
+  return std::string(name(arm.param));
+});
 
 }  // namespace
 }  // namespace raven2_trainer::control

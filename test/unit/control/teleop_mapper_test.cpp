@@ -133,6 +133,46 @@ TEST(TeleopMapper, ClampsTheGrasp) {
   EXPECT_NEAR(kinematics::jawOpening(mapper.desired()), 1.570, 1e-12);
 }
 
+TEST(TeleopMapper, TheWantedOpeningIsKeptUpTo45DegreesFromTheRobotsEitherWay) {
+  // raven2.md 1.4: with the pedal up
+  const ArmGeometry g = raven();
+  for (const Arm arm : kArms) {
+    for (const double degrees : {-46.0, -44.0, 44.0, 46.0}) {
+      TeleopMapper mapper(g, arm);
+      mapper.setOpening(0.8);
+      JointArray robot = g.home;
+      const double actual = 0.8 + degrees * kDegree;
+      kinematics::setJaws(0.3, actual, &robot);
+      mapper.rebase(robot);
+      const double expected = std::abs(degrees) < 45.0 ? 0.8 : actual;
+      EXPECT_NEAR(mapper.opening(), expected, 1e-12) << degrees;
+      EXPECT_NEAR(kinematics::jawOpening(mapper.desired()), expected, 1e-12) << degrees;
+      EXPECT_NEAR(kinematics::jawMidline(mapper.desired()), 0.3, 1e-12) << degrees;
+      mapper.rebasePose(g.home);
+      EXPECT_NEAR(kinematics::jawOpening(mapper.desired()), expected, 1e-12) << "what is held stays held";
+    }
+  }
+}
+
+TEST(TeleopMapper, AQuaternionAndItsNegativeAreTheSameRotationForBothArms) {
+  const ArmGeometry g = raven();
+  Random random(8);
+  for (const Arm arm : kArms) {
+    for (int i = 0; i < 50; ++i) {
+      const Vector3 axis(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+      const Quaternion turn(Eigen::AngleAxisd(random.uniform(-0.1, 0.1), axis.normalized()));
+      const Matrix3 expected =
+          itpToBase(arm) * turn.toRotationMatrix() * itpToBase(arm).transpose() * kinematics::forward(g, arm, g.home).R;
+      for (const Quat& dq : {toArray(turn), toArray(Quaternion(-turn.coeffs()))}) {
+        TeleopMapper mapper(g, arm);
+        ASSERT_EQ(mapper.add({}, dq, 0.0, g.home), IkStatus::kOk);
+        EXPECT_LT((mapper.desiredPose().R - expected).norm(), 1e-12);
+        EXPECT_LT((kinematics::forward(g, arm, mapper.desired()).R - expected).norm(), 1e-9);
+      }
+    }
+  }
+}
+
 TEST(TeleopMapper, RotationsMultiplyFromTheLeftInTheBase) {
   const ArmGeometry g = raven();
   TeleopMapper mapper(g, Arm::kGreen);

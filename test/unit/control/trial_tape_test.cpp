@@ -99,6 +99,87 @@ TEST(TrialTape, TheFirstPedalDownIsNoClutch) {
   EXPECT_EQ(tape.at(0.0).q_d[0][0], 3.0);
 }
 
+TEST(TrialTape, AnotherTrialHasNothingOfTheOneBefore) {
+  TrialTape tape(1000);
+  for (const double number : {0.0, 3.0}) {  // a clutch, whose step is still spread
+    tape.mark();
+    for (int i = 0; i < 10; ++i)
+      tape.add(sampleOf(number));
+  }
+  ASSERT_NE(tape.at(15.0).q_d[0][0], 3.0);
+  tape.clear();
+  for (int i = 0; i < 200; ++i)
+    tape.add(sampleOf(5.0));
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ(tape.at(i).q_d[0][0], 5.0) << i;
+    EXPECT_EQ(tape.at(i).q_d[1][0], -5.0) << i;
+  }
+}
+
+/** Both arms, every joint and every axis of the tips, all different and all in motion. */
+TrialSample fullSample(double number) {
+  TrialSample sample;
+  for (std::size_t a = 0; a < kArmCount; ++a) {
+    const double arm = static_cast<double>(a + 1);
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      at(sample.q_d, kArms[a])[j] = arm * 0.1 + static_cast<double>(j) + arm * 0.001 * number;
+    for (std::size_t i = 0; i < 3; ++i)
+      at(sample.tip_B, kArms[a])[i] = arm * (1.0 + static_cast<double>(i)) * 1e-4 * number;
+  }
+  return sample;
+}
+
+void expectNear(const TrialSample& a, const TrialSample& b) {
+  for (const Arm arm : kArms) {
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      EXPECT_NEAR(at(a.q_d, arm)[j], at(b.q_d, arm)[j], 1e-12) << name(arm) << " " << kJointNames[j];
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(at(a.tip_B, arm)[i], at(b.tip_B, arm)[i], 1e-12) << name(arm) << " " << i;
+  }
+}
+
+TEST(TrialTape, KeepsEveryJointAndTipOfBothArmsBetweenTicksToo) {
+  TrialTape tape(10);
+  for (int i = 0; i < 10; ++i)
+    tape.add(fullSample(i));
+  for (const double ticks : {0.0, 3.0, 3.25, 8.75, 9.0})
+    expectNear(tape.at(ticks), fullSample(ticks));
+}
+
+TEST(TapeExecution, AnotherStartIsAsTheFirst) {
+  const TrialTape tape = tapeOf(300), other = tapeOf(20);
+  for (const int ticks : {1, 150, 350, 600}) {
+    TapeExecution used(configuration()), fresh(configuration());
+    used.start(tape, sampleOf(4.0).q_d);
+    for (int i = 0; i < ticks; ++i)
+      used.tick(true);
+    for (int i = 0; i < 7; ++i)
+      used.tick(false);
+    used.start(other, sampleOf(2.0).q_d);
+    fresh.start(other, sampleOf(2.0).q_d);
+    for (int i = 0; i < 300; ++i) {
+      ASSERT_EQ(used.desired().q_d, fresh.desired().q_d) << ticks << ", tick " << i;
+      ASSERT_EQ(used.desired().tip_B, fresh.desired().tip_B) << ticks << ", tick " << i;
+      ASSERT_EQ(used.progress(), fresh.progress());
+      ASSERT_EQ(used.waited(), fresh.waited());
+      ASSERT_EQ(used.rested(), fresh.rested());
+      used.tick(true);
+      fresh.tick(true);
+    }
+    EXPECT_EQ(used.goal(), fresh.goal());
+  }
+}
+
+TEST(TapeExecution, LeadsBothArmsFromWhereTheyStand) {
+  const TrialTape tape = tapeOf(300);
+  TapeExecution execution(configuration());
+  execution.start(tape, {JointArray{7.0}, JointArray{-3.0}});
+  for (int i = 0; i < 100; ++i)
+    execution.tick(true);
+  EXPECT_NEAR(execution.desired().q_d[0][0], 3.5, 1e-9) << "half of the way after half of the hold";
+  EXPECT_NEAR(execution.desired().q_d[1][0], -1.5, 1e-9);
+}
+
 TEST(TapeExecution, HoldsThenPlaysInItsOwnTimeThenRests) {
   const TrialTape tape = tapeOf(300);
   TapeExecution execution(configuration());

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 
 #include "raven2_trainer/core/shared_state.h"
@@ -128,6 +130,77 @@ TEST(SessionCounts, OfTheSharedStateAreThoseOfEveryRing) {
   EXPECT_EQ(ring(counts, RingId::kPedalRequests).pushed, 1U);
   EXPECT_EQ(ring(counts, RingId::kExerciseRecords).dropped, 1U);
   EXPECT_EQ(counts.records_dropped, 5U) << "records alone, not requests";
+}
+
+TEST(SessionCounts, TakeEachCounterOfTheSharedStateForWhatItIs) {
+  const auto shared = std::make_unique<SharedState>();
+  struct Row {
+    Counter SharedState::*counter;
+    std::uint64_t SessionCounts::*total;
+  };
+  const Row rows[] = {
+      {&SharedState::master_used, &SessionCounts::master_used},
+      {&SharedState::master_overruled, &SessionCounts::master_overruled},
+      {&SharedState::servo_made, &SessionCounts::servo_made},
+      {&SharedState::relay_sent, &SessionCounts::relay_sent},
+      {&SharedState::relay_failed, &SessionCounts::relay_failed},
+      {&SharedState::relay_released, &SessionCounts::relay_released},
+      {&SharedState::force_sent, &SessionCounts::force_sent},
+      {&SharedState::force_failed, &SessionCounts::force_failed},
+      {&SharedState::force_silent, &SessionCounts::force_silent},
+      {&SharedState::ik_clamped, &SessionCounts::ik_clamped},
+      {&SharedState::frames, &SessionCounts::frames},
+      {&SharedState::contacts_dropped, &SessionCounts::contacts_dropped},
+  };
+  std::uint64_t number = 100;
+  for (const Row& row : rows)
+    ((*shared).*row.counter).add(number++);
+  shared->master_faults.store({1, 2, 3});
+  shared->relay_faults.store({4, 5, 6});
+  shared->relay_network.store({7, 8, 9});
+  shared->fault_changes_lost.add(10);
+  shared->fault_changes_untold.add(20);
+  const SessionCounts counts = sharedCounts(*shared);
+  number = 100;
+  for (const Row& row : rows)
+    EXPECT_EQ(counts.*row.total, number++) << &row - rows;
+  EXPECT_EQ(counts.master_faults.held, 3U);
+  EXPECT_EQ(counts.relay_faults.held, 6U);
+  EXPECT_EQ(counts.relay_network.held, 9U);
+  EXPECT_EQ(counts.fault_changes_lost, 30U) << "both kinds of loss";
+}
+
+TEST(SessionCounts, FindEachRingUnderItsName) {
+  const auto shared = std::make_unique<SharedState>();
+  const std::map<std::string, std::function<bool()>> push{
+      {"master_commands", [&] { return shared->master_commands.tryPush({}); }},
+      {"requests", [&] { return shared->requests.tryPush({}); }},
+      {"pedal_requests", [&] { return shared->pedal_requests.tryPush({}); }},
+      {"fault_requests", [&] { return shared->fault_requests.tryPush({}); }},
+      {"fault_changes", [&] { return shared->fault_changes.tryPush({}); }},
+      {"plan_requests", [&] { return shared->plan_requests.tryPush({}); }},
+      {"plan_results", [&] { return shared->plan_results.tryPush({}); }},
+      {"relay_packets", [&] { return shared->relay_packets.tryPush({}); }},
+      {"force_packets", [&] { return shared->force_packets.tryPush({}); }},
+      {"servo_commands", [&] { return shared->servo_commands.tryPush({}); }},
+      {"servo_refused", [&] { return shared->servo_refused.tryPush({}); }},
+      {"tick_records", [&] { return shared->records.ticks.tryPush({}); }},
+      {"haptic_records", [&] { return shared->records.haptics.tryPush({}); }},
+      {"command_records", [&] { return shared->records.commands.tryPush({}); }},
+      {"request_records", [&] { return shared->records.requests.tryPush({}); }},
+      {"plan_records", [&] { return shared->records.plans.tryPush({}); }},
+      {"fault_records", [&] { return shared->records.faults.tryPush({}); }},
+      {"contact_records", [&] { return shared->records.contacts.tryPush({}); }},
+      {"fault_change_records", [&] { return shared->records.changes.tryPush({}); }},
+      {"execution_records", [&] { return shared->records.executions.tryPush({}); }},
+      {"exercise_records", [&] { return shared->records.exercises.tryPush({}); }},
+  };
+  ASSERT_EQ(push.size(), kRingCount);
+  for (std::size_t i = 0; i < kRingCount; ++i) {
+    ASSERT_EQ(sharedCounts(*shared).rings[i].pushed, 0U) << kRingNames[i];
+    ASSERT_TRUE(push.at(kRingNames[i])());
+    ASSERT_EQ(sharedCounts(*shared).rings[i].pushed, 1U) << kRingNames[i];
+  }
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::detector {
 namespace {
@@ -298,6 +301,305 @@ TEST(AnomalyDetector, IsSilentWithTheBrakesOnAndForgets) {
   now.motor[0][0] = 1000.0;
   EXPECT_EQ(detector.step(now).size, 0.0);
   EXPECT_EQ(detector.step(now).size, 0.0);
+}
+
+// ---- either arm, every axis, both directions -----------------------------------------------------------------------
+
+/** Of which everything differs between the arms and the axes, the signs of the drives and the coupling included. */
+DetectorConfig anyConfig(DetectorRule rule, Random* random) {
+  DetectorConfig config = plainConfig(rule);
+  for (auto& arm : config.axes) {
+    for (DetectorAxis& axis : arm) {
+      axis.inertia *= random->uniform(0.5, 2.0);
+      axis.viscous *= random->uniform(0.5, 2.0);
+      axis.coulomb *= random->uniform(0.5, 2.0);
+      axis.offset = random->uniform(-0.02, 0.02);
+      axis.gravity = {random->uniform(-0.02, 0.02), random->uniform(-0.02, 0.02), random->uniform(-0.02, 0.02)};
+      axis.published.acceleration *= random->uniform(0.5, 2.0);
+      axis.departure.motor_velocity *= random->uniform(0.5, 2.0);
+    }
+  }
+  return config;
+}
+
+Drives anyDrives(Random* random) {
+  Drives drives = plainDrives();
+  for (auto& arm : drives.torque_per_count) {
+    for (double& torque : arm)
+      torque *= random->uniform(0.5, 2.0) * (random->next() % 2 == 0 ? 1.0 : -1.0);
+  }
+  drives.joint_per_motor[1][0] = 1e-3;  // cables couple what comes behind to what comes before
+  drives.joint_per_motor[2][0] = -4e-5;
+  drives.joint_per_motor[2][1] = 7e-5;
+  drives.position_gain = {0.3, 0.25, 0.15};
+  return drives;
+}
+
+Observation anyPose(Random* random) {
+  Observation now = atHome();
+  for (const Arm arm : kArms)
+    at(now.q, arm) = {random->uniform(0.2, 1.2), random->uniform(1.0, 2.0), random->uniform(0.25, 0.42), 0.3, 0.2, 0.5,
+                      0.4};
+  return now;
+}
+
+/** [Nm] of a command, less load and friction: Newton's law again. */
+double netOf(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) {
+  return torque - axis.offset - axis.gravity[0] * q[0] - axis.gravity[1] * q[1] - axis.gravity[2] * q[2] -
+         axis.viscous * velocity;
+}
+
+TEST(AnomalyDetector, PredictsEveryAxisOfBothArmsFromItsOwnFigures) {
+  Random random(21);
+  for (int run = 0; run < 50; ++run) {
+    const DetectorConfig config = anyConfig(DetectorRule::kPublished, &random);
+    const Drives drives = anyDrives(&random);
+    AnomalyDetector detector(config, drives);
+    Observation now = anyPose(&random);
+    PerArm<Vec3> velocity{};  // [rad/s] of all motors at once
+    for (const Arm arm : kArms) {
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        at(velocity, arm)[i] = (random.next() % 2 == 0 ? 1.0 : -1.0) * random.uniform(5.0, 60.0);
+        at(now.dac, arm)[i] = static_cast<std::int32_t>(random.uniform(-2400.0, 2400.0));
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      detector.step(now);
+      for (const Arm arm : kArms) {
+        for (std::size_t i = 0; i < kAxes; ++i)
+          at(now.motor, arm)[i] += at(velocity, arm)[i] * kTickSeconds;
+      }
+    }
+    for (const Arm arm : kArms) {
+      Vec3 motors{}, joints{};
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        const DetectorAxis& axis = at(config.axes, arm)[i];
+        const double v = at(velocity, arm)[i], torque = at(drives.torque_per_count, arm)[i] * at(now.dac, arm)[i];
+        const double net = netOf(axis, torque, v, at(now.q, arm)) - (v > 0.0 ? axis.coulomb : -axis.coulomb);
+        const Prediction& p = detector.prediction(arm, i);
+        EXPECT_NEAR(p.acceleration, net / axis.inertia, 1e-6) << name(arm) << " " << i;
+        motors[i] = v + net / axis.inertia * kTickSeconds;
+        EXPECT_NEAR(p.motor_velocity, motors[i], 1e-8) << name(arm) << " " << i;
+      }
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        for (std::size_t k = 0; k < kAxes; ++k)
+          joints[i] += drives.joint_per_motor[i][k] * motors[k];
+        EXPECT_NEAR(detector.prediction(arm, i).joint_velocity, joints[i], 1e-9) << name(arm) << " " << i;
+      }
+    }
+  }
+}
+
+/** One arm, one of its axes, one direction, and how far the tip goes for a radian of the motor. */
+struct Case {
+  Arm arm;
+  std::size_t axis;
+  double sign;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const Arm arm : kArms) {
+    for (std::size_t i = 0; i < kAxes; ++i)
+      all.push_back({arm, i, 1.0}), all.push_back({arm, i, -1.0});
+  }
+  return all;
+}
+
+std::string nameOf(const Case& c) {
+  return std::string(name(c.arm)) + " " + kJointNames[c.axis] + (c.sign > 0.0 ? " +" : " -");
+}
+
+/** [m/rad] by central differences of the forward kinematics. */
+double tipPerMotor(const Drives& drives, const Case& c, const JointArray& q) {
+  constexpr double kStep = 1e-6;
+  JointArray above = q, below = q;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    above[i] += kStep * drives.joint_per_motor[i][c.axis];
+    below[i] -= kStep * drives.joint_per_motor[i][c.axis];
+  }
+  const Vector3 from = kinematics::forward(drives.geometry, c.arm, below).p;
+  return (kinematics::forward(drives.geometry, c.arm, above).p - from).norm() / (2.0 * kStep);
+}
+
+/** A command of one axis at rest, as a torque [Nm] beyond load; the others have what their load takes. */
+std::int32_t commandFor(const DetectorConfig& config,
+                        const Drives& drives,
+                        Arm arm,
+                        std::size_t i,
+                        const JointArray& q,
+                        double beyond) {
+  const double load = -netOf(at(config.axes, arm)[i], 0.0, 0.0, q);
+  return static_cast<std::int32_t>(std::lround((load + beyond) / at(drives.torque_per_count, arm)[i]));
+}
+
+TEST(AnomalyDetector, DepartsByWhatTheCommandOfAnyOneAxisAsksOfItsTip) {
+  Random random(22);
+  for (const Case& c : cases()) {
+    const DetectorConfig config = anyConfig(DetectorRule::kDeparture, &random);
+    const Drives drives = anyDrives(&random);
+    AnomalyDetector detector(config, drives);
+    Observation now = anyPose(&random);
+    for (const Arm arm : kArms) {
+      for (std::size_t i = 0; i < kAxes; ++i)
+        at(now.dac, arm)[i] = commandFor(config, drives, arm, i, at(now.q, arm), 0.0);
+    }
+    const JointArray& q = at(now.q, c.arm);
+    at(now.dac, c.arm)[c.axis] = commandFor(config, drives, c.arm, c.axis, q, c.sign * 0.2);
+    for (int k = 0; k < 3; ++k)
+      detector.step(now);
+    const DetectorAxis& axis = at(config.axes, c.arm)[c.axis];
+    const double asked = 0.7 * (0.2 - axis.coulomb) / drives.position_gain[c.axis];
+    // to a count of the command: 2 / 3696 Nm of at least 0.1
+    EXPECT_NEAR(detector.excursion(c.arm) / (asked * tipPerMotor(drives, c, q)), 1.0, 0.01) << nameOf(c);
+    EXPECT_EQ(detector.excursion(otherArm(c.arm)), 0.0) << nameOf(c);
+    // and beyond its own clip by one step of it: the insertion's is lower
+    const double clip = drives.clip[c.axis], torque_per_count = std::abs(at(drives.torque_per_count, c.arm)[c.axis]);
+    for (const double counts : {clip, clip + 1.0}) {
+      at(now.dac, c.arm)[c.axis] = static_cast<std::int32_t>(c.sign * counts);
+      detector.step(now);
+      const double net = netOf(axis, c.sign * counts * at(drives.torque_per_count, c.arm)[c.axis], 0.0, q);
+      const double left = std::max(std::abs(net) - axis.coulomb, 0.0);
+      ASSERT_GT(left, 0.1 * counts * torque_per_count) << nameOf(c);
+      const double asked_of_it = 0.7 * left / drives.position_gain[c.axis];
+      const double departs = counts > clip ? 0.03 * 0.001 * left / axis.inertia : asked_of_it;
+      EXPECT_NEAR(detector.excursion(c.arm) / (departs * tipPerMotor(drives, c, q)), 1.0, 1e-6) << nameOf(c);
+    }
+  }
+}
+
+TEST(AnomalyDetector, NamesTheArmAndJointOfAnyJumpAndItsExcursion) {
+  for (const Case& c : cases()) {
+    AnomalyDetector detector(plainConfig(DetectorRule::kDeparture), plainDrives());
+    Observation now = atHome();
+    detector.step(now);
+    double velocity = 0.0, position = 0.0;
+    bool has_alarmed = false;
+    at(now.dac, c.arm)[c.axis] = static_cast<std::int32_t>(c.sign * 30000);
+    for (int k = 0; k < 30 && !has_alarmed; ++k) {
+      has_alarmed = detector.step(now).alarm;
+      velocity += 0.001 * acceleration(plainAxis(), c.sign * 30000 / 3695.807, velocity, JointArray{});
+      position += 0.001 * velocity;
+      at(now.motor, c.arm)[c.axis] = std::round(position / kCount) * kCount;
+    }
+    ASSERT_TRUE(has_alarmed) << nameOf(c);
+    EXPECT_EQ(detector.verdict().arm, c.arm) << nameOf(c);
+    EXPECT_EQ(detector.verdict().joint, c.axis) << nameOf(c);
+    EXPECT_EQ(detector.verdict().excursion, detector.excursion(c.arm)) << nameOf(c);
+    EXPECT_EQ(detector.excursion(otherArm(c.arm)), 0.0) << nameOf(c);
+  }
+}
+
+TEST(AnomalyDetector, JudgesEachAxisByItsOwnThresholds) {
+  // GIVEN thresholds that only one axis of one arm can pass, and the same command on all
+  for (const Case& c : cases()) {
+    DetectorConfig config = plainConfig(DetectorRule::kDeparture);
+    for (auto& arm : config.axes) {
+      for (DetectorAxis& axis : arm)
+        axis.departure.acceleration = 1e9;
+    }
+    at(config.axes, c.arm)[c.axis].departure.acceleration = 1.0;
+    config.excursion = 1e-6;
+    AnomalyDetector detector(config, plainDrives());
+    Observation now = atHome();
+    for (const Arm arm : kArms)
+      at(now.dac, arm).fill(static_cast<std::int32_t>(c.sign * 1900));
+    detector.step(now);
+    detector.step(now);
+    EXPECT_EQ(detector.verdict().arm, c.arm) << nameOf(c);
+    EXPECT_EQ(detector.verdict().joint, c.axis) << nameOf(c);
+  }
+}
+
+TEST(AnomalyDetector, SuspectsTheArmAndAxisThatTravelsAndNoOther) {
+  // GIVEN one motor that a command within the clip moves by 600 counts, and all the others at rest
+  for (const Case& c : cases()) {
+    DetectorConfig config = plainConfig(DetectorRule::kDeparture);
+    const Drives drives = plainDrives();
+    AnomalyDetector detector(config, drives);
+    Observation now = atHome();
+    for (int k = 0; k < 300; ++k)
+      detector.step(now);
+    for (int k = 0; k < 60; ++k) {
+      at(now.dac, c.arm)[c.axis] = static_cast<std::int32_t>(c.sign * (1990 - 33 * k));
+      detector.step(now);
+      at(now.motor, c.arm)[c.axis] += c.sign * 10 * kCount;
+    }
+    at(now.dac, c.arm)[c.axis] = 0;
+    detector.step(now);
+    detector.step(now);
+    const double off = 600 * kCount * tipPerMotor(drives, c, at(now.q, c.arm));
+    EXPECT_NEAR(detector.excursion(c.arm), off, 1e-3 * off) << nameOf(c);
+    EXPECT_EQ(detector.excursion(otherArm(c.arm)), 0.0) << nameOf(c);
+  }
+}
+
+TEST(AnomalyDetector, ACommandBeyondTheClipOfAnyAxisEndsTheSuspicionOfItsArm) {
+  // GIVEN a suspicion, one command of any axis beyond its clip, and then the motor at rest 600 counts away
+  for (const Case& c : cases()) {
+    const auto excursionAfter = [&c](bool is_beyond) {
+      AnomalyDetector detector(plainConfig(DetectorRule::kDeparture), plainDrives());
+      Observation now = atHome();
+      for (int k = 0; k < 300; ++k)
+        detector.step(now);
+      for (int k = 0; k < 60; ++k) {
+        at(now.dac, c.arm)[c.axis] = static_cast<std::int32_t>(c.sign * 1990);
+        detector.step(now);
+        at(now.motor, c.arm)[c.axis] += c.sign * 10 * kCount;
+      }
+      at(now.dac, c.arm).fill(0);
+      if (is_beyond) at(now.dac, c.arm)[c.axis] = static_cast<std::int32_t>(c.sign * 2600);
+      detector.step(now);
+      at(now.dac, c.arm).fill(0);
+      for (int k = 0; k < 3; ++k)
+        detector.step(now);
+      return detector.excursion(c.arm);
+    };
+    EXPECT_LT(excursionAfter(true), 0.5 * excursionAfter(false)) << nameOf(c);
+  }
+}
+
+/** A session with faults: jumps beyond the clip, others within it, and steady motion of all motors. */
+void stepAnything(Observation* now, Random* random, int k) {
+  for (const Arm arm : kArms) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      at(now->motor, arm)[i] += kCount * std::round(random->uniform(-2, 9));
+      const bool jumps = k % 97 > 90;
+      at(now->dac, arm)[i] = static_cast<std::int32_t>(random->uniform(-1.0, 1.0) * (jumps ? 20000.0 : 1900.0));
+    }
+  }
+}
+
+TEST(AnomalyDetector, WithTheBrakesOnItForgetsEverythingOfBothArms) {
+  // GIVEN detectors that were engaged before, to any cycle, and one that was not
+  for (const int cycles : {5, 93, 400, 777}) {
+    AnomalyDetector used(plainConfig(DetectorRule::kDeparture), plainDrives());
+    AnomalyDetector fresh(plainConfig(DetectorRule::kDeparture), plainDrives());
+    Random random(static_cast<std::uint64_t>(cycles));
+    Observation now = atHome();
+    for (int k = 0; k < cycles; ++k) {
+      stepAnything(&now, &random, k);
+      used.step(now);
+    }
+    if (cycles == 777) {  // under suspicion, too
+      for (int k = 0; k < 300; ++k) {
+        for (auto& arm : now.dac)
+          arm.fill(k == 299 ? 1990 : 0);
+        used.step(now);
+      }
+    }
+    now.engaged = false;
+    used.step(now);
+    now.engaged = true;
+    for (int k = 0; k < 600; ++k) {
+      if (k > (cycles == 400 ? 250 : 0)) stepAnything(&now, &random, k);
+      const Verdict a = used.step(now), b = fresh.step(now);
+      ASSERT_EQ(a.size, b.size) << cycles << ", cycle " << k;
+      if (k == 0) continue;  // excursion() is that of the last engaged step but the first
+      for (const Arm arm : kArms)
+        ASSERT_EQ(used.excursion(arm), fresh.excursion(arm)) << cycles << ", cycle " << k << " " << name(arm);
+    }
+  }
 }
 
 TEST(AnomalyDetector, SameStepsSameVerdicts) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace raven2_trainer::faults {
@@ -185,6 +186,162 @@ TEST(PacketStream, HoldsNoMoreThanItHasRoomFor) {
   }
   EXPECT_GT(stream.counts().lost, 0U);
   EXPECT_LE(6000U - came - stream.counts().lost, 512U);
+}
+
+FaultEngine engineOf(const Fault& fault) {
+  FaultPlan plan;
+  plan.generation = 1;
+  plan.count = 1;
+  plan.faults[0] = fault;
+  FaultEngine engine(FaultHost::kRelay);
+  engine.setPlan(plan);
+  return engine;
+}
+
+/** Fault of a kind of stream at work from cycle 5 to 14, with figures that make it hold something back. */
+Fault atWork(FaultKind kind) {
+  Fault fault = onStream(kind);
+  fault.channel = 0;
+  fault.value = kind == FaultKind::kDrop ? 0.5 : 3.0;
+  fault.low = fault.high = 8.0;
+  return fault;
+}
+
+constexpr FaultKind kStreamKinds[] = {FaultKind::kDrop,   FaultKind::kDelay, FaultKind::kDuplicate, FaultKind::kReorder,
+                                      FaultKind::kReplay, FaultKind::kForge, FaultKind::kHoldLast};
+
+/** Both arms, rotation, grasp and pedal: all that a packet moves, told from its number. */
+MasterCommand moving(int number) {
+  MasterCommand command;
+  command.sequence = static_cast<std::uint32_t>(number);
+  command.pedal = number % 2 == 0 ? kSurgeonsPedal : 0;
+  for (const Arm arm : kArms) {
+    const double n = (arm == Arm::kGold ? 1.0 : -1.0) * number;
+    at(command.dp_I, arm) = {1e-6 * n, 2e-6 * n, 3e-6 * n};
+    at(command.dq_I, arm) = {0.001 * n, 0.0, 0.0, 1.0};
+    at(command.dgrasp, arm) = 0.01 * n;
+  }
+  return command;
+}
+
+bool isMotionOf(const MasterCommand& a, const MasterCommand& b) {
+  return a.pedal == b.pedal && a.dp_I == b.dp_I && a.dq_I == b.dq_I && a.dgrasp == b.dgrasp;
+}
+
+TEST(PacketStream, EveryPacketIsAccountedForWhateverActs) {
+  for (const FaultKind kind : kStreamKinds) {
+    FaultEngine engine = engineOf(atWork(kind));
+    CommandStream stream(FaultVariable::kPacket);
+    std::uint64_t offered = 0, taken = 0;
+    for (int cycle = 0; cycle < 40; ++cycle) {
+      engine.beginCycle({true, 3, {}});
+      MasterCommand command = moving(cycle);
+      if (cycle < 30) stream.offer(command, &engine), ++offered;
+      while (stream.take(&command, engine))
+        ++taken;
+      if (cycle == 8) stream.clear();
+      const FaultedPackets counts = stream.counts();
+      ASSERT_EQ(offered + counts.added, taken + counts.lost + counts.held)
+          << kFaultKindNames[static_cast<std::size_t>(kind)] << ", cycle " << cycle;
+    }
+    EXPECT_TRUE(stream.isEmpty());
+    EXPECT_EQ(stream.counts().held, 0U);
+  }
+}
+
+/** What comes of packets from `number` on, one a cycle. @param[out] cycles in which each comes, if wanted. */
+std::vector<MasterCommand> follow(CommandStream* stream,
+                                  FaultEngine* engine,
+                                  int number,
+                                  int count,
+                                  std::vector<int>* cycles = nullptr) {
+  std::vector<MasterCommand> out;
+  for (int i = 0; i < count; ++i) {
+    engine->beginCycle({true, 3, {}});
+    MasterCommand command = moving(number + i);
+    stream->offer(command, engine);
+    while (stream->take(&command, *engine)) {
+      out.push_back(command);
+      if (cycles != nullptr) cycles->push_back(i);
+    }
+  }
+  return out;
+}
+
+TEST(PacketStream, ClearedItIsAsOneThroughWhichNothingWent) {
+  for (const FaultKind kind : kStreamKinds) {
+    for (const int until : {3, 7, 10, 13, 16}) {
+      FaultEngine engine = engineOf(atWork(kind));
+      CommandStream used(FaultVariable::kPacket), fresh(FaultVariable::kPacket);
+      follow(&used, &engine, 0, until);
+      used.clear();
+      EXPECT_TRUE(used.isEmpty());
+      FaultEngine same = engine;  // which draws the same numbers
+      std::vector<int> cycles, expected_cycles;
+      const auto after = follow(&used, &engine, 100, 30, &cycles);
+      const auto expected = follow(&fresh, &same, 100, 30, &expected_cycles);
+      EXPECT_EQ(cycles, expected_cycles) << kFaultKindNames[static_cast<std::size_t>(kind)] << " " << until;
+      ASSERT_EQ(after.size(), expected.size()) << kFaultKindNames[static_cast<std::size_t>(kind)] << " " << until;
+      for (std::size_t i = 0; i < after.size(); ++i) {
+        EXPECT_EQ(after[i].sequence, expected[i].sequence) << kFaultKindNames[static_cast<std::size_t>(kind)];
+        EXPECT_TRUE(isMotionOf(after[i], expected[i])) << kFaultKindNames[static_cast<std::size_t>(kind)];
+      }
+    }
+  }
+}
+
+TEST(PacketStream, AReplayTakesEverythingThatMovesFromTheWindowEachTimeItComes) {
+  Fault fault = atWork(FaultKind::kReplay);  // windows of three packets
+  fault.duration_ticks = 4;
+  fault.period_ticks = 20;
+  FaultEngine engine = engineOf(fault);
+  CommandStream stream(FaultVariable::kPacket);
+  const std::vector<MasterCommand> out = follow(&stream, &engine, 0, 60);
+  ASSERT_EQ(out.size(), 60U);
+  for (int n = 0; n < 60; ++n) {
+    const int since = (n - 5) % 20;
+    const bool acts = n >= 5 && since < 4;
+    const int replayed = acts ? n - since - 3 + since % 3 : n;
+    EXPECT_EQ(out[static_cast<std::size_t>(n)].sequence, static_cast<std::uint32_t>(n));
+    EXPECT_TRUE(isMotionOf(out[static_cast<std::size_t>(n)], moving(replayed))) << n;
+  }
+}
+
+TEST(PacketStream, AForgedPacketMovesItsArmAlongItsAxisWithThePedalDown) {
+  for (const std::int8_t forged_arm : {-1, 0, 1}) {
+    for (std::int8_t axis = 0; axis < 3; ++axis) {
+      Fault fault = atWork(FaultKind::kForge);
+      fault.arm = forged_arm;
+      fault.channel = axis;
+      fault.value = -400.0;
+      FaultEngine engine = engineOf(fault);
+      CommandStream stream(FaultVariable::kPacket);
+      const std::vector<MasterCommand> out = follow(&stream, &engine, 0, 7);
+      ASSERT_EQ(out.size(), 9U);
+      for (const std::size_t i : {6U, 8U}) {  // behind the true packets 5 and 6: one with the pedal up, one down
+        MasterCommand expected = out[i - 1];
+        for (const Arm arm : kArms) {
+          if (forged_arm < 0 || static_cast<std::size_t>(forged_arm) == index(arm))
+            at(expected.dp_I, arm)[static_cast<std::size_t>(axis)] = -400.0 * 1e-6;
+        }
+        expected.pedal = kSurgeonsPedal;
+        EXPECT_EQ(out[i].sequence, out[i - 1].sequence + 8);
+        EXPECT_TRUE(isMotionOf(out[i], expected)) << int{forged_arm} << " " << int{axis};
+      }
+    }
+  }
+}
+
+TEST(PacketStream, AnIntermittentFaultRestsInItsHalfPeriods) {
+  Fault fault = atWork(FaultKind::kDrop);
+  fault.value = 1.0;
+  fault.half_period_ticks = 2;
+  std::vector<int> lost;
+  const std::vector<Out> all = through(fault, 20);
+  for (int n = 0; n < 20; ++n) {
+    if (std::none_of(all.begin(), all.end(), [n](const Out& o) { return o.sequence == n; })) lost.push_back(n);
+  }
+  EXPECT_EQ(lost, (std::vector<int>{5, 6, 9, 10, 13, 14}));
 }
 
 }  // namespace

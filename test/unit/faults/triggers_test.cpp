@@ -237,6 +237,89 @@ TEST(FaultSessions, AnotherOneBeginsAnewWithTheNextPedalDown) {
   EXPECT_EQ(actingCycles(engine, 40, pedal), (std::vector<int>{7, 8, 9}));
 }
 
+TEST(FaultSessions, AnotherOneCountsItsPacketsFromItsOwnFirstPedalDown) {
+  Fault fault = stuck(FaultTrigger::kPacket, 4);
+  fault.site = FaultSite::kNetworkLayer;
+  fault.variable = FaultVariable::kGrasp;
+  fault.channel = 0;
+  FaultEngine engine(FaultHost::kRobot);
+  const auto actingPackets = [&engine](int pedal_at) {
+    std::vector<int> acting;
+    for (int packet = 0; packet < 40; ++packet) {
+      engine.beginCycle({});
+      engine.beginPacket(packet >= pedal_at);
+      if (engine.activeMask() == 1) acting.push_back(packet);
+    }
+    return acting;
+  };
+  for (std::uint32_t session = 1; session <= 3; ++session) {
+    engine.setPlan(planOf(fault, session, session));
+    const int pedal_at = static_cast<int>(5 * session);
+    EXPECT_EQ(actingPackets(pedal_at), (std::vector<int>{pedal_at + 4, pedal_at + 5, pedal_at + 6})) << session;
+  }
+}
+
+TEST(FaultSessions, NothingOfTheOneBeforeGoesOnWithoutABreakBetweenThem) {
+  // GIVEN the same fault, acting without end, in a session that follows another one at once
+  Fault fault = stuck(FaultTrigger::kPedalDown, 2);
+  fault.duration_ticks = 0;
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  for (int i = 0; i < 10; ++i)
+    engine.beginCycle(kPedalDown);
+  ASSERT_EQ(engine.activeMask(), 1);
+  engine.setPlan(planOf(fault, 2, 8));
+  EXPECT_EQ(engine.activeMask(), 0);
+  EXPECT_EQ(actingCycles(engine, 5, [](int) { return kPedalDown; }), (std::vector<int>{2, 3, 4}));
+  EXPECT_EQ(toldBy(&engine), (std::vector<int>{1, -1}));
+}
+
+TEST(FaultSessions, WhatStaysArmedWithinOneIsNotToldAgain) {
+  Fault fault = stuck(FaultTrigger::kHand, 0);
+  fault.duration_ticks = 0;
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  engine.beginCycle({});
+  engine.setPlan(planOf(fault, 2, 7));
+  engine.beginCycle({});
+  EXPECT_EQ(toldBy(&engine), (std::vector<int>{1}));
+}
+
+/** What tells two rows of a plan apart: with any of it changed a fault is another one, and begins anew. */
+TEST(FaultSessions, AFaultWithAnyPartChangedIsAnotherOne) {
+  const Fault fault = stuck(FaultTrigger::kHand, 0);
+  std::vector<Fault> others(9, fault);
+  others[0].id = 2;
+  others[1].arm = 1;
+  others[2].channel = kElbow;
+  others[3].value = 2.0;
+  others[4].kind = FaultKind::kAdd;
+  others[5].seed = 2;
+  others[6].row = 1;
+  others[7].arming = 1;
+  others[8].low = -1.0;
+  for (const Fault& other : others) {
+    FaultEngine engine(FaultHost::kRobot);
+    engine.setPlan(planOf(fault, 1, 7));
+    for (int i = 0; i < 10; ++i)
+      engine.beginCycle({});
+    engine.setPlan(planOf(other, 2, 7));
+    EXPECT_EQ(actingCycles(engine, 10, [](int) { return FaultCycle{}; }), (std::vector<int>{0, 1, 2}))
+        << &other - others.data();
+  }
+}
+
+TEST(FaultTriggers, RunLevelIsThatOneAndNoHigherOne) {
+  for (const double wanted : {0.0, 1.0, 2.0, 3.0}) {
+    Fault fault = stuck(FaultTrigger::kRunLevel, 0);
+    fault.threshold = wanted;
+    for (int level = -1; level <= 3; ++level) {
+      const auto acting = actingCycles(armed(fault), 3, [level](int) { return FaultCycle{false, level, {}}; });
+      EXPECT_EQ(!acting.empty(), level == wanted) << wanted << " at " << level;
+    }
+  }
+}
+
 TEST(FaultSessions, TheSameIsNotHitTwiceByWhatCameOnce) {
   const Fault fault = stuck(FaultTrigger::kPedalDown, 2);
   FaultEngine engine(FaultHost::kRobot);

@@ -317,6 +317,77 @@ TEST(PassivityGuard, StartsAnewAfterARestAndNotBefore) {
   EXPECT_EQ(guard.allowance(), kConfig.budget);
 }
 
+TEST(PassivityGuard, AfterARestItIsAsOneThatNeverGaveAForce) {
+  // GIVEN a guard with forces of every delay, a begun block of motion and an energy, that rests at a tick of any number
+  for (const int used_ticks : {3, 150, 407}) {
+    Random random(9);
+    const Wander wander(&random);
+    PassivityGuard used(kConfig), fresh(kConfig);
+    for (int k = 0; k < used_ticks; ++k) {
+      used.observe(wander.at(1e-3 * k));
+      used.given(anyVector(&random, 3.0), true);
+    }
+    int ticks = used_ticks;
+    for (; !used.isResting(); ++ticks) {
+      used.observe(wander.at(1e-3 * ticks));
+      used.given(Vector3d::Zero(), false);
+    }
+    EXPECT_EQ(ticks - used_ticks, 121 + 500);
+    // WHEN forces begin again, THEN the two differ in nothing
+    for (int k = 0; k < 400; ++k) {
+      const Vector3d x = wander.at(1e-3 * (ticks + k)), force = anyVector(&random, 1.0);
+      for (PassivityGuard* guard : {&used, &fresh}) {
+        guard->observe(x);
+        guard->given(force, true);
+      }
+      ASSERT_EQ(used.energy(), fresh.energy()) << used_ticks << ", tick " << k;
+      ASSERT_EQ(used.allowance(), fresh.allowance()) << used_ticks << ", tick " << k;
+    }
+    for (int k = 0; k < 121 + 499; ++k) {  // and the next rest is as long
+      for (PassivityGuard* guard : {&used, &fresh})
+        guard->given(Vector3d::Zero(), false);
+      ASSERT_FALSE(used.isResting() || fresh.isResting()) << k;
+    }
+  }
+}
+
+TEST(PassivityGuard, StartedAnewWhileForcesActItForgetsThem) {
+  Random random(10);
+  const Wander wander(&random);
+  PassivityGuard used(kConfig), fresh(kConfig);
+  for (int k = 0; k < 150; ++k) {
+    used.observe(wander.at(1e-3 * k));
+    used.given(anyVector(&random, 3.0), true);
+  }
+  used.startAnew();
+  EXPECT_TRUE(used.isResting());
+  for (int k = 150; k < 500; ++k) {
+    const Vector3d x = wander.at(1e-3 * k), force = anyVector(&random, 1.0);
+    for (PassivityGuard* guard : {&used, &fresh}) {
+      guard->observe(x);
+      guard->given(force, true);
+    }
+    ASSERT_EQ(used.energy(), fresh.energy()) << k;
+    ASSERT_EQ(used.allowance(), fresh.allowance()) << k;
+  }
+}
+
+TEST(PassivityGuard, ForcesBeginTheirAccountWhereTheHandIs) {
+  // GIVEN a hand that went 0.5 m before the first force; THEN that way is neither motion nor somewhere to go back to
+  PassivityGuard guard(withDelay(0.0));
+  for (int k = 0; k <= 5; ++k) {
+    guard.observe({0.1 * k, 0.0, 0.0});
+    guard.given(Vector3d::Zero(), false);
+  }
+  guard.given({1.0, 0.0, 0.0}, true);
+  for (int k = 1; k <= 16; ++k) {
+    guard.observe({0.5 - 1e-4 * k, 0.0, 0.0});
+    guard.given({1.0, 0.0, 0.0}, true);
+    EXPECT_NEAR(guard.energy(), -1e-4 * k, 1e-12) << "taken from the hand";
+  }
+  EXPECT_NEAR(guard.allowance() - kConfig.budget, 1.6e-3 * 1.6e-3 / 0.016, 1e-12) << "by 1 Ns/m in 16 ms";
+}
+
 TEST(PassivityGuard, DoesNotStartAnewWhileTheLawStillAsks) {
   PassivityGuard guard(kConfig);
   for (int k = 0; k < 200; ++k) {

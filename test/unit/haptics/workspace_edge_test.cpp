@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,20 @@ TEST(WorkspaceEdge, PushesBackWithItsWholeForceAtEachFace) {
   EXPECT_NEAR(workspaceEdge(kConfig, {0.03, 0.0, 0.0}).x(), -0.75, 1e-12) << "halfway: 3/4 - 2/8 of it";
   EXPECT_NEAR(workspaceEdge(kConfig, {0.0275, 0.0, 0.0}).x(), -0.234375, 1e-12) << "a quarter: 3/16 - 2/64 of it";
   EXPECT_NEAR(workspaceEdge(kConfig, {0.2, -0.4, 0.3}).norm(), 1.5, 1e-12) << "in a corner no more";
+}
+
+TEST(WorkspaceEdge, PushesTowardsTheBoxFromEachFaceAndCorner) {
+  // GIVEN the hand 3, 4 and 12 mm outside of the inner box, on either side of each axis: 13 mm, beyond the margin
+  const Vector3d half(0.035, 0.08, 0.06), out(0.003, 0.004, 0.012);
+  for (int sides = 0; sides < 27; ++sides) {
+    const Vector3d side(sides % 3 - 1, sides / 3 % 3 - 1, sides / 9 - 1);
+    const Vector3d outside = side.cwiseProduct(out);
+    const Vector3d hand = side.cwiseProduct(half - Vector3d::Constant(kConfig.margin)) + outside;
+    const double distance = outside.norm(), x = std::min(distance / kConfig.margin, 1.0);
+    const Vector3d expected =
+        distance > 0.0 ? Vector3d(-1.5 * x * x * (3.0 - 2.0 * x) * outside / distance) : Vector3d(Vector3d::Zero());
+    EXPECT_NEAR((workspaceEdge(kConfig, hand) - expected).norm(), 0.0, 1e-12) << side.transpose();
+  }
 }
 
 TEST(WorkspaceEdge, DoesNotJumpAndIsBoundedAnywhere) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bitset>
 #include <set>
 
@@ -174,6 +175,72 @@ TEST(ChannelTest, AStreamWaitsForTheEndOfAnOutage) {
     const bool is_in = piece.in_ns >= 100 * kMillisecond && piece.in_ns < 400 * kMillisecond;
     ASSERT_EQ(piece.due_ns, is_in ? 400 * kMillisecond : piece.in_ns);
   }
+}
+
+TEST(ChannelTest, ALostPieceOfAStreamComesAfterItsRetransmissionAndOnlyThatIsCounted) {
+  Impairment impairment;
+  impairment.loss = 0.01;
+  Channel channel(impairment, 1, 0, 0, Medium::kStream), same(impairment, 1, 0, 0);
+  const Outcome pieces = send(&channel, 5000), packets = send(&same, 5000);  // the same seed loses the same ones
+  ASSERT_GT(packets.lost(), 20U);
+  EXPECT_EQ(pieces.counts.stalled, packets.lost());
+  std::int64_t free = 0;  // [ns] until when those behind a lost one wait for it
+  for (std::size_t i = 0; i < pieces.out.size(); ++i) {
+    const Delivery& piece = pieces.out[i];
+    const bool is_lost = packets.fates[i].loss != Loss::kNone;
+    free = std::max(free, piece.in_ns + (is_lost ? 200 * kMillisecond : 0));
+    ASSERT_EQ(piece.due_ns, free) << i;
+  }
+}
+
+TEST(ChannelTest, AStreamKeepsItsOrderThoughItsDelayLetsDatagramsOvertake) {
+  Impairment impairment;
+  impairment.delay.constant_ns = 20 * kMillisecond;
+  impairment.delay.uniform_ns = 20 * kMillisecond;
+  impairment.delay.overtaking = true;
+  impairment.reordering = {0.2, 4, 50 * kMillisecond};
+  Channel channel(impairment, 1, 0, 0, Medium::kStream);
+  const Outcome outcome = send(&channel, 2000);
+  ASSERT_EQ(outcome.out.size(), 2000U);
+  for (std::size_t i = 0; i < outcome.out.size(); ++i)
+    ASSERT_EQ(outcome.out[i].fate.number, i);
+  EXPECT_EQ(outcome.counts.reordered, 0U);
+}
+
+TEST(ChannelTest, HoldsTheBytesOfPacketsAndTheirCopies) {
+  Impairment impairment;
+  impairment.delay.constant_ns = 10 * kMillisecond;
+  impairment.duplicate = 1.0;
+  Channel channel(impairment, 1, 0, 0);
+  const auto bytes = testing::numbered(0, 100);
+  for (std::size_t i = 1; i <= 5; ++i) {
+    channel.offer(bytes.data(), bytes.size(), 0);
+    EXPECT_EQ(channel.heldBytes(), 200 * i);
+  }
+  for (std::size_t i = 1; i <= 10; ++i) {
+    ASSERT_TRUE(channel.take(10 * kMillisecond));
+    EXPECT_EQ(channel.heldBytes(), 1000 - 100 * i);
+  }
+}
+
+TEST(ChannelCounts, AddUpMemberByMember) {
+  ChannelCounts one;
+  std::uint64_t number = 1;
+  const auto each = [](ChannelCounts& c) {
+    std::vector<std::uint64_t*> members{&c.in,          &c.forwarded, &c.duplicates, &c.held,      &c.held_copies,
+                                        &c.doubled,     &c.reordered, &c.truncated,  &c.corrupted, &c.stalled};
+    for (std::uint64_t& n : c.dropped)
+      members.push_back(&n);
+    return members;
+  };
+  ASSERT_EQ(each(one).size() * sizeof(std::uint64_t), sizeof(ChannelCounts)) << "a member is missing here";
+  for (std::uint64_t* member : each(one))
+    *member = number++;
+  ChannelCounts sum = one;
+  sum += one;
+  number = 1;
+  for (const std::uint64_t* member : each(sum))
+    EXPECT_EQ(*member, 2 * number++);
 }
 
 TEST(ChannelTest, StreamBytesAreSpoiltOnlyIfAskedFor) {

@@ -146,5 +146,57 @@ TEST(DelayTest, AReorderedPacketIsLetGoIfNoneComesToOvertakeIt) {
   EXPECT_FALSE(channel.nextDue());
 }
 
+TEST(DelayTest, JitterBelowZeroIsNoDelayAndNeverATimeBeforeTheOffer) {
+  for (const bool is_normal : {false, true}) {
+    DelayLaw law;
+    law.constant_ns = kMillisecond;
+    (is_normal ? law.normal_ns : law.uniform_ns) = 10 * kMillisecond;
+    int at_once = 0, late = 0;
+    for (const Delivery& packet : send(overtaking(law), 2000).out) {
+      ASSERT_GE(packet.due_ns, packet.in_ns);
+      at_once += packet.due_ns == packet.in_ns ? 1 : 0;
+      late += packet.due_ns - packet.in_ns > 5 * kMillisecond ? 1 : 0;
+    }
+    // uniform in [-9, 11] ms, 45 % of it; normal about 1 ms with 10 ms, Phi(-0.1) = 46 %
+    EXPECT_NEAR(at_once, 910, 130);
+    EXPECT_GT(late, 400);
+  }
+}
+
+TEST(DelayTest, OfAllPacketsThatWaitTheEarliestIsDueNext) {
+  // GIVEN three packets that nobody overtakes, let go 40 ms after each was sent, and a fourth under way for 60 ms
+  Impairment impairment;
+  impairment.reordering = {1.0, 1, 40 * kMillisecond};
+  Channel channel(impairment, 1, 0, 0);
+  const std::uint8_t byte = 1;
+  for (const std::int64_t ms : {5, 10, 20})
+    channel.offer(&byte, 1, ms * kMillisecond);
+  for (const std::int64_t ms : {45, 50, 60}) {
+    ASSERT_EQ(channel.nextDue(), ms * kMillisecond);
+    const auto packet = channel.take(ms * kMillisecond);
+    ASSERT_TRUE(packet);
+    EXPECT_EQ(packet->due_ns, ms * kMillisecond);
+  }
+  EXPECT_FALSE(channel.nextDue());
+}
+
+TEST(DelayTest, AReorderedPacketComesRightBehindItsLastOvertakerAndNotEarlier) {
+  Impairment impairment;
+  impairment.delay.constant_ns = 30 * kMillisecond;
+  impairment.reordering = {0.3, 1, 500 * kMillisecond};
+  const Outcome outcome = send(impairment, 2000);
+  int followed = 0;
+  for (std::size_t i = 1; i < outcome.out.size(); ++i) {
+    const Delivery& packet = outcome.out[i];
+    if (!packet.fate.is_reordered || packet.fate.number + 50 > 2000) continue;
+    std::uint64_t overtaker = packet.fate.number + 1;  // the next one that is not held back itself
+    while (outcome.fates[overtaker].is_reordered)
+      ++overtaker;
+    ASSERT_EQ(packet.due_ns, static_cast<std::int64_t>(overtaker) * kMillisecond + 30 * kMillisecond);
+    ++followed;
+  }
+  EXPECT_GT(followed, 400);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::impair

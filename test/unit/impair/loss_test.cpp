@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "unit/impair/channel_support.h"
 
@@ -164,6 +165,56 @@ TEST(LossTest, RepeatedCutsTakeTheirShareOfTheTime) {
   const Outcome outcome = send(&channel, 2 * kPackets, 10 * testing::kMillisecond);  // 2,000 s, some 1,330 cuts
   EXPECT_NEAR(outcome.lostShare(), 1.0 / 3.0, 0.03);
   EXPECT_EQ(outcome.counts.dropped[static_cast<std::size_t>(Loss::kCut)], outcome.lost());
+}
+
+/** Which of 600 packets, one a millisecond from a channel's start on, are cut off. */
+std::vector<bool> cutsFrom(const Impairment& impairment, std::int64_t start_ns) {
+  Channel channel(impairment, 1, 0, start_ns);
+  std::vector<bool> cut;
+  const std::uint8_t byte = 1;
+  for (std::int64_t i = 0; i < 600; ++i)
+    cut.push_back(channel.offer(&byte, 1, start_ns + i * testing::kMillisecond).loss == Loss::kCut);
+  return cut;
+}
+
+TEST(LossTest, OutagesAreCountedFromTheStartOfTheChannel) {
+  Impairment scripted, repeated;
+  scripted.outages = {{100 * testing::kMillisecond, 200 * testing::kMillisecond}};
+  repeated.cuts = {50 * testing::kMillisecond, 30 * testing::kMillisecond, 30 * testing::kMillisecond,
+                   70 * testing::kMillisecond};
+  for (const std::int64_t start_ns : {std::int64_t{0}, std::int64_t{150'000'000}, std::int64_t{86'400'000'000'000}}) {
+    const std::vector<bool> script = cutsFrom(scripted, start_ns), repeat = cutsFrom(repeated, start_ns);
+    for (std::size_t i = 0; i < 600; ++i) {
+      EXPECT_EQ(script[i], i >= 100 && i < 200) << i << " from " << start_ns;
+      EXPECT_EQ(repeat[i], i >= 50 && (i - 50) % 100 < 30) << i << " from " << start_ns;
+    }
+  }
+}
+
+TEST(LossTest, AStreamWaitsForTheEndOfTheLongestOfOutagesThatOverlap) {
+  for (const bool is_longer_first : {false, true}) {
+    Impairment impairment;
+    const Outage longer{100 * testing::kMillisecond, 400 * testing::kMillisecond};
+    const Outage shorter{150 * testing::kMillisecond, 200 * testing::kMillisecond};
+    impairment.outages = {longer, shorter};
+    if (!is_longer_first) std::swap(impairment.outages[0], impairment.outages[1]);
+    constexpr std::int64_t kStart = 7'000 * testing::kMillisecond;
+    Channel channel(impairment, 1, 0, kStart, Medium::kStream);
+    const std::uint8_t byte = 1;
+    channel.offer(&byte, 1, kStart + 160 * testing::kMillisecond);
+    EXPECT_EQ(channel.nextDue(), kStart + 400 * testing::kMillisecond);
+  }
+}
+
+TEST(LossTest, EachLossIsCountedUnderItsCause) {
+  Impairment alone, bursts;
+  alone.loss = 0.2;
+  bursts.loss_runs = {0.02, 10};
+  for (const auto& [impairment, cause] : {std::pair{alone, Loss::kIndependent}, {bursts, Loss::kBurst}}) {
+    const Outcome outcome = send(impairment, 2000);
+    EXPECT_GT(outcome.lost(), 100U);
+    EXPECT_EQ(outcome.counts.dropped[static_cast<std::size_t>(cause)], outcome.lost());
+  }
 }
 
 TEST(LossTest, AScriptedOutageTakesExactlyThePacketsInIt) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <string>
@@ -113,6 +114,99 @@ TEST(Inverse, ReportsTheRemoteCentreAsSingular) {
   EXPECT_EQ(result.status, IkStatus::kSingularRcm);
 }
 
+/** The jaw axis passes through the remote centre: lw = d cos(wrist), d the insertion above it. */
+JointArray singularWrist(const ArmGeometry& g) {
+  JointArray q{0.6, 1.5, 0.0, 0.4, 0.9, 0.2, 0.5};
+  q[kInsertion] = g.lw / std::cos(q[kWrist]) - g.d4;
+  return q;
+}
+
+TEST(InverseAll, FindsEightDifferentSolutionsOfWhichEachReachesThePose) {
+  const ArmGeometry g = raven();
+  Random random(12);
+  int complete = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Arm arm = i % 2 == 0 ? Arm::kGold : Arm::kGreen;
+    const JointArray q = randomJoints(g, &random);
+    const Pose X = forward(g, arm, q);
+    IkSolutions solutions;
+    const IkStatus status = inverseAll(g, arm, X, jawOpening(q), &solutions);
+    if (isNearRcm(g, q)) continue;
+    ASSERT_EQ(status, IkStatus::kOk);
+    std::size_t count = 0;
+    for (const IkSolution& one : solutions) {
+      if (!one.valid) continue;
+      ++count;
+      const Pose reached = forward(g, arm, one.q);
+      ASSERT_LT((reached.p - X.p).norm(), 1e-9);
+      ASSERT_LT((reached.R - X.R).norm(), 1e-8);
+      for (const std::size_t j : {kShoulder, kElbow, kToolRotation, kWrist})
+        ASSERT_LE(std::abs(one.q[j]), kPi) << kJointNames[j];
+      const auto isLike = [&one](const IkSolution& other) {
+        return other.valid && std::abs(other.q[kElbow] - one.q[kElbow]) < 1e-9 &&
+               std::abs(other.q[kInsertion] - one.q[kInsertion]) < 1e-9;
+      };
+      ASSERT_EQ(std::count_if(solutions.begin(), solutions.end(), isLike), 1) << "of each elbow and insertion";
+    }
+    complete += count == solutions.size() ? 1 : 0;
+  }
+  EXPECT_GT(complete, 100);
+}
+
+TEST(InverseAll, SaysWhereTheWristIsSingular) {
+  const ArmGeometry g = raven();
+  JointArray q = singularWrist(g);
+  for (const Arm arm : kArms) {
+    IkSolutions solutions;
+    EXPECT_EQ(inverseAll(g, arm, forward(g, arm, q), jawOpening(q), &solutions), IkStatus::kSingularWrist);
+    JointArray beside = q;
+    beside[kInsertion] += 1e-3;
+    EXPECT_EQ(inverseAll(g, arm, forward(g, arm, beside), jawOpening(q), &solutions), IkStatus::kOk);
+  }
+}
+
+/** Joint `j` by one radian or 10 mm, and the jaws' mid-line as much further as `measure` leaves. */
+JointArray steppedBy(const JointArray& from, std::size_t j, double sign, double measure) {
+  JointArray to = from;
+  to[j] += sign * (j == kInsertion ? 0.01 : 1.0);
+  setJaws(jawMidline(from) + std::sqrt(measure - 1.0), jawOpening(from), &to);
+  return to;
+}
+
+TEST(Inverse, RefusesStepsWhoseSumOfSquaresIsAbovePiWhicheverJointsTake) {
+  // the robot's measure, raven2.md 2.5: the insertion counts a hundred times
+  const ArmGeometry g = raven();
+  const JointArray from{0.9, 1.6, 0.36, 0.1, 0.2, kPi / 4, kPi / 4};
+  for (const Arm arm : kArms) {
+    for (const double sign : {-1.0, 1.0}) {
+      for (const std::size_t j : {kShoulder, kElbow, kInsertion, kToolRotation, kWrist}) {
+        const auto statusOf = [&](double measure) {
+          const Pose X = forward(g, arm, steppedBy(from, j, sign, measure));
+          return inverse(g, arm, X, jawOpening(from), from).status;
+        };
+        EXPECT_EQ(statusOf(0.99 * kPi), IkStatus::kOk) << kJointNames[j] << " " << sign;
+        EXPECT_EQ(statusOf(1.01 * kPi), IkStatus::kTooFar) << kJointNames[j] << " " << sign;
+      }
+    }
+  }
+}
+
+TEST(Inverse, UnwrapsTheRollByATurnBeyond300DegreesAndNotBefore) {
+  const ArmGeometry g = raven();
+  for (const Arm arm : kArms) {
+    for (const double sign : {-1.0, 1.0}) {
+      JointArray from{0.5, 1.5, 0.40, 0.0, 0.1, kPi / 4, kPi / 4}, to = from;
+      from[kToolRotation] = -sign * 165 * kDegree;
+      to[kToolRotation] = sign * 140 * kDegree;  // 305 degrees away, 55 the other way round
+      const IkResult near = inverse(g, arm, forward(g, arm, to), kPi / 2, from);
+      ASSERT_EQ(near.status, IkStatus::kOk);
+      EXPECT_NEAR(near.q[kToolRotation], -sign * 220 * kDegree, 1e-9);
+      to[kToolRotation] = sign * 130 * kDegree;  // 295 degrees away
+      EXPECT_EQ(inverse(g, arm, forward(g, arm, to), kPi / 2, from).status, IkStatus::kTooFar);
+    }
+  }
+}
+
 TEST(Inverse, RefusesWhatTheRobotRefuses) {
   // GIVEN the home pose, THEN a step of 17 mm along the insertion passes and one of 19 mm is refused: the robot's own
   // rule, squared error with the insertion times 100 against pi (raven2.md 2.5: 17.7 mm).
@@ -123,13 +217,6 @@ TEST(Inverse, RefusesWhatTheRobotRefuses) {
   EXPECT_EQ(inverse(g, Arm::kGold, forward(g, Arm::kGold, moved), kPi / 2, home).status, IkStatus::kOk);
   moved[kInsertion] = 0.381;
   EXPECT_EQ(inverse(g, Arm::kGold, forward(g, Arm::kGold, moved), kPi / 2, home).status, IkStatus::kTooFar);
-}
-
-/** The jaw axis passes through the remote centre: lw = d cos(wrist), d the insertion above it. */
-JointArray singularWrist(const ArmGeometry& g) {
-  JointArray q{0.6, 1.5, 0.0, 0.4, 0.9, 0.2, 0.5};
-  q[kInsertion] = g.lw / std::cos(q[kWrist]) - g.d4;
-  return q;
 }
 
 TEST(Inverse, KeepsTheRollWhereTheWristIsSingular) {
@@ -146,6 +233,36 @@ TEST(Inverse, KeepsTheRollWhereTheWristIsSingular) {
       EXPECT_LT((forward(g, arm, result.q).p - X.p).norm(), 1e-12);
       EXPECT_LT((forward(g, arm, result.q).R - X.R).cwiseAbs().maxCoeff(), 1e-12);
       EXPECT_NEAR(jawOpening(result.q), jawOpening(q), 1e-12);
+    }
+  }
+}
+
+TEST(Inverse, ComesAsNearToTheRollAsTheArmCanWhereTheWristIsSingular) {
+  // GIVEN rolls that no joints keep at this pose, 115 degrees from where they are
+  const ArmGeometry g = raven();
+  const JointArray q = singularWrist(g);
+  for (const Arm arm : kArms) {
+    const Pose X = forward(g, arm, q);
+    JointArray current = q;
+    current[kToolRotation] += 2.0;
+    const IkResult result = inverse(g, arm, X, jawOpening(q), current);
+    ASSERT_EQ(result.status, IkStatus::kSingularWrist) << name(arm);
+    EXPECT_GT(std::abs(result.q[kToolRotation] - current[kToolRotation]), 0.1) << "it cannot be kept";
+    EXPECT_LT((forward(g, arm, result.q).p - X.p).norm(), 1e-12);
+    EXPECT_LT((forward(g, arm, result.q).R - X.R).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST(FirstWristPoint, IsAtTheRemoteCentreFromLwBeforeItToThreeLwBehindIt) {
+  // With the wrist straight the tip is lw nearer than the wrist, d from the remote centre along the shaft. The robot's
+  // first point is lw from the tip towards the centre (raven2.md 2.5, 1): the wrist itself up to d = lw, where the tip
+  // is in the centre, and then lw on the other side of the tip, at d - 2 lw. Step 2 gives up within lw of the centre.
+  const ArmGeometry g = raven();
+  for (const Arm arm : kArms) {
+    for (const auto& [d, is_near] : {std::pair{-0.0131, false}, {-0.0129, true}, {0.0, true}, {0.0129, true},
+                                     {0.0131, true},            {0.0389, true},  {0.0391, false}}) {
+      const JointArray q{0.6, 1.5, d - g.d4, 0.4, 0.0, 0.2, 0.5};
+      EXPECT_EQ(isFirstWristPointAtRcm(g, forward(g, arm, q)), is_near) << name(arm) << " " << d;
     }
   }
 }
@@ -282,6 +399,22 @@ TEST(Jacobian, EqualsCentralDifferences) {
       const auto column = static_cast<Eigen::Index>(j);
       ASSERT_LT((J.block<3, 1>(0, column) - v).norm(), 1e-6);
       ASSERT_LT((J.block<3, 1>(3, column) - w).norm(), 1e-6);
+    }
+  }
+}
+
+TEST(JointLimits, HoldEachOfTheFirstFiveJointsAtBothLimits) {
+  const ArmGeometry g = raven();
+  for (std::size_t j = 0; j <= kWrist; ++j) {
+    for (const bool is_upper : {false, true}) {
+      const double limit = is_upper ? g.q_max[j] : g.q_min[j];
+      JointArray q{0.5, kPi / 2, 0.4, 0.0, 0.0, 0.2, 0.3};
+      q[j] = limit;
+      EXPECT_FALSE(applyJointLimits(g, &q)) << kJointNames[j];
+      JointArray expected = q;
+      q[j] += is_upper ? 1e-3 : -1e-3;
+      EXPECT_TRUE(applyJointLimits(g, &q)) << kJointNames[j];
+      EXPECT_EQ(q, expected) << kJointNames[j] << ": the others stay";
     }
   }
 }

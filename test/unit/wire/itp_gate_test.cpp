@@ -201,6 +201,71 @@ TEST(ItpGate, HellosWithoutTheKeyDoNotUseUpTheAnswers) {
   EXPECT_TRUE(bench.shakeHands(&honest, kSurgeon));
 }
 
+TEST(ItpGate, HellosAreAnsweredToTheConfiguredAddressAlone) {
+  // GIVEN neighbours of the one address, bit by bit
+  constexpr std::uint64_t kMaster = std::uint64_t{0x0A000001} << 16U, kMask = std::uint64_t{0xFFFFFFFF} << 16U;
+  ItpGate gate(benchRules(true, ItpAuth::kRequired), Audience::kDaemon, &benchKey());
+  gate.allowOnly(kMaster, kMask);
+  const HandshakeBytes hello = SignedSender(&benchKey(), Audience::kDaemon).hello(Nonce{}, 0);
+  HandshakeBytes reply;
+  for (unsigned bit = 16; bit < 48; ++bit) {
+    const std::uint64_t other = (kMaster ^ std::uint64_t{1} << bit) | 4711U;
+    EXPECT_EQ(gate.answer({hello.data(), hello.size(), other, 0}, Nonce{}, &reply), Reject::kForeignSource) << bit;
+    EXPECT_FALSE(gate.isAllowed(other)) << bit;
+  }
+  EXPECT_EQ(gate.answer({hello.data(), hello.size(), kMaster | 4711U, 0}, Nonce{}, &reply), Reject::kNone);
+}
+
+TEST(ItpGate, ASignatureDoesNotExcuseWhatIsOutOfRange) {
+  for (const ItpAuth auth : {ItpAuth::kOff, ItpAuth::kRequired}) {
+    GateBench bench(true, auth);
+    EXPECT_EQ(bench.arrive(bench.next(true, 5001), kSurgeon), Reject::kOutOfRange);
+    EXPECT_EQ(bench.arrive(bench.next(true, -5001), kSurgeon), Reject::kOutOfRange);
+    EXPECT_EQ(bench.arrive(bench.next(true, -5000), kSurgeon), Reject::kNone);
+  }
+}
+
+TEST(ItpGate, AMasterThatWasLetGoIntroducesItselfWithThePedalUpAgain) {
+  for (const ItpAuth auth : {ItpAuth::kOff, ItpAuth::kRequired}) {
+    GateBench bench(true, auth);
+    bench.surgeon(true);
+    bench.now_ns += 600'000'000;
+    bench.gate.idle(bench.now_ns);
+    ASSERT_FALSE(bench.gate.isPinned());
+    EXPECT_EQ(bench.surgeon(true), Reject::kForeignSource);
+    EXPECT_EQ(bench.surgeon(false), Reject::kNone);
+    EXPECT_EQ(bench.surgeon(true), Reject::kNone);
+  }
+}
+
+TEST(ItpGate, AMasterIsHeardWithEveryPacketThatIsUsed) {
+  for (const ItpAuth auth : {ItpAuth::kOff, ItpAuth::kRequired}) {
+    GateBench bench(true, auth);
+    for (int i = 0; i < 1200; ++i) {
+      ASSERT_EQ(bench.surgeon(true), Reject::kNone) << i;
+      ASSERT_EQ(bench.gate.last(), bench.sequence) << "and its number is the last one";
+    }
+    EXPECT_TRUE(bench.gate.isPinned());
+    EXPECT_EQ(bench.gate.source(), kSurgeon);
+  }
+}
+
+TEST(ItpGate, ASupersededSessionNeverComesBack) {
+  GateBench bench(true, ItpAuth::kRequired);
+  bench.surgeon(false);
+  std::vector<std::uint8_t> unused = bench.next(false);  // kept by whoever reads the wire
+  SignedSender second(&benchKey(), Audience::kDaemon), third(&benchKey(), Audience::kDaemon);
+  for (SignedSender* sender : {&second, &third}) {
+    ASSERT_TRUE(bench.shakeHands(sender, kSurgeon));
+    const SignedItpBytes bytes = sender->sign(encodeItp(bench.packet(1, false)), false);
+    ASSERT_EQ(bench.arrive({bytes.begin(), bytes.end()}, kSurgeon), Reject::kNone);
+    EXPECT_EQ(bench.arrive(unused, kSurgeon), Reject::kOtherSession);
+    EXPECT_EQ(bench.surgeon(false), Reject::kOtherSession);
+  }
+  const SignedItpBytes old = second.sign(encodeItp(bench.packet(2, false)), false);
+  EXPECT_EQ(bench.arrive({old.begin(), old.end()}, kSurgeon), Reject::kOtherSession);
+}
+
 TEST(ItpGate, CompatTakesAnyoneAndCutsWhatIsTooLong) {
   GateBench bench(false, ItpAuth::kOff);
   EXPECT_EQ(bench.surgeon(true), Reject::kNone);

@@ -129,6 +129,22 @@ TEST(ItpCheck, RejectsAGraspIncrementBeyondTheWholeRangeOfTheJaws) {
   EXPECT_EQ(checkItp(packet, {2000}), Reject::kOutOfRange);
 }
 
+TEST(ItpCheck, AcceptsRotationsUpToTheLimitOfBothArmsAboutAnyAxisAndOfEitherSignOfTheQuaternion) {
+  for (const Arm arm : kArms) {
+    for (auto axis : {&ItpPacket::Qx, &ItpPacket::Qy, &ItpPacket::Qz}) {
+      for (const double angle : {-0.1001, -0.0999, 0.0999, 0.1001}) {
+        for (const double sign : {-1.0, 1.0}) {
+          ItpPacket packet;
+          at(packet.*axis, arm) = sign * std::sin(angle / 2.0);
+          at(packet.Qw, arm) = sign * std::cos(angle / 2.0);
+          EXPECT_EQ(checkItp(packet, {2000, 0.1}), std::abs(angle) > 0.1 ? Reject::kOutOfRange : Reject::kNone)
+              << name(arm) << " " << angle << " " << sign;
+        }
+      }
+    }
+  }
+}
+
 TEST(ItpCheck, RejectsWhatIsNotFinite) {
   for (const double bad : {kNan, kInf, -kInf}) {
     for (auto field : {&ItpPacket::Qx, &ItpPacket::Qy, &ItpPacket::Qz, &ItpPacket::Qw}) {
@@ -206,6 +222,38 @@ TEST(ItpCommand, SurvivesTheWireAtOneMicrometre) {
         ASSERT_NEAR(at(back.dp_I, arm)[k], at(command.dp_I, arm)[k], 0.5001e-6);
       ASSERT_NEAR(at(back.dgrasp, arm), at(command.dgrasp, arm), 0.5001e-3);
     }
+  }
+}
+
+TEST(ItpCommand, CarriesTheRotationOfBothArmsAndWhoeversPedal) {
+  Random random(4);
+  for (const std::uint8_t pedal : {std::uint8_t{0}, kSurgeonsPedal, kClientsPedal}) {
+    MasterCommand command;
+    command.pedal = pedal;
+    for (const Arm arm : kArms) {
+      double squares = 0.0;
+      for (double& x : at(command.dq_I, arm)) {
+        x = random.uniform(-1.0, 1.0);
+        squares += x * x;
+      }
+      for (double& x : at(command.dq_I, arm))
+        x /= std::sqrt(squares);
+    }
+    const ItpPacket packet = fromCommand(command);
+    EXPECT_EQ(packet.surgeon_mode, pedal != 0 ? 1 : 0) << "a hardened receiver takes no other";
+    const MasterCommand back = toCommand(packet);
+    for (const Arm arm : kArms) {
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_NEAR(at(back.dq_I, arm)[k], at(command.dq_I, arm)[k], 1e-15) << name(arm) << " " << k;
+    }
+  }
+}
+
+TEST(ItpCommand, MakesNoRotationOfAQuaternionWithoutLength) {
+  for (const Arm arm : kArms) {
+    ItpPacket packet;
+    at(packet.Qw, arm) = 0.0;
+    EXPECT_EQ(at(toCommand(packet).dq_I, arm), kIdentityQuat);
   }
 }
 

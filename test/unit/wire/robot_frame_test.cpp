@@ -311,6 +311,20 @@ TEST(State, RefusesUnknownRunLevelsAndFlags) {
   }
 }
 
+TEST(State, TakesTheJointStatesOfTheRobotAndNoOthersOfBothArms) {
+  for (std::size_t arm = 0; arm < kArmCount; ++arm) {
+    for (unsigned jstate = 0; jstate <= 255; ++jstate) {
+      RobotState value = patternState();
+      value.arms[arm].jstate[kWrist] = static_cast<std::uint8_t>(jstate);
+      FrameParser parser;
+      RobotState got;
+      EXPECT_EQ(decodeState(only(&parser, state(1, value)), &got),
+                jstate <= 6 || jstate == 255 ? Reject::kNone : Reject::kOutOfRange)
+          << jstate;
+    }
+  }
+}
+
 TEST(State, RefusesOtherSizesAndTypes) {
   const FrameBytes good = payloadOf(state(1, patternState()));
   RobotState got;
@@ -490,6 +504,8 @@ TEST(FaultSignalsFrame, RoundTripsAndRefusesWhatNoDistanceIs) {
   EXPECT_TRUE(got == sent);
   EXPECT_FALSE(decodeFaultSignals(only(&parser, encoded({-0.1, 0.0, 1, 1})), &got));
   EXPECT_FALSE(decodeFaultSignals(only(&parser, encoded({0.1, kNan, 1, 1})), &got));
+  EXPECT_FALSE(decodeFaultSignals(only(&parser, encoded({kNan, 0.1, 1, 1})), &got));
+  EXPECT_FALSE(decodeFaultSignals(only(&parser, encoded({0.1, -0.1, 1, 1})), &got));
   EXPECT_FALSE(decodeFaultSignals(only(&parser, plan(1, patternPlan())), &got));
   EXPECT_TRUE(got == sent);
 }
@@ -624,6 +640,26 @@ TEST(FrameParser, StartsAfreshAfterReset) {
   parser.reset();
   EXPECT_EQ(parser.next(&frame), FrameParser::Result::kNeedMore);
   only(&parser, hello(3));
+}
+
+TEST(FrameParser, AResetForgetsWhatWasTakenAndWhatWasBegun) {
+  // GIVEN a link that breaks off in the middle of a frame, behind others of which some were taken
+  for (int taken = 0; taken <= 2; ++taken) {
+    FrameParser parser;
+    FrameBytes stream = hello(1);
+    append(&stream, hello(2));
+    const FrameBytes half = hello(3);
+    stream.insert(stream.end(), half.begin(), half.begin() + 21);
+    parser.feed(stream.data(), stream.size());
+    Frame frame;
+    for (int i = 0; i < taken; ++i)
+      ASSERT_EQ(parser.next(&frame), FrameParser::Result::kFrame);
+    parser.reset();
+    // THEN the next link's frames come whole, from the first on
+    EXPECT_EQ(parser.next(&frame), FrameParser::Result::kNeedMore);
+    for (std::uint32_t number = 10; number < 13; ++number)
+      EXPECT_EQ(only(&parser, hello(number)).sequence, number);
+  }
 }
 
 TEST(FrameParser, BreaksRatherThanGrowWithoutBoundWhenNothingIsTaken) {

@@ -146,6 +146,30 @@ TEST(Sight, WithAValueThatCannotBeIsRefused) {
   EXPECT_EQ(afterChange([](Sight& s) { s.bodies_W[4].q[3] = 1.03; }), Reject::kBadQuaternion);
 }
 
+TEST(Sight, WithAPlaceFartherThanAThousandKilometresIsRefusedWhateverItIsOf) {
+  const std::function<Vec3&(Sight&)> places[] = {
+      [](Sight& s) -> Vec3& { return s.tool_W[0].p; },     [](Sight& s) -> Vec3& { return s.tool_W[1].p; },
+      [](Sight& s) -> Vec3& { return s.bodies_W[0].p; },   [](Sight& s) -> Vec3& { return s.bodies_W[11].p; },
+      [](Sight& s) -> Vec3& { return s.camera.eye_W; },    [](Sight& s) -> Vec3& { return s.camera.target_W; },
+      [](Sight& s) -> Vec3& { return s.camera.up_W; },
+  };
+  for (const auto& place : places) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const double sign : {-1.0, 1.0}) {
+        EXPECT_EQ(afterChange([&](Sight& s) { place(s)[axis] = sign * 1e6; }), Reject::kNone);
+        EXPECT_EQ(afterChange([&](Sight& s) { place(s)[axis] = sign * 1.001e6; }), Reject::kOutOfRange)
+            << &place - places << " " << axis;
+      }
+    }
+  }
+  for (const Arm arm : kArms) {
+    for (const double sign : {-1.0, 1.0}) {
+      EXPECT_EQ(afterChange([&](Sight& s) { at(s.opening, arm) = sign * 6.28; }), Reject::kNone);
+      EXPECT_EQ(afterChange([&](Sight& s) { at(s.opening, arm) = sign * 6.29; }), Reject::kOutOfRange);
+    }
+  }
+}
+
 TEST(Sight, WithANumberThatIsNoneIsRefusedWhereverItStands) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (std::size_t offset = 32; offset + 12 <= kSightSize; offset += 8) {
