@@ -334,6 +334,35 @@ TEST(ControlSoftware, NetworkFaultsActOnTheFieldsBeforeTheyAreUsed) {
   EXPECT_EQ(bench.cycle().pins & pins::kFootPedal, 0);
 }
 
+TEST(ControlSoftware, InTheInitAfterAnEmergencyStopTheTargetFollowsTheRobot) {
+  Bench bench;
+  bench.software.startAtHome();
+  bench.plc = RunLevel::kPedalUp;
+  bench.cycles(5);
+  bench.engage();
+  bench.plc = RunLevel::kEStop;
+  bench.cycles(10);
+  bench.plc = RunLevel::kInit;
+  bench.cycles(5);
+  for (int k = 0; k < 8; ++k) {  // brakes off, not READY yet: the arms sag
+    for (JointArray& q : bench.q)
+      q[kElbow] += 0.001;
+    bench.cycle();
+    ASSERT_EQ(bench.level(), RunLevel::kInit);
+    EXPECT_EQ(bench.software.report().pos_d_um, bench.software.report().pos_um) << k;
+  }
+}
+
+TEST(ControlSoftware, FollowingTheRobotCountsAsAnUpdateForTheTimeOut) {
+  Bench bench;
+  bench.software.startAtHome();
+  bench.plc = RunLevel::kPedalUp;  // the PLC does not answer the pedal
+  bench.cycles(5);
+  bench.send();
+  for (int k = 0; k < 5100; ++k)
+    ASSERT_NE(bench.cycle().pins & pins::kFootPedal, 0) << k;
+}
+
 TEST(ControlSoftware, TheReportHasTheSoftwaresUnitsAndSigns) {
   Bench bench;
   bench.bringTo(RunLevel::kPedalUp);
