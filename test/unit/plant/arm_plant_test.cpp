@@ -193,6 +193,22 @@ INSTANTIATE_TEST_SUITE_P(Joints,
                                            StopRow{kElbow, true},
                                            StopRow{kInsertion, true}));
 
+TEST(ArmPlant, SetMotorsForgetsWhichAxesStuck) {
+  for (const Arm which : kArms) {
+    const VirtualRavenConfig& config = trainerConfig().virtual_raven;
+    ArmPlant used(dhRaven(trainerConfig().arms), which, config), fresh(dhRaven(trainerConfig().arms), which, config);
+    const Vector7 start = fresh.motorPositions();
+    for (int k = 0; k < 100; ++k)
+      used.step(dacOn(kShoulder, 1500), true);
+    for (ArmPlant* arm : {&used, &fresh}) {
+      arm->setMotors(start, Vector7::Constant(3.0));
+      arm->step(dacOn(kElbow, -800), false);
+    }
+    EXPECT_EQ(used.motorRates(), fresh.motorRates()) << name(which);
+    EXPECT_EQ(used.motorPositions(), fresh.motorPositions()) << name(which);
+  }
+}
+
 TEST(ArmPlant, ATorqueOffsetIsThatTorqueAtTheCapstan) {
   for (const Arm which : kArms) {
     for (const Joint joint : {kShoulder, kInsertion, kWrist}) {
