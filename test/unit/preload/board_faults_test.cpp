@@ -259,6 +259,26 @@ TEST(NetworkFaults, NothingActsOnPacketsBeforeTheFirstCycle) {
   EXPECT_FALSE(network.take(&got, 0));
 }
 
+TEST(NetworkFaults, APacketBeforeTheFirstCycleCanBeRepeated) {
+  Fault frozen = fault(FaultVariable::kPacket, FaultKind::kHoldLast, 0);
+  CycleHistory history;
+  NetworkFaults network(planOf(frozen), &history);
+  const auto sendMoving = [&](std::uint32_t sequence, std::int32_t um) {
+    wire::ItpPacket itp;
+    itp.sequence = sequence;
+    itp.delx_um[0] = um;
+    network.offer(wire::encodeItp(itp), 0);
+    wire::ItpBytes bytes{};
+    EXPECT_TRUE(network.take(&bytes, 0));
+    EXPECT_EQ(wire::decodeItp(bytes.data(), bytes.size(), &itp), Reject::kNone);
+    EXPECT_EQ(itp.sequence, sequence);
+    return itp.delx_um[0];
+  };
+  EXPECT_EQ(sendMoving(1, 30), 30);
+  history.append(0);
+  EXPECT_EQ(sendMoving(2, 7), 30);
+}
+
 TEST(CycleHistory, CountsPacketsFromTheFirstPedalDownOn) {
   CycleHistory history;
   for (int k = 0; k < 3; ++k)

@@ -189,6 +189,11 @@ TEST_F(SettingsTest, PortsAreThoseOfUdp) {
   }
 }
 
+TEST_F(SettingsTest, TheShownLevelOfThePlcIsInsideOfTheProgram) {
+  environment["RAVEN2_USB_FAULTS"] = kFaults + "plc_state_bogus.yaml";  // the site of the pins, which are not inside
+  EXPECT_TRUE(isRefused("site is inside of the program")) << refusal();
+}
+
 TEST_F(SettingsTest, BoardsToWriteToAreTwoAtMost) {
   const std::string rows = textOf(kFaults + "put_usb_board_count.yaml");
   const std::size_t at = rows.find("value: ");
