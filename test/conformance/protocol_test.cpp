@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "conformance/robot.h"
+#include "raven2_trainer/core/fault_variables.h"
 
 // raven2.md 1.4 and 1.5: which datagrams are used, and what they do.
 
@@ -207,6 +208,88 @@ TEST_P(Axes, RotationsFollowTheTableInTheBaseFrame) {
   EXPECT_LT((robot.oriD(row.arm) - turn * before).norm(), 1e-6);  // ori_d is float
 }
 
+/** On one arm and axis of the packets, from the next cycle on. */
+FaultPlan planOf(FaultVariable variable, FaultKind kind, double value, const AxisRow& row) {
+  FaultPlan plan;
+  plan.generation = plan.session = plan.count = 1;
+  Fault& fault = plan.faults[0];
+  fault.id = 1;
+  fault.site = FaultSite::kNetworkLayer;
+  fault.variable = variable;
+  fault.kind = kind;
+  fault.trigger = FaultTrigger::kHand;
+  fault.arm = static_cast<std::int8_t>(index(row.arm));
+  fault.channel = static_cast<std::int8_t>(row.itp);
+  fault.value = value;
+  fault.low = 1;  // of a forged packet: the next number
+  EXPECT_TRUE(isSound(fault));
+  return plan;
+}
+
+TEST_P(Axes, FaultsOnIncrementsFollowTheTable) {
+  const AxisRow row = GetParam();
+  for (const FaultKind kind : {FaultKind::kAdd, FaultKind::kStuckAt}) {
+    Robot robot;
+    robot.engage();
+    robot.software.setFaults(planOf(FaultVariable::kIncrement, kind, 700, row));
+    robot.cycle();
+    const PerArm<std::array<std::int32_t, 3>> before{robot.posD(Arm::kGold), robot.posD(Arm::kGreen)};
+    robot.jump(row.arm, {0, 0, 0});
+    for (const Arm arm : kArms) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
+        const bool moves = arm == row.arm && axis == row.base;
+        EXPECT_EQ(robot.posD(arm)[i] - at(before, arm)[i], moves ? 700 * row.sign : 0) << name(arm) << axis;
+      }
+    }
+  }
+}
+
+TEST_P(Axes, FaultsOnTurnsFollowTheTableWhicheverQuaternionIsSent) {
+  const AxisRow row = GetParam();
+  for (const double sign : {1.0, -1.0}) {  // a turn has two quaternions
+    Robot robot;
+    robot.engage();
+    robot.software.setFaults(planOf(FaultVariable::kTurn, FaultKind::kAdd, 0.05, row));
+    robot.cycle();
+    const PerArm<Matrix3> before{robot.oriD(Arm::kGold), robot.oriD(Arm::kGreen)};
+    wire::ItpPacket p = robot.packet();
+    PerArm<double>* const field[3] = {&p.Qx, &p.Qy, &p.Qz};
+    p.Qw = {sign, sign};
+    at(*field[row.itp], row.arm) = sign * std::sin(0.02);
+    at(p.Qw, row.arm) = sign * std::cos(0.02);
+    robot.send(p);
+    robot.cycle();
+    for (const Arm arm : kArms) {
+      const double angle = arm == row.arm ? (0.04 + 0.05) * row.sign : 0.0;
+      const Matrix3 turn = Eigen::AngleAxisd(angle, Vector3::Unit(row.base)).toRotationMatrix();
+      EXPECT_LT((robot.oriD(arm) - turn * at(before, arm)).norm(), 1e-6) << name(arm) << " w " << p.Qw[0];
+    }
+  }
+}
+
+TEST_P(Axes, AForgedPacketFollowsTheTableTakesTheNextNumberAndPressesThePedal) {
+  const AxisRow row = GetParam();
+  Robot robot;
+  robot.engage();
+  robot.software.setFaults(planOf(FaultVariable::kPacket, FaultKind::kForge, 700, row));
+  robot.cycle();
+  const auto before = robot.posD(row.arm);
+  const auto other = robot.posD(otherArm(row.arm));
+  const std::uint64_t applied = robot.software.state().itp.applied;
+  wire::ItpPacket up = robot.packet(0);
+  robot.send(up);
+  robot.cycle();
+  EXPECT_EQ(robot.software.state().itp.applied, applied + 2);
+  EXPECT_EQ(robot.report().last_sequence, static_cast<std::int32_t>(up.sequence + 1));
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(robot.posD(row.arm)[i] - before[i], static_cast<int>(i) == row.base ? 700 * row.sign : 0) << i;
+  EXPECT_EQ(robot.posD(otherArm(row.arm)), other);
+  raven::UsbOut out;
+  ASSERT_TRUE(raven::decodeOut(robot.out[0], &out));
+  EXPECT_NE(out.pins & raven::pins::kFootPedal, 0) << "though the master has lifted it";
+}
+
 INSTANTIATE_TEST_SUITE_P(Table, Axes, ::testing::ValuesIn(kAxes));
 
 TEST(Automove, IsInTheBaseFrameWithoutMap) {
@@ -223,6 +306,24 @@ TEST(Automove, IsInTheBaseFrameWithoutMap) {
   EXPECT_EQ(after[2] - before[2], 300);
   const Matrix3 turn = Eigen::AngleAxisd(0.04, Vector3::UnitZ()).toRotationMatrix();
   EXPECT_LT((robot.oriD(Arm::kGreen) - turn * R).norm(), 1e-6);
+}
+
+TEST(Automove, EachArmTakesItsOwn) {
+  Robot robot;
+  robot.engage();
+  const PerArm<std::array<std::int32_t, 3>> before{robot.posD(Arm::kGold), robot.posD(Arm::kGreen)};
+  const PerArm<Matrix3> R{robot.oriD(Arm::kGold), robot.oriD(Arm::kGreen)};
+  const PerArm<Vec3> step{Vec3{10.0, 20.0, -30.0}, Vec3{-40.0, 50.0, 60.0}};
+  const PerArm<Vector3> about{Vector3::UnitX(), Vector3::UnitY()};
+  const double s = std::sin(0.01), c = std::cos(0.01);
+  robot.software.automove(step, {Quat{s, 0.0, 0.0, c}, Quat{0.0, s, 0.0, c}});
+  robot.cycle();
+  for (const Arm arm : kArms) {
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(robot.posD(arm)[i] - at(before, arm)[i], static_cast<std::int32_t>(at(step, arm)[i])) << name(arm) << i;
+    const Matrix3 turn = Eigen::AngleAxisd(0.02, at(about, arm)).toRotationMatrix();
+    EXPECT_LT((robot.oriD(arm) - turn * at(R, arm)).norm(), 1e-6) << name(arm);
+  }
 }
 
 // ---- 1.4, grasp

@@ -149,5 +149,40 @@ TEST(OpenFor, LeavesRoomOnBothSidesOfABar) {
   EXPECT_NEAR(openFor(0.002), kOpenJaws, 0.01);
 }
 
+TEST(Surroundings, LieOnTheFootOfTheLowestPegWhicheverItIs) {
+  for (std::size_t lowest = 0; lowest < 3; ++lowest) {
+    SceneRoles roles;
+    for (std::size_t i = 0; i < 3; ++i)
+      roles.pegs.push_back({"peg", "peg", {0.0, 0.0, i == lowest ? -0.03 : 0.01}, 0.02, 0.004});
+    EXPECT_EQ(floorOf(roles), -0.03) << lowest;
+  }
+  EXPECT_EQ(floorOf(SceneRoles{}), 0.0);
+}
+
+TEST(Surroundings, AnObjectThatLiesThereReachesToTheOutsideOfItsBars) {
+  const SceneObject ring{"ring", "ring", 0, /*inner_radius=*/0.007, /*bar_radius=*/0.002};
+  const Capsule ball = lyingAt(ring, {0.01, 0.02, 0.03});
+  EXPECT_EQ(ball.a, Vector3(0.01, 0.02, 0.03));
+  EXPECT_EQ(ball.b, ball.a);
+  EXPECT_NEAR(ball.radius, 0.011, 1e-15);
+}
+
+TEST_F(ClearanceTest, OfOpenJawsTheLowerTipCountsWhicheverItIs) {
+  // jaws level, opening in the vertical plane: the lower tip is 10 mm sin(0.4) below the pivot, whichever way up
+  for (const double side : {-1.0, 1.0}) {
+    Pose X_WT;
+    X_WT.R << 1, 0, 0, 0, 0, -side, 0, side, 0;
+    Surroundings around;
+    around.floor = 0.0;
+    around.opening = 0.8;
+    const double lowest = 0.010 * std::sin(0.4) + 0.0004;
+    X_WT.p = {-0.03, 0.0, lowest + 1e-5};
+    const bool is_clear = isClear(arms_, Arm::kGold, X_WT, around);
+    X_WT.p.z() = lowest - 1e-5;
+    EXPECT_TRUE(is_clear) << side;
+    EXPECT_FALSE(isClear(arms_, Arm::kGold, X_WT, around)) << side;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::console

@@ -267,5 +267,62 @@ TEST(Console, TakesForcesOfARestartedDaemon) {
   EXPECT_NEAR(console.deflection()[0][0], 1.0 / 300.0, 1e-9);
 }
 
+class ConsoleHands : public ::testing::TestWithParam<Arm> {};
+
+TEST_P(ConsoleHands, ImpossibleForcesAreRefusedOnEitherHandAxisAndSide) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double bad : {-20.1, 20.1, -inf, inf, std::nan("")}) {
+      Console console = readyConsole(testConfig(), still);
+      ForcePacket force;
+      force.sequence = 1;
+      at(force.force_I, GetParam())[axis] = bad;
+      EXPECT_EQ(console.applyForce(force), Reject::kOutOfRange) << axis << " " << bad;
+      at(force.force_I, GetParam())[axis] = std::copysign(19.9, bad);
+      EXPECT_EQ(console.applyForce(force), Reject::kNone);
+    }
+  }
+}
+
+TEST_P(ConsoleHands, AForcePushesItsOwnHandAlone) {
+  Console console = readyConsole(testConfig(), still);
+  console.setReady(true);
+  ForcePacket force;
+  at(force.force_I, GetParam()) = {-1.5, 0.0, 0.6};
+  PerArm<Vec3> sum{};
+  for (int i = 0; i < 2000; ++i) {
+    ++force.sequence;
+    ASSERT_EQ(console.applyForce(force), Reject::kNone);
+    const wire::ItpPacket packet = console.tick();
+    for (const Arm arm : kArms) {
+      for (std::size_t k = 0; k < 3; ++k)
+        at(sum, arm)[k] += increment(packet, arm)[k];
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double pushed = at(force.force_I, GetParam())[k] / 300.0;
+    EXPECT_NEAR(at(console.deflection(), GetParam())[k], pushed, 1e-9);
+    EXPECT_NEAR(at(sum, GetParam())[k], 0.1 * pushed, 1.1e-6) << "the tool by a tenth of it";
+    EXPECT_EQ(at(console.deflection(), otherArm(GetParam()))[k], 0.0);
+    EXPECT_EQ(at(sum, otherArm(GetParam()))[k], 0.0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, ConsoleHands, ::testing::ValuesIn(kArms), [](const auto& tested) {
+  return std::string(name(tested.param));
+});
+
+TEST(Console, NumbersOfForcesGoOnBeyondTheLargest) {
+  Console console = readyConsole(testConfig(), still);
+  const std::uint32_t largest = std::numeric_limits<std::uint32_t>::max();
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t number = largest - 2 + i;
+    EXPECT_EQ(console.applyForce(forceX(1.0, number)), Reject::kNone) << number;
+    EXPECT_EQ(console.applyForce(forceX(1.0, number - 1)), Reject::kOutOfOrder) << number;
+    EXPECT_EQ(console.applyForce(forceX(1.0, number)), Reject::kDuplicate) << number;
+    console.tick();
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::console

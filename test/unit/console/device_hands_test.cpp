@@ -548,6 +548,160 @@ TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
   }
 }
 
+// ---- each device ----------------------------------------------------------------------------------------------------
+
+class EachDevice : public ::testing::TestWithParam<Arm> {
+ protected:
+  static DeviceSample& own(DeviceBench* bench) { return at(bench->samples, GetParam()); }
+
+  /** Both buttons, so that either may be the pedal. */
+  static void press(DeviceBench* bench, std::uint32_t buttons = 1) {
+    for (DeviceSample& sample : bench->samples)
+      sample.buttons = buttons;
+  }
+};
+
+TEST_P(EachDevice, LiftsThePedalByItself) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::array<Vec3, 4> wrong{{{nan, 0, 0}, {0, 0, -0.7}, {0, -0.02, 0}, {0.02, 0, 0}}};
+  for (const Vec3& position : wrong) {
+    DeviceBench bench(testMaster());
+    bench.warmUp();
+    press(&bench);
+    ASSERT_TRUE(bench.tick().pedal);
+    own(&bench).position = position;
+    EXPECT_FALSE(bench.tick().pedal);
+    EXPECT_NE(bench.newest(GetParam()), DeviceTrouble::kNone);
+    EXPECT_EQ(bench.newest(otherArm(GetParam())), DeviceTrouble::kNone);
+  }
+}
+
+TEST_P(EachDevice, ForbidsToStartIfItAloneHasNeverMoved) {
+  DeviceBench bench(testMaster());
+  for (int i = 0; i < 600; ++i) {
+    at(bench.samples, otherArm(GetParam())).position[0] = 1e-3 * std::sin(0.05 * i);
+    bench.tick();
+  }
+  press(&bench);
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(GetParam()), DeviceTrouble::kNeverMoved);
+  EXPECT_EQ(bench.newest(otherArm(GetParam())), DeviceTrouble::kNone);
+}
+
+TEST_P(EachDevice, GetsTheForceOnItsOwnHand) {
+  MasterConfig config = testMaster();
+  config.force_per_newton = 4.0;
+  DeviceBench bench(config);
+  bench.warmUp();
+  press(&bench);
+  at(bench.senses.force.force_I, GetParam()) = {0.0, -0.5, 0.0};
+  bench.tick();
+  expectNear(bench.force(GetParam()), {0.0, -2.0, 0.0}, 1e-12, "own");
+  expectNear(bench.force(otherArm(GetParam())), {0.0, 0.0, 0.0}, 0.0, "other");
+  EXPECT_NEAR(at(bench.report().hand_force, GetParam()), 0.5, 1e-12) << "reported in newtons";
+  EXPECT_EQ(at(bench.report().hand_force, otherArm(GetParam())), 0.0);
+}
+
+TEST_P(EachDevice, IsReportedOnceForEachLock) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  for (std::uint32_t lock = 1; lock <= 3; ++lock) {
+    own(&bench).is_locked = 1;
+    bench.tick(20);
+    EXPECT_EQ(at(bench.report().found, GetParam()), lock);
+    EXPECT_EQ(at(bench.report().found, otherArm(GetParam())), 0U);
+    own(&bench).is_locked = 0;
+    bench.tick(20);
+  }
+}
+
+TEST_P(EachDevice, IsNoPedalAfterItsDriverDiedUntilItsButtonWasUp) {
+  MasterConfig config = testMaster();
+  config.pedal_from = GetParam() == Arm::kGold ? PedalFrom::kLeft : PedalFrom::kRight;
+  DeviceBench bench(config);
+  bench.warmUp();
+  press(&bench);
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.publishes = false;
+  ASSERT_FALSE(bench.tick(200).pedal);
+  bench.publishes = true;
+  EXPECT_FALSE(bench.tick(50).pedal);
+  own(&bench).buttons = 0;
+  bench.tick();
+  own(&bench).buttons = 1;
+  EXPECT_TRUE(bench.tick().pedal);
+}
+
+TEST_P(EachDevice, IsTooWideBeyondFiveWorkspacesOnEitherSide) {
+  // a workspace of 70 mm along z: five times as much are 0.35 m
+  for (const double side : {-1.0, 1.0}) {
+    DeviceBench bench(testMaster());
+    bench.warmUp();
+    for (int i = 0; i <= 340; ++i) {
+      own(&bench).position[2] = side * 1e-3 * i;
+      bench.tick();
+    }
+    EXPECT_EQ(bench.newest(GetParam()), DeviceTrouble::kNone);
+    for (int i = 341; i <= 360; ++i) {
+      own(&bench).position[2] = side * 1e-3 * i;
+      bench.tick();
+    }
+    EXPECT_EQ(bench.newest(GetParam()), DeviceTrouble::kTooWide) << side;
+    EXPECT_EQ(bench.newest(otherArm(GetParam())), DeviceTrouble::kNone);
+  }
+}
+
+TEST_P(EachDevice, KeepsItsRangeAfterAGlitch) {
+  DeviceBench bench(testMaster());
+  bench.warmUp();
+  own(&bench).position[2] = -0.3;  // one pose, far off but within reach
+  bench.tick();
+  EXPECT_EQ(bench.newest(GetParam()), DeviceTrouble::kJump);
+  own(&bench).position[2] = 0.0;
+  bench.tick();
+  const std::uint32_t found = at(bench.report().found, GetParam());
+  for (int i = 0; i <= 200; ++i) {
+    own(&bench).position[2] = 1e-3 * i;
+    bench.tick();
+  }
+  EXPECT_EQ(at(bench.report().found, GetParam()), found) << "0.2 m are not five workspaces";
+}
+
+TEST_P(EachDevice, LeadsItsJawsByItsOwnAxisWithinTheirRange) {
+  MasterConfig config = testMaster();
+  config.gripper_from = GripperFrom::kAxis;
+  for (DeviceTopics& device : config.devices)
+    device.gripper_input = 2;
+  config.reading_closed = -0.5;
+  DeviceBench bench(config);  // jaws at 0.3 of 0.6, readings from -0.5 to 1
+  bench.warmUp();
+  press(&bench);
+  const std::array<std::array<double, 2>, 5> readings{{{1.0, 0.6}, {0.25, 0.3}, {-0.5, 0.0}, {-9.0, 0.0}, {9.0, 0.6}}};
+  own(&bench).axis_count = 3;
+  for (const auto& [reading, opening] : readings) {
+    own(&bench).axes[2] = reading;
+    EXPECT_NEAR(at(bench.tick(300).grasp, GetParam()), opening, 1e-12) << reading;
+  }
+  own(&bench).axis_count = 2;  // the driver has only two: the third counts as 0
+  EXPECT_NEAR(at(bench.tick(300).grasp, GetParam()), 0.2, 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, EachDevice, ::testing::ValuesIn(kArms), [](const auto& tested) {
+  return std::string(name(tested.param));
+});
+
+TEST(DeviceHands, AStickBeyondItsEndIsAtItsEndOnEitherSide) {
+  for (const double side : {-1.0, 1.0}) {
+    DeviceBench bench(shipped("gamepad"));
+    bench.tick(600);
+    bench.samples[0].axis_count = bench.samples[1].axis_count = 8;
+    bench.press(1U << 5U);
+    ASSERT_TRUE(bench.tick().pedal);
+    bench.samples[0].axes = {0.0, 1.8 * side};
+    expectNear(bench.tick(1000).hand_I[0], {0.08 * side, 0, 0}, 1e-9, "forward and back");
+  }
+}
+
 /** A console with such hands on a robot that is ready. */
 struct RealConsole {
   explicit RealConsole(double scale = 0.1, bool orientation = false, double max_turn_jump = 0.2)

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "fake_world.h"
@@ -109,6 +112,7 @@ TEST_F(ExpertTest, GivesUpInTheEnd) {
   EXPECT_TRUE(world.finished());
   EXPECT_EQ(told("given_up"), 1);
   EXPECT_EQ(world.highest(), 0.0);
+  EXPECT_EQ(told("close"), Skill{}.tries) << "as many times as it tries";
 }
 
 TEST_F(ExpertTest, KeepsThePedalUpAsLongAsItSeesNothing) {
@@ -363,6 +367,64 @@ TEST(Clumsiness, IsRefusedWhereItDoesNotFit) {
   EXPECT_THROW(makeClumsy(still, &verbs, &skill), ConfigException);
 }
 
+TEST(Clumsiness, ChangesWhatItNamesAndNothingElse) {
+  Verb follow = verb(VerbKind::kFollowWire, Arm::kGold), touch = verb(VerbKind::kTouch, Arm::kGreen);
+  std::vector<Verb> verbs = wholeTask();
+  verbs.insert(verbs.end(), {follow, touch});
+  for (std::size_t i : {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{5}}) {
+    std::vector<Verb> changed = verbs;
+    Skill skill;
+    const Skill usual;
+    Clumsiness clumsiness;
+    clumsiness.verb = i;
+    clumsiness.speed = 0.5;
+    clumsiness.pause = 3.0;
+    clumsiness.tremor = 7.0;
+    if (verbs[i].kind == VerbKind::kCarry || verbs[i].kind == VerbKind::kTouch) clumsiness.via_W = Vec3{1, 2, 3};
+    if (verbs[i].kind == VerbKind::kCarry) clumsiness.let_go_at = 0.25;
+    const bool can_push = verbs[i].kind == VerbKind::kPutOver || verbs[i].kind == VerbKind::kFollowWire;
+    if (can_push) clumsiness.push_W = Vec3{4, 5, 6};
+    makeClumsy(clumsiness, &changed, &skill);
+    EXPECT_EQ(skill.slowest, 0.5 * usual.slowest);
+    EXPECT_EQ(skill.fastest, 0.5 * usual.fastest);
+    EXPECT_EQ(skill.pause, 3.0);
+    EXPECT_EQ(skill.tremor, 7.0);
+    for (std::size_t k = 0; k < verbs.size(); ++k) {
+      EXPECT_EQ(changed[k].via_W, k == i ? clumsiness.via_W : verbs[k].via_W) << i << k;
+      EXPECT_EQ(changed[k].push_W, k == i ? clumsiness.push_W.value_or(Vec3{}) : Vec3{}) << i << k;
+      EXPECT_EQ(changed[k].let_go_at, k == i ? clumsiness.let_go_at.value_or(-1.0) : -1.0) << i << k;
+    }
+  }
+}
+
+TEST(Clumsiness, BoundsAreAllowedAndWhatIsBeyondThemIsNot) {
+  struct Bound {
+    std::optional<double> Clumsiness::*key;
+    double least, greatest;
+  };
+  const std::array<Bound, 4> bounds{{{&Clumsiness::let_go_at, 0.0, 1.0},
+                                     {&Clumsiness::speed, 0.05, 3.0},
+                                     {&Clumsiness::pause, 0.0, 60.0},
+                                     {&Clumsiness::tremor, 0.0, 100.0}}};
+  for (const Bound& bound : bounds) {
+    const auto isAllowed = [&](double value) {
+      std::vector<Verb> verbs = wholeTask();
+      Skill skill;
+      Clumsiness clumsiness;
+      clumsiness.verb = 1;
+      clumsiness.*bound.key = value;
+      try {
+        makeClumsy(clumsiness, &verbs, &skill);
+      } catch (const ConfigException&) {
+        return false;
+      }
+      return true;
+    };
+    EXPECT_TRUE(isAllowed(bound.least) && isAllowed(bound.greatest));
+    EXPECT_FALSE(isAllowed(bound.least - 0.01) || isAllowed(bound.greatest + 0.01) || isAllowed(std::nan("")));
+  }
+}
+
 // ---- reaction -------------------------------------------------------------------------------------------------------
 
 TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
@@ -409,6 +471,56 @@ TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
   EXPECT_TRUE(world.finished());
   EXPECT_LT((world.ring().p - Vector3(-0.018, -0.028, 0.002)).norm(), 0.002) << "and goes on where it was";
 }
+
+/** Pedal down, 1 mm a tick along x. */
+class Walking : public MotionSource {
+ public:
+  Intent tick(const Senses& senses) override {
+    interruptions += senses.was_interrupted ? 1 : 0;
+    Intent intent;
+    intent.pedal = true;
+    intent.hand_I[0][0] = 1e-3 * ++steps;
+    return intent;
+  }
+  int steps{0}, interruptions{0};
+};
+
+class ReactionTo : public ::testing::TestWithParam<Arm> {};
+
+TEST_P(ReactionTo, AForceOnEitherHandLiftsThePedalEachTime) {
+  Reaction reaction;
+  reaction.delay = 0.010;
+  reaction.rest = 0.020;
+  reaction.look = 0.005;
+  TruthLog truth;
+  auto walking = std::make_unique<Walking>();
+  Walking* walk = walking.get();
+  const auto source = makeReacting(std::move(walking), reaction, &truth);
+  Senses senses;
+  for (int attempt = 1; attempt <= 3; ++attempt) {
+    for (int i = 0; i < 50; ++i)
+      ASSERT_TRUE(source->tick(senses).pedal) << attempt << " " << i;
+    at(senses.force.force_I, GetParam()) = {0.0, -0.31, 0.0};
+    ASSERT_TRUE(source->tick(senses).pedal);
+    senses.force = ForcePacket{};
+    for (int i = 1; i < 10; ++i)
+      ASSERT_TRUE(source->tick(senses).pedal) << attempt << " " << i;
+    const int steps = walk->steps;
+    for (int i = 0; i < 20; ++i)
+      ASSERT_FALSE(source->tick(senses).pedal) << attempt << " " << i;
+    for (int i = 0; i < 5; ++i)
+      ASSERT_TRUE(source->tick(senses).pedal) << attempt << " " << i;
+    EXPECT_EQ(walk->steps, steps) << "the hands rest";
+    EXPECT_EQ(walk->interruptions, attempt - 1);
+    source->tick(senses);
+    EXPECT_EQ(walk->interruptions, attempt);
+    EXPECT_EQ(truth.events().size(), 3U * static_cast<std::size_t>(attempt));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, ReactionTo, ::testing::ValuesIn(kArms), [](const auto& tested) {
+  return std::string(name(tested.param));
+});
 
 }  // namespace
 }  // namespace raven2_trainer::console

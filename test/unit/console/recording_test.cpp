@@ -77,6 +77,20 @@ TEST(LoadRecording, NamesFileAndLineOfABadValue) {
   }
 }
 
+TEST(LoadRecording, BoundsAreTheSameOnBothSidesInEachColumn) {
+  for (std::size_t column = 0; column < 6; ++column) {
+    for (const char* value : {"1000000", "-1000000", "1000001", "-1000001"}) {
+      std::string row;
+      for (std::size_t k = 0; k < 6; ++k)
+        row += std::string(k > 0 ? "," : "") + (k == column ? value : "1");
+      std::string path;
+      const std::string error = errorOf(kHeader + row + "\n", &path);
+      const bool is_within = std::string(value).back() == '0';
+      EXPECT_EQ(error == "no exception", is_within) << column << " " << value << ": " << error;
+    }
+  }
+}
+
 TEST(LoadRecording, NamesFileAndLineOfARowThatIsTooShort) {
   std::string path;
   const std::string error = errorOf(std::string(kHeader) + "1,2,3,4,5,6\n1,2,3,4,5\n", &path);

@@ -219,5 +219,48 @@ TEST_F(ConsoleSenses, TellsThePedalsBesideTheOneOfItp) {
   EXPECT_EQ(console_.pedals(), bit(Pedal::kTrial) | bit(Pedal::kStop));
 }
 
+TEST_F(ConsoleSenses, EveryNumberOfAPictureIsLookedAt) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::uint32_t sequence = 0;
+  for (const Arm arm : kArms) {
+    Sight sight = picture(++sequence, 0.1);
+    at(sight.opening, arm) = nan;
+    EXPECT_EQ(console_.applySight(sight), Reject::kNotFinite) << name(arm);
+    for (std::size_t k = 0; k < 4; ++k) {
+      sight = picture(++sequence, 0.1);
+      (k < 3 ? at(sight.tool_W, arm).p[k] : at(sight.tool_W, arm).q[0]) = nan;
+      EXPECT_EQ(console_.applySight(sight), Reject::kNotFinite) << name(arm) << k;
+    }
+  }
+  EXPECT_EQ(console_.applySight(picture(1, 0.1)), Reject::kNone) << "a rejected picture does not count as seen";
+}
+
+TEST_F(ConsoleSenses, APictureKeepsOlderOnesOutForHalfASecond) {
+  for (int round = 0; round < 3; ++round) {
+    const std::uint32_t newest = 1000U - 100U * static_cast<std::uint32_t>(round);
+    ASSERT_EQ(console_.applySight(picture(newest, 0.5)), Reject::kNone) << round;
+    for (int i = 0; i < 499; ++i)
+      console_.tick();
+    EXPECT_EQ(console_.applySight(picture(newest - 100, 0.1)), Reject::kOutOfOrder) << round;
+    console_.tick();
+  }
+}
+
+TEST(ConsoleTurn, ThePedalUpDiscardsTheRestOfATurn) {
+  const Quat far = about({0.0, 0.0, 1.0}, 2.0);
+  Console console = readyConsole(testConfig(), [&](Tick now) {
+    Intent intent;
+    intent.pedal = now < 5 || now >= 10;
+    if (now > 0) intent.turn_I = {far, far};
+    return intent;
+  });
+  console.setReady(true);
+  for (Tick now = 0; now < 30; ++now) {
+    const wire::ItpPacket packet = console.tick();
+    for (const Arm arm : kArms)
+      EXPECT_NEAR(angleOf(turnOf(packet, arm)), now > 0 && now < 5 ? 0.099 : 0.0, 1e-9) << now;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::console

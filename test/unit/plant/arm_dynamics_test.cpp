@@ -155,6 +155,42 @@ TEST(ArmDynamics, MassOnAFixedLinkCountsWithItsCarrier) {
   EXPECT_NEAR(loaded.massMatrix()(kInsertion, kInsertion) - bare.massMatrix()(kInsertion, kInsertion), 0.2, 1e-12);
 }
 
+TEST(ArmDynamics, ABodyOnAFixedLinkHasItsOwnPlaceAndAttitude) {
+  // A body's energies, worked out from the pose and motion of its carrier: m g z; m v^2 / 2 + w I w / 2.
+  Random random(6);
+  for (const Joint joint : {kShoulder, kElbow, kInsertion, kToolRotation, kWrist}) {
+    model::RavenModel raven = dhRaven(trainerConfig().arms);
+    ArmDynamics bare(raven, Arm::kGreen);
+    model::Link sensor;
+    sensor.name = "sensor";
+    sensor.parent = at(raven.links, Arm::kGreen)[joint];
+    sensor.X_PJ.R = Eigen::AngleAxisd(0.9, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+    sensor.X_PJ.p = Vector3(0.05, 0.1, -0.02);
+    sensor.inertial = test::inertial(0.2, {0.01, -0.03, 0.02}, {1e-3, 2e-3, 4e-3});
+    raven.description.links.push_back(sensor);
+    ArmDynamics loaded(raven, Arm::kGreen);
+    for (int n = 0; n < 10; ++n) {
+      const Vector7 q = randomPosture(&random), dq = randomRate(&random);
+      const auto poseAfter = [&](double t) {
+        bare.update(q + t * dq, dq);
+        return bare.linkPose(joint) * sensor.X_PJ;
+      };
+      constexpr double kStep = 1e-5;  // [s]
+      const Pose X = poseAfter(0.0), sooner = poseAfter(-kStep), later = poseAfter(kStep);
+      const Vector3 v = (later * sensor.inertial.com - sooner * sensor.inertial.com) / (2 * kStep);
+      const Eigen::AngleAxisd turn(Matrix3(later.R * sooner.R.transpose()));
+      const Vector3 w = X.R.transpose() * turn.axis() * turn.angle() / (2 * kStep);
+      bare.update(q, dq);
+      loaded.update(q, dq);
+      EXPECT_NEAR(loaded.potentialEnergy() - bare.potentialEnergy(),
+                  0.2 * ArmDynamics::kGravity * (X * sensor.inertial.com).z(), 1e-9);
+      EXPECT_NEAR(loaded.kineticEnergy() - bare.kineticEnergy(),
+                  0.5 * 0.2 * v.squaredNorm() + 0.5 * w.dot(sensor.inertial.inertia * w), 1e-6)
+          << kJointNames[joint];
+    }
+  }
+}
+
 TEST(ArmDynamics, RefusesAnotherChain) {
   model::RavenModel raven = dhRaven(trainerConfig().arms);
   std::swap(at(raven.links, Arm::kGreen)[kShoulder], at(raven.links, Arm::kGreen)[kElbow]);

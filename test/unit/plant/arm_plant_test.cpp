@@ -130,5 +130,118 @@ TEST(ArmPlant, EncodersShowTheMotorInWholeCounts) {
   }
 }
 
+/** One joint of one arm, driven by its motor alone against either of its hard stops; rigid or elastic cables. */
+struct StopRow {
+  Joint joint;
+  bool elastic;
+};
+
+class HardStops : public ::testing::TestWithParam<StopRow> {
+ protected:
+  /** raven2.md 2.3 where homing searches; on the other side as doc/virtual_raven.md says: 5 degrees or 5 mm beyond the
+   * software's limit, tool joints symmetric. */
+  static double stopOf(Joint joint, bool upper) {
+    constexpr JointArray kHigh{95 * kDegree,  137.5 * kDegree, 0.562,        330 * kDegree,
+                               100 * kDegree, 120 * kDegree,   120 * kDegree};
+    constexpr JointArray kLow{0.0, 40 * kDegree, 0.225, -330 * kDegree, -100 * kDegree, -120 * kDegree, -120 * kDegree};
+    return upper ? kHigh[joint] : kLow[joint];
+  }
+
+  /** The arm a little before the stop, at rest. */
+  static ArmPlant before(Arm which, const StopRow& row, bool upper) {
+    VirtualRavenConfig config = frictionless();
+    config.plant.elastic_cables = row.elastic;
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      config.plant.axes[j].coulomb = j == row.joint ? 0.0 : 10.0;  // the others stand
+    ArmPlant arm(dhRaven(trainerConfig().arms), which, config);
+    const double room = row.joint == kInsertion ? 0.002 : 0.02;
+    Vector7 q = arm.jointPositions();
+    q[row.joint] = stopOf(row.joint, upper) + (upper ? -room : room);
+    arm.setMotors(raven::CableCoupling(which, config).matrix() * q, Vector7::Zero());
+    return arm;
+  }
+};
+
+TEST_P(HardStops, HoldEitherArmOnEitherSide) {
+  for (const Arm which : kArms) {
+    for (const bool upper : {false, true}) {
+      ArmPlant arm = before(which, GetParam(), upper);
+      const auto j = static_cast<Eigen::Index>(GetParam().joint);
+      const double stop = stopOf(GetParam().joint, upper), side = upper ? 1.0 : -1.0;
+      const auto counts = static_cast<std::int16_t>(side * 3000 * raven::torqueSign(which, GetParam().joint));
+      double farthest = -1.0;
+      for (int k = 0; k < 150; ++k) {
+        arm.step(dacOn(GetParam().joint, counts), false);
+        farthest = std::max(farthest, side * (arm.jointPositions()[j] - stop));
+      }
+      EXPECT_LT(farthest, 1e-6) << name(which) << (upper ? " above" : " below");
+      EXPECT_GT(farthest, -1e-4) << name(which) << (upper ? " above" : " below") << ": it was driven there";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Joints,
+                         HardStops,
+                         ::testing::Values(StopRow{kShoulder, false},
+                                           StopRow{kElbow, false},
+                                           StopRow{kInsertion, false},
+                                           StopRow{kToolRotation, false},
+                                           StopRow{kWrist, false},
+                                           StopRow{kGrasp1, false},
+                                           StopRow{kGrasp2, false},
+                                           StopRow{kShoulder, true},
+                                           StopRow{kElbow, true},
+                                           StopRow{kInsertion, true}));
+
+TEST(ArmPlant, SetMotorsForgetsWhichAxesStuck) {
+  for (const Arm which : kArms) {
+    const VirtualRavenConfig& config = trainerConfig().virtual_raven;
+    ArmPlant used(dhRaven(trainerConfig().arms), which, config), fresh(dhRaven(trainerConfig().arms), which, config);
+    const Vector7 start = fresh.motorPositions();
+    for (int k = 0; k < 100; ++k)
+      used.step(dacOn(kShoulder, 1500), true);
+    for (ArmPlant* arm : {&used, &fresh}) {
+      arm->setMotors(start, Vector7::Constant(3.0));
+      arm->step(dacOn(kElbow, -800), false);
+    }
+    EXPECT_EQ(used.motorRates(), fresh.motorRates()) << name(which);
+    EXPECT_EQ(used.motorPositions(), fresh.motorPositions()) << name(which);
+  }
+}
+
+TEST(ArmPlant, ATorqueOffsetIsThatTorqueAtTheCapstan) {
+  for (const Arm which : kArms) {
+    for (const Joint joint : {kShoulder, kInsertion, kWrist}) {
+      const double sign = raven::torqueSign(which, joint), tau = 0.05;
+      VirtualRavenConfig config = frictionless(), offset = frictionless();
+      offset.plant.axes[joint].torque_offset = tau;
+      ArmPlant pushed(dhRaven(trainerConfig().arms), which, offset);
+      ArmPlant commanded(dhRaven(trainerConfig().arms), which, config);
+      const double scale = joint <= kInsertion ? 3695.807 : 27328.42;  // [counts/Nm] raven2.md 3.1
+      pushed.step(kNoDac, false);
+      commanded.step(dacOn(joint, static_cast<std::int16_t>(std::lround(sign * tau * scale))), false);
+      EXPECT_NEAR(pushed.motorRates()[joint], commanded.motorRates()[joint],
+                  0.01 * std::abs(commanded.motorRates()[joint]))
+          << name(which) << kJointNames[joint];
+    }
+  }
+}
+
+TEST(ArmPlant, ViscousFrictionLimitsTheMotorToTorqueOverDamping) {
+  // Tool rotation alone: at its end speed all of the torque is friction, rate = tau_capstan / viscous.
+  VirtualRavenConfig config = frictionless();
+  const double viscous = 0.004;  // [Nms/rad] at the capstan
+  config.plant.axes[kToolRotation].viscous = viscous;
+  config.plant.axes[kToolRotation].link_viscous = 0.0;
+  ArmPlant arm(dhRaven(trainerConfig().arms), Arm::kGold, config);
+  const int counts = -400;
+  double rate = 0.0;
+  for (int k = 0; k < 200 && arm.jointPositions()[kToolRotation] < 4.0; ++k) {
+    arm.step(dacOn(kToolRotation, static_cast<std::int16_t>(counts)), true);  // the others are braked
+    rate = arm.motorRates()[kToolRotation];
+  }
+  EXPECT_NEAR(rate, -counts / 27328.42 / viscous, 0.02 * rate);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::plant

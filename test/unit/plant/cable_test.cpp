@@ -207,6 +207,17 @@ TEST(Amplifier, SaturatesAtItsVoltage) {
   EXPECT_LT(below.motorRates()[kShoulder], beyond.motorRates()[kShoulder]);
 }
 
+TEST(Amplifier, SaturatesAlikeOnBothSides) {
+  VirtualRavenConfig config = elastic();
+  config.plant.amplifier_limit = 1.0;  // 3276.8 counts
+  for (const int sign : {-1, 1}) {
+    ArmPlant at_limit = goldArm(config), beyond = goldArm(config);
+    at_limit.step(dacOn(kShoulder, sign * 3277), false);
+    beyond.step(dacOn(kShoulder, sign * 32000), false);
+    EXPECT_EQ(at_limit.motorRates(), beyond.motorRates()) << sign;
+  }
+}
+
 TEST(Amplifier, AnOffsetIsACommandThatNobodyGave) {
   VirtualRavenConfig config = elastic();
   VirtualRavenConfig with_offset = config;

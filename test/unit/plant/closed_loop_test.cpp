@@ -7,6 +7,7 @@
 
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/raven/board_channels.h"
 
 // Control software and plant together: what the emulated robot does as a whole.
 
@@ -230,6 +231,53 @@ TEST(VirtualRaven, TheBoardsIgnoreTheirCommandsInEStop) {
     plant.step({start_up, start_up});
   EXPECT_EQ(plant.jointPositions(Arm::kGold), before);
 }
+
+class PoweredArms : public ::testing::TestWithParam<Arm> {};
+
+/** Large commands on all channels of one arm, in E-STOP and with the pedal up. */
+TEST_P(PoweredArms, EStopCutsThePowerAndTheBrakesHoldEitherArm) {
+  for (const RunLevel level : {RunLevel::kEStop, RunLevel::kPedalUp}) {
+    VirtualRavenConfig config = trainerConfig().virtual_raven;
+    for (PlantAxis& axis : config.plant.axes)
+      axis.coulomb = axis.link_coulomb = 0.0;  // only the brakes hold
+    Plant plant(test::dhRaven(trainerConfig().arms), config);
+    if (level == RunLevel::kPedalUp) plant.startInPedalUp();
+    const JointArray before = plant.jointPositions(GetParam());
+    raven::UsbOut full;
+    full.dac.fill(2000);
+    PerArm<raven::UsbOutBytes> out{raven::encodeOut({}), raven::encodeOut({})};
+    at(out, GetParam()) = raven::encodeOut(full);
+    for (int k = 0; k < 50; ++k)
+      plant.step(out);
+    ASSERT_EQ(plant.runLevel(), level);
+    const JointArray after = plant.jointPositions(GetParam());
+    for (std::size_t j = kShoulder; j <= kInsertion; ++j)
+      EXPECT_NEAR(after[j], before[j], 1e-12) << kJointNames[j];
+    const double roll = std::abs(after[kToolRotation] - before[kToolRotation]);
+    EXPECT_EQ(roll > 0.1, level == RunLevel::kPedalUp) << "tool joints have no brakes";
+    EXPECT_EQ(roll < 0.01, level == RunLevel::kEStop);
+  }
+}
+
+TEST_P(PoweredArms, EachBoardMovesItsOwnArm) {
+  Plant plant(test::dhRaven(trainerConfig().arms), trainerConfig().virtual_raven);
+  plant.startInPedalUp();
+  const PerArm<JointArray> before{plant.jointPositions(Arm::kGold), plant.jointPositions(Arm::kGreen)};
+  raven::UsbOut full;
+  full.dac[raven::channelOf(kToolRotation)] = 2000;
+  PerArm<raven::UsbOutBytes> out{raven::encodeOut({}), raven::encodeOut({})};
+  at(out, GetParam()) = raven::encodeOut(full);
+  for (int k = 0; k < 50; ++k)
+    plant.step(out);
+  const double moved = plant.jointPositions(GetParam())[kToolRotation] - at(before, GetParam())[kToolRotation];
+  EXPECT_LT(moved, -0.1) << "a tool motor turns against its command (raven2.md 3.4)";
+  const Arm other = otherArm(GetParam());
+  EXPECT_NEAR(plant.jointPositions(other)[kToolRotation], at(before, other)[kToolRotation], 0.001);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, PoweredArms, ::testing::ValuesIn(kArms), [](const auto& tested) {
+  return std::string(name(tested.param));
+});
 
 }  // namespace
 }  // namespace raven2_trainer::plant

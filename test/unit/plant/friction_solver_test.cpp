@@ -74,5 +74,32 @@ TEST(FrictionSolver, StopLetsNothingThroughAndPullsNothingBack) {
   EXPECT_NEAR(solver.solve(coupled(), free, Vector::Zero(), stops, 1)[0], 3.0, 1e-12);
 }
 
+TEST(FrictionSolver, StopsHoldOnEitherSideOfEachRate) {
+  for (const Eigen::Index coordinate : {Eigen::Index{0}, Eigen::Index{9}}) {
+    for (const double sign : {-1.0, 1.0}) {
+      FrictionSolver::Stops stops{};
+      stops[0] = {coordinate, sign, -0.1};
+      FrictionSolver solver;
+      Vector free = Vector::Zero();
+      free[coordinate] = -3.0 * sign;
+      EXPECT_NEAR(solver.solve(coupled(), free, Vector::Zero(), stops, 1)[coordinate], -0.1 * sign, 1e-7);
+      free[coordinate] = 3.0 * sign;
+      EXPECT_NEAR(solver.solve(coupled(), free, Vector::Zero(), stops, 1)[coordinate], 3.0 * sign, 1e-12);
+    }
+  }
+}
+
+TEST(FrictionSolver, WhatStuckBeforeIsForgotten) {
+  const Matrix W = coupled();
+  Vector push = Vector::Zero();
+  push[2] = 0.5;
+  const Vector limit = Vector::Constant(0.4);
+  FrictionSolver used, fresh;
+  used.solve(W, push, limit, kNoStops, 0);
+  used.reset();
+  EXPECT_EQ(used.solve(W, -push, limit, kNoStops, 0), fresh.solve(W, -push, limit, kNoStops, 0));
+  EXPECT_EQ(used.iterations(), fresh.iterations());
+}
+
 }  // namespace
 }  // namespace raven2_trainer::plant

@@ -111,5 +111,79 @@ TEST(Plc, OneDeadBoardIsEnough) {
   EXPECT_EQ(plc.level(), RunLevel::kEStop);
 }
 
+class PlcBoards : public ::testing::TestWithParam<Arm> {
+ protected:
+  /** One cycle: `own` on the tested arm's board, `other` on the other one, a watchdog on both. */
+  void step(Plc* plc, std::uint8_t own, std::uint8_t other) {
+    const std::uint8_t wave = (phase_++ / 25) % 2 == 1 ? pins::kWatchdog : 0;
+    PerArm<std::uint8_t> out{};
+    at(out, GetParam()) = own | wave;
+    at(out, otherArm(GetParam())) = other | wave;
+    plc->step(out);
+  }
+  int phase_{0};
+};
+
+TEST_P(PlcBoards, TheWatchdogOfEitherOneIsWatched) {
+  Software software;
+  Plc plc = inPedalDown(&software);
+  int cycles = 0;
+  for (; plc.level() != RunLevel::kEStop && cycles < 1000; ++cycles) {
+    const std::uint8_t wave = (cycles / 25) % 2 == 1 ? pins::kWatchdog : 0;
+    PerArm<std::uint8_t> out{};
+    at(out, otherArm(GetParam())) = pins::kFootPedal | wave;
+    at(out, GetParam()) = pins::kFootPedal;
+    plc.step(out);
+  }
+  EXPECT_GE(cycles, 200 - 50);
+  EXPECT_LE(cycles, 201);
+}
+
+TEST_P(PlcBoards, ASignalCountsWhenBothCarryIt) {
+  Plc plc;
+  plc.pressStart();
+  for (int k = 0; k < 60; ++k)
+    step(&plc, 0, 0);
+  ASSERT_EQ(plc.level(), RunLevel::kInit);
+  for (int k = 0; k < 100; ++k)
+    step(&plc, pins::kReady, 0);
+  EXPECT_EQ(plc.level(), RunLevel::kInit);
+  step(&plc, pins::kReady, pins::kReady);
+  ASSERT_EQ(plc.level(), RunLevel::kPedalUp);
+  for (int k = 0; k < 100; ++k)
+    step(&plc, pins::kReady | pins::kFootPedal, pins::kReady);
+  EXPECT_EQ(plc.level(), RunLevel::kPedalUp);
+  step(&plc, pins::kFootPedal, pins::kFootPedal);
+  ASSERT_EQ(plc.level(), RunLevel::kPedalDown);
+  step(&plc, pins::kFootPedal, 0);
+  EXPECT_EQ(plc.level(), RunLevel::kPedalUp) << "one board without the pedal is enough";
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, PlcBoards, ::testing::ValuesIn(kArms), [](const auto& tested) {
+  return std::string(name(tested.param));
+});
+
+TEST(Plc, AStartPressedInOperationDoesNotOutliveAnEStop) {
+  Software software;
+  Plc plc = inPedalDown(&software);
+  plc.pressStart();
+  software.run(&plc, 100, pins::kReady | pins::kFootPedal);
+  software.alive = false;
+  software.run(&plc, 300);
+  ASSERT_EQ(plc.level(), RunLevel::kEStop);
+  software.alive = true;
+  software.run(&plc, 1000, pins::kReady | pins::kFootPedal);
+  EXPECT_EQ(plc.level(), RunLevel::kEStop);
+}
+
+TEST(Plc, StartingInALevelTakesTheWatchdogsAsJustSeen) {
+  Plc plc;
+  plc.startIn(RunLevel::kPedalUp);
+  int cycles = 0;
+  for (; plc.level() != RunLevel::kEStop && cycles < 1000; ++cycles)
+    plc.step({});
+  EXPECT_EQ(cycles, 200);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::plant

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <thread>
 
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/preload/network_faults.h"
+#include "raven2_trainer/raven/board_channels.h"
 
 namespace raven2_trainer::preload {
 namespace {
@@ -171,6 +173,120 @@ wire::ItpBytes packet(std::uint32_t sequence) {
   itp.sequence = sequence;
   itp.surgeon_mode = 1;
   return wire::encodeItp(itp);
+}
+
+class EachBoard : public ::testing::TestWithParam<Arm> {
+ protected:
+  static Fault own(FaultVariable variable, FaultKind kind, double value) {
+    Fault made = fault(variable, kind, value);
+    made.arm = static_cast<std::int8_t>(index(GetParam()));
+    return made;
+  }
+  static const UsbInBytes& bytesOf(Arm arm) { return arm == Arm::kGold ? kGoldIn : kGreenIn; }
+};
+
+TEST_P(EachBoard, IsReadWithItsOwnFaultsAlone) {
+  Boards boards(own(FaultVariable::kEncoder, FaultKind::kAdd, 100));
+  for (const Arm arm : kArms) {
+    EXPECT_EQ(boards.read(arm), UsbRead::kComplete);
+    UsbIn in, sent;
+    ASSERT_TRUE(raven::decodeIn(boards.got, &in) && raven::decodeIn(bytesOf(arm), &sent));
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const std::size_t k = raven::channelOf(j);
+      EXPECT_EQ(in.encoder[k] - sent.encoder[k], arm == GetParam() ? 100 : 0) << name(arm);
+    }
+    EXPECT_EQ(in.encoder[3], sent.encoder[3]) << "no fault reaches the unconnected channel";
+  }
+}
+
+TEST_P(EachBoard, IsWrittenWithItsOwnFaultsAlone) {
+  Boards boards(own(FaultVariable::kDac, FaultKind::kAdd, 7));
+  boards.read(Arm::kGold);
+  for (const Arm arm : kArms) {
+    const BoardFaults::Order order = boards.write(arm);
+    EXPECT_TRUE(order.is_written);
+    EXPECT_EQ(order.board, arm);
+    UsbOut out;
+    ASSERT_TRUE(raven::decodeOut(boards.out, &out));
+    EXPECT_EQ(out.dac[7], arm == GetParam() ? 807 : 800) << name(arm);
+  }
+}
+
+TEST_P(EachBoard, KeepsItsCountsWithin24Bits) {
+  for (const double end : {-8388608.0, 8388607.0}) {
+    Boards boards(own(FaultVariable::kEncoder, FaultKind::kAdd, end));
+    UsbIn far;
+    far.encoder.fill(end > 0 ? 5 : -5);
+    UsbInBytes bytes = raven::encodeIn(far);
+    ASSERT_EQ(boards.faults.read(GetParam(), UsbRead::kComplete, &bytes, 0), UsbRead::kComplete);
+    UsbIn in;
+    ASSERT_TRUE(raven::decodeIn(bytes, &in));
+    EXPECT_EQ(in.encoder[0], static_cast<std::int32_t>(end)) << "no wrap-around";
+  }
+}
+
+TEST_P(EachBoard, GetsTheLastGoodPacketOfTheOtherBoardInPlaceOfItsOwn) {
+  const double other = GetParam() == Arm::kGold ? 1.0 : 0.0;
+  Boards boards(own(FaultVariable::kGetBoardIndex, FaultKind::kStuckAt, other));
+  boards.cycle();
+  boards.got.fill(0xEE);  // a failed read leaves no packet
+  EXPECT_EQ(boards.faults.read(otherArm(GetParam()), UsbRead::kBusy, &boards.got, 5), UsbRead::kBusy);
+  EXPECT_EQ(boards.read(GetParam()), UsbRead::kComplete);
+  EXPECT_EQ(boards.got, bytesOf(otherArm(GetParam())));
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, EachBoard, ::testing::ValuesIn(kArms), [](const auto& tested) {
+  return std::string(name(tested.param));
+});
+
+TEST(NetworkFaults, NothingActsOnPacketsBeforeTheFirstCycle) {
+  Fault drop = fault(FaultVariable::kPacket, FaultKind::kDrop, 1.0);
+  CycleHistory history;
+  BoardFaults boards(planOf(drop), &history);
+  NetworkFaults network(planOf(drop), &history);
+  wire::ItpPacket itp;
+  itp.sequence = 5;
+  itp.surgeon_mode = 1;
+  const wire::ItpBytes sent = wire::encodeItp(itp);
+  wire::ItpBytes got{};
+  network.offer(sent, 0);
+  ASSERT_TRUE(network.take(&got, 0));
+  EXPECT_EQ(got, sent);
+  EXPECT_FALSE(network.take(&got, 0)) << "once";
+  UsbInBytes in = kGoldIn;
+  boards.read(Arm::kGold, UsbRead::kComplete, &in, 0);
+  network.offer(sent, 0);
+  EXPECT_FALSE(network.take(&got, 0));
+}
+
+TEST(NetworkFaults, APacketBeforeTheFirstCycleCanBeRepeated) {
+  Fault frozen = fault(FaultVariable::kPacket, FaultKind::kHoldLast, 0);
+  CycleHistory history;
+  NetworkFaults network(planOf(frozen), &history);
+  const auto sendMoving = [&](std::uint32_t sequence, std::int32_t um) {
+    wire::ItpPacket itp;
+    itp.sequence = sequence;
+    itp.delx_um[0] = um;
+    network.offer(wire::encodeItp(itp), 0);
+    wire::ItpBytes bytes{};
+    EXPECT_TRUE(network.take(&bytes, 0));
+    EXPECT_EQ(wire::decodeItp(bytes.data(), bytes.size(), &itp), Reject::kNone);
+    EXPECT_EQ(itp.sequence, sequence);
+    return itp.delx_um[0];
+  };
+  EXPECT_EQ(sendMoving(1, 30), 30);
+  history.append(0);
+  EXPECT_EQ(sendMoving(2, 7), 30);
+}
+
+TEST(CycleHistory, CountsPacketsFromTheFirstPedalDownOn) {
+  CycleHistory history;
+  for (int k = 0; k < 3; ++k)
+    history.countPacket(false);
+  EXPECT_EQ(history.packets(), 0U);
+  history.countPacket(true);
+  history.countPacket(false);
+  EXPECT_EQ(history.packets(), 2U);
 }
 
 /** As they run in a control program: neither waits for the other. Under ThreadSanitizer this is the test. */

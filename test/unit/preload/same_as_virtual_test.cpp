@@ -32,7 +32,7 @@ struct Row {
   FaultTrigger trigger{FaultTrigger::kPedalDown};
 };
 
-FaultPlan planOf(const std::vector<Row>& rows) {
+FaultPlan planOf(const std::vector<Row>& rows, Arm arm) {
   FaultPlan plan;
   plan.generation = 1;
   plan.session = 1;
@@ -44,7 +44,7 @@ FaultPlan planOf(const std::vector<Row>& rows) {
     fault.variable = row.variable;
     fault.kind = row.kind;
     fault.trigger = row.trigger;
-    fault.arm = infoOf(row.variable).per_arm ? 0 : -1;
+    fault.arm = infoOf(row.variable).per_arm ? static_cast<std::int8_t>(index(arm)) : std::int8_t{-1};
     fault.channel = static_cast<std::int8_t>(row.channel);
     fault.value = row.value;
     fault.low = -std::abs(row.value);
@@ -127,8 +127,8 @@ struct Surrounded {
 };
 
 /** Cycles in which the boards got something else than without any fault. */
-int compare(const std::vector<Row>& rows) {
-  const FaultPlan plan = planOf(rows);
+int compare(const std::vector<Row>& rows, Arm arm = Arm::kGold) {
+  const FaultPlan plan = planOf(rows, arm);
   Robot inside, clean;
   inside.software.setFaults(plan);
   Surrounded outside(plan);
@@ -208,6 +208,24 @@ TEST(SameAsVirtual, RowsOfBothThreadsAtOnce) {
                      {FaultVariable::kPacket, FaultKind::kDrop, 0.5},
                      {FaultVariable::kOutputs, FaultKind::kStuckAt, 0, -1, FaultTrigger::kPacket}}),
             30);
+}
+
+TEST(SameAsVirtual, FaultsOnGreen) {
+  for (const Row& row :
+       {Row{FaultVariable::kDac, FaultKind::kRandom, 2000}, Row{FaultVariable::kOutputs, FaultKind::kStuckAt, 0},
+        Row{FaultVariable::kPutBoardIndex, FaultKind::kStuckAt, 2},
+        Row{FaultVariable::kPutBoardIndex, FaultKind::kStuckAt, 0},
+        Row{FaultVariable::kEncoder, FaultKind::kAdd, 40, 0}, Row{FaultVariable::kBuffer, FaultKind::kScale, 0, 0},
+        Row{FaultVariable::kInputs, FaultKind::kStuckAt, 0},
+        Row{FaultVariable::kReadResult, FaultKind::kStuckAt, UsbRead::kBusy},
+        Row{FaultVariable::kGetBoardIndex, FaultKind::kStuckAt, 2},
+        Row{FaultVariable::kGrasp, FaultKind::kAdd, 20}})
+    EXPECT_GT(compare({row}, Arm::kGreen), 20) << infoOf(row.variable).name;
+}
+
+TEST(SameAsVirtual, ReplayedPackets) {
+  EXPECT_GT(compare({{FaultVariable::kPacket, FaultKind::kHoldLast, 0}}), 20);
+  EXPECT_GT(compare({{FaultVariable::kPacket, FaultKind::kReplay, 5}}), 20);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -155,6 +156,93 @@ TEST_F(SettingsTest, TheTruthHasEachActivationOnce) {
   EXPECT_EQ(injections[0]["arm"], "gold");
   EXPECT_EQ(truth["packets"], 7);
   EXPECT_EQ(truth["changes_lost"], 0);
+}
+
+TEST_F(SettingsTest, EachVariableOfTheEnvironmentHasItsOwnPlace) {
+  const std::map<std::string, std::string Settings::*> places{{"", &Settings::scenario},
+                                                              {"_I_KNOW", &Settings::phrase},
+                                                              {"_INJECTION", &Settings::injection},
+                                                              {"_TRUTH", &Settings::truth},
+                                                              {"_GOLD", &Settings::gold},
+                                                              {"_GREEN", &Settings::green},
+                                                              {"_PORT", &Settings::port},
+                                                              {"_SEED", &Settings::seed}};
+  const Settings defaults;
+  for (const auto& [ending, place] : places) {
+    const std::string variable = "RAVEN2_USB_FAULTS" + ending;
+    const Settings settings =
+        settingsFrom([&](const char* name) -> const char* { return name == variable ? "other" : nullptr; });
+    for (const auto& [unset, kept] : places)
+      EXPECT_EQ(settings.*kept, unset == ending ? "other" : defaults.*kept) << variable << " and " << unset;
+  }
+}
+
+TEST_F(SettingsTest, PortsAreThoseOfUdp) {
+  Settings settings;
+  for (const char* port : {"1", "36000", "65535"}) {
+    settings.port = port;
+    EXPECT_EQ(std::to_string(portOf(settings)), port);
+  }
+  for (const char* port : {"", "0", "65536", "-1", "36000 "}) {
+    settings.port = port;
+    EXPECT_THROW(portOf(settings), ConfigException) << port;
+  }
+}
+
+TEST_F(SettingsTest, TheShownLevelOfThePlcIsInsideOfTheProgram) {
+  environment["RAVEN2_USB_FAULTS"] = kFaults + "plc_state_bogus.yaml";  // the site of the pins, which are not inside
+  EXPECT_TRUE(isRefused("site is inside of the program")) << refusal();
+}
+
+TEST_F(SettingsTest, BoardsToWriteToAreTwoAtMost) {
+  const std::string rows = textOf(kFaults + "put_usb_board_count.yaml");
+  const std::size_t at = rows.find("value: ");
+  ASSERT_NE(at, std::string::npos);
+  const std::string line = rows.substr(at, rows.find('\n', at) - at);
+  for (const char* count : {"0", "1", "2", "3"}) {
+    write("put_usb_board_count.yaml", testing::replaced(rows, line, std::string("value: ") + count));
+    EXPECT_EQ(isRefused("more boards than there are"), std::string(count) > "2") << count << ": " << refusal();
+  }
+}
+
+TEST_F(SettingsTest, TheTruthHasTheRowsOfBothThreadsWithTheirArms) {
+  Order made = order();
+  Fault row = made.scenario.faults[0];
+  made.scenario.faults.clear();
+  for (const std::int8_t arm : {std::int8_t{0}, std::int8_t{1}, std::int8_t{-1}}) {
+    row.arm = arm;
+    row.row = static_cast<std::uint8_t>(made.scenario.faults.size());
+    made.scenario.faults.push_back(row);
+  }
+  const auto logOf = [&](std::size_t first, std::size_t last, std::size_t room) {
+    auto log = std::make_unique<ChangeLog>(room);
+    faults::FaultEngine engine(FaultHost::kRobot);
+    FaultPlan plan;
+    plan.generation = plan.session = 1;
+    for (std::size_t i = first; i < last; ++i) {
+      Fault& fault = plan.faults[plan.count++] = made.scenario.faults[i];
+      fault.trigger = FaultTrigger::kPowerOn;
+      fault.first_tick = 0;
+      fault.duration_ticks = 5;
+      fault.period_ticks = 10;
+    }
+    engine.setPlan(plan);
+    for (std::uint64_t cycle = 1; cycle <= 12; ++cycle) {
+      engine.beginCycle({});
+      log->note(&engine, cycle, 0);
+    }
+    return log;
+  };
+  const auto boards = logOf(0, 2, 100), network = logOf(2, 3, 1);
+  const auto truth = nlohmann::json::parse(describeTruth(made, {*boards, *network, 12, 0}));
+  std::map<std::string, int> of_arm;
+  for (const auto& injection : truth["injections"]) {
+    ++of_arm[injection["arm"].get<std::string>()];
+    const bool is_second = injection["inject"]["cycle"] == 11;
+    EXPECT_EQ(injection["clear"].is_null(), is_second || injection["arm"] == "both") << injection.dump();
+  }
+  EXPECT_EQ(of_arm, (std::map<std::string, int>{{"gold", 2}, {"green", 2}, {"both", 1}}));
+  EXPECT_EQ(truth["changes_lost"], 2) << "the network's log has room for one of three";
 }
 
 TEST(ChangeLog, WhatHasNoRoomIsCounted) {

@@ -73,6 +73,15 @@ TEST(CableCoupling, ToolRowsFollowTheMeasuredInsertionMotor) {
   EXPECT_NEAR(measured[kGrasp1] - wanted[kGrasp1], -1.0, 1e-9);
 }
 
+TEST(CableCoupling, ToolRowsOfGreenFollowItTheOtherWay) {
+  const CableCoupling coupling(Arm::kGreen, trainerConfig().virtual_raven);
+  const JointArray q = trainerConfig().arms.geometry.home;
+  const JointArray wanted = coupling.toMotor(q);
+  const JointArray measured = coupling.toMotorMeasured(q, wanted[kInsertion] + 2.90870044);
+  for (const Joint joint : {kToolRotation, kWrist, kGrasp1, kGrasp2})
+    EXPECT_NEAR(measured[joint] - wanted[joint], joint == kGrasp1 ? 1.0 : -1.0, 1e-9) << kJointNames[joint];
+}
+
 TEST(CableCoupling, RefusesARatioOfZero) {
   VirtualRavenConfig config = trainerConfig().virtual_raven;
   config.axes[kElbow].transmission = 0.0;

@@ -334,6 +334,84 @@ TEST(ControlSoftware, NetworkFaultsActOnTheFieldsBeforeTheyAreUsed) {
   EXPECT_EQ(bench.cycle().pins & pins::kFootPedal, 0);
 }
 
+TEST(ControlSoftware, InTheInitAfterAnEmergencyStopTheTargetFollowsTheRobot) {
+  Bench bench;
+  bench.software.startAtHome();
+  bench.plc = RunLevel::kPedalUp;
+  bench.cycles(5);
+  bench.engage();
+  bench.plc = RunLevel::kEStop;
+  bench.cycles(10);
+  bench.plc = RunLevel::kInit;
+  bench.cycles(5);
+  for (int k = 0; k < 8; ++k) {  // brakes off, not READY yet: the arms sag
+    for (JointArray& q : bench.q)
+      q[kElbow] += 0.001;
+    bench.cycle();
+    ASSERT_EQ(bench.level(), RunLevel::kInit);
+    EXPECT_EQ(bench.software.report().pos_d_um, bench.software.report().pos_um) << k;
+  }
+}
+
+TEST(ControlSoftware, FollowingTheRobotCountsAsAnUpdateForTheTimeOut) {
+  Bench bench;
+  bench.software.startAtHome();
+  bench.plc = RunLevel::kPedalUp;  // the PLC does not answer the pedal
+  bench.cycles(5);
+  bench.send();
+  for (int k = 0; k < 5100; ++k)
+    ASSERT_NE(bench.cycle().pins & pins::kFootPedal, 0) << k;
+}
+
+TEST(ControlSoftware, TheReportHasTheSoftwaresUnitsAndSigns) {
+  Bench bench;
+  bench.bringTo(RunLevel::kPedalUp);
+  for (int k = 0; k < 20; ++k) {
+    for (JointArray& q : bench.q) {
+      for (std::size_t j = kShoulder; j <= kWrist; ++j)
+        q[j] += (j == kInsertion ? 2e-5 : 2e-4) * (&q == &bench.q[0] ? 1.0 : -1.0);
+    }
+    bench.cycle();
+  }
+  const RavenReport& report = bench.software.report();
+  for (const Arm arm : kArms) {
+    const JointArray moved = at(bench.couplings, arm).toMotor(at(bench.q, arm));
+    const JointArray power_on = at(bench.couplings, arm).toMotor(bench.arms.geometry.home);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const std::size_t k = index(arm) * kChannels + channelOf(j);
+      const double counts = encoderSign(arm, j) * (moved[j] - power_on[j]) * 4000 / (2 * kPi);
+      EXPECT_NEAR(report.encoder[k], -counts, 0.51) << "after its negation";
+      // raven2.md 2.6: motor rate over the transmission for the first three joints, none for the tool's
+      const double ratio = trainerConfig().virtual_raven.axes[j].transmission;
+      EXPECT_NEAR(report.jvel[k], j <= kInsertion ? report.mvel[k] / ratio : 0.0, 1e-12) << kJointNames[j];
+    }
+    EXPECT_GT(std::abs(report.mvel[index(arm) * kChannels]), 1.0);
+    for (const std::uint8_t joint : at(bench.software.state().arms, arm).jstate)
+      EXPECT_EQ(joint, 4) << "ready (raven2.md 4.4)";
+  }
+}
+
+TEST(ControlSoftware, AFaultsBeginningAndEndHaveTheirCycles) {
+  Bench bench;
+  bench.software.setFaults(planOf(FaultVariable::kDac, FaultKind::kStuckAt, 100));
+  bench.bringTo(RunLevel::kPedalUp);
+  bench.send();
+  bench.plc = RunLevel::kPedalDown;
+  int changes = 0;
+  for (int k = 0; k < 30; ++k) {
+    const bool was_active = bench.software.state().fault_mask != 0;
+    bench.cycle();
+    const bool is_active = bench.software.state().fault_mask != 0;
+    FaultChange change;
+    ASSERT_EQ(bench.software.nextFaultChange(&change), is_active != was_active);
+    if (is_active == was_active) continue;
+    EXPECT_EQ(change.cycle, bench.software.state().cycle);
+    EXPECT_EQ(change.acts, is_active ? 1 : 0);
+    ++changes;
+  }
+  EXPECT_EQ(changes, 2);
+}
+
 TEST(ControlSoftware, LastSequenceIsTheNetworkLayersLast) {
   Bench bench;
   bench.sequence = 40;

@@ -270,6 +270,44 @@ TEST(FaultSites, AFrozenStateKeepsItsNumbersAndNothingElse) {
   EXPECT_EQ(frozen.time_ns, 2);
 }
 
+TEST(FaultSites, AFrozenStateSaysThatItIs) {
+  Bench bench;
+  bench.bringTo(RunLevel::kPedalDown);
+  RobotState state;
+  for (int k = 0; k < 3; ++k) {
+    bench.cycle();
+    bench.software.returnState(k);
+    ASSERT_TRUE(bench.software.nextReturned(&state));
+  }
+  EXPECT_EQ(state.fault_mask, 0);
+  arm(&bench, now(FaultVariable::kFrame, FaultKind::kHoldLast, 0));
+  bench.cycle();
+  bench.software.returnState(3);
+  ASSERT_TRUE(bench.software.nextReturned(&state));
+  EXPECT_EQ(state.fault_mask, 1) << "the record must know what was injected";
+  EXPECT_EQ(state.active_fault, 5U);
+}
+
+TEST(FaultSites, AFrozenPacketRepeatsTheMotionBeforeItUnderItsOwnNumber) {
+  Bench bench;
+  bench.bringTo(RunLevel::kPedalDown);
+  const auto sendGold = [&](std::int32_t um) {
+    const std::int32_t before = bench.software.report().pos_d_um[2];
+    wire::ItpPacket packet = bench.next();
+    packet.dely_um[0] = um;  // base z
+    EXPECT_EQ(bench.send(packet), Reject::kNone);
+    bench.cycle();
+    return bench.software.report().pos_d_um[2] - before;
+  };
+  EXPECT_EQ(sendGold(30), 30);
+  Fault frozen = now(FaultVariable::kPacket, FaultKind::kHoldLast, 0);
+  frozen.arm = -1;
+  arm(&bench, frozen);
+  bench.cycle();
+  for (int k = 0; k < 5; ++k)
+    EXPECT_EQ(sendGold(7), 30) << k;
+}
+
 TEST(FaultSites, PacketsCanBeHeldBackAndCountWhenTheyCome) {
   Bench bench;
   bench.bringTo(RunLevel::kPedalDown);

@@ -154,5 +154,35 @@ TEST(MasterTarget, AutomoveIsInTheBaseFrameAndTruncated) {
   EXPECT_FALSE(target.isFinite());
 }
 
+TEST(MasterTarget, EachArmTakesItsOwnGraspWithinItsLimits) {
+  wire::ItpPacket packet;
+  packet.grasp_mrad = {100, -50};
+  const PerArm<std::int32_t> closed{900, 1050};
+  for (const Arm arm : kArms) {
+    MasterTarget target;
+    target.grasp_mrad = 1000;
+    target.add(arm, packet);
+    EXPECT_EQ(target.grasp_mrad, at(closed, arm)) << name(arm);
+  }
+}
+
+TEST(MasterTarget, RebaseTakesPositionRotationAndAGraspThatIsFarOffOnEitherSide) {
+  for (const std::int32_t sign : {-1, 1}) {
+    MasterTarget target, actual;
+    target.grasp_mrad = 500;
+    target.R_BT = Quaternion(Eigen::AngleAxisd(1.0, Vector3::UnitY()));
+    actual.p_um = {10, -20, 30};
+    actual.R_BT = Quaternion(Eigen::AngleAxisd(0.4, Vector3::UnitX()));
+    actual.grasp_mrad = 500 + sign * 780;  // 45 degrees are 785 mrad
+    target.rebase(actual);
+    EXPECT_EQ(target.p_um, actual.p_um);
+    EXPECT_EQ(target.R_BT.coeffs(), actual.R_BT.coeffs());
+    EXPECT_EQ(target.grasp_mrad, 500) << sign;
+    actual.grasp_mrad = 500 + sign * 790;
+    target.rebase(actual);
+    EXPECT_EQ(target.grasp_mrad, 500 + sign * 790) << sign;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven

@@ -90,6 +90,21 @@ TEST(OverdriveDetect, PolicyHardStopsAfterMoreThanTenCommandsAboveTheClip) {
   EXPECT_EQ(dac[0], 0);
 }
 
+TEST(OverdriveDetect, PolicyHardCountsAfreshAfterACommandAboveTheInstantLimit) {
+  VirtualRavenConfig hard = config();
+  hard.overdrive_policy = OverdrivePolicy::kHard;
+  OverdriveCheck check(hard);
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    for (int k = 0; k < 11; ++k) {
+      DacArray dac{};
+      dac[k % kGrasp2] = k % 2 == 0 ? 4000 : -4000;  // of all joints, on either side
+      EXPECT_FALSE(check.check(true, &dac)) << attempt << " " << k;
+    }
+    DacArray dac{0, 0, -20001};
+    EXPECT_TRUE(check.check(true, &dac));
+  }
+}
+
 TEST(OverdriveDetect, PolicyNoneOnlyKnowsTheInstantLimit) {
   VirtualRavenConfig none = config();
   none.overdrive_policy = OverdrivePolicy::kNone;

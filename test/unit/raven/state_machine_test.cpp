@@ -121,5 +121,25 @@ TEST(StateMachine, WatchdogIsASquareWaveOfFiftyCyclesAndLowInSoftEStop) {
     EXPECT_EQ(outputPins(&machine, false) & pins::kWatchdog, 0);
 }
 
+TEST(StateMachine, EveryAttemptTakesAsLongAsTheFirst) {
+  StateMachine machine;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    for (const RunLevel level : {RunLevel::kInit, RunLevel::kEStop}) {
+      const RunLevel before = machine.runLevel();
+      for (int k = 0; k < 3; ++k) {
+        read(&machine, level, level);
+        EXPECT_EQ(machine.runLevel(), before) << attempt;
+      }
+      read(&machine, level, level);
+      ASSERT_EQ(machine.runLevel(), level) << attempt;
+      int cycles = 0;
+      for (; level == RunLevel::kInit && machine.subLevel() != 3; ++cycles)
+        machine.step(false);
+      EXPECT_EQ(cycles, level == RunLevel::kInit ? 1 + 1 + 11 : 0) << attempt;
+      machine.step(false);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven
