@@ -47,7 +47,8 @@ step() {
 configure_and_build() {
   local targets=("$@")
   if [ ! -f "$BUILD/CMakeCache.txt" ]; then
-    step "configure" configure.log cmake -S "$ROOT" -B "$BUILD" -DPYTHON_EXECUTABLE=/usr/bin/python3
+    step "configure" configure.log cmake -S "$ROOT" -B "$BUILD" -G Ninja \
+      -DPYTHON_EXECUTABLE=/usr/bin/python3
   fi
   step "build" build.log cmake --build "$BUILD" -j "$(nproc)" "${targets[@]}"
 }

@@ -24,7 +24,7 @@ void addArm(Arm arm, double d4, const JointArray& q, const JointArray& dq, senso
 }
 
 template <typename T>
-KeyValue value(const std::string& key, const T& number) {
+KeyValue keyValue(const std::string& key, const T& number) {
   KeyValue pair;
   pair.key = key;
   pair.value = std::to_string(number);
@@ -51,21 +51,21 @@ DiagnosticStatus loopStatus(const std::string& name, const LoopTiming& timing) {
   DiagnosticStatus s = status(name + " loop", timing.time_slips == 0, std::to_string(100.0 * share) + " % on time");
   // libfranka's communication test warns below 95 %.
   if (share < 0.95 && s.level == DiagnosticStatus::OK) s.level = DiagnosticStatus::WARN;
-  s.values = {value("ticks", timing.ticks),
-              value("slips", timing.slips),
-              value("late_runs", timing.late_runs),
-              value("longest_late_run", timing.longest_late_run),
-              value("last_run_late_us", timing.last_run_late_ns / 1000),
-              value("time_slips", timing.time_slips),
-              value("max_late_us", timing.max_late_ns / 1000),
-              value("max_run_us", timing.max_run_ns / 1000),
-              value("wake_up_p99_us", timing.wake_up.quantile(0.99) / 1000),
-              value("wake_up_p999_us", timing.wake_up.quantile(0.999) / 1000),
-              value("run_p99_us", timing.run.quantile(0.99) / 1000),
-              value("run_p999_us", timing.run.quantile(0.999) / 1000),
-              value("minor_faults", timing.minor_faults),
-              value("major_faults", timing.major_faults),
-              value("stale_reads", timing.stale_reads)};
+  s.values = {keyValue("ticks", timing.ticks),
+              keyValue("slips", timing.slips),
+              keyValue("late_runs", timing.late_runs),
+              keyValue("longest_late_run", timing.longest_late_run),
+              keyValue("last_run_late_us", timing.last_run_late_ns / 1000),
+              keyValue("time_slips", timing.time_slips),
+              keyValue("max_late_us", timing.max_late_ns / 1000),
+              keyValue("max_run_us", timing.max_run_ns / 1000),
+              keyValue("wake_up_p99_us", timing.wake_up.quantile(0.99) / 1000),
+              keyValue("wake_up_p999_us", timing.wake_up.quantile(0.999) / 1000),
+              keyValue("run_p99_us", timing.run.quantile(0.99) / 1000),
+              keyValue("run_p999_us", timing.run.quantile(0.999) / 1000),
+              keyValue("minor_faults", timing.minor_faults),
+              keyValue("major_faults", timing.major_faults),
+              keyValue("stale_reads", timing.stale_reads)};
   return s;
 }
 
@@ -80,9 +80,9 @@ DiagnosticStatus robotStatus(const RobotState& robot,
     s.level = DiagnosticStatus::WARN;
     s.message += "; it refuses our fault plan (its own words say why)";
   }
-  s.values = {value("cycle", robot.cycle), value("virtual", static_cast<int>(robot.is_virtual)),
-              value("homed", static_cast<int>(robot.homed)), value("active_fault", robot.active_fault)};
-  if (up) s.values.push_back(value("age_ms", std::max<std::int64_t>(0, now_ns - robot.received_ns) / 1000000));
+  s.values = {keyValue("cycle", robot.cycle), keyValue("virtual", static_cast<int>(robot.is_virtual)),
+              keyValue("homed", static_cast<int>(robot.homed)), keyValue("active_fault", robot.active_fault)};
+  if (up) s.values.push_back(keyValue("age_ms", std::max<std::int64_t>(0, now_ns - robot.received_ns) / 1000000));
   return s;
 }
 
@@ -95,16 +95,16 @@ std::string sentWords(const LinkCounts& from_there, std::uint64_t sent) {
 DiagnosticStatus relayStatus(const SessionCounts& counts) {
   DiagnosticStatus s = linkStatus("daemon to robot", counts.relay);
   s.message = sentWords(counts.robot_state, counts.relay_sent);
-  s.values.push_back(value("sent", counts.relay_sent));
-  s.values.push_back(value("failed", counts.relay_failed));
+  s.values.push_back(keyValue("sent", counts.relay_sent));
+  s.values.push_back(keyValue("failed", counts.relay_failed));
   return s;
 }
 
 /** To the console: what the sender sent, zero forces of its own among them. */
 DiagnosticStatus forceStatus(const SessionCounts& counts) {
   DiagnosticStatus s = status("forces to console", true, sentWords(counts.master, counts.force_sent));
-  s.values = {value("sent", counts.force_sent), value("failed", counts.force_failed),
-              value("silent", counts.force_silent)};
+  s.values = {keyValue("sent", counts.force_sent), keyValue("failed", counts.force_failed),
+              keyValue("silent", counts.force_silent)};
   return s;
 }
 
@@ -115,12 +115,12 @@ DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& sha
     dropped += ring.dropped;
   DiagnosticStatus s = status("queues", true, std::to_string(dropped) + " dropped");
   if (dropped > 0) s.level = DiagnosticStatus::WARN;
-  s.values = {value("relay_failed", counts.relay_failed), value("force_failed", counts.force_failed),
-              value("sight_sent", shared.sight_sent.value()), value("sight_failed", shared.sight_failed.value()),
-              value("contacts_dropped", counts.contacts_dropped)};
+  s.values = {keyValue("relay_failed", counts.relay_failed), keyValue("force_failed", counts.force_failed),
+              keyValue("sight_sent", shared.sight_sent.value()), keyValue("sight_failed", shared.sight_failed.value()),
+              keyValue("contacts_dropped", counts.contacts_dropped)};
   for (std::size_t i = 0; i < kRingCount; ++i) {
     if (counts.rings[i].dropped > 0)
-      s.values.push_back(value(std::string(kRingNames[i]) + "_dropped", counts.rings[i].dropped));
+      s.values.push_back(keyValue(std::string(kRingNames[i]) + "_dropped", counts.rings[i].dropped));
   }
   return s;
 }
@@ -130,10 +130,10 @@ DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& sha
 DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts) {
   const std::string applied = std::to_string(counts.applied) + " applied";
   DiagnosticStatus s = status(name + " link", counts.addsUp(), counts.received == 0 ? "not connected" : applied);
-  s.values = {value("received", counts.received), value("applied", counts.applied)};
+  s.values = {keyValue("received", counts.received), keyValue("applied", counts.applied)};
   for (std::size_t i = 1; i < kRejectCount; ++i) {
     if (counts.rejected[i] > 0)
-      s.values.push_back(value(std::string("rejected_") + kRejectNames[i], counts.rejected[i]));
+      s.values.push_back(keyValue(std::string("rejected_") + kRejectNames[i], counts.rejected[i]));
   }
   return s;
 }
@@ -150,8 +150,8 @@ DiagnosticStatus pictureStatus(const LivePicture& picture) {
     s.level = DiagnosticStatus::ERROR;
     s.message = "failed; the daemon's stderr says why";
   }
-  s.values = {value("frames", picture.frames), value("changes", picture.changes), value("parted", picture.parted),
-              value("watched", static_cast<int>(picture.watched))};
+  s.values = {keyValue("frames", picture.frames), keyValue("changes", picture.changes), keyValue("parted", picture.parted),
+              keyValue("watched", static_cast<int>(picture.watched))};
   return s;
 }
 
@@ -167,8 +167,8 @@ DiagnosticStatus realCameraStatus(const RenderConfig& render,
     s.level = DiagnosticStatus::WARN;
     s.message += ": the view shows the virtual scene";
   }
-  s.values = {value("asked_for", static_cast<int>(is_asked_for))};
-  if (newest_ns != 0) s.values.push_back(value("age_ms", age_ns / 1000000));
+  s.values = {keyValue("asked_for", static_cast<int>(is_asked_for))};
+  if (newest_ns != 0) s.values.push_back(keyValue("age_ms", age_ns / 1000000));
   return s;
 }
 
