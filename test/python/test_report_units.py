@@ -11,7 +11,8 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import report_session as made  # noqa: E402
 
-import raven2_figures  # noqa: E402  (found beside report_session)
+import raven2_figures  # noqa: E402  (found beside raven2_session)
+import raven2_session  # noqa: E402
 from raven2_report import curves, details, hazard_page, metric_words, record, scorecard, timeline, verdict  # noqa: E402
 from raven2_report.facts import Facts  # noqa: E402
 
@@ -205,6 +206,28 @@ def test_the_motion_of_either_arm_is_in_millimetres_a_second(lead):
     assert [row[0] for row in rows] == ["gold", "green"]
     assert rows[lead][1:] == ["51.5", "51.5", "200.0", "10.00 %", "5.00 %"]
     assert rows[1 - lead][1:] == ["10.0", "10.0", "10.0", "0.00 %", "0.00 %"]
+
+
+def paused_session(tmp_path):
+    """Two seconds from tick 10 on; from session second 1.0 on the clock stands for half a second of ticks."""
+    log = made.log
+    ticks = [(t + 10, t) for t in range(1000)] + [(t + 510, t) for t in range(1000, 2000)]
+    data = log.header_record() + b"".join(log.record(1, log.tick_payload(tick, t)) for tick, t in ticks)
+    for tick, kind in ((510, 1), (1760, 1), (9000, 1)):
+        data += log.record(5, log.struct.pack("<qBBI4dddI", tick, kind, 1, 3, 0.0, 0.5, 1.25, 0.0, 3.75, 0.2, 1000))
+    data += log.execution(1760, 2010, 1)
+    (tmp_path / "session.rlog").write_bytes(data + made.COUNTS)
+    session = raven2_session.Session(tmp_path)
+    return Facts(session, raven2_figures.Series(session))
+
+
+def test_plans_and_motions_are_on_the_session_s_clock(tmp_path):
+    facts = paused_session(tmp_path)
+    behind = details.Details(facts)
+    plans = cells(behind.plan_section())[1:]
+    assert plans[0] == ["0.500 s", "success", "green", "3", "1.25 s", "3.750", "1,000", "0.200 s"]
+    assert [row[0] for row in plans] == ["0.500 s", "1.250 s", "–"], "while the session is paused its clock stands"
+    assert column(behind.execution_section(), "Time") == ["1.250 s"]
 
 
 BODIES = ["link1_L", "link1_R", "tower", "ring"]
