@@ -127,6 +127,7 @@ TEST(FullDisk, CutsOffWhatAFailedPieceLeftBehind) {
   std::ofstream(path, std::ios::app) << std::string(5000, 'x');  // as if the cut had failed, too
   log.write(RequestRecord{7, {}});
   ASSERT_TRUE(log.commit());
+  EXPECT_EQ(std::filesystem::file_size(path), log.position().size) << "while the session runs, too";
   log.finish(SessionCounts{});
   const LogSummary summary = readLog(path, {});
   EXPECT_EQ(summary.records, 3U);

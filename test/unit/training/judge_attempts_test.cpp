@@ -201,6 +201,7 @@ TEST_P(EitherArm, TouchesWithItsOwnForceAndTimeEachTime) {
     bench.run(touch.ticks);
     bench.clearContacts();
     bench.run(60);
+    ASSERT_NE(bench.last(E::kTouchEnded), nullptr);
     EXPECT_NEAR(bench.last(E::kTouchEnded)->force, touch.force, 1e-12);
     EXPECT_NEAR(bench.last(E::kTouchEnded)->value, 0.001 * touch.ticks, 1e-12);
   }
@@ -328,6 +329,7 @@ TEST_P(EitherObject, IsDroppedByEitherArm) {
     bench.clearContacts();
     bench.run(400);
     EXPECT_EQ(bench.mistakes(Mistake::kDrop), 1U);
+    ASSERT_NE(bench.last(E::kDropped), nullptr);
     EXPECT_EQ(bench.last(E::kDropped)->a, GetParam().body);
   }
 }
