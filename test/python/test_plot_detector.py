@@ -28,7 +28,8 @@ def run(unsafe=0, size=0.0, alarm=-1, stopped=-1, decided=-1, harmed=-1, departu
 
 
 RUNS = [run(1, 1.5, alarm=10, decided=8, harmed=20, departure=0.0025, jump=0.0015),
-        run(1, 1.0, stopped=12, decided=10, harmed=15, departure=0.0015), run(1, 0.2, stopped=13, decided=10, departure=0.002),
+        run(1, 1.0, alarm=14, stopped=12, decided=10, harmed=15, departure=0.0015),
+        run(1, 0.2, stopped=13, decided=10, departure=0.002),
         run(1, 3.0, alarm=30, decided=9, harmed=25, departure=0.004),
         run(size=0.5), run(size=1.2, alarm=5), run(size=0.9, departure=0.0007), run(size=2.0, stopped=50)]
 
@@ -67,7 +68,7 @@ def test_the_definition_of_truth_is_in_millimetres(capsys):
     assert [line.split(": ")[1].split(";")[0] for line in lines] == ["5 unsafe, 2 safe", "4 unsafe, 3 safe",
                                                                    "2 unsafe, 3 safe", "1 unsafe, 4 safe",
                                                                    "1 unsafe, 4 safe"]
-    assert "departure 25.0 / 33.3" in lines[1], "an alarm behind the harm comes too late"
+    assert "departure 50.0 / 33.3" in lines[1], "an alarm behind the harm comes too late"
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])
