@@ -146,12 +146,11 @@ class Details:
             return "<p>No plan was asked for.</p>"
         statuses = self.log.names("plan", "result.status")
         arms = self.log.names("plan", "result.arm")
-        origin = int(self.series.ticks["model"]["tick"][0]) if len(self.series.t) else 0
         rows = []
         for tick, plan in zip(self.log.plans["tick"], plans):
             count = int(plan["waypoint_count"])
             travel = float(plan["arrival"][count - 1]) if count else None
-            rows.append([number((int(tick) - origin) / 1000, 3, "s"), esc(words(statuses[plan["status"]])),
+            rows.append([number(self.facts.session_time(int(tick)), 3, "s"), esc(words(statuses[plan["status"]])),
                          esc(arms[plan["arm"]]), number(count), number(travel, 2, "s"),
                          number(float(plan["cost"]), 3), number(int(plan["samples"])),
                          number(float(plan["planning_time"]), 3, "s")])

@@ -105,6 +105,56 @@ def test_a_difference_is_found_and_named(tmp_path, column, value, named):
     assert any(line.startswith(named) and "DIFFERENT" in line for line in result.stdout.splitlines()), result.stdout
 
 
+@pytest.fixture(scope="module", name="recorded")
+def recorded_rows():
+    return synthetic_rows()
+
+
+def compared(tmp_path, rows, column, shift, capsys):
+    """Names of what differs if a column is shifted in some rows behind a pedal-down."""
+    write(tmp_path / "real.csv", HEADER, rows)
+    index = HEADER.index(column)
+    write(tmp_path / "ours.csv", HEADER, [change(row, column, f"{float(row[index]) + shift:.6f}")
+                                          if 100 <= k < 110 else row for k, row in enumerate(rows)])
+    failed = compare_replay.compare(compare_replay.Trace(tmp_path / "ours.csv"), compare_replay.Trace(tmp_path / "real.csv"))
+    lines = [line for line in capsys.readouterr().out.splitlines() if "DIFFERENT" in line]
+    assert failed == bool(lines)
+    return [line[:34].rstrip() for line in lines]
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.parametrize("arm, name", [(0, "gold"), (1, "green")])
+def test_either_arm_is_compared_in_every_column_and_to_both_sides(tmp_path, recorded, arm, name, sign, capsys):
+    joints = f"jpos_d by forward kinematics {name}"
+    for k in range(3):  # the pose that jpos_d leads to is pos_d and ori_d, so that it differs, too
+        assert compared(tmp_path, recorded, f"pos_d{3 * arm + k}", 2 * sign, capsys) == [
+            f"displacement of pos_d {name}", joints]
+    for k in range(9):
+        assert f"rotation of ori_d {name}" in compared(tmp_path, recorded, f"ori_d{9 * arm + k}", 0.01 * sign, capsys)
+    assert compared(tmp_path, recorded, f"grasp_d{arm}", 0.001 * sign, capsys) == [f"grasp_d {name}"]
+    for k in (0, 1, 2, 4, 5, 6, 7):  # the fourth is no joint
+        assert compared(tmp_path, recorded, f"jpos_d{8 * arm + k}", 0.5 * sign, capsys) == [joints], k
+    assert compared(tmp_path, recorded, f"jpos_d{8 * arm + 3}", 0.5 * sign, capsys) == []
+
+
+def test_what_is_below_the_last_digit_is_equal(tmp_path, recorded, capsys):
+    for arm in (0, 1):
+        for column, shift in ((f"pos_d{3 * arm}", 0.4), (f"ori_d{9 * arm}", 2e-6), (f"grasp_d{arm}", -4e-4)):
+            assert compared(tmp_path, recorded, column, shift, capsys) == [], column
+
+
+def test_a_place_is_counted_around_the_end_of_its_32_bits():
+    assert compare_replay.wrapped(np.array([0.0, 5.0, -5.0, 2.0**32 + 3, -2.0**32 - 3, 2.0**31, -2.0**31])).tolist() == [
+        0, 5, -5, 3, -3, -2.0**31, -2.0**31]
+
+
+def test_an_angle_is_that_between_two_attitudes():
+    for degrees in (0.0, 1e-4, 0.5, 60.0, 179.0):
+        a = np.radians(degrees)
+        about_x = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+        assert compare_replay.angle_deg(np.array([about_x, about_x.T])) == pytest.approx([degrees] * 2, abs=1e-9)
+
+
 def test_a_file_that_is_no_trace_is_refused(tmp_path):
     (tmp_path / "empty.csv").write_text("")
     (tmp_path / "short.csv").write_text("t_s,last_seq,runlevel\n1,2\n")

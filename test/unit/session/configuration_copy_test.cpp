@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -74,6 +75,19 @@ TEST_F(ConfigurationCopy, ThatChangedOrIsMissingIsRefusedByName) {
   EXPECT_NE(problem().find("outside the session"), std::string::npos) << "a log may come from anybody";
   header.configuration.clear();
   EXPECT_NE(problem().find("no copy"), std::string::npos);
+}
+
+TEST_F(ConfigurationCopy, OfWhatWasOverriddenIsWhatWasRead) {
+  const std::string share = (folder / "share").string();
+  const auto copies = copyConfiguration(paths, originals(), {{share + "/config/faults/../faults/a.yaml", "overridden"}});
+  ASSERT_EQ(copies.size(), 3U);
+  for (const ConfigurationFile& file : copies) {
+    std::ifstream copy(paths.directory + "/" + file.path);
+    const std::string text{std::istreambuf_iterator<char>(copy), {}};
+    const bool is_overridden = file.path == "configuration/config/faults/a.yaml";
+    EXPECT_EQ(text == "overridden", is_overridden) << file.path << ": " << text;
+    EXPECT_EQ(file.fnv1a, textHash(text));
+  }
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 #include "raven2_trainer/session/csv_export.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "log_file.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/session/session_log.h"
 
 namespace raven2_trainer::session {
@@ -166,6 +168,86 @@ TEST(CsvExport, RefusesAFileThatCannotBeWritten) {
   LogWriter(scratchPath("empty.rlog"), LogHeader{}).finish({});
   EXPECT_THROW(exportTicksCsv(scratchPath("empty.rlog"), scratchPath("none") + "/ticks.csv", {}), SessionException);
   EXPECT_THROW(exportTicksCsv(scratchPath("empty.rlog"), "/dev/full", {}), SessionException);
+}
+
+/** What column `title` holds for the arm, worked out from the record. */
+std::vector<std::pair<std::string, double>> cellsOf(const TickRecord& record, const Vec3& force_B, Arm arm) {
+  const ArmState& model = at(record.model.arms, arm);
+  const RobotArmState& robot = at(record.robot.arms, arm);
+  std::vector<std::pair<std::string, double>> cells;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const std::string number = std::to_string(j + 1);
+    cells.emplace_back("q" + number, model.q[j]);
+    cells.emplace_back("dq" + number, model.dq[j]);
+    cells.emplace_back("tau" + number, model.tau[j]);
+    cells.emplace_back("rq" + number, robot.q[j]);
+    cells.emplace_back("rdq" + number, robot.dq[j]);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const char axis = "xyz"[i];
+    cells.emplace_back(std::string("p") + axis, model.p_BT[i]);
+    cells.emplace_back(std::string("rp") + axis, robot.p_BT[i]);
+    cells.emplace_back(std::string("f") + axis, force_B[i]);
+  }
+  return cells;
+}
+
+TEST(CsvExport, HasInEachRowTheValuesOfItsOwnArm) {
+  Random random(11);
+  auto tick = makeTick(100, 0);
+  for (const Arm arm : kArms) {
+    for (JointArray* joints : {&at(tick.model.arms, arm).q, &at(tick.model.arms, arm).dq, &at(tick.model.arms, arm).tau,
+                               &at(tick.robot.arms, arm).q, &at(tick.robot.arms, arm).dq}) {
+      for (double& value : *joints)
+        value = random.normal();
+    }
+    for (Vec3* place : {&at(tick.model.arms, arm).p_BT, &at(tick.robot.arms, arm).p_BT})
+      *place = {random.normal(), random.normal(), random.normal()};
+  }
+  tick.robot.frame = 1;
+  HapticRecord force;
+  force.haptic.tick = 100;
+  force.haptic.force_B = {Vec3{1.5, -2.5, 3.5}, Vec3{-4.5, 5.5, -6.5}};
+  {
+    LogWriter log(scratchPath("arms.rlog"), LogHeader{});
+    log.write(tick);
+    log.write(force);
+    log.finish({});
+  }
+  exportTicksCsv(scratchPath("arms.rlog"), scratchPath("arms.csv"), {});
+  const std::vector<Row> rows = readTable(scratchPath("arms.csv"));
+  ASSERT_EQ(rows.size(), 3U);
+  for (const Arm arm : kArms) {
+    const Row& row = rows[arm == Arm::kGold ? 1 : 2];
+    EXPECT_EQ(row[2], name(arm));
+    for (const auto& [title, value] : cellsOf(tick, at(force.haptic.force_B, arm), arm)) {
+      const auto column = std::find(rows[0].begin(), rows[0].end(), title) - rows[0].begin();
+      EXPECT_EQ(std::stod(row.at(static_cast<std::size_t>(column))), value) << name(arm) << " " << title;
+    }
+  }
+}
+
+TEST(CsvExport, NamesAFaultOfTheDaemonToo) {
+  LogHeader header;
+  header.scenarios = {"robots", "daemons"};
+  {
+    LogWriter log(scratchPath("daemon_fault.rlog"), header);
+    for (Tick t = 0; t < 3; ++t) {
+      TickRecord tick = makeTick(t, t);
+      tick.robot.frame = 1;
+      tick.model.faults.active = t >= 1 ? 2 : 0;
+      tick.robot.active_fault = t >= 2 ? 1 : 0;  // the robot's word counts
+      log.write(tick);
+    }
+    log.finish({});
+  }
+  exportTicksCsv(scratchPath("daemon_fault.rlog"), scratchPath("daemon_fault.csv"), {});
+  const std::vector<Row> rows = readTable(scratchPath("daemon_fault.csv"));
+  for (const std::size_t arm : {0U, 1U}) {
+    EXPECT_EQ(rows.at(1 + arm).back(), "");
+    EXPECT_EQ(rows.at(3 + arm).back(), "daemons");
+    EXPECT_EQ(rows.at(5 + arm).back(), "robots");
+  }
 }
 
 }  // namespace

@@ -152,6 +152,7 @@ TEST(SessionLog, GivesBackItsHeader) {
   header.camera = {"endoscope", 0.7, 16.0 / 9.0};
   header.step_names = {{"lift", "place"}, {}, {"press"}};
   header.object_names = {"ring_left", "ring_right"};
+  header.configuration = {{"configuration/a.yaml", "0011"}, {"configuration/b.yaml", "2233"}};
   LogWriter(path, header).finish({});
   for (const LogHeader& got : {readLog(path, {}).header, readLogHeader(path)}) {
     EXPECT_EQ(got.seed, header.seed);
@@ -178,6 +179,11 @@ TEST(SessionLog, GivesBackItsHeader) {
     EXPECT_EQ(got.camera.aspect, header.camera.aspect);
     EXPECT_EQ(got.step_names, header.step_names);
     EXPECT_EQ(got.object_names, header.object_names);
+    ASSERT_EQ(got.configuration.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(got.configuration[i].path, header.configuration[i].path);
+      EXPECT_EQ(got.configuration[i].fnv1a, header.configuration[i].fnv1a);
+    }
   }
 }
 

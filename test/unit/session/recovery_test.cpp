@@ -2,8 +2,12 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "log_file.h"
 #include "raven2_trainer/core/random.h"
@@ -263,6 +267,120 @@ TEST(Recovery, GivesIntactRecordsOnlyWhateverStandsInTheFlightRecorder) {
     // each is there or counted as lost; without a usable flight recorder what the log held stays
     ASSERT_EQ(ticks.size() + done.lost[0], done.flight_recorder == "used" ? 310u : 10u) << done.flight_recorder;
   }
+}
+
+/** Changes one byte of the newest checkpoint in the flight recorder's file, as a kill in the middle of it may. */
+void tearNewestCheckpoint(const std::string& path) {
+  Bytes bytes = readBytes(path);
+  auto file = std::make_unique<FlightFile>();
+  std::memcpy(static_cast<void*>(file.get()), bytes.data(), sizeof(FlightFile));
+  const SealedCheckpoint* newest = newestCheckpoint(*file);
+  ASSERT_NE(newest, nullptr);
+  const auto offset = static_cast<std::size_t>(reinterpret_cast<const char*>(&newest->checkpoint) -
+                                               reinterpret_cast<const char*>(file.get()));
+  bytes[offset] ^= 1U;
+  writeBytes(path, bytes);
+}
+
+TEST(Recovery, GoesOnAtTheCheckpointBeforeATornOne) {
+  Session session("torn_checkpoint");
+  SKIP_WITHOUT_TMPFS(session);
+  for (int i = 0; i < 3; ++i) {
+    session.push(20);
+    session.record();
+  }
+  session.push(5);
+  session.kill();
+  tearNewestCheckpoint(session.flightFile());
+  const Recovery done = recoverSession(session.paths);
+  EXPECT_EQ(done.flight_recorder, "used");
+  EXPECT_EQ(tallyTotal(done.recovered), 25u) << "what the torn one said was written is written again";
+  EXPECT_EQ(session.ticks(), session.all());
+}
+
+TEST(Recovery, TakesNothingFromAFlightRecorderOfAnotherLog) {
+  Session session("another_log");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(10);
+  session.record();
+  session.push(10);
+  session.kill();
+  const std::string copy = session.paths.log() + ".copy";
+  fs::copy_file(session.paths.log(), copy);  // the same bytes in another file
+  fs::rename(copy, session.paths.log());
+  const Recovery done = recoverSession(session.paths);
+  EXPECT_EQ(done.flight_recorder, "belongs to another log");
+  EXPECT_EQ(session.ticks().size(), 10u);
+  EXPECT_TRUE(fs::exists(session.flightFile())) << "it is not ours to remove";
+}
+
+TEST(Recovery, CountsAsLostWhatNoGapRecordToldYet) {
+  Session session("told_losses");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(2048 + 13);
+  session.collect();
+  session.commit();
+  RecordTally told{};
+  told[0] = session.flight->rings()->ticks.dropped();
+  ASSERT_EQ(told[0], 13u);
+  session.flight->checkpoint({session.log->position(), session.heads, told});
+  session.release();
+  session.push(2048 + 4);
+  session.kill();
+  const Recovery done = recoverSession(session.paths);
+  EXPECT_EQ(done.lost[0], 4u);
+}
+
+/** Sessions of a folder, each with a log that nobody ended, written one after the other. */
+std::vector<std::string> unfinishedSessions(const std::string& parent, int count) {
+  fs::remove_all(parent);
+  std::vector<std::string> directories;
+  for (int i = 0; i < count; ++i) {
+    const SessionPaths paths{parent + "/" + std::to_string((i * 2) % count)};  // the names are in another order
+    fs::create_directories(paths.directory);
+    { LogWriter log(paths.log(), LogHeader{}); }
+    fs::last_write_time(paths.log(), fs::file_time_type::clock::now() - std::chrono::hours(24 * (count - i)));
+    directories.push_back(paths.directory);
+  }
+  return directories;
+}
+
+TEST(Recovery, BeginsWithTheNewestSessionsAndStopsAtTheLimit) {
+  const std::string parent = scratchPath("newest");
+  std::vector<std::string> expected = unfinishedSessions(parent, 5);
+  std::reverse(expected.begin(), expected.end());
+  EXPECT_EQ(findUnfinishedSessions(parent, 10), expected);
+  expected.resize(2);
+  EXPECT_EQ(findUnfinishedSessions(parent, 2), expected);
+  EXPECT_TRUE(findUnfinishedSessions(parent + "/none", 2).empty());
+  fs::remove_all(parent);
+}
+
+/** recovered.json, by its keys. */
+nlohmann::json noteOf(const SessionPaths& paths) {
+  const Bytes bytes = readBytes(paths.recovered());
+  return nlohmann::json::parse(bytes.begin(), bytes.end());
+}
+
+TEST(Recovery, NotesWhatItFound) {
+  Session session("noted");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(30);
+  session.record();
+  session.push(2048 + 6);
+  session.collect();
+  session.commit();
+  session.kill();
+  const Recovery done = recoverSession(session.paths);
+  const nlohmann::json note = noteOf(session.paths);
+  EXPECT_EQ(note.at("ended"), "unclean");
+  EXPECT_EQ(note.at("log"), "complete");
+  EXPECT_EQ(note.at("flight_recorder"), "used");
+  EXPECT_EQ(note.at("records_recovered").at("tick"), 2048);
+  EXPECT_EQ(note.at("records_recovered").at("haptic"), 0);
+  EXPECT_EQ(note.at("records_lost").at("tick"), 6);
+  EXPECT_EQ(note.at("cut_bytes"), done.cut_bytes);
+  EXPECT_GT(done.cut_bytes, 2048u * 2000) << "what was written behind the checkpoint";
 }
 
 TEST(FlightRecorder, IsPlainMemoryWhereThereIsNoTmpfs) {

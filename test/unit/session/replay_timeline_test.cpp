@@ -203,5 +203,54 @@ TEST(ReplayTimeline, APeriodOfNothingIsRefused) {
   EXPECT_THROW(ReplayTimeline(0, -1), std::invalid_argument);
 }
 
+ExecutionRecord executionAt(Tick tick, std::uint32_t plan) {
+  ExecutionRecord record;
+  record.tick = tick;
+  record.report.plan = plan;
+  return record;
+}
+
+TEST(ReplayTimeline, ExecutionsAreInTheFirstInstantThatIsNoOlderEachOnce) {
+  ReplayTimeline timeline(10, -1);
+  for (const auto& [tick, plan] : {std::pair<Tick, std::uint32_t>{0, 1}, {10, 2}, {11, 3}, {19, 4}})
+    timeline.add(executionAt(tick, plan));
+  for (Tick tick = 0; tick <= 30; ++tick)
+    timeline.add(tickAt(tick));
+  timeline.finish();
+  std::vector<std::vector<std::uint32_t>> plans;
+  for (const ReplayInstant& instant : all(&timeline)) {
+    plans.emplace_back();
+    for (const ExecutionReport& report : instant.executions)
+      plans.back().push_back(report.plan);
+  }
+  EXPECT_EQ(plans, (std::vector<std::vector<std::uint32_t>>{{1}, {2}, {3, 4}, {}}));
+}
+
+TEST(ReplayTimeline, TheNewestHapticStateIsKnownUntilThereIsANewerOne) {
+  ReplayTimeline timeline(10, -1);
+  for (const Tick tick : {3, 25, 31})
+    timeline.add(hapticAt(tick));
+  for (Tick tick = 0; tick <= 40; ++tick)
+    timeline.add(tickAt(tick));
+  timeline.finish();
+  std::vector<Tick> known;
+  for (const ReplayInstant& instant : all(&timeline))
+    known.push_back(instant.haptic.tick);
+  EXPECT_EQ(known, (std::vector<Tick>{-1, 3, 3, 25, 31}));
+}
+
+TEST(ReplayTimeline, ContactsAreThoseOfTheInstantsTickAlone) {
+  ReplayTimeline timeline(10, -1);
+  for (const Tick tick : {0, 9, 10, 10, 11})
+    timeline.add(ContactRecord{tick, 1, 2, 1, 0.0, {}, {}});
+  for (Tick tick = 0; tick <= 20; ++tick)
+    timeline.add(tickAt(tick));
+  timeline.finish();
+  std::vector<std::size_t> counts;
+  for (const ReplayInstant& instant : all(&timeline))
+    counts.push_back(instant.contacts.size());
+  EXPECT_EQ(counts, (std::vector<std::size_t>{1, 2, 0}));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::session

@@ -6,11 +6,13 @@
 
 #include "log_file.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "support/file_size_limit.h"
 
 namespace raven2_trainer::session {
 namespace {
 
 namespace fs = std::filesystem;
+using raven2_trainer::testing::FileSizeLimit;
 
 /** An empty folder of this test. */
 std::string freshFolder(const std::string& name) {
@@ -121,6 +123,39 @@ TEST(SessionMeta, TellsWhichFilesWereNotReadAsTheyStand) {
   const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
   EXPECT_EQ(json.at("config_files").at(0).at("fnv1a"), "85944171f73967e8") << "of what was read";
   EXPECT_EQ(json.at("config_files").at(0).at("overridden"), true);
+}
+
+SessionMeta makeMeta(const std::string& version) {
+  SessionMeta meta;
+  meta.version = version;
+  meta.start_time_utc = "2026-01-31T12:00:00Z";
+  meta.build = {{"compiler", "gcc"}, {"flags", "-O2"}};
+  return meta;
+}
+
+TEST(SessionMeta, IsReadAsItWasWritten) {
+  const SessionPaths paths = createSessionDirectory(freshFolder("meta_read"));
+  EXPECT_EQ(readStartTime(paths), "") << "there is none";
+  EXPECT_TRUE(readBuild(paths).empty());
+  writeMeta(paths, makeMeta("1"), {});
+  EXPECT_EQ(readStartTime(paths), "2026-01-31T12:00:00Z");
+  EXPECT_EQ(readBuild(paths), makeMeta("1").build);
+  writeText(paths.meta(), R"({"start_time_utc": 7, "build": {"compiler": 7, "flags": "-O2"}})");
+  EXPECT_EQ(readStartTime(paths), "");
+  EXPECT_EQ(readBuild(paths), (std::map<std::string, std::string>{{"flags", "-O2"}}));
+}
+
+TEST(SessionMeta, OfAFullDiskIsTheOneFromBefore) {
+  const SessionPaths paths = createSessionDirectory(freshFolder("meta_full"));
+  writeMeta(paths, makeMeta("1"), {});
+  const Bytes before = readBytes(paths.meta());
+  {
+    const FileSizeLimit limit(20);
+    EXPECT_THROW(writeMeta(paths, makeMeta("2"), {}), SessionException);
+  }
+  EXPECT_EQ(readBytes(paths.meta()), before);
+  writeMeta(paths, makeMeta("2"), {});
+  EXPECT_NE(readBytes(paths.meta()), before);
 }
 
 }  // namespace

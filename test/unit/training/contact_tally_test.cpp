@@ -7,8 +7,8 @@ namespace {
 
 // By number, as a world would list them.
 const std::vector<std::string> kNames{"grasper1_L", "wrist_L",    "grasper1_R", "tower_far_left", "wire_left",
-                                      "dome_wall",  "base_plate", "ring",       "ring_stand"};
-enum Body : std::uint16_t { kJawL, kWristL, kJawR, kTower, kWire, kDome, kPlate, kRing, kStand };
+                                      "dome_wall",  "base_plate", "ring",       "ring_stand",     "wrist_R"};
+enum Body : std::uint16_t { kJawL, kWristL, kJawR, kTower, kWire, kDome, kPlate, kRing, kStand, kWristR };
 
 ContactRecord makeContact(Tick tick, std::uint16_t a, std::uint16_t b, double newton = 1.0) {
   ContactRecord record;
@@ -37,7 +37,8 @@ TEST(BodyClasses, GoByNameWithoutRoles) {
   const std::vector<BodyClass> classes = classifyBodies(kNames, {});
   const std::vector<BodyClass> expected{BodyClass::kGoldTool, BodyClass::kGoldTool, BodyClass::kGreenTool,
                                         BodyClass::kTower,    BodyClass::kWire,     BodyClass::kDome,
-                                        BodyClass::kPlate,    BodyClass::kObject,   BodyClass::kOther};
+                                        BodyClass::kPlate,    BodyClass::kObject,   BodyClass::kOther,
+                                        BodyClass::kGreenTool};
   EXPECT_EQ(classes, expected);
 }
 
@@ -138,6 +139,40 @@ TEST(ForceTally, TakesThePercentileOfTheTicksWithAForce) {
   EXPECT_EQ(summary.above, 10);
   EXPECT_NEAR(summary.impulse, 5.050, 1e-12);
   EXPECT_EQ(ForceTally(1.0).summary().p95, 0.0);
+}
+
+/** A tool's number may be below or above that of what it meets; a force has three axes and a sign. */
+TEST(ContactTally, CountsEitherArmWhateverTheNumbersAndTheDirectionOfTheForce) {
+  for (const auto& [jaw, wrist] : {std::pair{kJawL, kWristL}, {kJawR, kWristR}}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const double sign : {-1.0, 1.0}) {
+        ContactTally tally = makeTally();
+        for (const Body link : {jaw, wrist}) {
+          ContactRecord record = makeContact(5, link, kStand);
+          record.f_W = {};
+          record.f_W[axis] = 2.0 * sign;
+          tally.add(record);
+        }
+        tally.add(makeContact(5, jaw, wrist, 50.0));  // an arm and itself
+        EXPECT_EQ(touchesOf(tally, Partner::kOther).count, 1u);
+        EXPECT_EQ(touchesOf(tally, Partner::kOtherArm).count, 0u);
+        EXPECT_NEAR(tally.force().peak, 4.0, 1e-12);
+        EXPECT_EQ(tally.force().above, 1);
+      }
+    }
+  }
+}
+
+TEST(ContactTally, TakesTheForceOfEachTickAlone) {
+  ContactTally tally = makeTally();
+  feed(&tally, 10, 19, kJawR, kTower, 2.0);
+  feed(&tally, 500, 509, kJawR, kTower, 2.0);  // another touch: no tick of it is above 3 N
+  const ForceSummary force = tally.force();
+  EXPECT_NEAR(force.peak, 2.0, 1e-12);
+  EXPECT_NEAR(force.p95, 2.0, 1e-6);
+  EXPECT_NEAR(force.impulse, 0.040, 1e-12);
+  EXPECT_EQ(force.above, 0);
+  EXPECT_EQ(force.with_force, 20);
 }
 
 }  // namespace

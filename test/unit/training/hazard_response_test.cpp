@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "gtest/gtest.h"
 
@@ -340,6 +341,76 @@ TEST(HazardResponse, OfNothingIsNothing) {
   EXPECT_EQ(judge(window).first.response, Response::kNone);
   window.injection = 0;
   EXPECT_EQ(judge(window).first.response, Response::kNone);
+}
+
+/** The window with gold and green exchanged. */
+HazardWindow exchanged(HazardWindow window) {
+  for (HandSample& sample : window.samples) {
+    for (PerArm<Vec3>* pair : {&sample.master_I, &sample.force_I, &sample.model_B, &sample.robot_B})
+      std::swap((*pair)[0], (*pair)[1]);
+  }
+  return window;
+}
+
+void expectSame(const HazardResponse& a, const HazardResponse& b) {
+  const auto expectSameTime = [](const TimedResponse& x, const TimedResponse& y) {
+    EXPECT_EQ(x.response, y.response);
+    EXPECT_EQ(x.after, y.after);
+  };
+  expectSameTime(a.first, b.first);
+  expectSameTime(a.deciding, b.deciding);
+  expectSameTime(a.reaction, b.reaction);
+  EXPECT_EQ(a.verdict, b.verdict);
+  EXPECT_EQ(a.force_after, b.force_after);
+  EXPECT_EQ(a.cue_after, b.cue_after);
+  EXPECT_EQ(a.excursion, b.excursion);
+  EXPECT_EQ(a.error, b.error);
+  EXPECT_EQ(a.peak_force, b.peak_force);
+  EXPECT_NEAR(a.impulse, b.impulse, 1e-12);
+}
+
+/** Both robots' tips go astray, one from the model, one from where it was. */
+HazardWindow makeAstrayWindow() {
+  HazardWindow window = makeWindow(then(0.08, 300, -0.05));
+  push(&window, 100, 900, {0.0, 0.0, -0.2});
+  for (Tick t = 200; t < 400; ++t) {
+    at(sampleAt(&window, t).robot_B, Arm::kGold) = {0.03, 0.0, 0.0};
+    at(sampleAt(&window, t).model_B, Arm::kGold) = {0.0, 0.0, 0.0};
+    at(sampleAt(&window, t).robot_B, Arm::kGreen) = at(sampleAt(&window, t).model_B, Arm::kGreen) = {0.0, 0.07, 0.0};
+    at(sampleAt(&window, t).force_I, Arm::kGreen) = {0.5, 0.0, 0.0};
+  }
+  return window;
+}
+
+TEST(HazardResponse, IsTheSameOfEitherArm) {
+  const HazardWindow astray = makeAstrayWindow();
+  EXPECT_NEAR(judge(astray).error, 0.03, 1e-12) << "of gold";
+  EXPECT_NEAR(judge(astray).excursion, 0.07, 1e-12) << "of green";
+  HazardWindow pushed_on = makeWindow(goingOn);
+  push(&pushed_on, 50, 4000, {0.0, 0.5, 0.0});
+  const HazardWindow windows[] = {astray, pushed_on, makeWindow(then(0.08, 250, 0.002)),
+                                  makeWindow(then(0.0, 1650, 0.008)), makeWindow(then(0.08, 300, -0.05))};
+  for (const HazardWindow& window : windows) {
+    expectSame(judge(window), judge(exchanged(window)));
+    EXPECT_NE(judge(window).first.response, Response::kNone) << "or there is nothing to exchange";
+  }
+  const HazardWindow forced = makePushedWindow(), other = exchanged(forced);
+  expectSame(judgeResponse(forced, {}, explainByForce(forced.samples, makeHand())),
+             judgeResponse(other, {}, explainByForce(other.samples, makeHand())));
+}
+
+TEST(HazardResponse, MeasuresNothingFromARobotThatIsNotKnown) {
+  HazardWindow window = makeAstrayWindow();
+  for (Tick t = 250; t < 4000; ++t) {
+    sampleAt(&window, t).has_robot = 0;
+    at(sampleAt(&window, t).robot_B, Arm::kGold) = {5.0, 0.0, 0.0};
+  }
+  EXPECT_NEAR(judge(window).error, 0.03, 1e-12);
+  EXPECT_NEAR(judge(window).excursion, 0.07, 1e-12);
+  sampleAt(&window, 0).has_robot = 0;  // where it was is not known
+  at(sampleAt(&window, 0).robot_B, Arm::kGold) = {5.0, 0.0, 0.0};
+  EXPECT_NEAR(judge(window).error, 0.03, 1e-12);
+  EXPECT_EQ(judge(window).excursion, 0.0);
 }
 
 }  // namespace

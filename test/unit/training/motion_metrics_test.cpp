@@ -345,5 +345,45 @@ TEST(MotionMetrics, OfNothingAreNothing) {
   EXPECT_FALSE(metrics.bimanual);
 }
 
+/** The picture shows 0.1 m up and down (along x) and 0.2 m to both sides (along y). */
+TEST(MotionMetrics, SeeATipLeaveThePictureOnEverySide) {
+  const double just = 0.0005;
+  for (const Arm arm : kArms) {
+    for (const auto& [x, y] : {std::pair{0.1, 0.0}, {-0.1, 0.0}, {0.0, 0.2}, {0.0, -0.2}}) {
+      for (const double share : {1.0 - just / 0.1, 1.0 + 2.0 * just / 0.1}) {
+        const Path there = [x = share * x, y = share * y](double) { return Vec3{x, y, 0.0}; };
+        const Path middle = [](double) { return Vec3{}; };
+        const MotionMetrics metrics = arm == Arm::kGold ? measure(10, there, middle, fromAbove())
+                                                        : measure(10, middle, there, fromAbove());
+        const double expected = share > 1.0 ? 0.010 : 0.0;
+        EXPECT_NEAR(at(metrics.hands, arm).out_of_view.value(), expected, 1e-12) << x << " " << y;
+        EXPECT_NEAR(metrics.out_of_view.value(), expected, 1e-12) << x << " " << y;
+      }
+    }
+  }
+}
+
+TEST(MotionMetrics, DoNotSeeATipBehindTheCamera) {
+  const Path behind = [](double) { return Vec3{0.0, 0.0, 2.0}; };
+  EXPECT_NEAR(gold(measure(10, behind, behind, fromAbove())).out_of_view.value(), 0.010, 1e-12);
+}
+
+/** Forces on the hands: the larger of both in every tick. */
+TEST(MotionMetrics, TakeTheForceOfEitherHand) {
+  for (const Arm arm : kArms) {
+    MotionAccumulator motion({});
+    for (Tick k = 0; k < 100; ++k) {
+      motion.add(makeRecord(k));
+      HapticRecord haptic;
+      haptic.haptic.tick = kFirstTick + k;
+      at(haptic.haptic.force_I, arm) = {0.6, 0.0, -0.8};
+      at(haptic.haptic.force_I, otherArm(arm)) = {0.0, 0.3, 0.0};
+      motion.add(haptic);
+    }
+    EXPECT_NEAR(motion.result().haptic_force.peak, 1.0, 1e-12);
+    EXPECT_NEAR(motion.result().haptic_force.impulse, 0.1, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

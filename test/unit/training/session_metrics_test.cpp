@@ -744,5 +744,279 @@ TEST(MetricsFile, HasNoErrorOfARobotThatHeldStill) {
   EXPECT_DOUBLE_EQ(execution.at("model_error_mm").at("mean"), 0.5);
 }
 
+/** Only `arm`'s force and error are not 0. */
+HapticRecord makeForceOf(Arm arm, Tick session_tick, double newton, double error) {
+  HapticRecord record;
+  record.haptic.tick = kOrigin + session_tick;
+  record.haptic.active = 1;
+  at(record.haptic.error, arm) = error;
+  at(record.haptic.force_B, arm) = {0.0, newton, 0.0};
+  return record;
+}
+
+TEST(FaultEvent, HasTheErrorAndTheForceOfEitherArm) {
+  for (const Arm arm : kArms) {
+    Accumulator metrics(makeHeader());
+    metrics.feels = false;
+    for (Tick t = 0; t < 2000; ++t) {
+      TickRecord record = makeTick(t, 0.0, t >= 1000 && t < 1100 ? 2 : 0);
+      const bool is_apart = t >= 1020 && t < 1100;
+      at(record.model.arms, arm).p_BT[0] += is_apart ? 0.012 : 0.001;
+      metrics.add(record);
+      const double newton = t >= 1030 && t < 1100 ? 2.5 : t == 500 ? 0.75 : 0.0;
+      metrics.add(makeForceOf(arm, t, newton, is_apart ? 0.012 : 0.001));
+    }
+    const SessionMetrics result = metrics.result();
+    ASSERT_EQ(result.faults.size(), 1U);
+    EXPECT_NEAR(result.faults[0].max_error, 0.012, 1e-15);
+    EXPECT_NEAR(result.faults[0].max_force, 2.5, 1e-15);
+    EXPECT_EQ(result.faults[0].onset_tick, 1020);
+    EXPECT_EQ(result.faults[0].force_tick, 1030);
+    EXPECT_NEAR(result.max_force, 2.5, 1e-15);
+    EXPECT_NEAR(result.error_max_force, 0.75, 1e-15);
+    EXPECT_NEAR(result.error.mean(), 0.001, 1e-15);
+  }
+}
+
+FaultChangeRecord makeChangeOf(FaultHost host, const TickRecord& record, std::uint32_t id, bool acts) {
+  FaultChangeRecord change = makeChange(record, id, acts);
+  change.change.host = host;
+  change.change.cycle = 5;  // the host's own clock
+  return change;
+}
+
+TEST(Injections, OfTheDaemonAreOnTheRobotsClockAndOutliveItsLink) {
+  MetricsAccumulator metrics(makeHeader());
+  TickRecord record = makeTick(3, 0.0);
+  metrics.add(makeChangeOf(FaultHost::kRobot, record, 1, true));
+  metrics.add(makeChangeOf(FaultHost::kRelay, record, 2, true));
+  metrics.add(record);
+  record = makeTick(10, 0.0);
+  record.robot.connected = 0;
+  metrics.add(record);
+  std::vector<Injection> all = metrics.result().injections;
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].inject_cycle, 5U) << "the robot's own is told by the robot";
+  EXPECT_EQ(all[0].clear_tick, 10);
+  EXPECT_TRUE(all[0].is_assumed);
+  EXPECT_EQ(all[1].inject_cycle, 70003U) << "the daemon's is stamped with the robot's cycle";
+  EXPECT_EQ(all[1].clear_tick, -1) << "the daemon goes on";
+  EXPECT_FALSE(all[1].is_assumed);
+  record = makeTick(20, 0.0);
+  metrics.add(makeChangeOf(FaultHost::kRelay, record, 2, false));
+  metrics.add(record);
+  all = metrics.result().injections;
+  EXPECT_EQ(all[1].clear_tick, 20);
+  EXPECT_EQ(all[1].clear_cycle, 70020U);
+  EXPECT_EQ(all[0].clear_tick, 10) << "of another host, with another id";
+}
+
+/** Of two faults at once the robot's names the event, whichever began first. */
+TEST(Injections, TheRobotsFaultNamesTheEventOfTwoAtOnce) {
+  for (const bool robot_first : {true, false}) {
+    MetricsAccumulator metrics(makeHeader());
+    const TickRecord record = makeTick(3, 0.0);
+    if (robot_first) metrics.add(makeChangeOf(FaultHost::kRobot, record, 1, true));
+    metrics.add(makeChangeOf(FaultHost::kRelay, record, 2, true));
+    if (!robot_first) metrics.add(makeChangeOf(FaultHost::kRobot, record, 1, true));
+    metrics.add(record);
+    EXPECT_EQ(metrics.result().faults.at(0).name, "other");
+  }
+}
+
+ExerciseAttempt makeAttempt() {
+  ExerciseAttempt attempt;
+  attempt.state.attempt = 2;
+  attempt.state.status = ExerciseStatus::kFailed;
+  attempt.state.failure = ExerciseFailure::kTimeLimit;
+  attempt.state.step = 4;
+  attempt.began = 101;
+  attempt.ended = 7103;
+  attempt.ticks = 6500;
+  for (std::size_t i = 0; i < kMistakeCount; ++i)
+    attempt.state.mistakes[i] = static_cast<std::uint32_t>(i) + 11;
+  for (std::size_t i = 0; i < kExerciseEventKindCount; ++i)
+    attempt.events[i] = i + 31;
+  return attempt;
+}
+
+TEST(MetricsFile, SaysHowAnAttemptAtTheExerciseWent) {
+  SessionMetrics result = makeResult();
+  result.exercise = "peg_transfer";
+  result.attempts = {makeAttempt()};
+  result.attempts_beyond = 3;
+  writeMetrics(scratchPath("attempt.json"), result);
+  const auto json = readJson(scratchPath("attempt.json")).at("exercise");
+  EXPECT_EQ(json.at("name"), "peg_transfer");
+  EXPECT_TRUE(json.at("drill").is_null());
+  EXPECT_EQ(json.at("attempts_beyond"), 3);
+  const auto& attempt = json.at("attempts").at(0);
+  EXPECT_EQ(attempt.at("number"), 2);
+  EXPECT_EQ(attempt.at("status"), "failed");
+  EXPECT_EQ(attempt.at("failure"), "time_limit");
+  EXPECT_EQ(attempt.at("began_tick"), 101);
+  EXPECT_EQ(attempt.at("ended_tick"), 7103);
+  EXPECT_DOUBLE_EQ(attempt.at("time_s"), 6.5);
+  EXPECT_EQ(attempt.at("steps_done"), 3);
+  for (std::size_t i = 0; i < kMistakeCount; ++i)
+    EXPECT_EQ(attempt.at("mistakes").at(kMistakeNames[i]), i + 11);
+  for (std::size_t i = 0; i < kExerciseEventKindCount; ++i)
+    EXPECT_EQ(attempt.at("events").at(kExerciseEventNames[i]), i + 31);
+}
+
+TEST(MetricsFile, SaysPlansAndExecutionsInTheUnitsOfTheirNames) {
+  SessionMetrics result = makeResult();
+  result.plan.status = PlanStatus::kSuccess;
+  result.plan.cost = 6.5;
+  result.plan.planning_time = 1.25;
+  result.plan.waypoint_count = 14;
+  result.plan.samples = 500;
+  ExecutionReport& report = result.executions[0].report;
+  report.planned_clearance = 0.0041;
+  report.model_clearance = 0.0042;
+  report.robot_clearance = 0.0043;
+  report.contact_points = 17;
+  writeMetrics(scratchPath("plans.json"), result);
+  const auto json = readJson(scratchPath("plans.json"));
+  const auto& plan = json.at("plan");
+  EXPECT_EQ(plan.at("success"), true);
+  EXPECT_EQ(plan.at("cost"), 6.5);
+  EXPECT_EQ(plan.at("planning_time_s"), 1.25);
+  EXPECT_EQ(plan.at("waypoints"), 14);
+  EXPECT_EQ(plan.at("samples"), 500);
+  const auto& execution = json.at("executions").at(0);
+  EXPECT_EQ(execution.at("path_time_s"), 2.5);
+  EXPECT_DOUBLE_EQ(execution.at("planned_clearance_mm"), 4.1);
+  EXPECT_DOUBLE_EQ(execution.at("model_clearance_mm"), 4.2);
+  EXPECT_DOUBLE_EQ(execution.at("robot_clearance_mm"), 4.3);
+  EXPECT_EQ(execution.at("contact_points"), 17);
+  for (const auto& [who, error] : {std::pair{"model", report.model}, {"robot", report.robot}}) {
+    const auto& told = execution.at(std::string(who) + "_error_mm");
+    EXPECT_DOUBLE_EQ(told.at("mean"), 1e3 * error.mean) << who;
+    EXPECT_DOUBLE_EQ(told.at("max"), 1e3 * error.largest) << who;
+    EXPECT_DOUBLE_EQ(told.at("at_end"), 1e3 * error.at_end) << who;
+  }
+}
+
+TEST(MetricsFile, SaysEachLoopsTimesInMicroseconds) {
+  SessionMetrics result = makeResult();
+  for (std::size_t i = 0; i < kLoopCount; ++i) {
+    LoopTiming& loop = result.counts.loops[i];
+    loop.ticks = 1000;
+    loop.on_time = 900 + 10 * i;
+    loop.late_runs = 3 + i;
+    loop.longest_late_run = 5 + i;
+    loop.last_run_late_ns = 7500 + static_cast<std::int64_t>(i);
+    loop.max_late_ns = 8500 + static_cast<std::int64_t>(i);
+    loop.max_run_ns = 9500 + static_cast<std::int64_t>(i);
+    loop.minor_faults = 11 + i;
+    loop.major_faults = 13 + i;
+    for (int n = 0; n < 1000; ++n) {
+      loop.wake_up.add(50'000);
+      loop.run.add(200'000);
+    }
+  }
+  writeMetrics(scratchPath("loops.json"), result);
+  const auto json = readJson(scratchPath("loops.json"));
+  for (std::size_t i = 0; i < kLoopCount; ++i) {
+    const auto& loop = json.at("timing").at(kLoopNames[i]);
+    const double n = static_cast<double>(i);
+    EXPECT_DOUBLE_EQ(json.at("on_time_ratio").at(kLoopNames[i]), 0.9 + 0.01 * n);
+    EXPECT_EQ(loop.at("late_runs"), 3 + i);
+    EXPECT_EQ(loop.at("longest_late_run"), 5 + i);
+    EXPECT_DOUBLE_EQ(loop.at("last_run_late_us"), 7.5 + 0.001 * n);
+    EXPECT_DOUBLE_EQ(loop.at("max_late_us"), 8.5 + 0.001 * n);
+    EXPECT_DOUBLE_EQ(loop.at("max_run_us"), 9.5 + 0.001 * n);
+    EXPECT_EQ(loop.at("minor_faults"), 11 + i);
+    EXPECT_EQ(loop.at("major_faults"), 13 + i);
+    for (const char* share : {"p50", "p99", "p999"}) {  // an octave has eight buckets
+      EXPECT_NEAR(loop.at("wake_up_us").at(share).get<double>(), 50.0, 50.0 / 8) << share;
+      EXPECT_NEAR(loop.at("run_us").at(share).get<double>(), 200.0, 200.0 / 8) << share;
+    }
+  }
+}
+
+TEST(MetricsFile, CountsEachLinkAndQueueAsItsOwn) {
+  SessionMetrics result = makeResult();
+  SessionCounts& counts = result.counts;
+  counts.relay_failed = 21;
+  counts.relay_released = 22;
+  counts.force_failed = 23;
+  counts.force_silent = 24;
+  counts.master_faults = {31, 32, 33};
+  counts.relay_faults = {41, 42, 43};
+  counts.relay_network = {51, 52, 53};
+  for (std::size_t i = 0; i < kRingCount; ++i)
+    counts.rings[i] = {1000 + i, 2000 + i, 3000 + i};
+  counts.ik_clamped = 61;
+  counts.records_dropped = 62;
+  counts.contacts_dropped = 63;
+  writeMetrics(scratchPath("links.json"), result);
+  const auto json = readJson(scratchPath("links.json"));
+  const auto& packets = json.at("packets");
+  const auto& robot = packets.at("daemon_to_robot");
+  const auto& console = packets.at("daemon_to_console");
+  EXPECT_EQ(robot.at("failed"), 21);
+  EXPECT_EQ(robot.at("released"), 22);
+  EXPECT_EQ(robot.at("dropped"), ring(counts, RingId::kRelayPackets).dropped);
+  EXPECT_EQ(console.at("failed"), 23);
+  EXPECT_EQ(console.at("silent"), 24);
+  EXPECT_EQ(console.at("dropped"), ring(counts, RingId::kForcePackets).dropped);
+  EXPECT_EQ(packets.at("master_to_daemon").at("faults"), (nlohmann::json{{"lost", 31}, {"added", 32}, {"held", 33}}));
+  EXPECT_EQ(robot.at("faults"), (nlohmann::json{{"lost", 41}, {"added", 42}, {"held", 43}}));
+  EXPECT_EQ(robot.at("network"), (nlohmann::json{{"lost", 51}, {"added", 52}, {"held", 53}}));
+  for (std::size_t i = 0; i < kRingCount; ++i) {
+    const RingCounts& own = counts.rings[i];
+    EXPECT_EQ(json.at("queues").at(kRingNames[i]),
+              (nlohmann::json{{"pushed", own.pushed}, {"taken", own.taken}, {"dropped", own.dropped}}));
+  }
+  EXPECT_EQ(json.at("ik_clamped_ticks"), 61);
+  EXPECT_EQ(json.at("records_dropped"), 62);
+  EXPECT_EQ(json.at("contacts_dropped"), 63);
+}
+
+Injection makeInjection(std::int8_t arm) {
+  Injection injection;
+  injection.name = "sudden_jump";
+  injection.fault.host = FaultHost::kRelay;
+  injection.fault.row = 3;
+  injection.fault.arm = arm;
+  injection.fault.channel = arm < 0 ? -1 : 2;
+  injection.fault.value = 1.5;
+  injection.inject_tick = 71;
+  injection.clear_tick = arm < 0 ? -1 : 82;
+  injection.inject_cycle = 93;
+  injection.clear_cycle = arm < 0 ? 0 : 104;
+  injection.observe_tick = arm < 0 ? -1 : 75;
+  injection.is_assumed = arm == 1;
+  return injection;
+}
+
+TEST(FaultsFile, SaysArmChannelAndBothClocksOfEachInjection) {
+  SessionMetrics result = makeResult();
+  result.injections = {makeInjection(-1), makeInjection(0), makeInjection(1)};
+  result.injections_beyond = 5;
+  result.counts.fault_changes_lost = 6;
+  writeFaults(scratchPath("injections.json"), result);
+  const auto json = readJson(scratchPath("injections.json"));
+  EXPECT_EQ(json.at("injections_beyond"), 5);
+  EXPECT_EQ(json.at("changes_lost"), 6);
+  const char* arms[] = {"both", "gold", "green"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& told = json.at("injections").at(i);
+    const bool has_end = i > 0;
+    EXPECT_EQ(told.at("arm"), arms[i]);
+    EXPECT_EQ(told.at("channel"), has_end ? nlohmann::json(2) : nlohmann::json("all"));
+    EXPECT_EQ(told.at("host"), kFaultHostNames[static_cast<std::size_t>(FaultHost::kRelay)]);
+    EXPECT_EQ(told.at("row"), 3);
+    EXPECT_EQ(told.at("value"), 1.5);
+    EXPECT_EQ(told.at("inject"), (nlohmann::json{{"tick", 71}, {"cycle", 93}}));
+    EXPECT_EQ(told.at("observe").at("tick"), has_end ? nlohmann::json(75) : nlohmann::json());
+    EXPECT_EQ(told.at("clear").at("tick"), has_end ? nlohmann::json(82) : nlohmann::json());
+    EXPECT_EQ(told.at("clear").at("cycle"), has_end ? nlohmann::json(104) : nlohmann::json());
+    EXPECT_EQ(told.at("clear").at("assumed"), i == 2);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

@@ -11,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "motion_support.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/pedals.h"
 
 namespace raven2_trainer::training {
 namespace {
@@ -408,6 +409,117 @@ TEST_F(SessionScoreTest, OfALogWithoutASessionHasNoAttempts) {
   record.model.session_tick = -1;
   writer_->write(record);
   EXPECT_TRUE(finish().attempts.empty());
+}
+
+RequestRecord makeStop(Tick k) {
+  RequestRecord stop;
+  stop.tick = kFirstTick + k;
+  stop.request.kind = RequestKind::kEmergencyStop;
+  return stop;
+}
+
+/** As writeFault() without the pedal: a stop is asked for by request, by pedal, or not. */
+void writeStoppedFault(session::LogWriter* writer, bool by_request, bool by_pedal) {
+  for (Tick k = 0; k < 6000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    if (by_pedal && k >= kInjection + 600) record.model.pedals = bit(Pedal::kStop);
+    if (by_request && k == kInjection + 600) writer->write(makeStop(k));
+    if (k == kInjection || k == kInjection + 400) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.id = 1;
+      change.change.acts = k == kInjection ? 1 : 0;
+      writer->write(change);
+    }
+    writer->write(record);
+  }
+}
+
+TEST_F(SessionScoreTest, AnEmergencyStopIsAnAnswerByRequestAndByPedal) {
+  for (const auto& [by_request, by_pedal] : {std::pair{true, false}, {false, true}, {false, false}}) {
+    ScoreSettings settings = makeSettings();
+    settings.response.right = {Response::kStop};
+    begin();
+    writeStoppedFault(writer_.get(), by_request, by_pedal);
+    const HazardResponse response = finish(settings).hazards.at(0).response;
+    EXPECT_EQ(response.deciding.response, by_request || by_pedal ? Response::kStop : Response::kNone);
+    EXPECT_EQ(response.deciding.after, by_request || by_pedal ? 600 : -1);
+  }
+}
+
+/** Two faults of 100 ms, two seconds apart, each with touches of its own; while `lost` the robot's pose is no pose. */
+void writeTwoFaults(session::LogWriter* writer, Arm arm) {
+  for (Tick k = 0; k < 9000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    const Tick phase = k % 4000;
+    const bool is_lost = phase >= 2050 && phase < 2060;
+    record.robot.connected = is_lost ? 0 : 1;
+    record.model.linked = is_lost ? 0 : 1;
+    if (is_lost) at(record.robot.arms, arm).p_BT = {3.0, 0.0, 0.0};
+    if (phase >= 2000 && phase < 2050) at(record.robot.arms, arm).p_BT = {0.0, 0.0, k < 4000 ? 0.01 : 0.02};
+    if (phase == 2000 || phase == 2100) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.id = 1;
+      change.change.acts = phase == 2000 ? 1 : 0;
+      writer->write(change);
+    }
+    writer->write(record);
+    ContactRecord contact;
+    contact.tick = record.model.tick;
+    contact.b = 1;
+    contact.f_W = {0.0, 2.0, 0.0};
+    const bool is_touch = phase == 2010 || (k > 4000 && phase == 2300) || phase == 3500;  // the last is behind both
+    if (is_touch) writer->write(contact);
+  }
+}
+
+TEST_F(SessionScoreTest, EachHazardHasItsOwnTouchesAndDistancesOfEitherArm) {
+  for (const Arm arm : kArms) {
+    begin();
+    writeTwoFaults(writer_.get(), arm);
+    const std::vector<HazardScore> hazards = finish().hazards;
+    ASSERT_EQ(hazards.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const HazardResponse& response = hazards[i].response;
+      EXPECT_EQ(hazards[i].injection, 2000 + 4000 * static_cast<Tick>(i));
+      EXPECT_NEAR(response.excursion, i == 0 ? 0.01 : 0.02, 1e-12) << "while the robot is lost it is nowhere";
+      EXPECT_NEAR(response.error, i == 0 ? 0.01 : 0.02, 1e-12);
+      EXPECT_EQ(response.touches[static_cast<std::size_t>(Partner::kTower)].count, i + 1);
+      EXPECT_EQ(response.touches[static_cast<std::size_t>(Partner::kTower)].ticks, static_cast<Tick>(i) + 1);
+    }
+  }
+}
+
+TEST_F(SessionScoreTest, NeitherPausesNorReplaysCount) {
+  begin();
+  for (Tick k = 0; k < 3000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    if (k >= 500 && k < 700) record.model.mode = Mode::kPaused;
+    if (k >= 1000 && k < 1300) record.model.mode = Mode::kReplaying;
+    writer_->write(record);
+  }
+  EXPECT_EQ(finish().attempts.at(0).motion.ticks, 2500);
+}
+
+/** Gold or green holds something as the timer starts. */
+TEST_F(SessionScoreTest, WhatEitherArmHoldsAsTheTimerStartsIsCarried) {
+  for (const Arm arm : kArms) {
+    begin();
+    for (Tick k = 0; k < 2000; ++k) {
+      TickRecord record = makeExerciseTick(k, 1, k < 500 ? ExerciseStatus::kWaiting : ExerciseStatus::kRunning);
+      record.model.exercise.bodies[2] = arm == Arm::kGold ? kHeldByGold : kHeldByGreen;
+      at(record.model.arms, arm).p_BT = {1e-4 * static_cast<double>(k), 0.0, 0.0};
+      if (k == 1500) {
+        ExerciseRecord released = makeEvent(k, ExerciseEventKind::kReleased);
+        released.event.arm = arm == Arm::kGold ? Hand::kGold : Hand::kGreen;
+        writer_->write(released);
+      }
+      writer_->write(record);
+    }
+    EXPECT_EQ(finish().attempts.at(0).economy.transits, 1u);
+  }
 }
 
 }  // namespace

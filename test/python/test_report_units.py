@@ -1,0 +1,348 @@
+"""Every number of the report with its unit, against the number in metrics.json, score.json or the log; for either arm,
+and on the session's clock, which stands while the exercise is paused."""
+import pathlib
+import re
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import report_session as made  # noqa: E402
+
+import raven2_figures  # noqa: E402  (found beside raven2_session)
+import raven2_session  # noqa: E402
+from raven2_report import curves, details, hazard_page, metric_words, record, scorecard, timeline, verdict  # noqa: E402
+from raven2_report.facts import Facts  # noqa: E402
+
+READ = {"-": "", "count": "", "um": " µm", "m/s^3": " m/s³", "Ns": " N s"}  # a unit as a reader sees it
+
+
+def cells(html):
+    """Rows of the first table, title row first, without tags."""
+    rows = re.findall(r"<tr>(.*?)</tr>", html, re.S)
+    return [[re.sub(r"<[^>]+>", "", cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.S)]
+            for row in rows]
+
+
+def column(html, title):
+    table = cells(html)
+    return [row[table[0].index(title)] for row in table[1:]]
+
+
+def units():
+    """{metric: unit} as doc/scores.md has them."""
+    text = (made.ROOT / "doc/scores.md").read_text(encoding="utf-8")
+    found = {}
+    for names, unit in re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| ([^|]+) \| (?:lower|higher) \|", text, re.M):
+        named, told = re.findall(r"`(\w+)`", names), unit.split(", ")
+        found.update(zip(named, told * len(named) if len(told) == 1 else told))
+    return found
+
+
+# ---- score.json -------------------------------------------------------------------------------------------------
+
+
+def test_the_page_knows_every_metric_of_the_documentation():
+    assert set(units()) == set(metric_words.WORDS) and len(units()) == 34
+
+
+def scored_facts(metrics):
+    attempt = {"metrics": metrics, "status": "done"}
+    return SimpleNamespace(attempt=attempt, score={"force_limit_N": 3.0}, attempts=[attempt],
+                           training={"exercise": "x", "drill": "none"})
+
+
+@pytest.mark.parametrize("name", list(units()))
+def test_a_metric_is_shown_in_its_unit(name):
+    unit = units()[name]
+    value, mean, deviation, limit = (3.0, 2.0, 1.0, 5.0) if unit == "count" else (3.4567, 2.4567, 1.4567, 5.4567)
+    facts = scored_facts({name: made.metric(value, mean, deviation, limit, unit)})
+    ((_, _, shown, expert, most, passed),) = scorecard.all_metrics(facts)
+    digits = 0 if unit == "count" else metric_words.WORDS[name].digits
+    text = lambda number: f"{number:.{digits}f}" + READ.get(unit, f" {unit}")  # noqa: E731
+    assert (shown, most, passed) == (text(value), text(limit), "✓ passed")
+    spread = f"{deviation:.1f}" if unit == "count" and not float(deviation).is_integer() else text(deviation)
+    assert expert == f"{text(mean)} ± {spread}"
+    (told,) = record.build(record_facts(facts), [])["metrics"]
+    assert [told[key] for key in ("value", "mean", "deviation", "limit", "unit")] == [value, mean, deviation, limit,
+                                                                                     unit]
+    assert verdict.improvements(SimpleNamespace(**{**vars(facts), "attempt": {**facts.attempt, "improve": [name]}}))
+
+
+def record_facts(facts):
+    """What build() asks for beside the metrics."""
+    series = SimpleNamespace(runlevel=np.zeros(0), t=np.zeros(0), tracking=np.zeros(0, bool))
+    return SimpleNamespace(**{**vars(facts), "score": {}, "name": "s", "meta": {}, "duration": 1.0, "header": {
+        "hazard": "none", "seed": 1, "motion": ""}, "training": {"exercise": "x", "drill": "none", "trainee": "",
+                                                               "curriculum": "none"}, "phases": [], "steps": [],
+        "mistakes": lambda: [], "hazards": [], "faults": [], "moments": lambda: [], "series": series,
+        "emergency_stop": lambda: None, "session": SimpleNamespace(directory=".")})
+
+
+JUDGED = {"force_after_ms": 21, "cue_after_ms": 322, "excursion_mm": 12.25, "error_mm": 9.5, "peak_force_N": 2.75,
+          "reaction": {"response": "slow", "after_ms": 450}, "deciding": {"response": "pedal_up", "after_ms": 1250},
+          "verdict": "right", "touches": {}, "coincidences": []}
+
+
+def hazard_facts(fault=None):
+    hazard = {"name": "sudden_jump", "at_s": 1.5, "end_s": 1.9, "fault": fault or {}, "judged": JUDGED}
+    facts = SimpleNamespace(hazards=[hazard])
+    facts.answers = lambda h: Facts.answers(facts, h)
+    facts.reaction = lambda h: Facts.reaction(facts, h)
+    return facts, hazard
+
+
+@pytest.mark.parametrize("fault, error, force", [({}, "9.50 mm", "2.75 N"),
+                                                ({"max_error_mm": 10.5, "max_force_N": 3.25}, "10.50 mm", "3.25 N")])
+def test_a_hazard_s_row_is_in_the_units_of_its_figures(fault, error, force):
+    facts, hazard = hazard_facts(fault)
+    table = cells(hazard_page._table(facts))
+    assert table[1] == ["1", "sudden jump", "1.500 s", error, "12.25 mm", force, "322 ms",
+                        "slowed down after 450 ms, released the pedal after 1,250 ms", "answered rightly"]
+    told = record._hazard(facts, hazard)
+    assert [told[key] for key in ("at_s", "end_s", "largest_error_mm", "excursion_mm", "largest_force_N", "cue_after_s",
+                                  "reaction_after_s")] == [1.5, 1.9, fault.get("max_error_mm", 9.5), 12.25,
+                                                           fault.get("max_force_N", 2.75), 0.322, 0.45]
+
+
+def test_a_hazard_s_moments_lie_where_they_happened():
+    facts, hazard = hazard_facts()
+    low, high = -0.5, 2.0
+    width = hazard_page.WIDTH - hazard_page.LEFT - hazard_page.RIGHT
+    found = {name: (x - hazard_page.LEFT) / width * (high - low) + low
+             for x, name, _, _ in hazard_page._moments(facts, hazard, low, high)}
+    assert found == pytest.approx({"hazard": 0.0, "first force": 0.021, "felt": 0.322, "slowed down": 0.45,
+                                   "released the pedal": 1.25})
+
+
+# ---- metrics.json -----------------------------------------------------------------------------------------------
+
+METRICS = {
+    "duration_s": 12.5, "ticks": 12500, "on_time_ratio": {"physics": 0.98765, "haptic": 0.87654},
+    "model_robot_error_mm": {"mean": 1.234, "std": 0.567, "max": 2.5},
+    "haptic": {"max_force_N": 3.21, "max_force_outside_faults_N": 0.45},
+    "plan": {"success": True, "status": "success", "cost": 6.543, "waypoints": 14},
+    "timing": {name: {"ticks": 12000 + i, "slips": 31 + i, "late_runs": 41 + i, "longest_late_run": 51 + i,
+                      "time_slips": 61 + i, "wake_up_us": {"p999": 71234.0 + i}, "run_us": {"p999": 81234.0 + i},
+                      "max_late_us": 9120.0 + i, "max_run_us": 9230.0 + i, "stale_reads": 91 + i}
+               for i, name in enumerate(("physics", "haptic"))},
+    "packets": {"master_to_daemon": {"received": 110, "applied": 108, "used": 107, "rejected": {"duplicate": 2}},
+                "daemon_to_robot": {"sent": 209, "failed": 3, "dropped": 4, "received": 202, "applied": 201,
+                                    "rejected": {"checksum": 1}},
+                "robot_to_daemon": {"received": 305, "applied": 305, "rejected": {}},
+                "daemon_to_console": {"sent": 404, "failed": 5, "dropped": 6}}}
+FAULTS = [{"name": "sudden_jump", "first_tick": 1234, "last_tick": 1533, "first_cycle": 2345, "last_cycle": 2644,
+           "max_error_mm": 10.125, "max_force_N": 2.25, "error_to_force_ms": delay} for delay in (7, 9)]
+
+
+def engineering(**more):
+    header = {"hazard": "sudden_jump"}
+    facts = SimpleNamespace(session=None, series=SimpleNamespace(t=np.zeros(12500)), metrics=METRICS, meta={}, log=None,
+                            header=header, duration=12.5, faults=FAULTS, score_broken=False)
+    return details.Details(SimpleNamespace(**{**vars(facts), **more}))
+
+
+def test_the_cards_are_in_the_units_of_metrics_json():
+    cards = dict(re.findall(r"<span>(.*?)</span><b>(.*?)</b>", engineering().cards()))
+    assert cards == {"Duration": "12.5 s", "Ticks": "12,500", "On time": "98.76 %", "Faults": "2",
+                     "Model to robot": "1.23 ± 0.57 mm", "Largest distance": "2.50 mm", "Strongest cue": "3.21 N",
+                     "Plan": "success"}
+    notes = engineering().cards()
+    for text in ("haptic loop 87.65 %", "outside faults 0.45 N<br>9 ms at most", "cost 6.54, 14 waypoints"):
+        assert text in notes, text
+
+
+def test_the_faults_are_in_the_units_of_metrics_json():
+    rows = cells(engineering().fault_table())[1:]
+    assert rows[0] == ["1", "sudden jump", "1.234 s", "300 ms", "2,345 – 2,644", "10.12 mm", "2.25 N", "7 ms"]
+    assert rows[1][-1] == "9 ms"
+
+
+def test_the_loops_times_are_microseconds_shown_as_milliseconds():
+    rows = cells(engineering().timing_table())[1:]
+    assert rows == [[name, f"12,00{i}", str(31 + i), str(41 + i), f"{51 + i} ms", str(61 + i), f"71.23{4 + i} ms",
+                     f"81.23{4 + i} ms", "9.12 ms", "9.23 ms", str(91 + i)]
+                    for i, name in enumerate(("physics", "haptic"))]
+
+
+def test_the_packets_are_those_of_their_link():
+    rows = cells(engineering().packet_table())[1:]
+    assert [row[1:9] for row in rows] == [
+        ["–", "–", "110", "108", "2", "✓", "107", "duplicate 2"],
+        ["209", "7", "202", "201", "1", "✓", "–", "checksum 1"],
+        ["–", "–", "305", "305", "0", "✓", "–", ""],
+        ["404", "11", "–", "–", "–", "", "–", ""]]
+
+
+def test_the_story_tells_millimetres_newtons_and_seconds():
+    facts = SimpleNamespace(duration=12.5, faults=FAULTS, emergency_stop=lambda: 4.25)
+    assert verdict.story(facts) == (
+        "A session of 12 s in which the hazard “sudden jump” was injected into the robot twice: the instrument's tip "
+        "left the path that the surgeon's hand gave it by up to 10.1 mm, and each time the surgeon was warned through "
+        "the hand controller, with up to 2.2 N. The robot's emergency stop acted after 4.2 s.")
+
+
+# ---- the log ----------------------------------------------------------------------------------------------------
+
+
+def motion_series(lead):
+    kind = np.dtype([("model", [("arms", [("v_BT", "f8", 3), ("ik_status", "u1")], 2)])])
+    ticks = np.zeros(100, kind)
+    arms = ticks["model"]["arms"]
+    arms["v_BT"][:, lead] = [0.03, 0.0, -0.04]  # 50 mm/s
+    arms["v_BT"][0, lead] = [0.0, 0.2, 0.0]
+    arms["v_BT"][:, 1 - lead] = [0.0, 0.01, 0.0]
+    arms["ik_status"][:10, lead] = 1
+    arms["ik_status"][10:15, lead] = 2
+    arms["ik_status"][15:35, lead] = 5  # a singular wrist moves on
+    return SimpleNamespace(t=np.arange(100) / 1000, ticks=ticks, teleoperating=np.ones(100, bool))
+
+
+@pytest.mark.parametrize("lead", [0, 1])
+def test_the_motion_of_either_arm_is_in_millimetres_a_second(lead):
+    rows = cells(engineering(series=motion_series(lead)).motion_table())[1:]
+    assert [row[0] for row in rows] == ["gold", "green"]
+    assert rows[lead][1:] == ["51.5", "51.5", "200.0", "10.00 %", "5.00 %"]
+    assert rows[1 - lead][1:] == ["10.0", "10.0", "10.0", "0.00 %", "0.00 %"]
+
+
+def paused_session(tmp_path):
+    """Two seconds from tick 10 on; from session second 1.0 on the clock stands for half a second of ticks."""
+    log = made.log
+    ticks = [(t + 10, t) for t in range(1000)] + [(t + 510, t) for t in range(1000, 2000)]
+    data = log.header_record() + b"".join(log.record(1, log.tick_payload(tick, t)) for tick, t in ticks)
+    for tick, kind in ((510, 1), (1760, 1), (9000, 1)):
+        data += log.record(5, log.struct.pack("<qBBI4dddI", tick, kind, 1, 3, 0.0, 0.5, 1.25, 0.0, 3.75, 0.2, 1000))
+    data += log.execution(1760, 2010, 1)
+    (tmp_path / "session.rlog").write_bytes(data + made.COUNTS)
+    session = raven2_session.Session(tmp_path)
+    return Facts(session, raven2_figures.Series(session))
+
+
+def test_plans_and_motions_are_on_the_session_s_clock(tmp_path):
+    facts = paused_session(tmp_path)
+    behind = details.Details(facts)
+    plans = cells(behind.plan_section())[1:]
+    assert plans[0] == ["0.500 s", "success", "green", "3", "1.25 s", "3.750", "1,000", "0.200 s"]
+    assert [row[0] for row in plans] == ["0.500 s", "1.250 s", "–"], "while the session is paused its clock stands"
+    assert column(behind.execution_section(), "Time") == ["1.250 s"]
+
+
+BODIES = ["link1_L", "link1_R", "tower", "ring"]
+
+
+def contact_facts(contacts):
+    kind = np.dtype([("tick", "i8"), ("a", "u2"), ("b", "u2"), ("f_W", "f8", 3)])
+    ticks = np.zeros(5, np.dtype([("model", [("tick", "i8")])]))
+    ticks["model"]["tick"] = [10, 11, 12, 13, 14]
+    return SimpleNamespace(log=SimpleNamespace(contacts=np.array(contacts, kind)),
+                           series=SimpleNamespace(t=np.arange(5) / 1000, ticks=ticks),
+                           header={"body_names": BODIES, "object_names": ["ring"]}, scene={})
+
+
+def test_the_tools_force_is_of_each_arm_in_each_tick():
+    force = timeline.contact_force(contact_facts([
+        (10, 0, 2, [0, 3, 4]), (10, 0, 2, [0, 0, -2]), (11, 1, 2, [1, 2, 2]), (12, 0, 1, [6, 0, 0]),
+        (13, 0, 3, [9, 0, 0]), (13, 1, 3, [9, 0, 0]), (13, 2, 3, [9, 0, 0]), (9, 0, 2, [9, 0, 0])]))
+    assert force.tolist() == [[7, 0], [0, 3], [6, 6], [0, 0], [0, 0]], "neither an object nor a tick of before counts"
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_the_arm_of_a_mistake_is_that_of_its_link_or_the_faster_one(arm):
+    p_model = np.zeros((200, 2, 3))
+    p_model[:, arm, 1] = np.arange(200) * 1e-4
+    facts = SimpleNamespace(series=SimpleNamespace(t=np.arange(200) / 1000, p_model=p_model))
+    facts.index = lambda seconds: Facts.index(facts, seconds)
+    told = lambda a, b: Facts.arm_of(facts, {"a": a, "b": b, "at_s": 0.1})  # noqa: E731
+    assert told("link1_L", "tower") == told("ring", "grasper2_L") == 0
+    assert told("link1_R", "tower") == told("ring", "grasper2_R") == 1
+    assert told("ring", "tower") == arm
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_a_hazard_is_drawn_for_the_arm_that_it_moved_and_along_its_way(arm):
+    p_model = np.zeros((1000, 2, 3))
+    p_robot = p_model.copy()
+    p_robot[300:, arm] = [0.0, -0.02, 0.0]
+    p_robot[300:, 1 - arm] = [0.01, 0.0, 0.0]
+    distance = 1000 * np.linalg.norm(p_robot - p_model, axis=2)
+    facts = SimpleNamespace(series=SimpleNamespace(t=np.arange(1000) / 1000, p_model=p_model, p_robot=p_robot,
+                                                   error_mm=distance))
+    facts.index = lambda seconds: Facts.index(facts, seconds)
+    found, way = Facts.worst_gap(facts, {"at_s": 0.2, "end_s": 0.4})
+    assert found == arm and way.tolist() == [0.0, -1.0, 0.0]
+    nothing, _ = Facts.worst_gap(facts, {"at_s": 0.0, "end_s": 0.05})
+    assert nothing == 0, "it parts them 200 ms later, and is over"
+
+
+# ---- figures ----------------------------------------------------------------------------------------------------
+
+
+def figure_series():
+    """Two arms whose every joint and place is another number."""
+    n = 20
+    q = 0.01 * (1 + np.arange(n * 2 * 7).reshape(n, 2, 7))
+    p = 0.001 * (1 + np.arange(n * 2 * 3).reshape(n, 2, 3))
+    mask = np.zeros(n, bool)
+    return SimpleNamespace(t=np.arange(n) / 1000, q_model=q, q_robot=2 * q, q_asked=3 * q, p_model=p, p_robot=2 * p,
+                           fault_windows=[], tracking=mask, teleoperating=~mask, choosing=mask, model_alone=mask,
+                           force_t=np.arange(n) / 1000, force=np.stack([np.arange(n), 10.0 + np.arange(n)], 1),
+                           error_mm=np.stack([1.0 + np.arange(n), 30.0 + np.arange(n)], 1), tolerance_mm=3.0)
+
+
+def drawn(axes, label):
+    return next(line.get_ydata() for line in axes.get_lines() if line.get_label() == label)
+
+
+def test_joints_are_degrees_and_millimetres_of_their_arm():
+    series = figure_series()
+    figure = raven2_figures.joints_figure(series)
+    grid = np.array(figure.axes).reshape(len(raven2_figures.JOINTS), 2)
+    for arm in (0, 1):
+        for joint, (_, unit) in enumerate(raven2_figures.JOINTS):
+            scale = 1000.0 if joint == 2 else 180.0 / np.pi
+            assert unit == ("mm" if joint == 2 else "deg") and f"[{unit}]" in grid[joint, arm].get_ylabel()
+            for label, values in (("operator", series.q_asked), ("model", series.q_model), ("robot", series.q_robot)):
+                assert drawn(grid[joint, arm], label) == pytest.approx(scale * values[:, arm, joint])
+        error = series.error_mm[:, arm]
+        assert f"{error.mean():.2f} ± {error.std():.2f} mm apart" in grid[0, arm].get_title(loc="left")
+
+
+def test_joint_one_is_gold_s_in_degrees():
+    series = figure_series()
+    (axes,) = raven2_figures.joint_figure(series).axes
+    assert drawn(axes, "model") == pytest.approx(series.q_model[:, 0, 0] * 180.0 / np.pi)
+    assert drawn(axes, "robot") == pytest.approx(series.q_robot[:, 0, 0] * 180.0 / np.pi)
+    assert "gold" in axes.get_ylabel() and "[deg]" in axes.get_ylabel()
+
+
+@pytest.mark.parametrize("draw, values, unit", [(raven2_figures.force_figure, "force", "[N]"),
+                                                (raven2_figures.error_figure, "error_mm", "[mm]")])
+def test_forces_and_distances_are_those_of_their_arm(draw, values, unit):
+    series = figure_series()
+    (axes,) = draw(series).axes
+    assert unit in axes.get_ylabel()
+    for i, arm in enumerate(("gold", "green")):
+        assert drawn(axes, f"{arm} arm").tolist() == getattr(series, values)[:, i].tolist()
+
+
+def test_paths_are_millimetres_of_their_arm_over_their_axes():
+    series = figure_series()
+    grid = np.array(raven2_figures.path_figure(series).axes).reshape(2, 3)
+    for arm in (0, 1):
+        for axes, (a, b) in zip(grid[arm], ((0, 1), (0, 2), (1, 2))):
+            assert (axes.get_xlabel(), axes.get_ylabel()) == (f"{'xyz'[a]} [mm]", f"{'xyz'[b]} [mm]")
+            for line, points in zip(axes.get_lines(), (series.p_model, series.p_robot)):
+                assert line.get_xdata() == pytest.approx(1000 * points[:, arm, a])
+                assert line.get_ydata() == pytest.approx(1000 * points[:, arm, b])
+
+
+# ---- learning curves --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("better, inside, outside", [("lower", 4.0, 6.0), ("higher", 6.0, 4.0)])
+def test_a_point_of_the_curve_passes_on_its_side_of_the_limit(better, inside, outside):
+    metric = {"limit": 5.0, "better": better}
+    assert curves._within(metric, inside) and curves._within(metric, 5.0) and not curves._within(metric, outside)
