@@ -58,7 +58,8 @@ TEST(ArmContacts, WithinAnArmAndOfNobodyNothingCounts) {
 
 /** Action and reaction: where two arms touch, both wrenches about one point add up to nothing. */
 TEST(ArmContacts, TheWrenchesOfTwoArmsThatTouchCancel) {
-  const auto list = listOf({contact(1, 3, {0.10, 0.02, 0.01}, {1, -2, 5}), contact(3, 2, {-0.03, 0.01, 0.0}, {0, 4, 1})});
+  const auto list =
+      listOf({contact(1, 3, {0.10, 0.02, 0.01}, {1, -2, 5}), contact(3, 2, {-0.03, 0.01, 0.0}, {0, 4, 1})});
   const Vector3 p_WT(0.02, -0.01, 0.03);
   const ArmWrench gold = contacts().on(Arm::kGold, list, p_WT), green = contacts().on(Arm::kGreen, list, p_WT);
   EXPECT_GT(gold.torque_W.norm(), 0.1);

@@ -45,8 +45,8 @@ TEST_F(Exposure, OnlyRoscppsLoopbackAddressesAreLocal) {
     set("ROS_IP", local);
     EXPECT_TRUE(isLoopbackOnly()) << local;
   }
-  for (const char* remote : {"", "1270.0.0.1", "128.0.0.1", "10.127.0.1", "10.0.127.1", "127", "12.7.0.0", "localhost.lan",
-                             "my127.0.0.1", "0.0.0.0", "192.168.1.7"}) {
+  for (const char* remote : {"", "1270.0.0.1", "128.0.0.1", "10.127.0.1", "10.0.127.1", "127", "12.7.0.0",
+                             "localhost.lan", "my127.0.0.1", "0.0.0.0", "192.168.1.7"}) {
     set("ROS_IP", remote);
     EXPECT_FALSE(isLoopbackOnly()) << remote;
   }

@@ -359,6 +359,9 @@ TEST(AbsoluteListenerTest, IsToldWhereItIsMissing) {
   EXPECT_EQ(there.look(true, 0.5), "");
   EXPECT_EQ(there.look(true, 2.5), "") << "nothing to tell of what is as it should be";
   EXPECT_NE(there.look(false, 2.6).find("nobody reads"), std::string::npos);
+  AbsoluteListener early("left", "/left/absolute", 2.0);
+  EXPECT_EQ(early.look(true, 0.5), "");
+  EXPECT_NE(early.look(false, 1.0).find("nobody reads"), std::string::npos) << "it was there: no need to wait";
 }
 
 TEST(MasterStatus, SaysWhatIsWrong) {
