@@ -25,6 +25,12 @@ void readItpRules(Section& root, ItpRules* c) {
   c->compat_timeout = root.number("compat_timeout", 0.02, 60);
 }
 
+/** Numbers of 127.0.0.0/8, or "localhost". A name such as 127.example.org may be that of any interface. */
+bool isLoopback(const std::string& address) {
+  const bool is_numeric = address.find_first_not_of("0123456789.") == std::string::npos;
+  return address == "localhost" || (is_numeric && address.rfind("127.", 0) == 0);
+}
+
 /** Whoever reaches a port where plain ITP is taken moves the arms: beyond this computer only if it is asked for. */
 void checkExposure(const Section& root, const NetworkConfig& c) {
   if (c.itp.auth != ItpAuth::kOff && c.key_file.empty()) {
@@ -33,8 +39,7 @@ void checkExposure(const Section& root, const NetworkConfig& c) {
   if (c.itp.auth != ItpAuth::kOff && !c.itp.hardened) {
     throw ConfigException(root.where("auth") + " asks for signatures, which ingest: compat does not verify");
   }
-  const bool is_loopback = c.bind_address.rfind("127.", 0) == 0 || c.bind_address == "localhost";
-  if (is_loopback || c.itp.auth == ItpAuth::kRequired || c.allow_plaintext_remote) return;
+  if (isLoopback(c.bind_address) || c.itp.auth == ItpAuth::kRequired || c.allow_plaintext_remote) return;
   throw ConfigException(root.where("bind_address") + " is \"" + c.bind_address +
                         "\", beyond this computer, and unsigned ITP is taken: set auth: required and a key_file, or "
                         "allow_plaintext_remote: true if whoever reaches the port may move the arms");
@@ -78,7 +83,7 @@ void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {
   c->state_port = port(root, "state_port", 1);
   c->stale_after = root.number("stale_after", 0.002, longestFresh(haptics));
   c->reconnect_min = root.number("reconnect_min", 0.01, 5);
-  c->reconnect_max = root.number("reconnect_max", 0.1, 60);
+  c->reconnect_max = root.number("reconnect_max", std::max(0.1, c->reconnect_min), 60);
   readItpRules(root, &c->itp);
   c->master_address = root.text("master_address");
   c->allow_plaintext_remote = root.boolean("allow_plaintext_remote");

@@ -6,8 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,11 +30,20 @@ std::vector<std::string> withoutRemappings(int argc, char** argv) {
   return arguments;
 }
 
+/** A word, or a piece of one such as --scale=nan or 0.1,nan. */
+bool isNan(const std::string& piece) {
+  char* end = nullptr;
+  return std::isnan(std::strtod(piece.c_str(), &end)) && *end == '\0';
+}
+
 /** CLI::Range lets NaN through: every comparison with it is false. */
 bool holdsNan(const std::vector<std::string>& arguments) {
-  return std::any_of(arguments.begin(), arguments.end(), [](std::string word) {
-    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
-    return word == "nan" || word == "-nan" || (word.size() > 4 && word.substr(word.size() - 4) == "=nan");
+  return std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) {
+    std::size_t begin = 0, end = 0;
+    for (; (end = word.find_first_of("=,", begin)) != std::string::npos; begin = end + 1) {
+      if (isNan(word.substr(begin, end - begin))) return true;
+    }
+    return isNan(word.substr(begin));
   });
 }
 

@@ -126,8 +126,11 @@ void ImpairmentOptions::replaceIn(Impairment* c) const {
     c->cuts = {pause, length, length, pause};
   }
   if (outage.size() % 2 != 0) throw ConfigException("--outage has a FROM without a TO");
-  for (std::size_t i = 0; i + 1 < outage.size(); i += 2)
-    c->outages.push_back({seconds("--outage", outage[i]), seconds("--outage", outage[i + 1])});
+  for (std::size_t i = 0; i + 1 < outage.size(); i += 2) {
+    const Outage cut_off{seconds("--outage", outage[i]), seconds("--outage", outage[i + 1])};
+    if (cut_off.to_ns <= cut_off.from_ns) throw ConfigException("--outage: TO is not behind FROM");
+    c->outages.push_back(cut_off);
+  }
 }
 
 runtime::ProxyOptions ImpairmentOptions::load() const {

@@ -55,5 +55,45 @@ TEST(ImpairmentOptions, WhatMakesNoSenseIsRefused) {
   EXPECT_THROW(parsed("--udp 1:h:2 --loss 1.5"), CLI::ParseError);
 }
 
+/** Each option changes its own figure, in nanoseconds, packets and bits a second, and nothing else. */
+TEST(ImpairmentOptions, EachOptionIsItsOwnFigure) {
+  const auto forward = [](const std::string& option) { return parsed("--udp 1:h:2 " + option).links[0].forward; };
+  EXPECT_EQ(forward("--jitter-ms 2.5").delay.uniform_ns, 2'500'000);
+  EXPECT_EQ(forward("--jitter-ms 2.5").delay.constant_ns, 0);
+  EXPECT_EQ(forward("--delay-ms 2.5").delay.uniform_ns, 0);
+  EXPECT_TRUE(forward("--overtaking").delay.overtaking);
+  EXPECT_EQ(forward("--duplicate 0.25").duplicate, 0.25);
+  EXPECT_EQ(forward("--duplicate 0.25").loss, 0.0);
+  EXPECT_EQ(forward("--reorder 0.5").reordering.probability, 0.5);
+  EXPECT_EQ(forward("--reorder 0.5").reordering.depth, 3) << "up to three others (--help)";
+  EXPECT_EQ(forward("--rate-kbit 1216").rate.bits_per_s, 1'216'000.0);
+  EXPECT_EQ(forward("--runs 0.1,7").loss_runs.packets, 7);
+  EXPECT_EQ(forward("--runs 0.1,7").loss_runs.probability, 0.1);
+  EXPECT_EQ(forward("--corrupt-bits 3").corruption.probability, 0.01);
+  EXPECT_EQ(forward("--corrupt-bits 3 --corrupt-share 0.2").corruption.probability, 0.2);
+  EXPECT_EQ(forward("--corrupt-bits 3").corruption.bits, 3);
+  EXPECT_EQ(forward("--burst 0.01,0.2").gilbert_elliott.to_bad, 0.01);
+  EXPECT_EQ(forward("--burst 0.01,0.2").gilbert_elliott.loss_bad, 1.0);
+  EXPECT_EQ(forward("--burst 0.01,0.2").gilbert_elliott.loss_good, 0.0);
+  EXPECT_EQ(parsed("--udp 1:h:2 --seed 9").seed, 9U);
+}
+
+TEST(ImpairmentOptions, AnOutageLastsFromItsBeginningToItsEnd) {
+  const auto outages = parsed("--udp 1:h:2 --outage 1,2.5 --outage 4,5").links[0].forward.outages;
+  ASSERT_EQ(outages.size(), 2U);
+  EXPECT_EQ(outages[0].from_ns, 1'000'000'000);
+  EXPECT_EQ(outages[0].to_ns, 2'500'000'000);
+  EXPECT_EQ(outages[1].from_ns, 4'000'000'000);
+  for (const char* bad : {"--outage 2,1", "--outage 2,2", "--outage 1,2,3", "--outage -1,2"})
+    EXPECT_THROW(parsed(std::string("--udp 1:h:2 ") + bad), ConfigException) << bad;
+}
+
+/** Two profiles, each in its own direction. */
+TEST(ImpairmentOptions, EachDirectionHasItsOwnProfile) {
+  const auto link = parsed("--tcp 1:h:2 --profile net_delay_1 --back-profile net_loss_10").links[0];
+  EXPECT_EQ(link.forward.name, "net_delay_1");
+  EXPECT_EQ(link.back.name, "net_loss_10");
+}
+
 }  // namespace
 }  // namespace raven2_trainer::apps

@@ -131,5 +131,22 @@ TEST(FindCurriculum, ThePackagedOnesAreReadable) {
   }
 }
 
+/** doc/scores.md: both limits of every number of a band and of a curriculum. */
+TEST(LoadBand, BothLimitsOfEveryNumberHold) {
+  expectEachRefused(bandOf, kBand,
+                    {{"sessions: 20", "sessions: 1000001", 2},
+                     {"least_spread: 0.25", "least_spread: 10.1", 3},
+                     {"mean: 61.5", "mean: 1000001", 5},
+                     {"mean: -9.5", "mean: -1000001", 6},
+                     {"deviation: 2.0", "deviation: 1000001", 5},
+                     {"least: 0.1", "least: -0.1", 6},
+                     {"least: 0.1", "least: 1000001", 6}});
+  expectEachRefused(curriculumOf, kCurriculum,
+                    {{"deviations: 1.5", "deviations: 5.1", 2},
+                     {"passes: 2", "passes: 101", 4},
+                     {"extra: 10", "extra: -1", 4},
+                     {"extra: 10", "extra: 1001", 4}});
+}
+
 }  // namespace
 }  // namespace raven2_trainer::config

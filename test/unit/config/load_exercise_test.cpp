@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <tuple>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -407,6 +409,31 @@ TEST_F(LoadExercise, WrongScriptsAreRefused) {
   expectRefused(with("{grip: hoop, arm: gold}", "grip"), 42, "holds an entry that is not a mapping");
   expectRefused(with("[0.1, -2e-2, 3]", "[[0.1, 0.2, 0.3]]"), 43, "holds an entry that is not a text");
   expectRefused(with("dropper: {", "dropper: 5 #{"), 45, "clumsy/dropper is not a mapping");
+}
+
+/** config/load_exercise.h: both limits of every number. */
+TEST_F(LoadExercise, BothLimitsOfEveryNumberHold) {
+  for (const auto& [good, low, high, line] : std::vector<std::tuple<const char*, const char*, const char*, int>>{
+           {"number: 7", "number: 0", "number: 10001", 3},
+           {"time_limit: 120.5", "time_limit: 0.9", "time_limit: 3601", 7},
+           {"dwell: 0.25", "dwell: -0.1", "dwell: 60.1", 16},
+           {"to: 0.9", "to: 0.009", "to: 1.01", 17},
+           {"arm: both, within: 0.01", "arm: both, within: 0.00009", "arm: both, within: 1.01", 22},
+           {"within: 0.02", "within: 0.00009", "within: 1.01", 23},
+           {"within: 0.5", "within: 0.009", "within: 1.01", 24},
+           {"within: 0.1, not", "within: 0.0009, not", "within: 2.01, not", 24},
+           {"force: 0.05", "force: -0.1", "force: 100.1", 27},
+           {"gap: 0.1}", "gap: -0.1}", "gap: 60.1}", 27},
+           {"limit: 3}", "limit: -1}", "limit: 1001}", 28},
+           {"grace: 0.3", "grace: -0.1", "grace: 10.1", 29},
+           {"limit: 5.5", "limit: -1000001", "limit: 1000001", 33},
+           {"step: 2", "step: 0", "step: 8", 37},
+           {"delay: 1.5", "delay: -0.1", "delay: 600.1", 37},
+           {"jitter: 0.5", "jitter: -0.1", "jitter: 600.1", 37},
+           {"within: 2.0", "within: 0.049", "within: 60.1", 40}}) {
+    expectRefused(with(good, low), line, "expected [");
+    expectRefused(with(good, high), line, "expected [");
+  }
 }
 
 }  // namespace

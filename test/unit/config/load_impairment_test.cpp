@@ -93,5 +93,15 @@ TEST_F(LoadImpairment, AnUnknownPresetNamesTheKnownOnes) {
   }
 }
 
+/** Whatever is at the other end of a cut: it ends later than it begins. */
+TEST_F(LoadImpairment, AnOutageEndsLaterThanItBegins) {
+  for (const char* to : {"2.5", "3", "0"})
+    EXPECT_NE(
+        message(std::string("meaning: m\noutages:\n  - {from_s: 3, to_s: ") + to + "}\n").find("not behind from_s"),
+        std::string::npos)
+        << to;
+  EXPECT_EQ(message("meaning: m\noutages:\n  - {from_s: 3, to_s: 3.001}\n"), "");
+}
+
 }  // namespace
 }  // namespace raven2_trainer::config

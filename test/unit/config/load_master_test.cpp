@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "support/yaml_file.h"
 
 namespace raven2_trainer::config {
@@ -136,6 +140,38 @@ TEST(LoadMaster, AnUnknownNameListsTheKnownOnes) {
   } catch (const ConfigException& e) {
     EXPECT_NE(std::string(e.what()).find("omni_pair"), std::string::npos) << e.what();
   }
+}
+
+/** As kGood, with the one device on the other side. */
+std::string onTheLeft(const std::string& text) {
+  return replaced(text, "  right:\n", "  left:\n");
+}
+
+/** The pedal of one hand needs that hand's device, and a button on it. */
+TEST(LoadMaster, ThePedalIsOfADeviceThatIsThereAndHasButtons) {
+  const std::string right = replaced(kGood, "from: any", "from: right");
+  const std::string left = replaced(kGood, "from: any", "from: left");
+  EXPECT_NO_THROW(load(right));
+  EXPECT_NO_THROW(load(onTheLeft(left)));
+  expectRefused(load, onTheLeft(right), 21, "of a device that is not there");
+  expectRefused(load, left, 21, "of a device that is not there");
+  const auto bare = [](std::string text) {
+    text = replaced(text, "from: button_toggles", "from: none");
+    return replaced(text, "buttons: [/right/button1, /right/button2]", "buttons: []");
+  };
+  expectRefused(load, bare(right), 24, "right has no buttons");
+  expectRefused(load, bare(onTheLeft(left)), 24, "left has no buttons");
+}
+
+/** Each of the three directions takes another axis of the device. */
+TEST(LoadMaster, NoAxisIsUsedTwiceAndNoneIsMirrored) {
+  for (const auto& [good, bad] : std::vector<std::pair<const char*, const char*>>{
+           {"right: [1, 0, 0]\n", "right: [0, 1, 0]\n"}, {"down: [0, -1, 0]\n", "down: [1, 0, 0]\n"},
+           {"right: [1, 0, 0]\n", "right: [0, 0, 1]\n"}})
+    expectRefused(load, replaced(kGood, good, bad), 6, "none twice");
+  for (const auto& [good, bad] : std::vector<std::pair<const char*, const char*>>{
+           {"right: [1, 0, 0]\n", "right: [-1, 0, 0]\n"}, {"down: [0, -1, 0]\n", "down: [0, 1, 0]\n"}})
+    expectRefused(load, replaced(kGood, good, bad), 6, "mirrors");
 }
 
 }  // namespace

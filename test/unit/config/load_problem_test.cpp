@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "support/yaml_file.h"
@@ -104,6 +107,27 @@ TEST(LoadProblem, ProblemsAreFoundByNameAndByFile) {
         std::string(e.what()).find("no problem is called \"papre\"; known: FILE.yaml, impossible, into_dome, paper"),
         std::string::npos)
         << e.what();
+  }
+}
+
+/** Start, other and goal, both sides. The joints are read in a loop. */
+TEST(LoadProblem, TheJointsOfEveryPoseAreWithinTheirLimits) {
+  const std::string joints_goal =
+      with("  kind: tip\n  tip_W: [0.01, -0.02, 0.03]", "  kind: joints\n  joints: [1, 2, 0.3, 0, 0, 0.1, 0.2]");
+  for (const auto& [key, line] : {std::pair("start", 4), std::pair("other", 5), std::pair("  joints", 8)}) {
+    const std::string head = std::string(key) + ": [";
+    const std::size_t place = joints_goal.find(head), end = joints_goal.find(']', place);
+    for (const std::size_t j : {kShoulder, kInsertion, kGrasp2}) {
+      for (const bool is_high : {false, true}) {
+        JointArray q = geometry().home;
+        q[j] = is_high ? geometry().q_max[j] + 0.01 : geometry().q_min[j] - 0.01;
+        std::string list;
+        for (const double value : q)
+          list += (list.empty() ? "" : ", ") + std::to_string(value);
+        std::string text = joints_goal;
+        expectRefused(text.replace(place, end - place, head + list), line, std::string("(") + kJointNames[j] + ")");
+      }
+    }
   }
 }
 

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "support/yaml_file.h"
@@ -171,6 +174,49 @@ TEST(Scenes, AllThatAreShippedLoad) {
     ++count;
   }
   EXPECT_GE(count, 1U);
+}
+
+/** config/load_scene.h: both limits of every number. */
+TEST_F(LoadScene, BothLimitsOfEveryNumberHold) {
+  for (const auto& [good, low, high, line] : std::vector<std::tuple<const char*, const char*, const char*, int>>{
+           {"inner_radius: 0.0075", "inner_radius: 0.00049", "inner_radius: 0.0501", 4},
+           {"bar_radius: 0.002}", "bar_radius: 0.00019}", "bar_radius: 0.0201}", 4},
+           {"base_W: [0.01,", "base_W: [-1.01,", "base_W: [1.01,", 8},
+           {"height: 0.026", "height: 0.0009", "height: 0.201", 8},
+           {"radius: 0.004}", "radius: 0.00049}", "radius: 0.0501}", 8},
+           {"radius: 0.00125", "radius: 0.00019", "radius: 0.0201", 10},
+           {"[0.03, 0.01, 0.02]]", "[0.03, 0.01, -1.01]]", "[0.03, 0.01, 1.01]]", 10},
+           {"force: 6.0", "force: 0.09", "force: 100.1", 12},
+           {"moment: 0.06", "moment: 0.0009", "moment: 10.1", 12},
+           {"ticks: 5", "ticks: 0", "ticks: 1001", 12},
+           {"0.045]", "-1.01]", "1.01]", 14},
+           {"low_W: [-0.1, -0.2, 0]", "low_W: [-1.01, -0.2, 0]", "low_W: [1.01, -0.2, 0]", 16},
+           {"high_W: [0.1, 0.2, 0.3]", "high_W: [0.1, 0.2, -1.01]", "high_W: [0.1, 0.2, 1.01]", 16}}) {
+    expectRefused(with(good, low), line, "expected [");
+    expectRefused(with(good, high), line, "expected [");
+  }
+}
+
+/** Along each axis, equal corners included. */
+TEST_F(LoadScene, ABoxIsNotEmptyAlongAnyAxis) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const char* low : {"0.35", "0.4"}) {
+      std::array<std::string, 3> corner{"-0.1", "-0.2", "0"};
+      corner[i] = low;
+      const std::string lows = "low_W: [" + corner[0] + ", " + corner[1] + ", " + corner[2] + "]";
+      expectRefused(with("low_W: [-0.1, -0.2, 0], high_W: [0.1, 0.2, 0.3]", lows + ", high_W: [0.35, 0.35, 0.35]"), 16,
+                    "high_W[" + std::to_string(i) + "] is not above low_W");
+    }
+  }
+}
+
+/** kMaxSceneBodies is for objects and breakables together. */
+TEST_F(LoadScene, ObjectsAndBreakablesShareThePlaces) {
+  std::string breakables = "breakables:\n";
+  for (std::size_t i = 0; i < kMaxSceneBodies; ++i)
+    breakables += "  - {link: part_" + std::to_string(i) + ", force: 6.0, moment: 0.06, ticks: 5}\n";
+  const std::string some = "breakables:\n  - {link: peg_a, force: 6.0, moment: 0.06, ticks: 5}\n";
+  expectRefused(with(some, breakables), 12, "at most " + std::to_string(kMaxSceneBodies));
 }
 
 }  // namespace

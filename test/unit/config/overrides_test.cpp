@@ -166,5 +166,18 @@ TEST(Overrides, TheTextOfEveryFileHoldsAllOfIt) {
   }
 }
 
+/** "network" is no beginning of another part's name: an override goes to the part that it names, whole. */
+TEST(Overrides, GoToThePartOfTheirWholeName) {
+  const Overrides all{named("haptics/kp", "1"), named("hapticsx/kp", "2"), named("haptic/kp", "3"), named("seed", "4")};
+  const Overrides own = overridesOf(all, "haptics");
+  ASSERT_EQ(own.size(), 1U);
+  EXPECT_EQ(own[0].key, "kp");
+  EXPECT_EQ(own[0].value, "1");
+  const Overrides root = overridesOfRoot(all);
+  ASSERT_EQ(root.size(), 3U) << "names of no part are for the root, which refuses them";
+  EXPECT_EQ(root[0].key, "hapticsx/kp");
+  EXPECT_EQ(root[2].key, "seed");
+}
+
 }  // namespace
 }  // namespace raven2_trainer::config

@@ -360,6 +360,70 @@ TEST(Tcp, ANewcomerGetsThePlaceOfTheOldestReaderWithHalfAMessage) {
   EXPECT_EQ(house.server.clientCount(), TcpServer::kMaxClients);
 }
 
+TEST(Tcp, AReaderWhoseMessageIsWholeAgainKeepsItsPlace) {
+  FullHouse house({1, 2});
+  house.server.markPart(house.notes.connected[1], false);
+  Reader first(house.server.port()), second(house.server.port());
+  EXPECT_TRUE(house.takes(&first));
+  EXPECT_EQ(house.notes.disconnected, (std::vector<TcpServer::ClientId>{house.notes.connected[2]}));
+  EXPECT_FALSE(house.takes(&second));
+}
+
+/** Sends frames to a reader that takes none, until one is dropped. */
+void overwhelm(TcpServer* server) {
+  const std::uint64_t before = server->framesDropped();
+  const Bytes frame = stateFrame(1);
+  for (int i = 0; i < 100000 && server->framesDropped() == before; ++i)
+    server->broadcast(frame.data(), frame.size());
+  ASSERT_GT(server->framesDropped(), before);
+}
+
+TEST(Tcp, AReaderThatTakesSomethingNowAndThenIsNotStalled) {
+  constexpr std::int64_t kHalfSecond = 500'000'000;
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  Reader slow(server.port());
+  ASSERT_TRUE(meet(&server, &notes, &slow));
+  std::int64_t now_ns = monotonicNow();
+  for (int second = 0; second < 3; ++second) {
+    overwhelm(&server);
+    for (const std::int64_t end = now_ns + 3 * kHalfSecond; now_ns < end; now_ns += kHalfSecond)
+      server.poll(0, notes, now_ns);
+    const std::uint64_t sent = server.totals().sent;
+    ASSERT_TRUE(eventually([&] {  // what it reads makes room, without our clock moving
+      slow.poll();
+      server.poll(0, notes, now_ns);
+      return server.totals().sent > sent;
+    }));
+  }
+  EXPECT_TRUE(notes.disconnected.empty()) << "each time it waited for less than kStallNs";
+  overwhelm(&server);
+  EXPECT_TRUE(eventually([&] {
+    server.poll(0, notes, now_ns += TcpServer::kStallNs);
+    return !notes.disconnected.empty();
+  }));
+}
+
+TEST(Tcp, WhatAReaderLostStaysCountedWhenItIsGone) {
+  TcpServer server(kLoopback, 0);
+  Notes notes;
+  auto slow = std::make_unique<Reader>(server.port());
+  ASSERT_TRUE(meet(&server, &notes, slow.get()));
+  overwhelm(&server);
+  const FrameTotals before = server.totals();
+  slow.reset();
+  ASSERT_TRUE(eventually([&] {
+    server.poll(1, notes);
+    return !notes.disconnected.empty();
+  }));
+  const FrameTotals after = server.totals();
+  EXPECT_EQ(after.pushed, before.pushed);
+  EXPECT_EQ(after.dropped, before.dropped);
+  EXPECT_EQ(after.queued, 0U);
+  EXPECT_GT(after.unsent, 0U);
+  EXPECT_TRUE(after.addsUp());
+}
+
 TEST(Tcp, ANewcomerGetsThePlaceOfAReaderThatTakesNothing) {
   FullHouse house({});
   std::int64_t now_ns = monotonicNow();
@@ -533,6 +597,54 @@ TEST(TcpClient, GivesUpAnAttemptThatNobodyAnswers) {
   EXPECT_TRUE(last.isConnecting());
   last.poll(TcpClient::kConnectTimeoutNs, 0);
   EXPECT_FALSE(last.isConnecting());
+}
+
+TEST(TcpClient, EachAttemptHasItsWholeTime) {
+  TakenPort listener;
+  ASSERT_TRUE(listener.listen(0));
+  std::vector<std::unique_ptr<TcpClient>> clients;
+  for (int i = 0; i < 8; ++i) {
+    clients.push_back(std::make_unique<TcpClient>(kLoopback, listener.port(), 0.1, 0.1));
+    clients.back()->poll(0, 20);
+  }
+  TcpClient& last = *clients.back();
+  constexpr std::int64_t kPause = 100'000'000, kTime = TcpClient::kConnectTimeoutNs;
+  for (std::int64_t attempt = 0; attempt < 3; ++attempt) {
+    const std::int64_t begin = attempt * (kTime + kPause);
+    last.poll(begin, 0);
+    EXPECT_EQ(last.attempts(), static_cast<std::uint64_t>(attempt + 1));
+    last.poll(begin + kTime - 1, 0);
+    EXPECT_TRUE(last.isConnecting()) << attempt;
+    last.poll(begin + kTime, 0);
+    EXPECT_FALSE(last.isConnecting()) << attempt;
+  }
+}
+
+TEST(TcpClient, OnlyAConnectionThatWasUpIsLost) {
+  TakenPort listener;
+  TcpClient never(kLoopback, listener.port(), 0.1, 1.0);
+  never.disconnect();
+  EXPECT_NE(never.poll(0, 0), Event::kDisconnected);
+  ASSERT_TRUE(listener.listen(1));
+  TcpClient client(kLoopback, listener.port(), 0.1, 1.0);
+  ASSERT_TRUE(eventually([&] { return client.poll(0, 10) == Event::kConnected; }));
+  client.disconnect();
+  EXPECT_EQ(client.poll(0, 0), Event::kDisconnected);
+  EXPECT_EQ(client.poll(0, 0), Event::kNone) << "once";
+}
+
+TEST(TcpClient, AWriteThatFailsEndsTheConnection) {
+  TakenPort listener;
+  ASSERT_TRUE(listener.listen(1));
+  TcpClient client(kLoopback, listener.port(), 0.1, 1.0);
+  ASSERT_TRUE(eventually([&] { return client.poll(0, 10) == Event::kConnected; }));
+  ASSERT_TRUE(listener.acceptAndClose());
+  const std::uint8_t byte = 1;
+  ASSERT_TRUE(eventually([&] { return !client.send(&byte, 1); }));  // the first one meets a reset
+  EXPECT_FALSE(client.isConnected());
+  EXPECT_FALSE(client.send(&byte, 1));
+  EXPECT_EQ(client.poll(0, 0), Event::kDisconnected);
+  EXPECT_EQ(client.poll(0, 0), Event::kNone);
 }
 
 TEST(TcpClient, SendsNothingUnlessConnected) {

@@ -7,6 +7,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/net/udp_receiver.h"
 #include "raven2_trainer/net/udp_sender.h"
+#include "raven2_trainer/net/udp_socket.h"
 
 namespace raven2_trainer::net {
 namespace {
@@ -231,6 +232,50 @@ TEST(Endpoint, IsWrittenAsDottedNumbersAndPort) {
   EXPECT_EQ(toString(Endpoint{0x7F000001, 36010}), "127.0.0.1:36010");
   EXPECT_EQ(resolve("10.1.2.3", 5), (Endpoint{0x0A010203, 5}));
   EXPECT_EQ(resolve("localhost", 5), (Endpoint{0x7F000001, 5}));
+}
+
+TEST(Endpoint, IsAnotherIfAddressOrPortIsAnother) {
+  const Endpoint one{0x7F000001, 36010};
+  EXPECT_EQ(one, (Endpoint{0x7F000001, 36010}));
+  EXPECT_NE(one, (Endpoint{0x7F000002, 36010}));
+  EXPECT_NE(one, (Endpoint{0x7F000001, 36011}));
+  for (const Endpoint each : {Endpoint{0, 0}, Endpoint{0xFFFFFFFF, 0xFFFF}, Endpoint{0x80000001, 0x8001}, one})
+    EXPECT_EQ(endpointOf(sourceId(each)), each) << toString(each);
+}
+
+/** Every address of 127.0.0.0/8 is this computer's: one that has the master's port is not the master. */
+TEST(Udp, AStrangerWithTheMastersPortIsAStranger) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender master(kLoopback, receiver.port());
+  receiver.pinSource({INADDR_LOOPBACK, master.port()});
+  UdpSocket stranger = UdpSocket::bound("127.0.0.2", master.port());
+  std::uint8_t byte = 1;
+  ASSERT_TRUE(stranger.sendTo({INADDR_LOOPBACK, receiver.port()}, &byte, 1));
+  EXPECT_FALSE(receiver.receive(&byte, 1));
+  const auto datagram = receiver.receiveForeign(&byte, 1);
+  ASSERT_TRUE(datagram);
+  EXPECT_TRUE(datagram->foreign);
+  EXPECT_EQ(datagram->source, (Endpoint{0x7F000002, master.port()}));
+}
+
+/** One master after another, with and without a pause between them. */
+TEST(Udp, ALaterPinTakesThePlaceOfTheOneBefore) {
+  UdpReceiver receiver(kLoopback, 0);
+  UdpSender first(kLoopback, receiver.port()), second(kLoopback, receiver.port());
+  std::uint8_t byte = 1;
+  for (const bool is_unpinned : {true, false}) {
+    receiver.pinSource({INADDR_LOOPBACK, first.port()});
+    if (is_unpinned) receiver.unpinSource();
+    receiver.pinSource({INADDR_LOOPBACK, second.port()});
+    EXPECT_EQ(receiver.pinnedSource(), (Endpoint{INADDR_LOOPBACK, second.port()}));
+    second.send(&byte, 1);
+    ASSERT_TRUE(receiver.wait(kLongMs));
+    EXPECT_FALSE(receiver.receive(&byte, 1).value().foreign);
+    first.send(&byte, 1);
+    EXPECT_FALSE(receiver.receive(&byte, 1));
+    EXPECT_TRUE(receiver.receiveForeign(&byte, 1).value().foreign);
+    receiver.unpinSource();
+  }
 }
 
 }  // namespace

@@ -282,5 +282,30 @@ TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
   expectVector(still.command->w_B, 0.0, 0.0, 0.0);
 }
 
+/** Both bounds of every joint, on both arms: inside taken, outside refused with the bound that was passed. The mid-line
+ *  has grasper 1's lower limit and grasper 2's upper one, the jaws -10 to 90 degrees (raven2.md). */
+TEST(CrtkReader, BothBoundsOfEveryJointHold) {
+  const std::array<std::array<double, 2>, 7> bounds{
+      {{0.0, 1.5}, {0.8, 2.4}, {0.23, 0.56}, {-3.0, 3.0}, {-1.5, 1.5}, {-1.5, 1.5}, {-0.174, 1.57}}};
+  for (const Arm arm : kArms) {
+    for (std::size_t j = 0; j < bounds.size(); ++j) {
+      for (const bool is_high : {false, true}) {
+        const double bound = bounds[j][is_high ? 1 : 0], out = is_high ? 1e-3 : -1e-3;
+        const auto positionsAt = [&](double value) {
+          std::array<double, 7> wanted{0.1, 1.2, 0.4, 0.0, 0.0, 0.0, 0.5};  // five joints, mid-line, opening
+          wanted[j] = value;
+          return std::vector<double>{wanted[0], wanted[1], wanted[2],
+                                     wanted[3], wanted[4], wanted[6] / 2 - wanted[5],
+                                     wanted[6] / 2 + wanted[5]};
+        };
+        EXPECT_TRUE(ravenAsks(arm, ServoKind::kServoJoints, positionsAt(bound - out)).command) << j << is_high;
+        const CrtkAsked beyond = ravenAsks(arm, ServoKind::kServoJoints, positionsAt(bound + out));
+        EXPECT_FALSE(beyond.command || beyond.jaw) << j << is_high;
+        EXPECT_NE(beyond.refusal.find(is_high ? "at most" : "at least"), std::string::npos) << beyond.refusal;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

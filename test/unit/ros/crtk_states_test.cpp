@@ -253,5 +253,78 @@ TEST(CrtkStates, ATwistIsToldInItsFrame) {
   EXPECT_NEAR(message.twist.angular.z, 0.3, 1e-12);
 }
 
+/** Each arm stands elsewhere: whoever takes the other arm's state is found out. */
+TEST_F(CrtkMeasuredTest, EachArmIsMeasuredByItsOwnState) {
+  for (const bool has_robot : {true, false}) {
+    model.robot_fresh = has_robot ? 1 : 0;
+    for (const Arm arm : kArms) {
+      at(robot.arms, arm).q = joints(45, 100, 0.45, 30, 20, arm == Arm::kGold ? -15 : 35);
+      at(robot.arms, arm).dq = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, arm == Arm::kGold ? 0.7 : 0.9};
+      at(model.arms, arm).q = joints(60, 120, 0.35, -90, arm == Arm::kGold ? -40 : 10, 25);
+      at(model.arms, arm).tau[kElbow] = arm == Arm::kGold ? 1.5 : -2.5;
+    }
+    for (const Arm arm : kArms) {
+      const JointArray& q = has_robot ? at(robot.arms, arm).q : at(model.arms, arm).q;
+      const CrtkMeasured m = of(arm);
+      EXPECT_EQ(m.effort[kElbow], at(model.arms, arm).tau[kElbow]) << name(arm);
+      EXPECT_EQ(m.q[kWrist], q[kWrist]) << name(arm);
+      EXPECT_NEAR(m.q[5], (q[kGrasp2] - q[kGrasp1]) / 2, 1e-12) << name(arm);
+      EXPECT_NEAR((m.X_BT.p - kinematics::forward(geometry, arm, q).p).norm(), 0.0, 1e-12) << name(arm);
+      const JointArray& dq = has_robot ? at(robot.arms, arm).dq : at(model.arms, arm).dq;
+      EXPECT_NEAR(m.jaw_rate, dq[kGrasp1] + dq[kGrasp2], 1e-12) << name(arm);
+    }
+  }
+}
+
+TEST(CrtkSetpointRate, OfJawsIsZeroToo) {
+  SetpointRate rate;
+  ServoArmState arm;
+  arm.setpoint_jaw = 0.4;
+  rate.of(10, arm);
+  EXPECT_EQ(rate.jaw(), 0.0) << "nothing before";
+  arm.setpoint_jaw = 0.5;
+  rate.of(11, arm);
+  EXPECT_NEAR(rate.jaw(), 100.0, 1e-9);
+  for (const Tick tick : {112, 50}) {
+    arm.setpoint_jaw += 0.5;
+    rate.of(tick, arm);
+    EXPECT_EQ(rate.jaw(), 0.0) << "a gap of over 100 ms, or a step back: " << tick;
+  }
+}
+
+TEST(CrtkStates, TheRobotsOwnBranchNamesTheJointsByTheirArm) {
+  for (const Arm arm : kArms) {
+    const std::string prefix = std::string(name(arm)) + "_";
+    sensor_msgs::JointState all, grasp;
+    fillRaven(arm, someJoints(), &all);
+    fillRavenGrasp(arm, someJoints(), &grasp);
+    for (const auto& names : {all.name, grasp.name}) {
+      for (const std::string& joint : names)
+        EXPECT_EQ(joint.rfind(prefix, 0), 0U) << joint;
+    }
+    EXPECT_EQ(all.name.size(), 7U);
+    EXPECT_EQ(grasp.name.size(), 3U);
+    EXPECT_EQ(grasp.effort[0], 4.0) << "the jaws' own";
+    EXPECT_EQ(grasp.effort[1], all.effort[5]);
+    EXPECT_EQ(grasp.effort[2], all.effort[6]);
+  }
+}
+
+/** doc/crtk.md. */
+TEST(CrtkFrames, EachArmHasItsOwnNames) {
+  CrtkConfig config;
+  config.names = {"arm1", "arm2"};
+  config.dialect = CrtkDialect::kModern;
+  EXPECT_EQ(jawNamespace(config, Arm::kGold), "arm1/jaw");
+  EXPECT_EQ(jawNamespace(config, Arm::kGreen), "arm2/jaw");
+  config.dialect = CrtkDialect::kRaven;
+  EXPECT_EQ(jawNamespace(config, Arm::kGold), "grasp1");
+  EXPECT_EQ(jawNamespace(config, Arm::kGreen), "grasp2");
+  EXPECT_EQ(baseFrame(Arm::kGold).name, "model/base_link_L");
+  EXPECT_EQ(baseFrame(Arm::kGreen).name, "model/base_link_R");
+  EXPECT_EQ(baseFrame(Arm::kGold).allowed, (std::vector<std::string>{"model/base_link_L", "robot/base_link_L"}));
+  EXPECT_EQ(baseFrame(Arm::kGreen).allowed, (std::vector<std::string>{"model/base_link_R", "robot/base_link_R"}));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

@@ -178,5 +178,61 @@ TEST(CrtkStatus, WhatWasReceivedWasAppliedRefusedNotReadOrLost) {
   EXPECT_EQ(crtkStatus(servo, heard).level, DiagnosticStatus::WARN);
 }
 
+/** Which way a joint was asked to go has nothing to do with its unit. */
+TEST(CrtkWords, WhatIsLikelyWrongIsSaidOfBothSigns) {
+  for (const double sign : {1.0, -1.0}) {
+    ServoRefused refused = refusalOf(ServoKind::kMoveJoints, ServoRefusal::kOutOfRange);
+    refused.joint = 1;
+    refused.value = 90.0 * sign;
+    EXPECT_NE(sentence(refused).find("CRTK is in radians"), std::string::npos) << sentence(refused);
+    refused.value = 6.2 * sign;
+    EXPECT_EQ(sentence(refused).find("CRTK is in"), std::string::npos) << "less than a whole turn";
+    refused.joint = 2;
+    refused.value = 400.0 * sign;
+    EXPECT_NE(sentence(refused).find("CRTK is in metres"), std::string::npos) << sentence(refused);
+  }
+}
+
+TEST(CrtkWords, TooFastTellsSpeedsInTheirUnits) {
+  ServoRefused refused = refusalOf(ServoKind::kServoTwist, ServoRefusal::kTooFast);
+  refused.value = 0.25;
+  refused.limit = 0.1;
+  EXPECT_EQ(sentence(refused), "servo_cv: 0.25 m/s, at most 0.1 m/s");
+  refused.is_turn = 1;
+  EXPECT_EQ(sentence(refused), "servo_cv: 0.25 rad/s, at most 0.1 rad/s");
+}
+
+TEST(CrtkWords, OnlyABrokenModelNeedsARestart) {
+  ServoRefused refused = refusalOf(ServoKind::kServoJoints, ServoRefusal::kMode);
+  for (std::size_t i = 0; i < kOperatingStateCount; ++i) {
+    refused.in = static_cast<OperatingState>(i);
+    const bool says_restart = sentence(refused).find("started anew") != std::string::npos;
+    EXPECT_EQ(says_restart, refused.in == OperatingState::kFault) << kOperatingStateNames[i];
+  }
+}
+
+/** An arm that was refused must not have its jaws moved. */
+TEST_F(CrtkInboxTest, JawsDoNotGoWithoutTheirArm) {
+  while (inbox.counts().lost == 0 && inbox.counts().passed_on < 10000)
+    inbox.take(readPlain(Arm::kGold, ServoKind::kServoJoints));
+  const std::uint64_t lost = inbox.counts().lost;
+  CrtkAsked asked = readPlain(Arm::kGold, ServoKind::kServoJoints);
+  asked.jaw = readPlain(Arm::kGold, ServoKind::kServoJaw).command;
+  EXPECT_NE(inbox.take(asked).find("servo_jp: too many"), std::string::npos);
+  EXPECT_EQ(inbox.counts().lost, lost + 1);
+}
+
+TEST(CrtkStatus, SaysWhatKeepsTheArmsAndWhoMovesThem) {
+  ServoState servo;
+  servo.state = OperatingState::kEnabled;
+  EXPECT_EQ(crtkStatus(servo, {}).message, "ENABLED, not homed");
+  servo.is_homed = 1;
+  servo.holds_pedal = 1;
+  EXPECT_EQ(crtkStatus(servo, {}).message, "ENABLED, a client moves the arms");
+  const CrtkCounts heard{5, 2, 3};
+  EXPECT_EQ(valueOf(crtkStatus(servo, heard), "received"), "10") << "those lost were received, too";
+  EXPECT_EQ(valueOf(crtkStatus(servo, heard), "lost"), "3");
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

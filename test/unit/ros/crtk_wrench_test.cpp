@@ -56,5 +56,16 @@ TEST(ArmContacts, WithinAnArmAndOfNobodyNothingCounts) {
   EXPECT_EQ(toArray(contacts().on(Arm::kGold, broken, Vector3::Zero()).force_W), Vec3{});
 }
 
+/** Action and reaction: where two arms touch, both wrenches about one point add up to nothing. */
+TEST(ArmContacts, TheWrenchesOfTwoArmsThatTouchCancel) {
+  const auto list =
+      listOf({contact(1, 3, {0.10, 0.02, 0.01}, {1, -2, 5}), contact(3, 2, {-0.03, 0.01, 0.0}, {0, 4, 1})});
+  const Vector3 p_WT(0.02, -0.01, 0.03);
+  const ArmWrench gold = contacts().on(Arm::kGold, list, p_WT), green = contacts().on(Arm::kGreen, list, p_WT);
+  EXPECT_GT(gold.torque_W.norm(), 0.1);
+  EXPECT_NEAR((gold.force_W + green.force_W).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((gold.torque_W + green.torque_W).norm(), 0.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

@@ -117,5 +117,22 @@ TEST_F(JoyPedalsTest, ANetworkIsHeardToStopAndNothingElse) {
   EXPECT_EQ(requests[0].kind, RequestKind::kEmergencyStop);
 }
 
+/** Button 3 is the view here: what a press asks for depends on what is shown. */
+TEST_F(JoyPedalsTest, ThePedalOfTheViewGoesBothWays) {
+  JoyConfig config = mapping();
+  config.buttons[static_cast<std::size_t>(Pedal::kView)] = 3;
+  JoyPedals both(config, loop.shared, &client, true);
+  for (const std::uint8_t view : {0, 1, 0}) {
+    loop.view = view;
+    loop.tell();
+    both.hear(joyOf({0, 0, 0, 0}), ++now_ns);
+    both.hear(joyOf({0, 0, 0, 1}), ++now_ns);
+    const std::vector<Request> requests = asked();
+    ASSERT_EQ(requests.size(), 1U);
+    EXPECT_EQ(requests[0].kind, RequestKind::kSetView);
+    EXPECT_EQ(requests[0].enabled, view == 0 ? 1 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

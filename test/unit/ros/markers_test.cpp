@@ -98,6 +98,25 @@ TEST(ForceMarkers, AnArrowAtTheTipOfEachArm) {
   EXPECT_EQ(forceMarkers(model, haptic, X_WB, kStamp).markers[0].action, Marker::DELETE);
 }
 
+TEST(ForceMarkers, EachArmsArrowIsAtItsOwnTipInItsOwnBase) {
+  ModelState model;
+  HapticState haptic;
+  PerArm<Pose> X_WB;
+  model.arms = {};
+  for (const Arm arm : kArms) {
+    const double i = static_cast<double>(index(arm));
+    at(model.arms, arm).p_BT = {0.1 + i, 0.2, 0.3};
+    at(haptic.force_B, arm) = {0.0, arm == Arm::kGold ? 1.0 : -2.0, 0.0};
+    at(X_WB, arm).p = Vector3(0.0, 0.0, 5.0 + i);
+  }
+  X_WB[1].R << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // x of B is y of W
+  const auto markers = forceMarkers(model, haptic, X_WB, kStamp).markers;
+  expectPoint(markers.at(0).points.at(0), 0.1, 0.2, 5.3);
+  expectPoint(markers.at(0).points.at(1), 0.1, 0.2 + kArrowPerNewton, 5.3);
+  expectPoint(markers.at(1).points.at(0), -0.2, 1.1, 6.3);
+  expectPoint(markers.at(1).points.at(1), -0.2 + 2.0 * kArrowPerNewton, 1.1, 6.3);
+}
+
 /** doc/pictures.md: blue what the hand feels, orange what touches the tool. */
 TEST(Markers, HaveThePicturesColours) {
   HapticState haptic;

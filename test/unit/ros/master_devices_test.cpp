@@ -359,6 +359,9 @@ TEST(AbsoluteListenerTest, IsToldWhereItIsMissing) {
   EXPECT_EQ(there.look(true, 0.5), "");
   EXPECT_EQ(there.look(true, 2.5), "") << "nothing to tell of what is as it should be";
   EXPECT_NE(there.look(false, 2.6).find("nobody reads"), std::string::npos);
+  AbsoluteListener early("left", "/left/absolute", 2.0);
+  EXPECT_EQ(early.look(true, 0.5), "");
+  EXPECT_NE(early.look(false, 1.0).find("nobody reads"), std::string::npos) << "it was there: no need to wait";
 }
 
 TEST(MasterStatus, SaysWhatIsWrong) {
@@ -385,6 +388,88 @@ TEST(MasterStatus, SaysWhatIsWrong) {
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);
   EXPECT_EQ(status.message, "right: nothing came on /right/state for 400 ms");
   EXPECT_EQ(masterStatus(config, Arm::kGold, report, {998.0, 1}).level, diagnostic_msgs::DiagnosticStatus::OK);
+}
+
+/** Only CRTK says that a pose without a stamp is invalid; other drivers send none. */
+TEST(DeviceReader, TakesAPoseWithoutATimeWhereTheDriverSendsNone) {
+  const MasterConfig config = shipped("touch_geomagic");
+  MasterDeviceReader reader(config, config.devices[0]);
+  ASSERT_TRUE(reader.pose(received(geometry_msgs::PoseStamped())));
+  EXPECT_EQ(reader.sample().poses, 1U);
+}
+
+TEST(DeviceReader, ADeviceThatIsDisabledLaterIsNotReadyAnyMore) {
+  const MasterConfig config = shipped("mtm");
+  for (std::size_t i = 0; i < kArmCount; ++i) {
+    MasterDeviceReader reader(config, config.devices[i]);
+    devices::OperatingState state;
+    state.is_homed = 1;
+    for (const auto& [word, ready] : {std::pair("ENABLED", 1), std::pair("PAUSED", 0), std::pair("ENABLED", 1)}) {
+      state.state = word;
+      ASSERT_TRUE(reader.operatingState(receivedAs("crtk_msgs/OperatingState", state)));
+      EXPECT_EQ(reader.sample().is_ready, ready) << word;
+    }
+  }
+}
+
+/** Motion in between starts the wait again, however long the device is watched. */
+TEST(RestWatchTest, OneThatStopsLateRestsLate) {
+  RestWatch watch;
+  watch.look({0.0, 0.0, 0.0}, 0.0);
+  EXPECT_TRUE(watch.look({0.0, 0.0, 0.0}, 5.0));
+  EXPECT_FALSE(watch.look({0.01, 0.0, 0.0}, 5.01));
+  EXPECT_FALSE(watch.look({0.01, 0.0, 0.0}, 5.02)) << "10 ms";
+  EXPECT_TRUE(watch.look({0.01, 0.0, 0.0}, 5.04));
+}
+
+TEST(PedalHoldTest, OneThatRepeatsItselfIsUpOnceNobodyPublishes) {
+  PedalHold pedal("/foot", 60.0);
+  std::string news;
+  pedal.hear(true, 1.0);
+  EXPECT_TRUE(pedal.look(true, 1.1, &news));
+  EXPECT_FALSE(pedal.look(false, 1.2, &news));
+  EXPECT_FALSE(pedal.look(true, 1.3, &news));
+}
+
+std::string valueOf(const diagnostic_msgs::DiagnosticStatus& status, const std::string& key) {
+  for (const auto& pair : status.values) {
+    if (pair.key == key) return pair.value;
+  }
+  return "none";
+}
+
+TEST(MasterStatus, ShowsEachHandsOwnFigures) {
+  const MasterConfig config = shipped("omni_pair");
+  MasterReport report;
+  report.pedal = 1;
+  report.engaged = 0;
+  report.hand_force = {1.5, 2.5};
+  report.found = {3, 4};
+  const auto left = masterStatus(config, Arm::kGold, report, {998.0, 2}),
+             right = masterStatus(config, Arm::kGreen, report, {997.0, 0});
+  EXPECT_EQ(valueOf(left, "force"), "1.5");
+  EXPECT_EQ(valueOf(right, "force"), "2.5");
+  EXPECT_EQ(valueOf(left, "troubles"), "3");
+  EXPECT_EQ(valueOf(right, "troubles"), "4");
+  EXPECT_EQ(valueOf(left, "pedal"), "1");
+  EXPECT_EQ(valueOf(left, "engaged"), "0");
+  EXPECT_EQ(valueOf(left, "force_readers"), "2");
+  EXPECT_EQ(valueOf(left, "driver_reads_force"), "1");
+  EXPECT_EQ(valueOf(right, "driver_reads_force"), "0") << "nobody reads it";
+}
+
+/** An error is what lifts the pedal: a device that is locked or stands still is a warning. */
+TEST(MasterStatus, OnlyATroubleThatLiftsThePedalIsAnError) {
+  const MasterConfig config = shipped("omni_pair");
+  for (const DeviceTrouble trouble : {DeviceTrouble::kLocked, DeviceTrouble::kFrozen, DeviceTrouble::kSilent}) {
+    for (const Arm arm : kArms) {
+      MasterReport report;
+      at(report.now, arm) = {trouble, 0.4};
+      const int level = masterStatus(config, arm, report, {998.0, 1}).level;
+      EXPECT_EQ(level, trouble == DeviceTrouble::kSilent ? diagnostic_msgs::DiagnosticStatus::ERROR
+                                                         : diagnostic_msgs::DiagnosticStatus::WARN);
+    }
+  }
 }
 
 }  // namespace

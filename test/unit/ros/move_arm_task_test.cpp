@@ -217,5 +217,27 @@ TEST_F(MoveArmTaskTest, TheResultOfTheActionSaysAllOfIt) {
   EXPECT_EQ(moveArmResult({}, ros::Time(9.0)).arm, "") << "no plan, no arm";
 }
 
+/** Nothing of an order before: neither its outcome nor the patience that it used up. */
+TEST_F(MoveArmTaskTest, EachOrderStartsWithItsWholePatienceAndNoOutcome) {
+  std::vector<int> looks;
+  for (int order = 0; order < 3; ++order) {
+    begin();
+    EXPECT_EQ(task.outcome().plan.id, 0U) << order;
+    EXPECT_EQ(task.outcome().status, "") << order;
+    set(PlanningStatus::kPlanning, 4711);
+    loop.tell();
+    looks.push_back(0);
+    while (!task.look() && looks.back() < 1000)
+      ++looks.back();
+    EXPECT_EQ(task.outcome().code, ErrorCode::kPreempted);
+  }
+  EXPECT_EQ(looks, std::vector<int>(3, looks.front()));
+  begin();
+  planEnds(PlanStatus::kGoalInCollision);
+  ASSERT_TRUE(task.look());
+  begin();
+  EXPECT_EQ(task.outcome().plan.id, 0U) << "the failed plan was the one before";
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

@@ -127,6 +127,15 @@ TEST(PictureStamp, PicturesOfOneStateHaveOne) {
   EXPECT_EQ(stamp.of(0, 76'000'000, now + ros::Duration(0, 1'000'000)), ros::Time(1000, 1'000'500)) << "not known: now";
 }
 
+/** Pictures of an unknown time are each of now, however many there are. */
+TEST(PictureStamp, OfNoTimeIsNowEachTime) {
+  PictureStamp stamp;
+  for (const std::int64_t then : {std::int64_t{0}, std::int64_t{-1}}) {
+    for (const std::uint32_t second : {1000U, 1001U, 1002U})
+      EXPECT_EQ(stamp.of(then, 75'000'000, ros::Time(second, 0)), ros::Time(second, 0));
+  }
+}
+
 TEST(PictureStatus, WarnsWhileThePictureIsLessThanConfigured) {
   using diagnostic_msgs::DiagnosticStatus;
   LivePicture picture;

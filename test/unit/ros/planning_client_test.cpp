@@ -171,5 +171,18 @@ TEST_F(PlanningClientTest, ALaterClientDoesNotTakeOldAnswersForItsOwn) {
   EXPECT_GT(later.ask(requestOf(RequestKind::kPlan)).id, *ids.begin() + 5);
 }
 
+/** Whichever of the three cells holds the newest number. */
+TEST_F(PlanningClientTest, ALaterClientBeginsAboveEveryNumberThatIsToldOf) {
+  constexpr std::uint32_t kOld = 5'000'000;
+  const auto firstId = [this] { return PlanningClient(&loop.shared, [] {}).ask(requestOf(RequestKind::kPlan)).id; };
+  loop.planning.answered = kOld;
+  loop.tell();
+  EXPECT_GT(firstId(), kOld);
+  loop.plan(kOld + 10, PlanStatus::kSuccess);
+  EXPECT_GT(firstId(), kOld + 10);
+  loop.report(kOld + 20, ExecutionEnd::kFinished);
+  EXPECT_GT(firstId(), kOld + 20);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

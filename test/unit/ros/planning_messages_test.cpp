@@ -302,5 +302,43 @@ TEST(PlanMessages, OfNoPlanHaveNoPoints) {
   EXPECT_EQ(path.header.frame_id, "world");
 }
 
+/** raven2.md 5.4: the green arm's names end in R, its wrist is negated and its tool turned the other way. */
+TEST_F(PathMessages, OfTheGreenArmHaveItsNamesSignsAndKinematics) {
+  plan.arm = Arm::kGreen;
+  const trajectory_msgs::JointTrajectory message = trajectory(plan, kD4);
+  EXPECT_EQ(message.joint_names.at(0), "shoulder_R");
+  EXPECT_EQ(message.joint_names.at(4), "wrist_joint_R");
+  const std::vector<double>& q = message.points.at(0).positions;
+  EXPECT_NEAR(q.at(3), 0.3 + 45 * kDegree, 1e-12);
+  EXPECT_NEAR(q.at(4), -0.2, 1e-12);
+  EXPECT_NEAR(q.at(6), -0.8, 1e-12);
+  const nav_msgs::Path path = tipPath(plan, config.arms.geometry, Pose(), ros::Time(4.0));
+  const Vector3 tip = kinematics::forward(config.arms.geometry, Arm::kGreen, plan.waypoints[2]).p;
+  const geometry_msgs::Point& end = path.poses.back().pose.position;
+  EXPECT_NEAR((Vector3(end.x, end.y, end.z) - tip).norm(), 0.0, 1e-12);
+}
+
+/** Distances of both tips from the place on the path, 3-4-5 and 6-8-10 millimetres, of the arm that executes. */
+TEST_F(PathMessages, TipErrorsAreThoseOfTheArmThatExecutes) {
+  for (const Arm arm : kArms) {
+    const Arm other = arm == Arm::kGold ? Arm::kGreen : Arm::kGold;
+    ModelState model;
+    RobotState robot;
+    model.planning.status = PlanningStatus::kExecuting;
+    model.planning.arm = arm;
+    at(model.arms, arm).q_d = plan.waypoints[1];
+    at(model.arms, other).p_BT = at(robot.arms, other).p_BT = {9, 9, 9};
+    const Vector3 wanted = kinematics::forward(config.arms.geometry, arm, plan.waypoints[1]).p;
+    at(model.arms, arm).p_BT = toArray(Vector3(wanted + Vector3(0.003, -0.004, 0.0)));
+    at(robot.arms, arm).p_BT = toArray(Vector3(wanted + Vector3(0.0, 0.006, -0.008)));
+    EXPECT_NEAR(tipErrors(model, robot, config.arms.geometry).model, 0.005, 1e-12) << name(arm);
+    EXPECT_EQ(tipErrors(model, robot, config.arms.geometry).robot, TipErrors{}.robot) << "the robot does not follow";
+    model.planning.on_robot = 1;
+    EXPECT_NEAR(tipErrors(model, robot, config.arms.geometry).robot, 0.010, 1e-12) << name(arm);
+    model.planning.status = PlanningStatus::kArmed;
+    EXPECT_EQ(tipErrors(model, robot, config.arms.geometry).model, TipErrors{}.model) << "nothing is executed";
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

@@ -131,6 +131,14 @@ TEST(Rates, WhatBeganToBeExpectedInBetweenIsNotJudgedYet) {
   EXPECT_EQ(after(&rates, 200, 3 * kSecond, 1000.0).level, DiagnosticStatus::WARN);
 }
 
+/** Whoever looked at pictures has stopped looking within the second. */
+TEST(Rates, WhatIsNotExpectedAnyMoreMayBeSilent) {
+  Rates rates;
+  after(&rates, 0, kSecond, 30.0);
+  EXPECT_EQ(after(&rates, 5, 2 * kSecond, 0.0).level, DiagnosticStatus::OK);
+  EXPECT_EQ(after(&rates, 6, 3 * kSecond, 0.0).level, DiagnosticStatus::OK);
+}
+
 TEST(Rates, WhatNobodyExpectsMayBeSilentAndFail) {
   Rates rates;
   for (const std::int64_t second : {1, 2, 3})

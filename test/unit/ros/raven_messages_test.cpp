@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
@@ -297,6 +298,114 @@ TEST_F(RavenStateReaderTest, RefusesUnknownRunLevelsAndNumbersThatAreNotFinite) 
   message.jpos[9] = std::numeric_limits<float>::infinity();
   EXPECT_FALSE(reader.read(message, 1, &state));
   EXPECT_EQ(state.cycle, 0U);
+}
+
+/** Fills an array with numbers that no other array has. */
+template <typename Array>
+void number(Array* values, int first) {
+  std::iota(values->begin(), values->end(), static_cast<typename Array::value_type>(first));
+}
+
+template <typename To, typename From>
+void expectScaled(const To& to, const From& from, double factor, const char* field) {
+  ASSERT_EQ(to.size(), from.size()) << field;
+  for (std::size_t i = 0; i < to.size(); ++i)
+    EXPECT_FLOAT_EQ(static_cast<float>(to[i]), static_cast<float>(factor * static_cast<double>(from[i]))) << field << i;
+}
+
+/** raven2.md 5.2: each field has its own source and unit. */
+TEST(RavenStateMessage, EveryFieldIsItsOwn) {
+  RavenReport report;
+  report.runlevel = 3;
+  report.sublevel = 2;
+  report.last_sequence = 1;
+  number(&report.board, 40);
+  number(&report.pos_um, 100);
+  number(&report.pos_d_um, 200);
+  number(&report.ori, 300);
+  number(&report.ori_d, 400);
+  number(&report.encoder, 500);
+  number(&report.dac, 600);
+  number(&report.tau, 700);
+  number(&report.mpos, 800);
+  number(&report.jpos, 900);
+  number(&report.mvel, 1000);
+  number(&report.jvel, 1100);
+  number(&report.mpos_d, 1200);
+  number(&report.jpos_d, 1300);
+  number(&report.grasp_d, 1400);
+  number(&report.encoder_offset, 1500);
+  raven_2::RavenState message;
+  fillRavenState(report, &message);
+  EXPECT_EQ(message.runlevel, 3);
+  EXPECT_EQ(message.sublevel, 2);
+  EXPECT_EQ(message.last_seq, 1);
+  const double degrees = 1.0 / kDegree;
+  expectScaled(message.type, report.board, 1.0, "type");
+  expectScaled(message.pos, report.pos_um, 1.0, "pos");
+  expectScaled(message.pos_d, report.pos_d_um, 1.0, "pos_d");
+  expectScaled(message.ori, report.ori, 1.0, "ori");
+  expectScaled(message.ori_d, report.ori_d, 1.0, "ori_d");
+  expectScaled(message.encVals, report.encoder, 1.0, "encVals");
+  expectScaled(message.dac_val, report.dac, 1.0, "dac_val");
+  expectScaled(message.tau, report.tau, 1.0, "tau");
+  expectScaled(message.mpos, report.mpos, degrees, "mpos");
+  expectScaled(message.jpos, report.jpos, degrees, "jpos");
+  expectScaled(message.mvel, report.mvel, degrees, "mvel");
+  expectScaled(message.jvel, report.jvel, degrees, "jvel");
+  expectScaled(message.mpos_d, report.mpos_d, degrees, "mpos_d");
+  expectScaled(message.jpos_d, report.jpos_d, degrees, "jpos_d");
+  expectScaled(message.grasp_d, report.grasp_d, 1.0, "grasp_d");
+  expectScaled(message.encoffsets, report.encoder_offset, 1.0, "encoffsets");
+}
+
+/** Arms that move differently: neither takes the other's positions, velocities or commands. */
+TEST_F(RavenStateReaderTest, EachArmIsReadFromItsOwnChannels) {
+  for (int k = 0; k < 200; ++k) {
+    auto message = moving<raven_2::RavenState>(k, {0.2, 0.0, 0.0});
+    const auto other = moving<raven_2::RavenState>(k, {-0.1, 0.0, 0.0});
+    for (std::size_t i = 8; i < 16; ++i) {
+      message.mpos[i] = other.mpos[i];
+      message.jpos[i] = other.jpos[i];
+    }
+    message.dac_val[1] = 11;
+    message.dac_val[9] = -22;
+    ASSERT_TRUE(reader.read(message, k, &state));
+  }
+  EXPECT_NEAR(state.arms[0].dq[kShoulder], 0.2, 2e-3);
+  EXPECT_NEAR(state.arms[1].dq[kShoulder], -0.1, 2e-3);
+  EXPECT_NEAR(state.arms[0].q[kShoulder], 30 * kDegree + 0.2 * 0.199, 1e-6);
+  EXPECT_NEAR(state.arms[1].q[kShoulder], 30 * kDegree - 0.1 * 0.199, 1e-6);
+  EXPECT_EQ(state.arms[0].dac[kElbow], 11);
+  EXPECT_EQ(state.arms[1].dac[kElbow], -22);
+}
+
+/** Whatever breaks the stream: the first message after it shows no velocity, on either arm. */
+TEST_F(RavenStateReaderTest, AnyBreakOfTheStreamStartsBothArmsWithoutVelocity) {
+  for (const double step : {0.2, -0.01}) {  // [s] a gap of over 100 ms, the clock set back
+    RavenStateReader broken(config.virtual_raven);
+    for (int k = 0; k < 50; ++k)
+      ASSERT_TRUE(broken.read(moving<raven_2::RavenState>(k, {0.2, 0.1, 0.05}), k, &state));
+    for (const RobotArmState& arm : state.arms)
+      ASSERT_GT(arm.dq[kShoulder], 0.01);
+    auto next = moving<raven_2::RavenState>(49, {0.2, 0.1, 0.05});
+    next.hdr.stamp += ros::Duration(step);
+    next.dt = ros::Duration(0.001);
+    ASSERT_TRUE(broken.read(next, 50, &state));
+    for (const RobotArmState& arm : state.arms)
+      EXPECT_EQ(arm.dq, JointArray{}) << step;
+    EXPECT_EQ(state.cycle, 51U) << step;
+  }
+}
+
+TEST_F(RavenStateReaderTest, ASubLevelBeyondAByteIsTheNearest) {
+  auto message = moving<raven_2::RavenState>(0, {});
+  for (const auto& [told, read] : {std::pair(7, 7), std::pair(300, 255), std::pair(-5, 0)}) {
+    message.sublevel = told;
+    message.hdr.stamp += ros::Duration(0.001);
+    ASSERT_TRUE(reader.read(message, 1, &state));
+    EXPECT_EQ(state.sublevel, read);
+  }
 }
 
 }  // namespace

@@ -220,5 +220,59 @@ TEST(RealPictures, AreShownIfAllTheirBytesAreThere) {
   EXPECT_FALSE(isWhole(picture));
 }
 
+/** Each fact that a message tells is a change by itself. */
+TEST(Changes, EveryFactOfTheModeIsOne) {
+  const std::vector<void (*)(ModelState*)> changes{
+      [](ModelState* m) { m->mode = Mode::kPaused; }, [](ModelState* m) { m->pedal = 1; },
+      [](ModelState* m) { m->engaged = 0; }, [](ModelState* m) { m->linked = 1; }, [](ModelState* m) { m->view = 1; }};
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    ModelState changed;
+    changes[i](&changed);
+    EXPECT_FALSE(isSameMode(ModelState{}, changed)) << i;
+    EXPECT_FALSE(isSameMode(changed, ModelState{})) << i;
+  }
+}
+
+TEST(Changes, EveryFactOfTheProgressIsOne) {
+  const std::vector<void (*)(ExerciseState*)> changes{[](ExerciseState* s) { s->status = ExerciseStatus::kDone; },
+                                                      [](ExerciseState* s) { s->failure = ExerciseFailure::kBrokeOff; },
+                                                      [](ExerciseState* s) { ++s->attempt; },
+                                                      [](ExerciseState* s) { ++s->step; },
+                                                      [](ExerciseState* s) { ++s->done.back(); },
+                                                      [](ExerciseState* s) { ++s->began; },
+                                                      [](ExerciseState* s) { ++s->ended; },
+                                                      [](ExerciseState* s) { ++s->mistakes.back(); }};
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    ExerciseState changed = running().exercise;
+    changes[i](&changed);
+    EXPECT_FALSE(isSameProgress(running().exercise, changed)) << i;
+  }
+}
+
+TEST(TrainerModeMessage, EachFlagIsItsOwn) {
+  for (const bool engaged : {true, false}) {
+    ModelState model;
+    model.engaged = engaged ? 1 : 0;
+    model.linked = engaged ? 0 : 1;
+    const TrainerMode message = trainerMode(model, kStamp);
+    EXPECT_EQ(message.engaged != 0, engaged);
+    EXPECT_EQ(message.linked != 0, !engaged);
+    EXPECT_FALSE(message.pedal);
+    EXPECT_EQ(message.view, "virtual");
+  }
+}
+
+TEST(RealPictures, OfRowsShorterThanThePictureAreNotShown) {
+  sensor_msgs::Image picture;
+  picture.width = 4;
+  picture.height = 2;
+  picture.step = 3;
+  picture.data.assign(6, 0);
+  EXPECT_FALSE(isWhole(picture));
+  picture.step = 4;
+  picture.data.assign(8, 0);
+  EXPECT_TRUE(isWhole(picture)) << "one byte a pixel";
+}
+
 }  // namespace
 }  // namespace raven2_trainer::ros_bridge

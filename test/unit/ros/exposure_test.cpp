@@ -1,0 +1,119 @@
+#include "ros/exposure.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr std::array kNames{"ROS_IP", "ROS_HOSTNAME", "ROS_MASTER_URI"};
+
+/** ROS's variables of the environment, without any at first; afterwards they are as before. */
+class Exposure : public ::testing::Test {
+ protected:
+  Exposure() {
+    for (const char* name : kNames) {
+      const char* value = std::getenv(name);
+      before_.emplace_back(value == nullptr ? std::nullopt : std::optional<std::string>(value));
+      unsetenv(name);
+    }
+  }
+  ~Exposure() override {
+    for (std::size_t i = 0; i < kNames.size(); ++i)
+      before_[i] ? setenv(kNames[i], before_[i]->c_str(), 1) : unsetenv(kNames[i]);
+  }
+
+  static void set(const char* name, const std::string& value) { setenv(name, value.c_str(), 1); }
+  static std::string get(const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "unset" : value;
+  }
+
+ private:
+  std::vector<std::optional<std::string>> before_;
+};
+
+/** roscpp's own rule (libros/transport/transport.cpp): whatever it serves the network must not count as local. */
+TEST_F(Exposure, OnlyRoscppsLoopbackAddressesAreLocal) {
+  for (const char* local : {"127.0.0.1", "127.1.2.3", "localhost"}) {
+    set("ROS_IP", local);
+    EXPECT_TRUE(isLoopbackOnly()) << local;
+  }
+  for (const char* remote : {"", "1270.0.0.1", "128.0.0.1", "10.127.0.1", "10.0.127.1", "127", "12.7.0.0",
+                             "localhost.lan", "my127.0.0.1", "0.0.0.0", "192.168.1.7"}) {
+    set("ROS_IP", remote);
+    EXPECT_FALSE(isLoopbackOnly()) << remote;
+  }
+}
+
+TEST_F(Exposure, OfHostNamesOnlyLocalhostIsLocal) {
+  set("ROS_HOSTNAME", "localhost");
+  EXPECT_TRUE(isLoopbackOnly());
+  for (const char* remote : {"", "localhost.lan", "my.localhost", "127.0.0.1", "robot"}) {
+    set("ROS_HOSTNAME", remote);
+    EXPECT_FALSE(isLoopbackOnly()) << remote;
+  }
+}
+
+TEST_F(Exposure, ANetworkCommandsOnlyWhereTheConfigurationAllowsIt) {
+  for (const bool is_local : {true, false}) {
+    set("ROS_IP", is_local ? "127.0.0.1" : "192.168.1.7");
+    EXPECT_EQ(mayCommand(false), is_local);
+    EXPECT_TRUE(mayCommand(true));
+  }
+}
+
+TEST_F(Exposure, AMasterOfThisComputerKeepsTheNodeToTheLoopbackAddress) {
+  std::array<char, 256> own{};
+  ASSERT_EQ(gethostname(own.data(), own.size() - 1), 0);
+  for (const std::string& host : {std::string("localhost"), std::string("127.0.0.1"), std::string(own.data())}) {
+    unsetenv("ROS_IP");
+    set("ROS_HOSTNAME", "");
+    keepToLoopback(host);
+    EXPECT_EQ(get("ROS_IP"), "127.0.0.1") << host;
+    EXPECT_EQ(get("ROS_HOSTNAME"), "unset") << host;
+    EXPECT_TRUE(isLoopbackOnly()) << host;
+  }
+}
+
+TEST_F(Exposure, AMasterElsewhereLeavesTheNodeOpen) {
+  for (const char* host : {"192.0.2.1", "localhost.lan", "robot"}) {  // TEST-NET-1 (RFC 5737) is nobody's
+    keepToLoopback(host);
+    EXPECT_EQ(get("ROS_IP"), "unset") << host;
+  }
+}
+
+TEST_F(Exposure, TheUsersOwnChoiceStays) {
+  set("ROS_IP", "192.0.2.7");
+  keepToLoopback("localhost");
+  EXPECT_EQ(get("ROS_IP"), "192.0.2.7");
+  unsetenv("ROS_IP");
+  set("ROS_HOSTNAME", "robot");
+  keepToLoopback("localhost");
+  EXPECT_EQ(get("ROS_IP"), "unset");
+  EXPECT_EQ(get("ROS_HOSTNAME"), "robot");
+}
+
+std::string masterUriOf(std::vector<std::string> words) {
+  words.insert(words.begin(), "program");
+  std::vector<char*> argv;
+  for (std::string& word : words)
+    argv.push_back(word.data());
+  return masterUri(static_cast<int>(argv.size()), argv.data());
+}
+
+TEST_F(Exposure, TheMasterIsThatOfTheArgumentThenOfTheEnvironmentThenLocal) {
+  EXPECT_EQ(masterUriOf({}), "http://localhost:11311");
+  set("ROS_MASTER_URI", "http://robot:11311");
+  EXPECT_EQ(masterUriOf({"--duration", "3"}), "http://robot:11311");
+  EXPECT_EQ(masterUriOf({"x:=y", "__master:=http://other:1"}), "http://other:1");
+}
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
