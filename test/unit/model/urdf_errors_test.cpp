@@ -200,7 +200,8 @@ TEST(UrdfErrors, NumbersAreHeldToTheirRangeOnEitherSide) {
 
 TEST(UrdfErrors, ColoursKeepTheirOpacity) {
   const Scratch scratch;
-  const Description two = loadUrdf(scratch.write("two.urdf", replaced(kGood, "rgba=\"1 0 0 1\"", "rgba=\"1 0 0 0.25\"")));
+  const std::string faint = replaced(kGood, "rgba=\"1 0 0 1\"", "rgba=\"1 0 0 0.25\"");
+  const Description two = loadUrdf(scratch.write("two.urdf", faint));
   EXPECT_EQ(two.links[1].visuals.at(0).colour, (std::array<float, 4>{1, 0, 0, 0.25F}));
 }
 

@@ -178,7 +178,8 @@ model::RavenModel makeFlatJaws() {
 struct HeldBar {
   static constexpr double kSpin = 20.0;  // [rad/s] of the shaft
 
-  HeldBar(const model::RavenModel& raven_model, Arm holding, const ModelConfig& model) : raven(raven_model), arm(holding) {
+  HeldBar(const model::RavenModel& raven_model, Arm holding, const ModelConfig& model)
+      : raven(raven_model), arm(holding) {
     start = raven.arms.geometry.home;
     start[kToolRotation] = -4.0;
     start[kWrist] = 1.0;
