@@ -123,6 +123,18 @@ TEST_F(MovingCamera, TheClutchsPoseIsTakenWithTheLensOfTheConfiguration) {
   expectSame(camera(CameraMoves::kNever), makeCamera(config_, 640, 360));
 }
 
+TEST_F(MovingCamera, TheClutchRollsItByItsUp) {
+  // GIVEN a camera that looks down, its up along x, y and between, not that of the configuration
+  for (const double angle : {0.0, 0.5, 2.0, -1.5}) {
+    const Vector3 up(std::cos(angle), std::sin(angle), 0.0);
+    state_.camera = {{0.0, 0.0, 0.4}, {0.0, 0.0, 0.0}, {up.x(), up.y(), up.z()}};
+    double u = 0, v = 0;
+    ASSERT_TRUE(camera(CameraMoves::kClutch).project(0.05 * up, &u, &v));
+    EXPECT_NEAR(u, 319.5, 1e-9) << angle;
+    EXPECT_LT(v, 179.5 - 10.0) << angle << ": above the middle";
+  }
+}
+
 TEST_F(MovingCamera, ARecordThatTellsNoCameraLeavesItWhereTheConfigurationPutsIt) {
   ASSERT_EQ(state_.camera.eye_W, state_.camera.target_W);
   expectSame(camera(CameraMoves::kClutch), makeCamera(config_, 640, 360));

@@ -54,6 +54,47 @@ TEST(Mesh, ScaleAppliesAndAMirrorImageStaysOutward) {
   expectOutward(cube, 0.999);
 }
 
+TEST(Mesh, NormalsStaySquareToTheirTrianglesHoweverItIsScaled) {
+  // An octahedron: none of its faces is along an axis
+  const char* octahedron =
+      "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+      "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+  const Scratch scratch;
+  const std::string file = scratch.write("octahedron.obj", octahedron);
+  for (const std::array<double, 3>& scale : {std::array<double, 3>{1, 3, 0.5}, {0.2, 1, 1}, {-1, 2, -3}, {1, 1, -4}})
+    expectOutward(loadMesh(file, scale), 0.999);
+}
+
+TEST(Mesh, EachPartKeepsItsOwnCorners) {
+  // GIVEN two cubes of different materials, 10 apart
+  std::string two = std::string("usemtl a\n") + kCube + "usemtl b\n";
+  for (const char* corner : {"-1 -1", "1 -1", "1 1", "-1 1"})
+    two += std::string("v ") + corner + " 4\n";
+  for (const char* corner : {"-1 -1", "1 -1", "1 1", "-1 1"})
+    two += std::string("v ") + corner + " 6\n";
+  two += "f 9 12 11 10\nf 13 14 15 16\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 16 15\nf 12 9 13 16\n";
+  const Scratch scratch;
+  const Mesh mesh = loadMesh(scratch.write("two.obj", two), {1, 1, 1});
+  EXPECT_EQ(mesh.triangles.size(), 24U);
+  int upper = 0;
+  for (const auto& t : mesh.triangles) {
+    int above = 0;
+    for (const auto i : t)
+      above += mesh.vertices[i][2] > 2.0F ? 1 : 0;
+    EXPECT_TRUE(above == 0 || above == 3) << "a triangle of both cubes";
+    upper += above == 3 ? 1 : 0;
+  }
+  EXPECT_EQ(upper, 12);
+}
+
+TEST(Mesh, IsHeldToItsSizeOnEitherSide) {
+  const Scratch scratch;
+  for (const char* far : {"-11 0 0", "0 -11 0", "0 0 -11", "11 0 0", "0 11 0", "0 0 11"}) {
+    const std::string text = std::string("v 0 0 0\nv 1 1 0\nv ") + far + "\nv 0 1 1\nf 1 2 3\nf 1 2 4\n";
+    EXPECT_THROW(loadMesh(scratch.write("far.obj", text), {1, 1, 1}), ModelException) << far;
+  }
+}
+
 TEST(Mesh, FlatBendsBelowFortyDegreesAreSmooth) {
   // Two squares meeting at an angle of `bend`: shared edge vertices keep one normal below 40 degrees, two above.
   const auto vertexCount = [](double bend) {

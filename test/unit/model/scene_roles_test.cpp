@@ -115,6 +115,10 @@ TEST_F(SceneRolesTest, LinksThatCannotHaveTheRoleAreRefused) {
                 link("handle", kInertial + std::string(kShape), "fixed", "ball"));
 }
 
+TEST_F(SceneRolesTest, AFreeBodyWithoutAShapeIsRefused) {
+  expectRefused("link 'ghost': a free body needs a collision shape", link("ghost", kInertial, "floating"));
+}
+
 TEST_F(SceneRolesTest, FreeBodiesAndBreakablesTogetherHaveRoomForTwelve) {
   std::string more;
   for (char letter = 'a'; letter <= 'i'; ++letter)  // 9 and ring, ball, post

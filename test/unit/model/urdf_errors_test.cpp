@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <cstdio>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "test_files.h"
 
@@ -164,6 +167,44 @@ TEST(UrdfErrors, MovingJointNeedsLimits) {
   expectRefused(replaced(kGood, "\"revolute\"", "\"wobbly\""), 13, "");
 }
 
+TEST(UrdfErrors, NumbersAreHeldToTheirRangeOnEitherSide) {
+  const std::string tensor = R"(ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01")";
+  struct Row {
+    const char *from, *to;
+    int line;
+    const char* reason;
+  };
+  const std::vector<Row> rows{
+      {"lower=\"-1\"", "lower=\"-20000\"", 13, "limits beyond +-10000"},
+      {"upper=\"2\"", "upper=\"20000\"", 13, "limits beyond +-10000"},
+      {"lower=\"-1\"", "lower=\"-inf\"", 13, ""},
+      {"effort=\"5\"", "effort=\"inf\"", 13, ""},
+      {"<mass value=\"2\"/>", "<mass value=\"1e-10\"/>", 7, "is not in"},
+      {"<mass value=\"2\"/>", "<mass value=\"2e5\"/>", 7, "is not in"},
+      {"xyz=\"1 2 3\"", "xyz=\"1 -101 3\"", 13, "origin beyond 100 m"},
+      {"xyz=\"1 2 3\"", "xyz=\"101 2 3\"", 13, "origin beyond 100 m"},
+      {"length=\"0.2\"", "length=\"101\"", 7, "over 100 m"},
+  };
+  for (const Row& row : rows)
+    expectRefused(replaced(kGood, row.from, row.to), row.line, row.reason);
+  for (const double scale : {1e-18, 1e12}) {
+    std::string scaled = tensor;
+    for (const char* moment : {"0.02", "0.02", "0.01"}) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%g", std::stod(moment) * scale);
+      scaled = replaced(scaled, "\"" + std::string(moment) + "\"", "\"" + std::string(number) + "\"");
+    }
+    expectRefused(replaced(kGood, tensor, scaled), 7, "are out of range");
+  }
+}
+
+TEST(UrdfErrors, ColoursKeepTheirOpacity) {
+  const Scratch scratch;
+  const std::string faint = replaced(kGood, "rgba=\"1 0 0 1\"", "rgba=\"1 0 0 0.25\"");
+  const Description two = loadUrdf(scratch.write("two.urdf", faint));
+  EXPECT_EQ(two.links[1].visuals.at(0).colour, (std::array<float, 4>{1, 0, 0, 0.25F}));
+}
+
 TEST(UrdfErrors, UnknownDoubleAndLoopingLinksAreRefused) {
   expectRefused(replaced(kGood, "<parent link=\"ground\"/>", "<parent link=\"nothing\"/>"), 13, "unknown parent link");
   expectRefused(replaced(kGood, "<child link=\"arm\"/>", "<child link=\"leg\"/>"), 13, "unknown child link 'leg'");
@@ -223,6 +264,39 @@ TEST(UrdfErrors, MeshesThatAreMissingOrUnusableAreRefused) {
   expectRefused(withMesh("filename=\"jaw.stl\" scale=\"1e6 1e6 1e6\""), 7, "larger than 10 m");
 }
 
+TEST(UrdfErrors, AMeshIsReadOnceForEachScale) {
+  const Scratch scratch;
+  const std::string triangle = "v 0 0 0\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+  scratch.write("leaf.obj", triangle);
+  std::string visuals;
+  for (const char* scale : {"1 1 1", "2 1 1", "1 2 1", "1 1 2", "1 1 1"}) {
+    visuals += std::string("<visual><geometry><mesh filename=\"leaf.obj\" scale=\"") + scale +
+               "\"/></geometry></visual>";
+  }
+  const Description two = loadUrdf(scratch.write("two.urdf", replaced(kGood, "<visual>", visuals + "<visual>")));
+  const std::vector<VisualShape>& shapes = two.links[1].visuals;
+  ASSERT_EQ(shapes.size(), 6U);
+  EXPECT_EQ(shapes[0].mesh, shapes[4].mesh);
+  for (std::size_t i = 0; i < 4; ++i) {
+    Vector3 reach = Vector3::Zero();
+    for (const auto& vertex : two.meshes[static_cast<std::size_t>(shapes[i].mesh)].vertices)
+      reach = reach.cwiseMax(Vector3(vertex[0], vertex[1], vertex[2]));
+    EXPECT_EQ(reach, Vector3(i == 1 ? 2 : 1, i == 2 ? 2 : 1, i == 3 ? 2 : 1)) << i;
+  }
+}
+
+TEST(MeshFiles, AreTheFilesThatTheUrdfNamesEachOnce) {
+  const Scratch scratch;
+  std::filesystem::create_directory(scratch.path("urdf"));
+  std::filesystem::create_directory(scratch.path("meshes"));
+  const std::string leaf = scratch.write("meshes/leaf.obj", "v 0 0 0\n"), twig = scratch.write("urdf/twig.obj", "");
+  const std::string urdf = scratch.write(
+      "urdf/two.urdf",
+      "<mesh filename=\"package://raven2_trainer/meshes/leaf.obj\"/><mesh filename='twig.obj'/>"
+      "<mesh filename=\"../meshes/leaf.obj\"/><mesh filename=\"absent.obj\"/><mesh filename = \"twig.obj\"/>");
+  EXPECT_EQ(meshFiles(urdf), (std::vector<std::string>{leaf, twig}));
+}
+
 TEST(UrdfErrors, NothingIsPrinted) {
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
@@ -260,6 +334,72 @@ void expectRobotRefused(const std::string& from, const std::string& to, const st
     EXPECT_TRUE(line < message.size() && std::isdigit(message[line]) != 0) << message;
     EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
   }
+}
+
+/** The text with the number of an attribute changed that follows a place in it. */
+std::string changed(const std::string& text, const std::string& place, const std::string& attribute, double by) {
+  const std::size_t from = text.find(attribute + "=\"", text.find(place)) + attribute.size() + 2;
+  const double value = std::stod(text.substr(from));
+  char number[40];
+  std::snprintf(number, sizeof number, "%.17g", value + by);
+  return text.substr(0, from) + number + text.substr(text.find('"', from));
+}
+
+class RavenModelOfArm : public ::testing::TestWithParam<Arm> {
+ protected:
+  RavenModelOfArm() {
+    std::filesystem::create_directory(scratch_.path("urdf"));
+    std::filesystem::create_directory_symlink(sourceFile("meshes"), scratch_.path("meshes"));
+  }
+
+  std::string jointOf(const char* name) const {
+    return std::string("<joint name=\"") + name + (GetParam() == Arm::kGold ? "_L\"" : "_R\"");
+  }
+
+  void expectRefused(const std::string& text, const std::string& reason) {
+    config_.robot_urdf = scratch_.write("urdf/raven2.urdf", text);
+    try {
+      loadRavenModel(config_);
+      ADD_FAILURE() << "accepted; expected " << reason;
+    } catch (const ModelException& e) {
+      EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+    }
+  }
+
+  const Scratch scratch_;
+  TrainerConfig config_ = shippedConfig();
+  const std::string text_ = readFile(config_.robot_urdf);
+};
+
+INSTANTIATE_TEST_SUITE_P(Both, RavenModelOfArm, ::testing::ValuesIn(kArms), [](const auto& instance) {
+  return std::string(name(instance.param));
+});
+
+TEST_P(RavenModelOfArm, EitherLimitOfAJointMustBeTheConfigurations) {
+  for (const char* limit : {"lower", "upper"})
+    expectRefused(changed(text_, jointOf("wrist_joint"), limit, 1e-4), "limits of joint");
+}
+
+TEST_P(RavenModelOfArm, EitherJawMustBeWhereTheChainPutsIt) {
+  const std::string zero = "xyz=\"";
+  for (const char* jaw : {"grasper_joint_1", "grasper_joint_2"}) {
+    const std::size_t at = text_.find(zero, text_.find(jointOf(jaw))) + zero.size();
+    ASSERT_LT(at, text_.size());
+    const double x = std::stod(text_.substr(at));
+    expectRefused(text_.substr(0, at) + std::to_string(x + 1e-3) + text_.substr(text_.find(' ', at)), "differs");
+  }
+}
+
+TEST_P(RavenModelOfArm, ItsBaseMustStandWhereTheConfigurationPutsIt) {
+  at(config_.arms.rcm_W, GetParam())[0] += 1e-6;
+  expectRefused(text_, "rcm_W");
+}
+
+TEST_P(RavenModelOfArm, ItsInsertionMustSlide) {
+  const std::string revolute = "type=\"revolute\"", prismatic = "type=\"prismatic\"";
+  std::string text = text_;
+  text.replace(text.find(prismatic, text.find(jointOf("insertion"))), prismatic.size(), revolute);
+  expectRefused(text, "joint of the wrong type");
 }
 
 TEST(RavenModelErrors, MissingNamesAreRefused) {

@@ -163,6 +163,123 @@ TEST_F(Breakable, AnArmIsObstructedByItWhileItHoldsAndNotAfterwards) {
   EXPECT_FALSE(world.isObstructed(Arm::kGold));
 }
 
+/** The same scene elsewhere: all of it at `X` of where it was. */
+model::SceneModel moved(model::SceneModel scene, const Pose& X) {
+  for (std::size_t i = 0; i < scene.X_WL.size(); ++i)
+    scene.X_WL[i] = scene.description.links[i].X_PJ = X * scene.X_WL[i];
+  return scene;
+}
+
+TEST_F(Breakable, ItsMomentIsAboutItsFootWhereverThatStands) {
+  const double full = kMoment / (kGravity * kLever);
+  for (const Vector3& place : {Vector3(0.14, -0.05, 0.0), Vector3(-0.02, 0.2, 0.05)}) {
+    const Pose X{Eigen::AngleAxisd(2.0, Vector3::UnitZ()).toRotationMatrix(), place};
+    EXPECT_FALSE(breaksWithin(moved(makePostAndWeight(1.1 * full, 0.0), X), 300)) << "over the foot";
+    EXPECT_FALSE(breaksWithin(moved(makePostAndWeight(0.9 * full, kLever), X), 600));
+    EXPECT_TRUE(breaksWithin(moved(makePostAndWeight(1.1 * full, kLever), X), 600));
+  }
+}
+
+/** Whether the contacts of a tick press the post with more than so many newtons. */
+bool isPressed(const RavenWorld& world, double newtons) {
+  ContactList list;
+  world.contactList(&list);
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t i = 0; i < list.count; ++i) {
+    if (world.bodyNames()[list.contacts[i].a] == "post") sum += toEigen(list.contacts[i].f_W);
+    if (world.bodyNames()[list.contacts[i].b] == "post") sum -= toEigen(list.contacts[i].f_W);
+  }
+  return sum.norm() > newtons;
+}
+
+/** A post under the gold tool, and on it, beside the tool, a weight that is this share of what it bears. */
+model::SceneModel makeAnvil(const Vector3& tip, double share) {
+  model::SceneModel scene = testing::makeEmptyScene();
+  addSceneLink(&scene, "post", model::JointKind::kFixed, shift(tip.x(), tip.y(), tip.z() - 0.04),
+               {box(shift(0, 0, 0.01), 0.10, 0.10, 0.02)}, cube(0.01, 0.02));
+  addSceneLink(&scene, "weight", model::JointKind::kFloating, shift(tip.x(), tip.y() + 0.035, tip.z() - 0.01),
+               {box(Pose{}, 0.02, 0.02, 0.02)}, cube(share * kForce / kGravity, 0.02));
+  scene.breakables = {{0, kForce, 10.0, kTicks}};
+  return scene;
+}
+
+TEST_F(Breakable, ToolAndWeightTogetherPressItOff) {
+  // GIVEN a tool without much inertia that touches the post, and presses on it with 5 N more each second
+  const Vector3 tip = at(raven_.X_WB, Arm::kGold) * kinematics::forward(raven_.arms.geometry, Arm::kGold, home_).p;
+  ModelConfig light = testing::modelConfig();
+  light.rotor_inertia[kInsertion] = 0.1;
+  JointArray touching = home_;
+  RavenWorld probe(raven_, makeAnvil(tip, 0.1), light);
+  while (probe.contacts(Arm::kGold) == 0 && touching[kInsertion] > 0.3) {
+    touching[kInsertion] -= 1e-4;
+    probe.setJointState(Arm::kGold, touching, JointArray{});
+    probe.step({});
+  }
+  for (const double share : {0.1, 0.7}) {
+    RavenWorld world(raven_, makeAnvil(tip, share), light);
+    world.setJointState(Arm::kGold, touching, JointArray{});
+    int run = 0, tick = 0;
+    for (; tick < 2000 && run < kTicks; ++tick) {
+      PerArm<JointArray> tau{testing::drive(world, Arm::kGold, touching), testing::drive(world, Arm::kGreen, home_)};
+      tau[0][kInsertion] = world.gravityTorque(Arm::kGold)[kInsertion] - 0.005 * tick -
+                           20.0 * testing::rate(world, Arm::kGold)[kInsertion];
+      world.step(tau);
+      run = isPressed(world, kForce) ? run + 1 : 0;
+      ASSERT_EQ(world.brokenOff().mask != 0, run == kTicks) << share << " " << tick;
+    }
+    EXPECT_EQ(run, kTicks);
+    EXPECT_GT(tick, 100) << "neither alone";
+  }
+}
+
+/** A post, and balls that fall on it one after the other. */
+model::SceneModel makeHail(int ticks) {
+  model::SceneModel scene = testing::makeEmptyScene();
+  addSceneLink(&scene, "post", model::JointKind::kFixed, Pose{}, {box(shift(0, 0, 0.005), 0.2, 0.2, 0.010)},
+               cube(0.02, 0.01));
+  for (int i = 0; i < 6; ++i) {
+    addSceneLink(&scene, "ball" + std::to_string(i), model::JointKind::kFloating,
+                 shift(0.03 * i - 0.08, 0, 0.05 + 0.03 * i), {testing::sphere(Pose{}, 0.006)},
+                 testing::inertial(0.02, Vector3::Zero(), 3e-7, 3e-7, 3e-7));
+  }
+  scene.breakables = {{0, 2.0, 10.0, ticks}};
+  return scene;
+}
+
+TEST_F(Breakable, KnocksWithPausesDoNotAddUp) {
+  // GIVEN how long each knock of the hail lasts, by the contact list
+  constexpr int kLong = 400;
+  RavenWorld world(raven_, makeHail(1 << 20), testing::modelConfig());
+  int longest = 0, run = 0, all = 0;
+  for (int i = 0; i < kLong; ++i) {
+    testing::driveStep(&world, {home_, home_});
+    run = isPressed(world, 2.0) ? run + 1 : 0;
+    longest = std::max(longest, run);
+    all += run > 0 ? 1 : 0;
+  }
+  ASSERT_GT(longest, 0);
+  ASSERT_GT(all, longest + 1) << "one knock alone would show nothing";
+  EXPECT_TRUE(breaksWithin(makeHail(longest), kLong));
+  EXPECT_FALSE(breaksWithin(makeHail(longest + 1), kLong));
+}
+
+TEST_F(Breakable, OfTwoTheOneThatBreaksIsTold) {
+  for (const int heavy : {0, 1}) {
+    model::SceneModel scene = testing::makeEmptyScene();
+    for (int i = 0; i < 2; ++i) {
+      const std::string number = std::to_string(i);
+      addSceneLink(&scene, "post" + number, model::JointKind::kFixed, shift(0.1 * i, 0, 0),
+                   {box(shift(0, 0, 0.005), 0.03, 0.03, 0.010)}, cube(0.02, 0.01));
+      addSceneLink(&scene, "weight" + number, model::JointKind::kFloating, shift(0.1 * i, 0, 0.020),
+                   {box(Pose{}, 0.02, 0.02, 0.02)}, cube((i == heavy ? 1.5 : 0.5) * kForce / kGravity, 0.02));
+    }
+    scene.breakables = {{0, kForce, 10.0, kTicks}, {2, kForce, 10.0, kTicks}};
+    RavenWorld world(raven_, scene, testing::modelConfig());
+    idle(&world, home_, 60);
+    EXPECT_EQ(world.brokenOff().mask, 1U << heavy);
+  }
+}
+
 TEST(BreakableSetUp, RefusesWhatCannotBeABody) {
   model::SceneModel scene = makePostAndWeight(0.1, 0.0);
   scene.description.links[1].inertial = {};

@@ -64,6 +64,17 @@ TEST(ContactSet, DropsTheShallowestOfTooManyPoints) {
   EXPECT_EQ(set.begin()->points[0].pos[0], 777.0);
 }
 
+TEST(ContactSet, OfPointsAtOnePlaceKeepsTheDeepest) {
+  for (const bool deepest_first : {true, false}) {
+    ContactSet set;
+    set.add(1, 2, point(0.0, 0.0, deepest_first ? 0.3 : 0.1));
+    set.add(1, 2, point(1e-4, 0.0, deepest_first ? 0.1 : 0.3));
+    set.reduce();
+    ASSERT_EQ(set.begin()->count, 1U);
+    EXPECT_EQ(set.begin()->points[0].depth, 0.3);
+  }
+}
+
 TEST(ContactSet, IgnoresPairsBeyondItsSize) {
   ContactSet set;
   for (int i = 0; i < 1000; ++i)

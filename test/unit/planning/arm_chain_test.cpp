@@ -138,6 +138,89 @@ TEST_P(LeverBoundTest, ALeverIsTheGreatestDistanceFromTheAxis) {
     EXPECT_EQ(levers[after], 0.0);
 }
 
+/** A box or a capsule anywhere about a joint's frame. */
+Solid randomSolid(bool is_box, Random* random) {
+  const auto x = [random] { return random->uniform(-0.05, 0.05); };
+  const auto size = [random] { return random->uniform(0.002, 0.06); };
+  const Quaternion turn(random->normal(), random->normal(), random->normal(), random->normal());
+  const Pose X{turn.normalized().toRotationMatrix(), {x(), x(), x()}};
+  const model::CollisionShape shape =
+      is_box ? test::box({size(), size(), size()}, X) : test::capsule(size() / 4, size(), X);
+  return makeSolid({}, {}, shape, Pose{}, 0.0);
+}
+
+/** A box's corners; of a capsule, points of its ends' balls. */
+std::vector<Vector3> cornersOf(const Solid& solid) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < 8; ++i) {
+    const Vector3 sign((i & 1) * 2 - 1, (i >> 1 & 1) * 2 - 1, (i >> 2) * 2 - 1);
+    const Vector3& end = i < 4 ? solid.axis.a : solid.axis.b;
+    points.push_back(solid.round ? Vector3(end + solid.radius * sign.normalized())
+                                 : Vector3(solid.X_WS * Vector3(sign.cwiseProduct(solid.half))));
+  }
+  return points;
+}
+
+TEST_P(LeverBoundTest, HoldsForEveryCornerOfAnySolidOnAnyJoint) {
+  const model::RavenModel& raven = test::trainer().raven;
+  const ArmChain chain(raven, GetParam());
+  Random random(4);
+  for (int trial = 0; trial < 400; ++trial) {
+    const bool is_box = trial % 2 == 0;
+    const int joint = trial / 2 % static_cast<int>(kJointCount);
+    const Solid solid = randomSolid(is_box, &random);
+    const LeverBound bound(chain, joint, solid);
+    const std::vector<Vector3> corners = cornersOf(solid);
+    // Its own joint's lever is the distance of the farthest point from the axis, which is z.
+    double farthest = 0.0;
+    for (const Vector3& p : corners)
+      farthest = std::max(farthest, std::hypot(p.x(), p.y()));
+    for (int i = 0; i < 40; ++i) {
+      const JointArray a = test::randomJoints(raven.arms.geometry, &random);
+      const JointArray b = test::randomJointsNear(raven.arms.geometry, a, i % 2 == 0 ? 0.005 : 1.0, &random);
+      const Levers levers = bound.levers(chain.positions(a)[kInsertion], chain.positions(b)[kInsertion]);
+      if (is_box && joint != static_cast<int>(kInsertion)) {
+        ASSERT_NEAR(levers[static_cast<std::size_t>(joint)], farthest, 1e-12) << trial;
+      }
+      const auto from = framesAt(chain, a), to = framesAt(chain, b);
+      for (const Vector3& p : corners) {
+        double most = 0.0;
+        for (std::size_t j = 0; j < kJointCount; ++j)
+          most += levers[j] * std::abs(b[j] - a[j]);
+        const auto k = static_cast<std::size_t>(joint);
+        ASSERT_LE((to[k] * p - from[k] * p).norm(), most + 1e-12) << trial;
+      }
+    }
+  }
+}
+
+TEST_P(LeverBoundTest, HoldsForOneJointThatTurnsAlone) {
+  // The bound of a single joint has nothing to spare: each joint, at both ends of the insertion
+  const model::RavenModel& raven = test::trainer().raven;
+  const ArmGeometry& g = raven.arms.geometry;
+  const ArmChain chain(raven, GetParam());
+  Random random(5);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int carrier = trial % static_cast<int>(kJointCount);
+    const Solid solid = randomSolid(trial % 2 == 0, &random);
+    const LeverBound bound(chain, carrier, solid);
+    JointArray a = test::randomJoints(g, &random);
+    a[kInsertion] = trial % 3 == 0 ? g.q_min[kInsertion] : g.q_max[kInsertion];
+    const double u = chain.positions(a)[kInsertion], v = chain.positions(g.home)[kInsertion];
+    for (const Levers& levers : {bound.levers(u, u), bound.levers(u, v), bound.levers(v, u)}) {
+      for (std::size_t j = 0; j <= static_cast<std::size_t>(carrier); ++j) {
+        JointArray b = a;
+        b[j] += j == kInsertion ? 0.0 : 1e-4;
+        const auto k = static_cast<std::size_t>(carrier);
+        for (const Vector3& p : cornersOf(solid)) {
+          const double moved = (framesAt(chain, b)[k] * p - framesAt(chain, a)[k] * p).norm();
+          ASSERT_LE(moved, levers[j] * 1e-4 + 1e-12) << trial << " joint " << j;
+        }
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Arms, LeverBoundTest, ::testing::Values(Arm::kGold, Arm::kGreen), [](const auto& instance) {
   return std::string(name(instance.param));
 });

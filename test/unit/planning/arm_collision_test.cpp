@@ -6,6 +6,7 @@
 
 #include "planning_fixtures.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::planning {
@@ -157,6 +158,51 @@ TEST_F(ArmCollisionTest, TouchesItself) {
   EXPECT_TRUE(arm.touches(bent));
   bent[kWrist] = -1.2;
   EXPECT_FALSE(arm.touches(bent));
+}
+
+TEST_F(ArmCollisionTest, ItsDistanceToItselfIsThatOfThePoseAsked) {
+  // GIVEN the robot of TouchesItself, asked for its distance alone, first here and then there
+  model::RavenModel raven = test::raven();
+  std::vector<double> positions(raven.description.links.size());
+  std::vector<Pose> poses(raven.description.links.size());
+  JointArray bent = home_;
+  bent[kWrist] = 1.2;
+  raven.linkPosesInWorld({bent, home_}, &positions, &poses);
+  const auto elbow = static_cast<std::size_t>(raven.links[0][kElbow]);
+  const auto jaw = static_cast<std::size_t>(raven.links[0][kGrasp1]);
+  raven.description.links[elbow].collisions.push_back(
+      test::sphere(0.002, {Matrix3::Identity(), poses[elbow].inverse() * poses[jaw].p}));
+  const SceneObstacles obstacles(test::scene({}));
+  ArmCollision arm(raven, obstacles, Arm::kGold, 0.0005);
+  arm.placeOther(home_);
+  EXPECT_EQ(arm.distance(bent, 0.05), 0.0);
+  JointArray away = bent;
+  away[kWrist] = -1.2;
+  EXPECT_GT(arm.distance(away, 0.05), 0.001);
+  EXPECT_EQ(arm.distance(bent, 0.05), 0.0);
+}
+
+/** A turned box, grown, and where its corners are then. */
+TEST(BodyCorners, AGrownBoxReachesToItsCorners) {
+  Random random(15);
+  for (int trial = 0; trial < 300; ++trial) {
+    const auto size = [&random] { return random.uniform(0.002, 0.05); };
+    const model::CollisionShape shape = test::box({size(), size(), size()});
+    const double grow = trial % 3 == 0 ? 0.0 : random.uniform(0.0, 0.01), ball = 0.003;
+    const Quaternion turn(random.normal(), random.normal(), random.normal(), random.normal());
+    const Pose X{turn.normalized().toRotationMatrix(), {0.1, 0.2, 0.3}};
+    Body box({}, {}, shape, grow), touching({}, {}, test::sphere(ball), 0.0), clear({}, {}, test::sphere(ball), 0.0);
+    box.place(X);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vector3 sign((corner & 1) * 2 - 1, (corner >> 1 & 1) * 2 - 1, (corner >> 2) * 2 - 1);
+      const Vector3 p = Vector3(shape.size.array() / 2 + grow).cwiseProduct(sign);
+      touching.place({Matrix3::Identity(), X * Vector3(p + (ball - 1e-4) * sign.normalized())});
+      clear.place({Matrix3::Identity(), X * Vector3(p + (ball + 1e-4) * sign.normalized())});
+      EXPECT_TRUE(box.overlaps(touching) && touching.overlaps(box)) << trial << " " << corner;
+      EXPECT_FALSE(box.overlaps(clear)) << trial << " " << corner;
+      EXPECT_LE(box.gap(touching), 0.0) << "a lower bound of the distance";
+    }
+  }
 }
 
 TEST_F(ArmCollisionTest, JawsMayTouchEachOther) {

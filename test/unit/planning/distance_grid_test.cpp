@@ -129,6 +129,47 @@ TEST(DistanceGridTest, LeavesFreeBodiesOut) {
   EXPECT_NEAR(DistanceGrid(raven, scene).lowerBound({0.03, 0, 0}), 0.06, 2e-4);
 }
 
+TEST(DistanceGridTest, BoundsTheDistanceOfOneTurnedShapeFromEverySide) {
+  // GIVEN one shape alone: beyond the lattices, what is known is the box about it
+  const model::RavenModel raven = test::raven();
+  Random random(3);
+  int beyond = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const Quaternion turn(random.normal(), random.normal(), random.normal(), random.normal());
+    const Pose X{turn.normalized().toRotationMatrix(), {random.uniform(-0.1, 0.1), 0.05, random.uniform(-0.1, 0.1)}};
+    const auto size = [&random] { return random.uniform(0.01, 0.08); };
+    const model::CollisionShape shape =
+        trial % 2 == 0 ? test::box({size(), size(), size()}, X) : test::capsule(size() / 2, size(), X);
+    const DistanceGrid grid(raven, test::scene({shape}));
+    for (int i = 0; i < 400; ++i) {
+      const Vector3 way = Vector3(random.normal(), random.normal(), random.normal()).normalized();
+      const Vector3 p = X.p + random.uniform(0.0, 0.4) * way;
+      const double truth = distanceInFrame(shape, X.inverse() * p);
+      ASSERT_LE(grid.tight(p).lower, truth + kRounding) << trial;
+      ASSERT_LE(grid.quick(p).lower, truth + kRounding) << trial;
+      if (grid.cellAt(p) > 0.0) continue;
+      ++beyond;
+      // A turned box fills its box by no less than that: each of its edges is no longer than the diagonal of the shape.
+      ASSERT_GE(grid.tight(p).lower, truth - 0.5 * std::sqrt(3.0) * (shape.size.norm() + 2 * shape.size.x())) << trial;
+    }
+  }
+  EXPECT_GT(beyond, 5000);
+}
+
+TEST(DistanceGridTest, BeyondItsLatticesTheDistanceIsThatToTheBoxOnEverySide) {
+  // GIVEN a box along the axes, so that the box about everything is the box itself
+  const model::CollisionShape shape = test::box({0.04, 0.06, 0.08}, {Matrix3::Identity(), {0.1, 0.2, 0.3}});
+  const DistanceGrid grid(test::raven(), test::scene({shape}));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      Vector3 p(0.1, 0.2, 0.3);
+      p[axis] += side * (shape.size[axis] / 2 + 0.25);
+      EXPECT_EQ(grid.cellAt(p), 0.0);
+      EXPECT_NEAR(grid.lowerBound(p), 0.25, 1e-12) << axis << " " << side;
+    }
+  }
+}
+
 TEST(DistanceGridTest, KnowsOfNothingInAnEmptyScene) {
   EXPECT_GT(DistanceGrid(test::raven(), test::scene({})).lowerBound({0, 0, 0}), 10.0);
 }

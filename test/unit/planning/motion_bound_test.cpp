@@ -83,6 +83,75 @@ TEST(MotionBound, NothingComesNearerByMore) {
   }
 }
 
+/** A shape of any kind, anywhere about the frame of a link. */
+model::CollisionShape randomShape(int kind, Random* random) {
+  const auto x = [random] { return random->uniform(-0.05, 0.05); };
+  const auto size = [random] { return random->uniform(0.002, 0.06); };
+  const Quaternion turn(random->normal(), random->normal(), random->normal(), random->normal());
+  const Pose X{turn.normalized().toRotationMatrix(), {x(), x(), x()}};
+  if (kind == 0) return {model::ShapeKind::kBox, X, {size(), size(), size()}, -1};
+  if (kind == 1) return test::capsule(size() / 4, size(), X);
+  return test::sphere(size() / 2, X);
+}
+
+/** The corners of a box; of a ball about each end of a capsule's axis, some points of its surface. */
+std::vector<Vector3> surfaceOf(const model::CollisionShape& shape) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < 8; ++i) {
+    const Vector3 sign((i & 1) * 2 - 1, (i >> 1 & 1) * 2 - 1, (i >> 2) * 2 - 1);
+    const double half = shape.kind == model::ShapeKind::kCapsule ? shape.size.y() / 2 : 0.0;
+    points.push_back(shape.X_LS * (shape.kind == model::ShapeKind::kBox
+                                       ? Vector3(shape.size.cwiseProduct(sign) / 2)
+                                       : Vector3(Vector3(0, 0, half * sign.z()) + shape.size.x() * sign.normalized())));
+  }
+  return points;
+}
+
+/** [m] Farthest that a point of these of a link moves. */
+double farthestMotion(const model::RavenModel& raven,
+                      int link,
+                      const std::vector<Vector3>& points,
+                      const JointArray& a,
+                      const JointArray& b) {
+  std::vector<double> positions(raven.description.links.size());
+  std::vector<Pose> before(positions.size()), after(positions.size());
+  raven.linkPosesInWorld({a, a}, &positions, &before);
+  raven.linkPosesInWorld({b, b}, &positions, &after);
+  double farthest = 0.0;
+  for (const Vector3& p : points) {
+    const auto i = static_cast<std::size_t>(link);
+    farthest = std::max(farthest, (after[i] * p - before[i] * p).norm());
+  }
+  return farthest;
+}
+
+TEST(MotionBound, NoCornerOfAnyShapeMovesFartherAndTheFarthestByNearlyTheBound) {
+  // GIVEN one shape alone on a link of an arm, and one joint that moves a little: the farthest corner goes its chord
+  Random random(14);
+  for (const Arm arm : kArms) {
+    for (int trial = 0; trial < 600; ++trial) {
+      model::RavenModel raven = test::raven();
+      for (model::Link& link : raven.description.links)
+        link.collisions.clear();
+      const int link = at(raven.links, arm)[static_cast<std::size_t>(3 + trial % 4)];
+      auto& shapes = raven.description.links[static_cast<std::size_t>(link)].collisions;
+      shapes.push_back(randomShape(trial % 3, &random));
+      MotionBound bound(raven, arm);
+      const JointArray a = randomJoints(raven.arms.geometry, &random);
+      bound.startFrom(a);
+      for (const Joint joint : {kShoulder, kElbow, kInsertion, kToolRotation}) {
+        JointArray b = a;
+        b[joint] += (trial & 4) != 0 ? 1e-4 : -1e-4;
+        const double moved = farthestMotion(raven, link, surfaceOf(shapes[0]), a, b);
+        EXPECT_LE(moved, bound(b) + 1e-12) << trial;
+        if (trial % 3 == 0) {
+          EXPECT_GE(moved, 0.999 * bound(b)) << trial << ": a box's corners, each of them a point";
+        }
+      }
+    }
+  }
+}
+
 TEST(MotionBound, OneJointMovesItsFarthestPointByTheBound) {
   // A slider moves all points by what it slides; a hinge the farthest by its chord, nearly.
   const model::RavenModel raven = test::raven();

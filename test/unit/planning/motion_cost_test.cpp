@@ -208,6 +208,26 @@ TEST(JointSpace, GoesThereAndBackAtAFixedOpening) {
   }
 }
 
+TEST(JointSpace, KeepsBothJawsWithinTheirOwnLimits) {
+  // GIVEN jaws whose limits differ from each other's and from side to side
+  for (const auto& [min1, max1, min2, max2] :
+       {std::array{-1.2, 1.6, -1.6, 1.8}, std::array{-1.8, 1.2, -0.9, 1.5}, std::array{-0.7, 1.8, -1.8, 0.9}}) {
+    ArmGeometry g = test::geometry();
+    g.q_min[kGrasp1] = min1;
+    g.q_max[kGrasp1] = max1;
+    g.q_min[kGrasp2] = min2;
+    g.q_max[kGrasp2] = max2;
+    const JointSpace space(g, 0.6);
+    for (const double end : {0.0, 1.0}) {
+      const JointArray q = space.toJoints({0.5, 0.5, 0.5, 0.5, 0.5, end});
+      double room = 1.0;  // to the nearest of the four limits: at an end of the range one of them is met
+      for (const std::size_t j : {kGrasp1, kGrasp2})
+        room = std::min({room, q[j] - g.q_min[j], g.q_max[j] - q[j]});
+      EXPECT_NEAR(room, 0.0, 1e-12) << end;
+    }
+  }
+}
+
 TEST(JointSpace, KnowsWhatIsOutside) {
   const JointSpace space(test::geometry(), 0.6);
   EXPECT_TRUE(space.contains({0, 1, 0.5, 0.5, 0.5, 0.5}, 0.0));

@@ -105,6 +105,42 @@ TEST_F(PathImprovement, StoppedAtOnceItChecksNoMoreThanWhatMayBeLeftOut) {
   EXPECT_LE(checks, zigzag_.size() - 2) << "one for each waypoint between the ends";
 }
 
+TEST_F(PathImprovement, NoAttemptMakesItDearerOrUnfree) {
+  // GIVEN the corner, and attempt after attempt of the same seed: each path is the one before or a cheaper one
+  is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    task_.seed = seed;
+    double before = lengthOf(zigzag_);
+    for (std::uint32_t attempts = 1; attempts <= 60; attempts += attempts < 20 ? 1 : 8) {
+      task_.attempts = attempts;
+      const Path improved = improvePath(zigzag_, task_);
+      EXPECT_LE(lengthOf(improved), before * (1 + 1e-12)) << seed << " " << attempts;
+      before = lengthOf(improved);
+    }
+    EXPECT_TRUE(isFree(improvePath(zigzag_, task_))) << seed;
+  }
+}
+
+TEST_F(PathImprovement, StaysInTheCubeThoughTheWayRoundWouldBeShorterOutside) {
+  // GIVEN a wall at x0 = 0.5 that reaches a little beyond one side of the cube and far into it
+  for (const bool upper : {false, true}) {
+    const auto depth = [upper](const UnitState& x) { return upper ? 1.0 - x[2] : x[2]; };
+    is_free_ = [depth](const UnitState& x) {
+      return std::abs(x[0] - 0.5) > 0.01 || depth(x) < -0.02 || depth(x) > 0.3;
+    };
+    const double side = upper ? 0.98 : 0.02, over = upper ? 0.6 : 0.4;
+    const Path path{{0.1, 0.5, side, 0.5, 0.5, 0.5}, {0.5, 0.5, over, 0.5, 0.5, 0.5}, {0.9, 0.5, side, 0.5, 0.5, 0.5}};
+    ASSERT_TRUE(isFree(path));
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      task_.seed = seed;
+      for (const UnitState& point : improvePath(path, task_)) {
+        for (const double x : point)
+          EXPECT_TRUE(x >= 0.0 && x <= 1.0) << x;
+      }
+    }
+  }
+}
+
 TEST_F(PathImprovement, GivesTheSameForTheSameSeed) {
   is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
   const Path first = improvePath(zigzag_, task_);

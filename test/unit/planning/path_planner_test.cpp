@@ -487,6 +487,101 @@ TEST_F(PathPlannerTest, ChoosesTheArmThatStandsNearerToTheGoal) {
   EXPECT_EQ(planner.plan(request, 1, true, kGoOn).arm, Arm::kGold);
 }
 
+TEST_F(PathPlannerTest, AnArmThatIsChosenGoesAsIfItHadBeenAsked) {
+  // GIVEN both arms anywhere, jaws opened by different angles, and a goal that the arm which was not asked takes
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  Random random(77);
+  int chosen = 0;
+  for (int problem = 0; problem < 16; ++problem) {
+    const Arm asked = kArms[static_cast<std::size_t>(problem % 2)], better = otherArm(asked);
+    PlanRequest request = overTheWall();
+    request.arm = asked;
+    request.choose_arm = 1;
+    request.start = test::randomJointsNear(raven_.arms.geometry, kHome, 0.3, &random);
+    request.other = test::randomJointsNear(raven_.arms.geometry, kHome, 0.3, &random);
+    request.goal_W = {random.uniform(-0.02, 0.05), better == Arm::kGold ? 0.03 : -0.03, 0.05};
+    if (planner.inCollision(asked, request.start, request.other)) continue;
+    const auto seed = static_cast<std::uint64_t>(problem);
+    const PlanResult result = planner.plan(request, seed, true, kGoOn);
+    if (result.arm != better) continue;
+    ++chosen;
+    // THEN it is the plan for that arm, beside the one that was asked where that stands
+    PlanRequest direct = request;
+    direct.choose_arm = 0;
+    direct.arm = better;
+    std::swap(direct.start, direct.other);
+    const PlanResult wanted = planner.plan(direct, seed, true, kGoOn);
+    EXPECT_EQ(result.status, wanted.status) << problem;
+    EXPECT_EQ(result.waypoints, wanted.waypoints) << problem;
+    EXPECT_EQ(result.cost, wanted.cost) << problem;
+    if (result.status != PlanStatus::kSuccess) continue;
+    EXPECT_EQ(result.waypoints[0], request.other) << problem;
+  }
+  EXPECT_GE(chosen, 5);
+}
+
+TEST_F(PathPlannerTest, AnArmThatStandsBeyondItsLimitsIsNotChosen) {
+  const model::SceneModel scene = test::scene({});
+  PathPlanner planner(raven_, scene, config_);
+  for (const Arm asked : kArms) {
+    PlanRequest request = overTheWall();
+    request.arm = asked;
+    request.choose_arm = 1;
+    request.goal_W = {0.0, asked == Arm::kGold ? -0.03 : 0.03, 0.05};
+    ASSERT_EQ(planner.plan(request, 1, true, kGoOn).arm, otherArm(asked));
+    request.other[kInsertion] = 0.57;
+    EXPECT_EQ(planner.plan(request, 1, true, kGoOn).arm, asked);
+  }
+}
+
+TEST_F(PathPlannerTest, AStartALittleBeyondALimitIsWhereThePathBegins) {
+  // GIVEN an arm that settled a thousandth of a joint's range beyond one of its limits: less than kStartSlack
+  const model::SceneModel scene = test::scene({});
+  PathPlanner planner(raven_, scene, config_);
+  const ArmGeometry& g = raven_.arms.geometry;
+  for (const Joint joint : {kShoulder, kElbow, kInsertion, kToolRotation, kWrist}) {
+    for (const bool upper : {false, true}) {
+      PlanRequest request = overTheWall();
+      const double range = g.q_max[joint] - g.q_min[joint];
+      request.start[joint] = upper ? g.q_max[joint] + 0.001 * range : g.q_min[joint] - 0.001 * range;
+      request.goal = GoalKind::kJoints;
+      request.goal_q = kHome;
+      const PlanResult result = planner.plan(request, 1, true, kGoOn);
+      ASSERT_EQ(result.status, PlanStatus::kSuccess) << kJointNames[joint] << upper;
+      EXPECT_EQ(result.waypoints[0], request.start) << kJointNames[joint] << upper;
+      // AND a goal as far beyond is taken for the limit itself
+      std::swap(request.start, request.goal_q);
+      const PlanResult back = planner.plan(request, 1, true, kGoOn);
+      ASSERT_EQ(back.status, PlanStatus::kSuccess) << kJointNames[joint] << upper;
+      EXPECT_NEAR(back.waypoints[back.waypoint_count - 1][joint], upper ? g.q_max[joint] : g.q_min[joint], 1e-12);
+    }
+  }
+}
+
+TEST_F(PathPlannerTest, EachArmIsJudgedForItself) {
+  for (const Arm arm : kArms) {
+    const model::SceneModel scene =
+        test::scene({test::sphere(0.01, {Matrix3::Identity(), tip(raven_, arm, kHome)})});
+    const PathPlanner planner(raven_, scene, config_);
+    EXPECT_TRUE(planner.inCollision(arm, kHome, kHome)) << name(arm);
+    EXPECT_FALSE(planner.inCollision(otherArm(arm), kHome, kHome)) << name(arm);
+  }
+}
+
+TEST_F(PathPlannerTest, WeightsAndTimesThatAreNoneFail) {
+  const model::SceneModel scene = test::scene({});
+  PathPlanner planner(raven_, scene, config_);
+  for (double PlanOptions::*number : {&PlanOptions::eta_length, &PlanOptions::eta_acceleration,
+                                      &PlanOptions::eta_clearance, &PlanOptions::time_limit}) {
+    for (const double bad : {-1e-9, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+      PlanOptions options = defaultOptions(config_);
+      options.*number = bad;
+      EXPECT_EQ(planner.plan(overTheWall(), 1, true, kGoOn, options).status, PlanStatus::kFailed) << bad;
+    }
+  }
+}
+
 TEST_F(PathPlannerTest, SaysWhyNeitherArmCanGo) {
   const model::SceneModel scene = test::scene({});
   PathPlanner planner(raven_, scene, config_);
@@ -551,6 +646,44 @@ TEST_F(PathPlannerTest, TellsHowFarItCameAndWhatItCost) {
   // In lockstep nothing tells one machine from another.
   planner.plan(overTheWall(), 5, true, kGoOn, defaultOptions(config_), &s);
   EXPECT_EQ(s.goal_time + s.sampling_time + s.neighbour_time + s.search_time + s.improvement_time, 0.0);
+}
+
+TEST_F(PathPlannerTest, ProgressIsOfThePlanThatIsUnderWayOrWasLast) {
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  ASSERT_EQ(planner.plan(overTheWall(), 5, true, kGoOn).status, PlanStatus::kSuccess);
+  const std::uint32_t edges = planner.progress().edges.load();
+  ASSERT_GT(edges, 0u);
+  ASSERT_GT(planner.progress().best_cost.load(), 0.0);
+  planner.plan(overTheWall(), 5, true, kGoOn);
+  EXPECT_EQ(planner.progress().edges.load(), edges) << "not of both";
+  PlanRequest nowhere = overTheWall();
+  nowhere.start[kInsertion] = 0.60;
+  ASSERT_EQ(planner.plan(nowhere, 5, true, kGoOn).status, PlanStatus::kInvalidStart);
+  EXPECT_EQ(planner.progress().samples.load(), 0u);
+  EXPECT_EQ(planner.progress().edges.load(), 0u);
+  EXPECT_EQ(planner.progress().rollouts.load(), 0u);
+  EXPECT_EQ(planner.progress().best_cost.load(), 0.0);
+}
+
+TEST_F(PathPlannerTest, TakesNoMoreSamplesThanItMayAndTellsHowOftenItAdded) {
+  // GIVEN ten samples, which grow by half as many each time: 10, 15, 23, 35, 53, ... up to the most
+  const model::SceneModel scene = wall();
+  PathPlanner planner(raven_, scene, config_);
+  PlanOptions options = defaultOptions(config_);
+  options.samples = 10;
+  int added = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    options.max_samples = 40;
+    PlanStatistics statistics;
+    const PlanResult result = planner.plan(overTheWall(), seed, true, kGoOn, options, &statistics);
+    EXPECT_LE(result.samples, 40u) << seed;
+    const std::array<std::uint32_t, 5> steps{10, 15, 23, 35, 40};
+    ASSERT_LT(statistics.rounds, steps.size());
+    EXPECT_EQ(result.samples, steps[statistics.rounds]) << seed;
+    added += statistics.rounds > 0 ? 1 : 0;
+  }
+  EXPECT_GT(added, 0);
 }
 
 TEST_F(PathPlannerTest, AddsSamplesWhereTheFirstDoNotDo) {

@@ -313,6 +313,127 @@ TEST(RollOut, ARepairedPathIsTakenUpWhereTheOldOneFailed) {
   EXPECT_LT(used.calls, fresh.calls);
 }
 
+/** What follow() is given. */
+struct Task {
+  const char* what;
+  Path path;
+  std::vector<double> arrival;
+  JointArray other;
+};
+
+/** About where the green arm can lean over to. */
+JointArray inTheMiddle(double shoulder, double elbow, double insertion = 0.0, double rotation = 0.0) {
+  return fromHome(0.25 + shoulder, 0.5 + elbow, -0.04 + insertion, rotation);
+}
+
+/** Short edges of which each next task differs from the one before in one thing alone. */
+std::vector<Task> tasksInARow(const JointArray& beside) {
+  const Path path{inTheMiddle(0.0, 0.0), inTheMiddle(0.05, 0.03, -0.005), inTheMiddle(0.08, -0.03, -0.005, 0.1),
+                  inTheMiddle(0.03, 0.0)};
+  Path another_start = path, another_end = path;
+  another_start[0] = inTheMiddle(-0.03, 0.0);
+  another_end[3] = inTheMiddle(0.0, -0.05);
+  const std::vector<double> quick{0.0, 0.25, 0.5, 0.75}, late_end{0.0, 0.25, 0.5, 1.0}, early{0.0, 0.2, 0.5, 0.75};
+  return {{"first", path, quick, home()},
+          {"another place of the other arm", path, quick, beside},
+          {"and back", path, quick, home()},
+          {"another last time", path, late_end, home()},
+          {"another first time", path, early, home()},
+          {"another start", another_start, early, home()},
+          {"another end", another_end, quick, home()},
+          {"the same", another_end, quick, home()},
+          {"a beginning of it", {path[0], path[1]}, {0.0, 0.25}, home()},
+          {"and all", path, quick, home()}};
+}
+
+/** Where the green arm comes nearer to a path's waypoints than anything else by so much [m], and does not touch. */
+JointArray nearerThan(const std::vector<model::CollisionShape>& shapes, const Path& path, double by) {
+  const SceneObstacles obstacles(test::scene(shapes));
+  ArmCollision judge(raven(), obstacles, Arm::kGold, 0.0);
+  const auto distance = [&](const JointArray& other) {
+    judge.placeOther(other);
+    double least = 0.05;
+    for (const JointArray& q : path)
+      least = std::min(least, judge.distance(q, least));
+    return least;
+  };
+  const double usual = distance(home());
+  for (double shoulder = -0.5; shoulder < 0.5; shoulder += 0.05) {
+    for (double elbow = 0.0; elbow < 0.75; elbow += 0.03) {
+      const JointArray q = fromHome(shoulder, elbow, -0.05);
+      const double found = distance(q);
+      if (found > 0.002 && found < usual - by) return q;
+    }
+  }
+  return home();
+}
+
+TEST(RollOut, WhicheverPathCameBeforeTheNextIsFollowedAsByANewOne) {
+  const Vector3 below = tip_W(inTheMiddle(0.08, -0.03, -0.005)) - Vector3(0, 0, 0.03);
+  const std::vector<model::CollisionShape> shapes{ball(below, 0.004)};
+  const JointArray beside = nearerThan(shapes, tasksInARow(home())[0].path, 0.003);
+  ASSERT_NE(beside, home()) << "no place for the green arm";
+  Scene used(shapes);
+  for (const Task& task : tasksInARow(beside)) {
+    SCOPED_TRACE(task.what);
+    const RollOutReport wanted = Scene(shapes).roll_out.follow(task.path, task.arrival, task.other);
+    const RollOutReport found = used.roll_out.follow(task.path, task.arrival, task.other);
+    EXPECT_TRUE(found.free);
+    expectEqual(found, wanted);
+    EXPECT_EQ(found.tracking_edge, wanted.tracking_edge);
+  }
+}
+
+TEST(RollOut, AnotherMeasureOfDistanceForgetsWhatTheOldOneSaid) {
+  Scene scene({});
+  const Task task = tasksInARow(home())[0];
+  for (const double distance : {0.020, 0.007, 0.030}) {
+    scene.roll_out.useClearance([distance](const JointArray&) { return distance; });
+    EXPECT_EQ(scene.roll_out.follow(task.path, task.arrival, home()).clearance, distance);
+  }
+}
+
+TEST(RollOut, AnArmThatNeverComesToRestIsNotFree) {
+  // GIVEN a wrist without any damping, set swinging by a short edge
+  ModelConfig swinging = config().model;
+  swinging.gains[kWrist].kd = swinging.viscous_friction[kWrist] = 0.0;
+  Scene scene({}, swinging);
+  const Path path{home(), fromHome(0.0, 0.0, 0.0, 0.0, 0.1), fromHome(0.0, 0.0, 0.0, 0.0, 0.3)};
+  const RollOutReport report = scene.roll_out.follow(path, {0.0, 0.5, 0.55}, home());
+  EXPECT_FALSE(report.free);
+  EXPECT_FALSE(report.broken);
+  EXPECT_EQ(report.failed_edge, 1U) << "the last one";
+  EXPECT_GT(report.duration, 0.55 + 1.0);
+  EXPECT_GT(report.clearance, 0.0);
+}
+
+TEST(RollOut, ItEndsAtRestWhicheverWayTheJointsCame) {
+  for (const double way : {1.0, -1.0}) {
+    const Path path{home(), fromHome(0.1 * way, 0.1 * way, 0.01 * way, 0.2 * way, 0.2 * way)};
+    const std::vector<double> arrival{0.0, 0.4};
+    Scene scene({});
+    const RollOutReport report = scene.roll_out.follow(path, arrival, home());
+    ASSERT_TRUE(report.free);
+    const std::vector<JointArray> states = tracked(path, arrival, config().model);
+    const auto last = static_cast<std::size_t>(std::lround(report.duration / kTickSeconds));
+    ASSERT_LT(last, states.size());
+    // THEN over its last 20 ticks no joint moved by 1 mrad/s, 1 mm/s
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      EXPECT_LT(std::abs(states[last][j] - states[last - 20][j]), 20 * 1e-3 * kTickSeconds) << j << " " << way;
+  }
+}
+
+TEST(RollOut, TellsTheEdgeOnWhichTheTipWasFarthestAstray) {
+  for (std::size_t fast = 0; fast < 3; ++fast) {
+    // GIVEN three edges alike, one of them followed much faster than the others
+    const Path path{home(), fromHome(0.05, 0.0, 0.0), fromHome(0.1, 0.0, 0.0), fromHome(0.15, 0.0, 0.0)};
+    std::vector<double> arrival{0.0};
+    for (std::size_t edge = 0; edge < 3; ++edge)
+      arrival.push_back(arrival.back() + (edge == fast ? 0.15 : 0.6));
+    EXPECT_EQ(Scene({}).roll_out.follow(path, arrival, home()).tracking_edge, fast);
+  }
+}
+
 TEST(RollOut, StopsWhenTold) {
   Scene scene({});
   const Path path = threeEdges();

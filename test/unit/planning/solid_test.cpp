@@ -100,6 +100,22 @@ TEST(Solid, SignedDistanceOfPoints) {
   EXPECT_NEAR(signedDistance(sphere, {0.0, 0.0, 0.007}), 0.002, 1e-15);
 }
 
+TEST(Solid, ABoxLiesInTheCapsuleAroundIt) {
+  Random random(3);
+  for (int i = 0; i < 300; ++i) {
+    const model::CollisionShape shape = randomShape(true, &random);
+    const double grow = random.uniform(0.0, 0.01);
+    const Solid solid = moved(makeSolid({}, {}, shape, randomPose(&random, 0.1), grow), randomPose(&random, 0.1));
+    double farthest = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vector3 sign((corner & 1) * 2 - 1, (corner >> 1 & 1) * 2 - 1, (corner >> 2) * 2 - 1);
+      const Vector3 p = solid.X_WS * Vector3(solid.half.cwiseProduct(sign));
+      farthest = std::max(farthest, std::sqrt(squaredDistance(solid.axis, {p, p})));
+    }
+    EXPECT_NEAR(farthest, solid.radius, 1e-12) << "no less, or shapes would be missed; no more, or work is wasted";
+  }
+}
+
 TEST(Solid, GrowsByTheClearanceOnEverySide) {
   const Solid box = makeSolid({}, {}, test::box({0.02, 0.04, 0.06}), {}, 0.002);
   EXPECT_LT((box.half - Vector3(0.012, 0.022, 0.032)).norm(), 1e-15);
