@@ -297,7 +297,8 @@ class EitherTip : public ::testing::TestWithParam<std::size_t> {
   std::size_t arm() const { return GetParam(); }
   std::size_t other() const { return 1 - GetParam(); }
 
-  /** A golden run in which each tip goes some part of the way that goldenAt() goes; `change` makes it the faulty one. */
+  /** A golden run in which each tip goes some part of the way that goldenAt() goes; `change` makes it the faulty one.
+   */
   Outcome outcomeWith(double own_part, double others_part, const Change& change) const {
     Comparison comparison(kLimits);
     for (int tick = 0; tick < kTicks; ++tick) {

@@ -260,7 +260,8 @@ TEST(Plan, AScenariosOwnHorizonAndDrawsAreNotTheNextOnes) {
 
 TEST(Plan, TheForkIsBeforeTheFirstOfItsFaultsInWhateverOrder) {
   const auto row = [](const std::string& first_tick) {
-    return "      - {host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: elbow, value: 1, "
+    return "      - {host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: elbow, value: "
+           "1, "
            "start: {trigger: pedal_down, first_tick: " +
            first_tick + "}, duration_ticks: 0}\n";
   };
@@ -269,7 +270,8 @@ TEST(Plan, TheForkIsBeforeTheFirstOfItsFaultsInWhateverOrder) {
 }
 
 TEST(Plan, TheDaemonsClocksRunBeforeTheRobotsPedalDown) {
-  const std::string row = "site: put_usb_packet, variable: dac, kind: stuck_at, arm: \\[gold, green\\], channel: shoulder";
+  const std::string row =
+      "site: put_usb_packet, variable: dac, kind: stuck_at, arm: \\[gold, green\\], channel: shoulder";
   for (const std::string host : {"relay", "master"}) {
     const std::string scenario = replaced(
         replaced(kScenario, row, "site: network_layer, variable: increment, kind: add, arm: [gold, green], channel: x"),

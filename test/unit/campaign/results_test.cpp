@@ -369,16 +369,38 @@ TEST_F(Results, EveryColumnHasItsOwnNumberInItsUnit) {
   figures.golden_motion = {0.004, 0.003};
   figures.is_finite = 0;
   const std::string line = row(campaign_, run, result);
-  const std::map<std::string, std::string> wanted{
-      {"seed", "12"},         {"injection", "11"},    {"phase", "homing"},        {"host", "robot"},
-      {"variable", "dac"},    {"kind", "stuck_at"},   {"site", "put_usb_packet"}, {"arm", "both"},
-      {"channel", "all"},     {"value", "-7"},        {"low", "1.5"},             {"high", "2.5"},
-      {"first_tick", "700"},  {"repetition", "3"},    {"duration_ticks", "64"},   {"half_period_ticks", "5"},
-      {"motion_seed", "99"},  {"injected_ms", "1"},   {"deviation_mm", "0.4000"}, {"jump_mm", "0.8000"},
-      {"jump_ms", ""},        {"estop", "both"},      {"estop_ms", "200"},        {"seen", "1"},
-      {"reported", "0"},      {"force_ms", "12"},     {"force_n", "1.234"},       {"motion_mm", "2.0000"},
-      {"program", "running"}, {"finite", "0"},        {"golden_motion_mm", "4.0000"},
-      {"outcome", "unsafe_jump"}};
+  const std::map<std::string, std::string> wanted{{"seed", "12"},
+                                                  {"injection", "11"},
+                                                  {"phase", "homing"},
+                                                  {"host", "robot"},
+                                                  {"variable", "dac"},
+                                                  {"kind", "stuck_at"},
+                                                  {"site", "put_usb_packet"},
+                                                  {"arm", "both"},
+                                                  {"channel", "all"},
+                                                  {"value", "-7"},
+                                                  {"low", "1.5"},
+                                                  {"high", "2.5"},
+                                                  {"first_tick", "700"},
+                                                  {"repetition", "3"},
+                                                  {"duration_ticks", "64"},
+                                                  {"half_period_ticks", "5"},
+                                                  {"motion_seed", "99"},
+                                                  {"injected_ms", "1"},
+                                                  {"deviation_mm", "0.4000"},
+                                                  {"jump_mm", "0.8000"},
+                                                  {"jump_ms", ""},
+                                                  {"estop", "both"},
+                                                  {"estop_ms", "200"},
+                                                  {"seen", "1"},
+                                                  {"reported", "0"},
+                                                  {"force_ms", "12"},
+                                                  {"force_n", "1.234"},
+                                                  {"motion_mm", "2.0000"},
+                                                  {"program", "running"},
+                                                  {"finite", "0"},
+                                                  {"golden_motion_mm", "4.0000"},
+                                                  {"outcome", "unsafe_jump"}};
   for (const auto& [column, value] : wanted)
     EXPECT_EQ(cell(line, column), value) << column;
   figures.golden_motion = {0.003, 0.005};
@@ -431,7 +453,9 @@ TEST_F(Results, NoCampaignIsMergedOverAnother) {
   writeShard("s2", 2, 2);
   write("whole", identity(), {});
   const std::string before = slurp(at("whole") + "/outcomes.csv");
-  EXPECT_NE(messageOf([this] { mergeShards({at("s1"), at("s2")}, at("whole")); }).find("already holds"),
+  EXPECT_NE(messageOf([this] {
+              mergeShards({at("s1"), at("s2")}, at("whole"));
+            }).find("already holds"),
             std::string::npos);
   EXPECT_EQ(slurp(at("whole") + "/outcomes.csv"), before);
 }
@@ -442,7 +466,9 @@ TEST_F(Results, ARowBeyondTheCampaignIsRefused) {
   CampaignRun seventh = campaign_.runs[5];
   seventh.number = 7;
   std::ofstream(at("s2") + "/outcomes.csv", std::ios::app) << rowOf(seventh) << "\n";
-  EXPECT_NE(messageOf([this] { mergeShards({at("s1"), at("s2")}, at("merged")); }).find("is no outcome of this"),
+  EXPECT_NE(messageOf([this] {
+              mergeShards({at("s1"), at("s2")}, at("merged"));
+            }).find("is no outcome of this"),
             std::string::npos);
 }
 
