@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
+#include <string>
 
 namespace raven2_trainer::campaign {
 namespace {
@@ -285,6 +287,113 @@ TEST(Comparison, AForceCountsWhereTheGoldenRunHasNone) {
   }
   EXPECT_EQ(comparison.figures().force, 20);
   EXPECT_EQ(comparison.figures().max_force, 1.5);
+}
+
+// ---- either arm --------------------------------------------------------------------------------------------------
+
+/** What holds of one tip holds of the other, along every axis and in both directions. */
+class EitherTip : public ::testing::TestWithParam<std::size_t> {
+ protected:
+  std::size_t arm() const { return GetParam(); }
+  std::size_t other() const { return 1 - GetParam(); }
+
+  /** A golden run in which each tip goes some part of the way that goldenAt() goes; `change` makes it the faulty one.
+   */
+  Outcome outcomeWith(double own_part, double others_part, const Change& change) const {
+    Comparison comparison(kLimits);
+    for (int tick = 0; tick < kTicks; ++tick) {
+      Sample golden = goldenAt(0);
+      golden.p_BT[arm()][0] += own_part * 2e-5 * tick;
+      golden.p_BT[other()][0] += others_part * 2e-5 * tick;
+      Sample faulty = golden;
+      faulty.faulted = 1;
+      change(tick, &faulty);
+      comparison.add(golden, faulty);
+    }
+    return classify(Ending::kComplete, comparison.figures(), kLimits);
+  }
+};
+
+TEST_P(EitherTip, JumpsAlongAnyAxisInEitherDirection) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double jump : {-0.0011, 0.0011}) {
+      const Figures figures = compare([&](int since, Sample* s) { s->p_BT[arm()][axis] += since >= 1 ? jump : 0.0; });
+      EXPECT_EQ(figures.jumped, 1) << axis;
+      EXPECT_NEAR(figures.max_jump, 0.0011, 1e-12) << axis;
+      EXPECT_NEAR(figures.deviation[arm()], 0.0011, 1e-12) << axis;
+      EXPECT_EQ(figures.deviation[other()], 0.0) << axis;
+      EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kUnsafeJump) << axis;
+    }
+  }
+}
+
+TEST_P(EitherTip, IsNoNumberIfOneOfItsThreeIsNone) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double none : {std::numeric_limits<double>::quiet_NaN(), kInf, -kInf}) {
+      const Figures figures = compare([&](int since, Sample* s) {
+        if (since > 5) s->p_BT[arm()][axis] = none;
+      });
+      EXPECT_EQ(figures.is_finite, 0) << axis << " " << none;
+      EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kUnsafeJump) << axis << " " << none;
+    }
+  }
+}
+
+TEST_P(EitherTip, ThatRunsAwayInsteadOfStartingMoved) {
+  const Figures figures = compareHoming([&](int tick, Sample* s) {
+    s->p_BT[arm()][1] += 5e-5 * tick;
+    s->plc = s->software = RunLevel::kInit;
+  });
+  EXPECT_EQ(figures.started, 0);
+  EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kSmallDeviation);
+}
+
+TEST_P(EitherTip, ThatStaysIsNoMotionIfItsOwnGoldenOneWentFar) {
+  const auto stays = [&](int, Sample* s) { s->p_BT[arm()] = goldenAt(0).p_BT[arm()]; };
+  EXPECT_EQ(outcomeWith(1.0, 0.0, stays), Outcome::kNoMotion) << "8 mm, the other one rests";
+  EXPECT_EQ(outcomeWith(0.3, 1.0, stays), Outcome::kSmallDeviation) << "2.4 mm: moved is 3, whatever the other did";
+}
+
+TEST_P(EitherTip, ThatStaysIsNoMotionOnlyWhileTheOtherIsWithItsGoldenOne) {
+  const auto astray = [&](double metres) {
+    return [this, metres](int tick, Sample* s) {
+      s->p_BT[arm()] = goldenAt(0).p_BT[arm()];
+      s->p_BT[other()][2] -= std::min(1e-5 * tick, metres);
+    };
+  };
+  EXPECT_EQ(outcomeWith(1.0, 1.0, astray(0.99e-4)), Outcome::kNoMotion);
+  EXPECT_EQ(outcomeWith(1.0, 1.0, astray(1.01e-4)), Outcome::kSmallDeviation);
+}
+
+TEST_P(EitherTip, HasAForceOfItsOwnGoldenOneToCompareWith) {
+  Comparison comparison(kLimits);
+  for (int tick = 0; tick < kTicks; ++tick) {
+    Sample golden = goldenAt(tick), faulty = goldenAt(tick);
+    faulty.faulted = 1;
+    faulty.force[arm()] = tick >= 10 ? 1.5 : 0.0;
+    golden.force[arm()] = tick < 20 ? 0.8 : 0.0;
+    golden.force[other()] = 0.8;
+    comparison.add(golden, faulty);
+  }
+  EXPECT_EQ(comparison.figures().force, 20);
+  EXPECT_EQ(comparison.figures().max_force, 1.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, EitherTip, ::testing::Range<std::size_t>(0, kArmCount), [](const auto& tested) {
+  return std::string(kArmNames[tested.param]);
+});
+
+TEST(Comparison, AProgramThatEndedReportsNoStop) {
+  for (const ProgramState state : {ProgramState::kHung, ProgramState::kCrashed}) {
+    const Figures figures = compare([state](int since, Sample* s) {
+      if (since < 50) return;
+      s->plc = s->software = RunLevel::kEStop;
+      s->program = state;
+    });
+    EXPECT_EQ(figures.plc_stop, 50);
+    EXPECT_EQ(figures.reported, kNever) << "nobody is left who could know it";
+  }
 }
 
 }  // namespace

@@ -225,5 +225,60 @@ TEST(Plan, TheShippedCampaignsAreOfTheSizeThatTheirSourcesHad) {
   EXPECT_GE(load("dsn16_dac").runs.size(), 1361u);
 }
 
+TEST(Plan, TheHeadsNumbersAreTheCampaigns) {
+  const Campaign campaign = read(kScenario);
+  EXPECT_EQ(campaign.limits.masked, 0.0001);
+  EXPECT_EQ(campaign.limits.jump, 0.001);
+  EXPECT_EQ(campaign.limits.still, 0.0003);
+  EXPECT_EQ(campaign.limits.moved, 0.001);
+  EXPECT_EQ(campaign.limits.force, 0.05);
+  EXPECT_EQ(campaign.cpu_limit, 20);
+  EXPECT_EQ(campaign.plant, "identified");
+  EXPECT_FALSE(campaign.full_homing);
+  EXPECT_FALSE(campaign.arm_contacts);
+  const std::string moved = replaced(kHead, "moved: 0.001", "moved: 0.002");
+  EXPECT_EQ(readCampaign(moved + kScenario, "campaign.yaml", 1, {}).limits.moved, 0.002);
+  EXPECT_TRUE(readCampaign(replaced(kHead, "quick", "full") + kScenario, "campaign.yaml", 1, {}).full_homing);
+  const std::string touching = replaced(kHead, "arm_contacts: false", "arm_contacts: true");
+  EXPECT_TRUE(readCampaign(touching + kScenario, "campaign.yaml", 1, {}).arm_contacts);
+}
+
+TEST(Plan, AScenariosOwnHorizonAndDrawsAreNotTheNextOnes) {
+  const std::string own = replaced(kScenario, "repetitions: 3",
+                                   "repetitions: 3\n    horizon_ticks: 700\n    random: {value: {low: -300, high: "
+                                   "300, whole: true}}");
+  const std::string first = replaced(own, "value: \\[-1000, 0, 1000, 2000\\], ", "");
+  const Campaign campaign = read(first + kScenario);
+  ASSERT_EQ(campaign.runs.size(), 12u + 48u);
+  for (const CampaignRun& run : campaign.runs)
+    EXPECT_EQ(run.horizon_ticks, run.experiment == 0 ? 700 : 3000) << run.number;
+  std::map<double, int> values;
+  for (std::size_t i = 12; i < campaign.runs.size(); ++i)
+    ++values[campaign.runs[i].plan.faults[0].value];
+  EXPECT_EQ(values, (std::map<double, int>{{-1000, 12}, {0, 12}, {1000, 12}, {2000, 12}}));
+}
+
+TEST(Plan, TheForkIsBeforeTheFirstOfItsFaultsInWhateverOrder) {
+  const auto row = [](const std::string& first_tick) {
+    return "      - {host: robot, site: put_usb_packet, variable: dac, kind: add, arm: green, channel: elbow, value: "
+           "1, "
+           "start: {trigger: pedal_down, first_tick: " +
+           first_tick + "}, duration_ticks: 0}\n";
+  };
+  EXPECT_EQ(read(kScenario + row("700")).runs[0].offset_ticks, 700);
+  EXPECT_EQ(read(kScenario + row("1700")).runs[0].offset_ticks, 1000);
+}
+
+TEST(Plan, TheDaemonsClocksRunBeforeTheRobotsPedalDown) {
+  const std::string row =
+      "site: put_usb_packet, variable: dac, kind: stuck_at, arm: \\[gold, green\\], channel: shoulder";
+  for (const std::string host : {"relay", "master"}) {
+    const std::string scenario = replaced(
+        replaced(kScenario, row, "site: network_layer, variable: increment, kind: add, arm: [gold, green], channel: x"),
+        "host: robot", "host: " + host);
+    EXPECT_EQ(read(scenario).runs[0].offset_ticks, 1000 - 64) << host;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::campaign

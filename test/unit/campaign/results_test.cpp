@@ -1,12 +1,15 @@
 #include "raven2_trainer/campaign/results.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <sstream>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -336,6 +339,137 @@ TEST_F(Results, ShardsThatAreNotAPartitionAreRefused) {
   EXPECT_NE(merge("nowhere").find("cannot be read"), std::string::npos);
   EXPECT_FALSE(fs::exists(at("merged"))) << "nothing is written";
   EXPECT_EQ(merge("s2"), "");
+}
+
+/** Every cell by its column, as doc/campaign.md has them. */
+TEST_F(Results, EveryColumnHasItsOwnNumberInItsUnit) {
+  CampaignRun run = campaign_.runs[0];
+  run.seed = 12;
+  run.motion_seed = 99;
+  run.repetition = 3;
+  run.phase = Phase::kHoming;
+  Fault& fault = run.plan.faults[0];
+  fault.arm = fault.channel = -1;
+  fault.value = -7.0;
+  fault.low = 1.5;
+  fault.high = 2.5;
+  fault.first_tick = 700;
+  fault.duration_ticks = 64;
+  fault.half_period_ticks = 5;
+  RunResult result;
+  Figures& figures = result.figures;
+  figures.injected = 1;
+  figures.deviation = {0.0001, 0.0004};
+  figures.max_jump = 0.0008;
+  figures.software_stop = 240;
+  figures.plc_stop = 200;
+  figures.force = 12;
+  figures.max_force = 1.234;
+  figures.motion = {0.002, 0.001};
+  figures.golden_motion = {0.004, 0.003};
+  figures.is_finite = 0;
+  const std::string line = row(campaign_, run, result);
+  const std::map<std::string, std::string> wanted{{"seed", "12"},
+                                                  {"injection", "11"},
+                                                  {"phase", "homing"},
+                                                  {"host", "robot"},
+                                                  {"variable", "dac"},
+                                                  {"kind", "stuck_at"},
+                                                  {"site", "put_usb_packet"},
+                                                  {"arm", "both"},
+                                                  {"channel", "all"},
+                                                  {"value", "-7"},
+                                                  {"low", "1.5"},
+                                                  {"high", "2.5"},
+                                                  {"first_tick", "700"},
+                                                  {"repetition", "3"},
+                                                  {"duration_ticks", "64"},
+                                                  {"half_period_ticks", "5"},
+                                                  {"motion_seed", "99"},
+                                                  {"injected_ms", "1"},
+                                                  {"deviation_mm", "0.4000"},
+                                                  {"jump_mm", "0.8000"},
+                                                  {"jump_ms", ""},
+                                                  {"estop", "both"},
+                                                  {"estop_ms", "200"},
+                                                  {"seen", "1"},
+                                                  {"reported", "0"},
+                                                  {"force_ms", "12"},
+                                                  {"force_n", "1.234"},
+                                                  {"motion_mm", "2.0000"},
+                                                  {"program", "running"},
+                                                  {"finite", "0"},
+                                                  {"golden_motion_mm", "4.0000"},
+                                                  {"outcome", "unsafe_jump"}};
+  for (const auto& [column, value] : wanted)
+    EXPECT_EQ(cell(line, column), value) << column;
+  figures.golden_motion = {0.003, 0.005};
+  figures.program = ProgramState::kHung;
+  EXPECT_EQ(cell(row(campaign_, run, result), "golden_motion_mm"), "5.0000") << "of the livelier arm";
+  EXPECT_EQ(cell(row(campaign_, run, result), "program"), "hung");
+  figures.program = ProgramState::kCrashed;
+  EXPECT_EQ(cell(row(campaign_, run, result), "program"), "crashed");
+}
+
+TEST_F(Results, AnotherShardIsNotResumed) {
+  writeShard("a", 1, 2);
+  EXPECT_NE(messageOf([this] { PartialOutcomes({at("a")}, identity(2, 2), campaign_, true); }).find("is shard 1"),
+            std::string::npos);
+  EXPECT_EQ(messageOf([this] { PartialOutcomes({at("a")}, identity(1, 2), campaign_, true); }), "");
+}
+
+/** No file of this process grows beyond so many bytes. */
+void limitFileSize(rlim_t bytes) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  getrlimit(RLIMIT_FSIZE, &limit);
+  limit.rlim_cur = bytes;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+TEST_F(Results, ARowThatTheDiskRefusedIsNotThere) {
+  PartialOutcomes outcomes({at("a")}, identity(), campaign_, false);
+  outcomes.add(1, rowOf(campaign_.runs[0]));
+  limitFileSize(fs::file_size(at("a") + "/outcomes.part"));
+  const std::string said = messageOf([&] { outcomes.add(2, rowOf(campaign_.runs[1])); });
+  limitFileSize(RLIM_INFINITY);
+  EXPECT_NE(said.find("cannot be written"), std::string::npos);
+  EXPECT_FALSE(outcomes.has(2));
+  EXPECT_EQ(outcomes.size(), 1u);
+}
+
+TEST_F(Results, ExplanationsGoWithTheMergedTable) {
+  for (std::size_t shard = 1; shard <= 2; ++shard) {
+    const std::string name = "s" + std::to_string(shard);
+    writeShard(name, shard, 2);
+    std::ofstream(OutputPaths{at(name)}.explanations("six")) << "# why\n";
+  }
+  mergeShards({at("s1"), at("s2")}, at("merged"));
+  EXPECT_EQ(slurp(OutputPaths{at("merged")}.explanations("six")), "# why\n");
+}
+
+TEST_F(Results, NoCampaignIsMergedOverAnother) {
+  writeShard("s1", 1, 2);
+  writeShard("s2", 2, 2);
+  write("whole", identity(), {});
+  const std::string before = slurp(at("whole") + "/outcomes.csv");
+  EXPECT_NE(messageOf([this] {
+              mergeShards({at("s1"), at("s2")}, at("whole"));
+            }).find("already holds"),
+            std::string::npos);
+  EXPECT_EQ(slurp(at("whole") + "/outcomes.csv"), before);
+}
+
+TEST_F(Results, ARowBeyondTheCampaignIsRefused) {
+  writeShard("s1", 1, 2);
+  writeShard("s2", 2, 2);
+  CampaignRun seventh = campaign_.runs[5];
+  seventh.number = 7;
+  std::ofstream(at("s2") + "/outcomes.csv", std::ios::app) << rowOf(seventh) << "\n";
+  EXPECT_NE(messageOf([this] {
+              mergeShards({at("s1"), at("s2")}, at("merged"));
+            }).find("is no outcome of this"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <map>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/runtime/motion.h"
 #include "support/rig.h"
 
@@ -176,6 +178,134 @@ TEST(MakeRuns, JobsAndPartsChangeNothing) {
   for (const auto& [number, result] : pieces) {
     const CampaignRun& run = campaign.runs[number - 1];
     EXPECT_EQ(row(campaign, run, result), row(campaign, run, one.at(number)));
+  }
+}
+
+/** A stack, and faults of any host in it. */
+class Sampled : public ::testing::Test {
+ protected:
+  Sampled() {
+    raven2_trainer::testing::useOde();
+    config_ = configurationFor(everyClock(), raven2_trainer::testing::packagedConfig());
+    stack_ = std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, "scripted"));
+  }
+
+  void ticks(int count) {
+    for (int i = 0; i < count; ++i) {
+      stack_->tick();
+      stack_->discardRecords();
+    }
+  }
+  Sample sample() const { return sampleOf(config_.arms, *stack_); }
+
+  void arm(FaultHost host, FaultVariable variable, FaultKind kind, double value, Arm arm, int channel) {
+    FaultPlan plan;
+    plan.count = 1;
+    Fault& fault = plan.faults[0];
+    fault.id = 1;
+    fault.arming = ++armings_;
+    fault.host = host;
+    fault.site = infoOf(variable).site;
+    fault.variable = variable;
+    fault.kind = kind;
+    fault.trigger = FaultTrigger::kHand;
+    fault.value = value;
+    fault.arm = infoOf(variable).per_arm ? static_cast<std::int8_t>(index(arm)) : std::int8_t{-1};
+    fault.channel = static_cast<std::int8_t>(channel);
+    stack_->arm(plan);
+  }
+
+  void expectFaultsOfAnyHostSeen() {
+    const std::map<FaultHost, FaultVariable> faults{{FaultHost::kRobot, FaultVariable::kDac},
+                                                    {FaultHost::kRelay, FaultVariable::kIncrement},
+                                                    {FaultHost::kMaster, FaultVariable::kIncrement},
+                                                    {FaultHost::kConsole, FaultVariable::kForceGain}};
+    for (const auto& [host, variable] : faults) {
+      EXPECT_EQ(sample().faulted, 0) << kFaultHostNames[static_cast<std::size_t>(host)];
+      arm(host, variable, FaultKind::kAdd, 1, Arm::kGold, 0);
+      ticks(3);
+      EXPECT_EQ(sample().faulted, 1) << kFaultHostNames[static_cast<std::size_t>(host)];
+      stack_->arm(FaultPlan{});
+      ticks(5);
+    }
+  }
+
+  /** The green hand's motion is added to: model and robot go on with it. */
+  void expectTipsOfEachArm() {
+    arm(FaultHost::kMaster, FaultVariable::kIncrement, FaultKind::kAdd, 100, Arm::kGreen, 1);
+    ticks(200);
+    const Sample now = sample();
+    const RobotState robot = stack_->view().robot;
+    ASSERT_GT((toEigen(robot.arms[0].p_BT) - toEigen(robot.arms[1].p_BT)).norm(), 0.005) << "[m] not told apart";
+    for (const Arm each : kArms)  // true joints beside those that the encoders show
+      EXPECT_LT((toEigen(at(now.p_BT, each)) - toEigen(at(robot.arms, each).p_BT)).norm(), 0.002) << name(each);
+  }
+
+  /** Only the green robot is deceived. */
+  void expectForcesOfEachArm() {
+    arm(FaultHost::kRelay, FaultVariable::kIncrement, FaultKind::kAdd, 100, Arm::kGreen, 0);
+    ticks(200);
+    const Sample now = sample();
+    EXPECT_GT(at(now.force, Arm::kGreen), 0.5);
+    EXPECT_LT(at(now.force, Arm::kGold), 0.1);
+    const Vec3& force = at(stack_->view().haptic.force_B, Arm::kGreen);
+    EXPECT_NEAR(at(now.force, Arm::kGreen), std::hypot(force[0], force[1], force[2]), 1e-12);
+  }
+
+  void expectTheRobotsOwnStopSeen() {
+    arm(FaultHost::kRobot, FaultVariable::kCurrentCmd, FaultKind::kStuckAt, 1e5, Arm::kGreen, kShoulder);
+    bool was_seen = false;
+    for (int i = 0; i < 50; ++i) {
+      ticks(1);
+      EXPECT_EQ(sample().soft_estopped, stack_->robot().soft_estopped);
+      was_seen = was_seen || sample().soft_estopped != 0;
+    }
+    EXPECT_TRUE(was_seen);
+  }
+
+  TrainerConfig config_;
+  std::unique_ptr<runtime::LockstepStack> stack_;
+  std::uint32_t armings_{0};
+};
+
+TEST_F(Sampled, IsWhatEachArmAndHostDid) {
+  for (int i = 0; i < 10000 && stack_->robot().runlevel != RunLevel::kPedalDown; ++i)
+    ticks(1);
+  ASSERT_EQ(stack_->robot().runlevel, RunLevel::kPedalDown);
+  ticks(100);
+  expectFaultsOfAnyHostSeen();
+  expectTipsOfEachArm();
+  expectForcesOfEachArm();
+  expectTheRobotsOwnStopSeen();
+}
+
+TEST_F(Sampled, WhatThePlcIsInIsNotWhatTheProgramBelieves) {
+  ticks(200);
+  const RunLevel level = stack_->robot().runlevel;
+  ASSERT_EQ(level, RunLevel::kInit);
+  arm(FaultHost::kRobot, FaultVariable::kProgram, FaultKind::kHang, 0, Arm::kGold, -1);
+  ticks(300);
+  EXPECT_EQ(sample().plc, RunLevel::kEStop) << "its watchdog stopped";
+  EXPECT_EQ(sample().software, level);
+  EXPECT_EQ(sample().program, ProgramState::kHung);
+}
+
+TEST(ConfigurationFor, IsTheCampaignsWithNothingElseArmed) {
+  Campaign campaign = everyClock();
+  for (const bool on : {false, true}) {
+    campaign.full_homing = campaign.arm_contacts = on;
+    TrainerConfig config = raven2_trainer::testing::packagedConfig();
+    config.hazard = "sudden_jump";
+    config.runtime.plan_at = 2.0;
+    config.virtual_raven.full_homing = !on;
+    config.model.arm_contacts = {!on, !on};
+    const TrainerConfig made = configurationFor(campaign, config);
+    EXPECT_EQ(made.hazard, "none");
+    EXPECT_LT(made.runtime.plan_at, 0.0);
+    EXPECT_EQ(made.virtual_raven.full_homing, on);
+    EXPECT_EQ(made.model.arm_contacts, (PerArm<bool>{on, on}));
+    config.injection.enable = false;
+    EXPECT_THROW(configurationFor(campaign, config), ConfigException);
   }
 }
 
