@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "raven2_trainer/core/types.h"
 
@@ -9,6 +10,10 @@
 namespace raven2_trainer::training {
 
 using Json = nlohmann::ordered_json;
+
+inline Json orNull(const std::optional<double>& value, double factor = 1.0) {
+  return value ? Json(*value * factor) : Json(nullptr);
+}
 
 inline Json orNull(Tick tick) {
   return tick < 0 ? Json(nullptr) : Json(tick);

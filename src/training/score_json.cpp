@@ -15,10 +15,6 @@ namespace {
 constexpr int kScoreVersion = 1;
 constexpr std::uintmax_t kMostScoreBytes = 64U << 20U;
 
-Json orNull(const std::optional<double>& value, double factor = 1.0) {
-  return value ? Json(*value * factor) : Json(nullptr);
-}
-
 Json nameOrNull(const std::string& name) {
   return name.empty() || name == "none" ? Json(nullptr) : Json(name);
 }
