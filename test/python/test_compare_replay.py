@@ -116,7 +116,7 @@ def compared(tmp_path, rows, column, shift, capsys):
     index = HEADER.index(column)
     write(tmp_path / "ours.csv", HEADER, [change(row, column, f"{float(row[index]) + shift:.6f}")
                                           if 100 <= k < 110 else row for k, row in enumerate(rows)])
-    failed = compare_replay.compare(compare_replay.Trace(tmp_path / "ours.csv"), compare_replay.Trace(tmp_path / "real.csv"))
+    failed = compare_replay.compare(*(compare_replay.Trace(tmp_path / f"{name}.csv") for name in ("ours", "real")))
     lines = [line for line in capsys.readouterr().out.splitlines() if "DIFFERENT" in line]
     assert failed == bool(lines)
     return [line[:34].rstrip() for line in lines]
@@ -144,8 +144,9 @@ def test_what_is_below_the_last_digit_is_equal(tmp_path, recorded, capsys):
 
 
 def test_a_place_is_counted_around_the_end_of_its_32_bits():
-    assert compare_replay.wrapped(np.array([0.0, 5.0, -5.0, 2.0**32 + 3, -2.0**32 - 3, 2.0**31, -2.0**31])).tolist() == [
-        0, 5, -5, 3, -3, -2.0**31, -2.0**31]
+    turn, half = 2.0**32, 2.0**31
+    assert compare_replay.wrapped(np.array([0.0, 5.0, -5.0, turn + 3, -turn - 3, half, -half])).tolist() == [
+        0, 5, -5, 3, -3, -half, -half]
 
 
 def test_an_angle_is_that_between_two_attitudes():

@@ -79,7 +79,8 @@ TEST_F(ConfigurationCopy, ThatChangedOrIsMissingIsRefusedByName) {
 
 TEST_F(ConfigurationCopy, OfWhatWasOverriddenIsWhatWasRead) {
   const std::string share = (folder / "share").string();
-  const auto copies = copyConfiguration(paths, originals(), {{share + "/config/faults/../faults/a.yaml", "overridden"}});
+  const auto copies =
+      copyConfiguration(paths, originals(), {{share + "/config/faults/../faults/a.yaml", "overridden"}});
   ASSERT_EQ(copies.size(), 3U);
   for (const ConfigurationFile& file : copies) {
     std::ifstream copy(paths.directory + "/" + file.path);

@@ -35,10 +35,9 @@ void feed(ContactTally* tally, Tick first, Tick last, std::uint16_t a, std::uint
 
 TEST(BodyClasses, GoByNameWithoutRoles) {
   const std::vector<BodyClass> classes = classifyBodies(kNames, {});
-  const std::vector<BodyClass> expected{BodyClass::kGoldTool, BodyClass::kGoldTool, BodyClass::kGreenTool,
-                                        BodyClass::kTower,    BodyClass::kWire,     BodyClass::kDome,
-                                        BodyClass::kPlate,    BodyClass::kObject,   BodyClass::kOther,
-                                        BodyClass::kGreenTool};
+  const std::vector<BodyClass> expected{
+      BodyClass::kGoldTool, BodyClass::kGoldTool, BodyClass::kGreenTool, BodyClass::kTower, BodyClass::kWire,
+      BodyClass::kDome,     BodyClass::kPlate,    BodyClass::kObject,    BodyClass::kOther, BodyClass::kGreenTool};
   EXPECT_EQ(classes, expected);
 }
 

@@ -41,8 +41,9 @@ void restart(Bench* bench, bool gives_up) {
 
 /** Whether the attempt before was given up, or is running when the next one starts. */
 class EveryAttempt : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Judge, EveryAttempt, ::testing::Bool(),
-                         [](const auto& p) { return p.param ? "GivenUp" : "Restarted"; });
+INSTANTIATE_TEST_SUITE_P(Judge, EveryAttempt, ::testing::Bool(), [](const auto& p) {
+  return p.param ? "GivenUp" : "Restarted";
+});
 
 TEST_P(EveryAttempt, HasItsOwnCountOfMistakes) {
   WatchRule strict = touchRule(Mistake::kWireTouch, {"grasper1_L", "grasper1_R"}, {"wire"}, 0.1, 0.05);
@@ -179,8 +180,8 @@ TEST_P(EitherArm, HoldsAloneUnlessTheOtherOneTouches) {
 
 TEST_P(EitherArm, IsTheWrongOneWhereTheStepAsksForTheOther) {
   for (const bool is_wrong : {true, false}) {
-    Bench bench(Bench::with({track({step({held(handOf(is_wrong ? other() : arm()))}, 10.0)})},
-                            {rule(Mistake::kWrongArm)}));
+    Bench bench(
+        Bench::with({track({step({held(handOf(is_wrong ? other() : arm()))}, 10.0)})}, {rule(Mistake::kWrongArm)}));
     bench.run(1);
     bench.grip(arm());
     bench.run(50);
@@ -189,8 +190,8 @@ TEST_P(EitherArm, IsTheWrongOneWhereTheStepAsksForTheOther) {
 }
 
 TEST_P(EitherArm, TouchesWithItsOwnForceAndTimeEachTime) {
-  Bench bench(Bench::with(
-      {endless()}, {touchRule(Mistake::kWireTouch, {"grasper1_L", "grasper1_R"}, {"wire"}, 0.1, 0.05)}));
+  Bench bench(
+      Bench::with({endless()}, {touchRule(Mistake::kWireTouch, {"grasper1_L", "grasper1_R"}, {"wire"}, 0.1, 0.05)}));
   bench.run(1);
   const struct {
     double force;
@@ -209,8 +210,8 @@ TEST_P(EitherArm, TouchesWithItsOwnForceAndTimeEachTime) {
 }
 
 TEST_P(EitherArm, PressesWithTheSumOfItsContactsInEachTickAlone) {
-  Bench bench(Bench::with({endless()}, {touchRule(Mistake::kWireTouch, {"grasper1_L", "grasper1_R"}, {"wire"}, 0.1,
-                                                   0.05)}));
+  Bench bench(
+      Bench::with({endless()}, {touchRule(Mistake::kWireTouch, {"grasper1_L", "grasper1_R"}, {"wire"}, 0.1, 0.05)}));
   bench.touch(jawOf(arm()), kWire, 0.06);  // below the rule's force, however often
   bench.run(20);
   EXPECT_EQ(bench.mistakes(Mistake::kWireTouch), 0U);
@@ -303,7 +304,8 @@ struct Thing {
 };
 
 class EitherObject : public ::testing::TestWithParam<Thing> {};
-INSTANTIATE_TEST_SUITE_P(Judge, EitherObject,
+INSTANTIATE_TEST_SUITE_P(Judge,
+                         EitherObject,
                          ::testing::Values(Thing{kRingObject, kRingSlot, kRing},
                                            Thing{kBlockObject, kBlockSlot, kBlock}),
                          [](const auto& p) { return p.param.body == kRing ? "Ring" : "Block"; });
@@ -389,8 +391,7 @@ TEST(JudgeAround, EitherWayUpAndByEitherSignOfItsQuaternion) {
   for (const double angle : {0.3, kPi - 0.3, kPi, kPi + 0.3, -0.3}) {
     for (const double sign : {-1.0, 1.0}) {
       Bench bench(Bench::with({track({step({around(kPegA)})})}));
-      bench.put(kRingSlot, {0.03, 0.0, 0.01},
-                {sign * std::sin(0.5 * angle), 0.0, 0.0, sign * std::cos(0.5 * angle)});
+      bench.put(kRingSlot, {0.03, 0.0, 0.01}, {sign * std::sin(0.5 * angle), 0.0, 0.0, sign * std::cos(0.5 * angle)});
       bench.tick();
       EXPECT_EQ(bench.done(), 1) << angle << " " << sign;
     }

@@ -151,8 +151,9 @@ class EitherArm : public ::testing::TestWithParam<Arm> {
 using MetricTable = EitherArm;
 using MetricReference = EitherArm;
 INSTANTIATE_TEST_SUITE_P(Leads, MetricTable, ::testing::ValuesIn(kArms), [](const auto& p) { return name(p.param); });
-INSTANTIATE_TEST_SUITE_P(Leads, MetricReference, ::testing::ValuesIn(kArms),
-                         [](const auto& p) { return name(p.param); });
+INSTANTIATE_TEST_SUITE_P(Leads, MetricReference, ::testing::ValuesIn(kArms), [](const auto& p) {
+  return name(p.param);
+});
 
 TEST_P(MetricTable, HasNameUnitGroupDirectionAndValueOfEachMetric) {
   const std::vector<Metric> metrics = listMetrics(makeMotion(lead()), makeOutcome(), makeEconomy());
@@ -177,7 +178,7 @@ TEST(MetricTable, WithoutAnExerciseTouchesAreThoseOfAllContacts) {
   for (const Metric& metric : listMetrics(makeMotion(Arm::kGold), free, makeEconomy()))
     values[metric.name] = metric.value;
   EXPECT_EQ(values["collisions"], 1000.0 + 1002.0 + 1003.0 + 1004.0 + 1005.0);  // tower, dome, plate, other, arm
-  EXPECT_EQ(values["wire_touches"], 1001.0 + 1007.0);                            // wire, object_wire
+  EXPECT_EQ(values["wire_touches"], 1001.0 + 1007.0);                           // wire, object_wire
   for (const char* name : {"drops", "break_offs", "out_of_order", "wrong_arm"})
     EXPECT_FALSE(values[name]) << name;
 }
@@ -581,22 +582,30 @@ HandMotion numbered(double n) {
 }
 
 void expectHand(std::map<std::string, double>* numbers, const std::string& place, double n) {
-  const std::map<std::string, double> expected{
-      {"path_mm", 1e3 * (n + 0.01)},          {"mean_speed_mm_s", 1e3 * (n + 0.02)},
-      {"max_speed_mm_s", 1e3 * (n + 0.03)},   {"active_time_s", n + 0.04},
-      {"mean_jerk_m_s3", n + 0.05},           {"sparc", n + 0.06},
-      {"dlj", n + 0.07},                      {"ldlj", n + 0.08},
-      {"stroke_sparc", n + 0.09},             {"strokes", n + 11},
-      {"tremor_um", n + 0.1},                 {"master_radius_mm", 1e3 * (n + 0.11)},
-      {"master_deviation_mm", 1e3 * (n + 0.12)}, {"out_of_view_s", n + 0.13}};
+  const std::map<std::string, double> expected{{"path_mm", 1e3 * (n + 0.01)},
+                                               {"mean_speed_mm_s", 1e3 * (n + 0.02)},
+                                               {"max_speed_mm_s", 1e3 * (n + 0.03)},
+                                               {"active_time_s", n + 0.04},
+                                               {"mean_jerk_m_s3", n + 0.05},
+                                               {"sparc", n + 0.06},
+                                               {"dlj", n + 0.07},
+                                               {"ldlj", n + 0.08},
+                                               {"stroke_sparc", n + 0.09},
+                                               {"strokes", n + 11},
+                                               {"tremor_um", n + 0.1},
+                                               {"master_radius_mm", 1e3 * (n + 0.11)},
+                                               {"master_deviation_mm", 1e3 * (n + 0.12)},
+                                               {"out_of_view_s", n + 0.13}};
   for (const auto& [name, value] : expected)
     EXPECT_NEAR((*numbers)[place + name], value, 1e-9) << place << name;
 }
 
 void expectForce(std::map<std::string, double>* numbers, const std::string& place, double n) {
-  const std::map<std::string, double> expected{
-      {"peak_N", n}, {"p95_N", n + 1}, {"impulse_Ns", n + 2}, {"above_s", 0.001 * (n + 3)},
-      {"with_force_s", 0.001 * (n + 4)}};
+  const std::map<std::string, double> expected{{"peak_N", n},
+                                               {"p95_N", n + 1},
+                                               {"impulse_Ns", n + 2},
+                                               {"above_s", 0.001 * (n + 3)},
+                                               {"with_force_s", 0.001 * (n + 4)}};
   for (const auto& [name, value] : expected)
     EXPECT_NEAR((*numbers)[place + name], value, 1e-9) << place << name;
 }
@@ -624,10 +633,10 @@ HazardScore makeHazard() {
 
 void expectHazard(std::map<std::string, double>* numbers, const std::string& place) {
   const std::map<std::string, double> expected{
-      {"injection_tick", 1201},       {"force_after_ms", 21},        {"cue_after_ms", 22},
-      {"reaction.after_ms", 323},     {"deciding.after_ms", 424},    {"coincidences.0.after_ms", 25},
-      {"duration_ms", 926},           {"excursion_mm", 27},          {"error_mm", 28},
-      {"peak_force_N", 2.9},          {"impulse_Ns", 3.1},           {"touches.dome.count", 3},
+      {"injection_tick", 1201},       {"force_after_ms", 21},       {"cue_after_ms", 22},
+      {"reaction.after_ms", 323},     {"deciding.after_ms", 424},   {"coincidences.0.after_ms", 25},
+      {"duration_ms", 926},           {"excursion_mm", 27},         {"error_mm", 28},
+      {"peak_force_N", 2.9},          {"impulse_Ns", 3.1},          {"touches.dome.count", 3},
       {"touches.dome.time_s", 0.033}, {"touches.tower.time_s", 0.0}};
   for (const auto& [name, value] : expected)
     EXPECT_NEAR((*numbers)[place + name], value, 1e-9) << place << name;

@@ -353,8 +353,8 @@ TEST(MotionMetrics, SeeATipLeaveThePictureOnEverySide) {
       for (const double share : {1.0 - just / 0.1, 1.0 + 2.0 * just / 0.1}) {
         const Path there = [x = share * x, y = share * y](double) { return Vec3{x, y, 0.0}; };
         const Path middle = [](double) { return Vec3{}; };
-        const MotionMetrics metrics = arm == Arm::kGold ? measure(10, there, middle, fromAbove())
-                                                        : measure(10, middle, there, fromAbove());
+        const MotionMetrics metrics =
+            arm == Arm::kGold ? measure(10, there, middle, fromAbove()) : measure(10, middle, there, fromAbove());
         const double expected = share > 1.0 ? 0.010 : 0.0;
         EXPECT_NEAR(at(metrics.hands, arm).out_of_view.value(), expected, 1e-12) << x << " " << y;
         EXPECT_NEAR(metrics.out_of_view.value(), expected, 1e-12) << x << " " << y;
