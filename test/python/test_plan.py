@@ -84,7 +84,7 @@ def test_a_folder_is_used_once(tmp_path):
     (["paper", "--samples", "5"], "--samples"),
     (["paper", "--eta", "0.1"], "--eta"),
     (["paper", "--eta", "0.1,0.5,0.1,0.2"], "--eta"),
-    (["paper", "--eta", "0.1,nan"], "NaN is not a value"),
+    (["paper", "--eta", "0.1,nan"], "--eta: value 2 is nan"),
     (["paper", "--times", "0"], "--times"),
     (["paper", "--runs", "0"], "--runs"),
 ])

@@ -30,21 +30,21 @@ std::vector<std::string> withoutRemappings(int argc, char** argv) {
   return arguments;
 }
 
-/** A word, or a piece of one such as --scale=nan or 0.1,nan. */
-bool isNan(const std::string& piece) {
+bool isNan(const std::string& word) {
   char* end = nullptr;
-  return std::isnan(std::strtod(piece.c_str(), &end)) && *end == '\0';
+  return std::isnan(std::strtod(word.c_str(), &end)) && *end == '\0';
 }
 
 /** CLI::Range lets NaN through: every comparison with it is false. */
-bool holdsNan(const std::vector<std::string>& arguments) {
-  return std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) {
-    std::size_t begin = 0, end = 0;
-    for (; (end = word.find_first_of("=,", begin)) != std::string::npos; begin = end + 1) {
-      if (isNan(word.substr(begin, end - begin))) return true;
-    }
-    return isNan(word.substr(begin));
-  });
+void refuseNan(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+    const std::vector<std::string>& values = option->results();
+    const auto bad = std::find_if(values.begin(), values.end(), isNan);
+    if (bad == values.end()) continue;
+    throw CLI::ValidationError(option->get_name(), "value " + std::to_string(bad - values.begin() + 1) + " is " + *bad +
+                                                       ", expected a number");
+  }
 }
 
 void setPort(int option, std::uint16_t* port) {
@@ -111,9 +111,8 @@ int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>&
   tellStatus(app);
   app->name(std::filesystem::path(argv[0]).filename().string());
   try {
-    const std::vector<std::string> arguments = withoutRemappings(argc, argv);
-    if (holdsNan(arguments)) throw CLI::ValidationError("NaN is not a value");
-    app->parse(std::vector<std::string>(arguments));
+    app->parse(withoutRemappings(argc, argv));
+    refuseNan(*app);
   } catch (const CLI::ParseError& e) {
     return app->exit(e);
   }
