@@ -18,6 +18,11 @@ def numbers(values):
     return ' '.join(number(v) for v in values)
 
 
+def frame_numbers(values):
+    """Lengths [m] and angles [rad] of a frame. Digits behind the 14th differ between processors: BLAS."""
+    return numbers(np.round(values, 14) + 0.0)
+
+
 def rpy(rotation):
     """Angles of R = Rz(yaw) Ry(pitch) Rx(roll)."""
     R = np.asarray(rotation)
@@ -107,7 +112,7 @@ class Document:
         """`limit`: lower, upper, effort, velocity."""
         self.lines.append(f'  <joint name="{name}" type="{kind}">')
         self.lines.append(f'    <parent link="{parent}"/><child link="{child}"/>')
-        self.lines.append(f'    <origin xyz="{numbers(position)}" rpy="{numbers(rpy(rotation))}"/>')
+        self.lines.append(f'    <origin xyz="{frame_numbers(position)}" rpy="{frame_numbers(rpy(rotation))}"/>')
         if axis is not None:
             lower, upper, effort, velocity = limit
             self.lines.append(f'    <axis xyz="{numbers(axis)}"/>')
@@ -123,4 +128,4 @@ def origin(position, rotation):
     position, angles = np.round(position, 9) + 0.0, short_rpy(rotation)
     if not position.any() and not angles.any():
         return ''
-    return f'<origin xyz="{numbers(position)}" rpy="{numbers(angles)}"/>'
+    return f'<origin xyz="{frame_numbers(position)}" rpy="{frame_numbers(angles)}"/>'
