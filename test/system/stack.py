@@ -2,9 +2,11 @@
 
 Used by the system tests and by scripts that measure the running system."""
 
+import itertools
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import socket
@@ -32,26 +34,39 @@ def effort(quick, full):
 
 
 # Below the range from which the system takes ports for outgoing connections (from 32768 on): there a connection of anybody
-# could take a port between its choice here and its use.
-PORTS = range(20000, 32000)
+# could take a port between its choice here and its use. The rostests have 27000 to 27999.
+FIRST_PORTS = [first for first in range(20000, 32000, 500) if not 27000 <= first < 28000]
+HOMING_TIME = 0.5  # [s] of quick homing instead of 2.5; the arms end at the same joints
+
+
+def _take_ports():
+    """(lock, ports): 500 ports that no other process takes while this one lives. The lock is an abstract socket."""
+    for first in random.sample(FIRST_PORTS, len(FIRST_PORTS)):
+        lock = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        try:
+            lock.bind(f"\0raven2_trainer_ports_{first}")
+        except OSError:
+            lock.close()
+            continue
+        return lock, itertools.cycle(range(first, first + 500))
+    raise RuntimeError("all ports for tests are taken by other test runs: end one")
+
+
+_port_lock, _ports = _take_ports()
 
 
 def free_ports(count):
-    """[count] ports free for UDP and TCP alike on the loopback interface."""
-    held, ports = [], []
-    for port in random.sample(PORTS, len(PORTS)):
-        tcp, udp = socket.socket(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        held += [tcp, udp]
-        try:
-            tcp.bind(("127.0.0.1", port))
-            udp.bind(("127.0.0.1", port))
-        except OSError:
-            continue
+    """[count] ports free for UDP and TCP alike on the loopback interface. A port comes again only after all others."""
+    ports = []
+    while len(ports) < count:
+        port = next(_ports)
+        with socket.socket() as tcp, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+            try:
+                tcp.bind(("127.0.0.1", port))
+                udp.bind(("127.0.0.1", port))
+            except OSError:
+                continue
         ports.append(port)
-        if len(ports) == count:
-            break
-    for each in held:
-        each.close()
     return ports
 
 
@@ -96,13 +111,19 @@ class Stack:
         target = os.path.join(self.folder, "share")
         for entry in ("config", "urdf", "meshes"):
             shutil.copytree(os.path.join(ROOT, entry), os.path.join(target, entry), dirs_exist_ok=True)
+        path = os.path.join(target, "config", "virtual_raven.yaml")
+        with open(path, encoding="utf-8") as file:
+            text, found = re.subn(r"(?m)^homing_time: [0-9.]+", f"homing_time: {HOMING_TIME}", file.read())
+        assert found == 1, path
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
         for name, values in changes.items():
             path = os.path.join(target, "config", name + ".yaml")
             with open(path, encoding="utf-8") as file:
                 content = yaml.safe_load(file)
             values(content) if callable(values) else content.update(values)
             with open(path, "w", encoding="utf-8") as file:
-                yaml.safe_dump(content, file)
+                yaml.safe_dump(content, file, sort_keys=False)
         return os.path.join(target, "config", "trainer.yaml")
 
     def start(self, program, *arguments, prefix=(), ports=None, **options):
@@ -123,6 +144,11 @@ class Stack:
 
     def start_daemon(self, *arguments, **options):
         return self.start("simulator", "--output", self.output, "--no-render", *arguments, **options)
+
+    def await_ticks(self):
+        """Until the daemon's loops are recorded."""
+        log = os.path.join(self.output, "session.rlog")
+        wait_until(lambda: os.path.exists(log) and os.path.getsize(log) > 1 << 17, 60, "the daemon runs")
 
     def start_console(self, *arguments, **options):
         return self.start("master_console", *arguments, **options)
@@ -228,3 +254,16 @@ def robot_states(port, seconds=10):
         except OSError:
             assert time.monotonic() < end, f"not within {seconds} s: the robot listens"
             time.sleep(0.02)
+
+
+def await_run_level(port, level, seconds=60):
+    """Waits until the robot has this run level. The robot drops a reader that is too slow: then this connects again."""
+    end = time.monotonic() + seconds
+    while True:
+        reader = robot_states(port, max(0.0, end - time.monotonic()))
+        try:
+            return reader.wait_for(level, end - time.monotonic())
+        except (EOFError, OSError):
+            pass
+        finally:
+            reader.close()

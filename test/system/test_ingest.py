@@ -12,7 +12,7 @@ import sys
 import time
 
 import pytest
-from stack import BUILD, FULL, PROGRAMS, ROOT, RobotStates, Stack, effort, free_ports, itp, listens, wait_until
+from stack import BUILD, FULL, PROGRAMS, ROOT, Stack, await_run_level, effort, free_ports, itp, listens, wait_until
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -44,13 +44,11 @@ class Master(object):
 
 
 def start(stack, *daemon):
-    """Robot homed, daemon up. Returns the reader of the robot's frames."""
+    """Robot homed, daemon up."""
     stack.start_robot()
-    wait_until(lambda: listens(stack.state_port), 30, "the robot listens")
     stack.start_daemon("--hazard", "none", *daemon)
-    reader = RobotStates(stack.state_port)
-    wait_until(lambda: reader.state()["runlevel"] == PEDAL_UP, 60, "homed")
-    return reader
+    await_run_level(stack.state_port, PEDAL_UP)
+    stack.await_ticks()
 
 
 def close(stack):
@@ -71,7 +69,7 @@ def test_a_silent_master_holds_lifts_the_pedal_and_takes_the_force_away():
         master = Master(stack.master_port)
         master.play(300, 0)
         master.play(700, 1, (20, 0, 0))
-        time.sleep(1.0)
+        time.sleep(0.7)
         close(stack)
         ticks, forces, commands = session_log(stack).ticks, session_log(stack).haptic, session_log(stack).commands
         model = ticks["model"]
@@ -92,7 +90,7 @@ def test_a_silent_master_holds_lifts_the_pedal_and_takes_the_force_away():
 
 
 def test_neither_a_flood_of_others_nor_ten_times_the_rate_gets_through():
-    seconds = effort(2, 8)
+    seconds = effort(1, 8)
     with Stack() as stack:
         start(stack)
         master = Master(stack.master_port)
@@ -224,9 +222,9 @@ def test_signed_itp_works_end_to_end_and_the_key_is_nowhere():
         path, digits = make_key(maker.folder)
         with Stack(configure={"network": {"auth": "required", "key_file": path},
                               "virtual_raven": {"behaviour": "hardened"}}) as stack:
-            reader = start(stack)
-            stack.start_console("--duration", "3")
-            wait_until(lambda: reader.state()["runlevel"] == PEDAL_DOWN, 60, "the surgeon presses the pedal")
+            start(stack)
+            stack.start_console("--duration", "2")
+            await_run_level(stack.state_port, PEDAL_DOWN)
             assert stack.processes["master_console"].wait(30) == 0
             time.sleep(0.7)  # then another master may follow
             other = SignedMaster(stack.master_port, bytes.fromhex(digits))

@@ -3,24 +3,23 @@
 import socket
 import time
 
-from stack import RobotStates, Stack, itp, listens, wait_until
+from stack import Stack, await_run_level, itp, robot_states
 
-PEDAL_UP, PEDAL_DOWN = 2, 3
+PEDAL_UP = 2
 
 
 def test_a_session_ends_cleanly_at_a_signal_and_its_counters_add_up():
     with Stack() as stack:
         stack.start_robot()
-        wait_until(lambda: listens(stack.state_port), 10, "the robot listens")
         stack.start_daemon("--hazard", "none")
-        reader = RobotStates(stack.state_port)
-        wait_until(lambda: reader.state()["runlevel"] == PEDAL_UP, 20, "homed")
+        await_run_level(stack.state_port, PEDAL_UP)
+        stack.await_ticks()
         master = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         master.connect(("127.0.0.1", stack.master_port))
         for sequence in range(1, 1500):
             master.send(itp(sequence, sequence > 300, (10, 0, 0)))
             time.sleep(0.001)
-        assert reader.next()  # still served
+        assert robot_states(stack.state_port).next()  # still served
         code, seconds = stack.stop("simulator")
         assert code == 0 and seconds < 5, stack.log_text("simulator")
         packets = stack.assert_counters_add_up()
