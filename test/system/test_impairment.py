@@ -17,7 +17,7 @@ import time
 
 import pytest
 
-from stack import PROGRAMS, ROOT, RobotStates, Stack, effort, free_ports, itp, listens, wait_until
+from stack import PROGRAMS, ROOT, Stack, await_run_level, effort, free_ports, itp, wait_until
 
 np = pytest.importorskip("numpy")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
@@ -85,11 +85,9 @@ class BadLinkSession:
 
     def start(self):
         self.stack.start_robot()
-        wait_until(lambda: listens(self.stack.state_port), 60, "the robot listens")
         self.stack.start_daemon("--hazard", "none", "--arm-contacts", "off")
-        reader = RobotStates(self.stack.state_port)
-        wait_until(lambda: reader.state()["runlevel"] == PEDAL_UP, 60, "homed")
-        reader.close()
+        await_run_level(self.stack.state_port, PEDAL_UP)
+        self.stack.await_ticks()
 
     @staticmethod
     def _says(path, word):
@@ -106,11 +104,11 @@ class BadLinkSession:
         self.stack.processes[log] = proxy
         wait_until(lambda: self._says(log + ".log", b"ready"), 60, "the proxy is ready")
         first = self.sequence
-        self._send(0.3, False)
+        self._send(0.15, False)
         begin = self.sequence
         self._send(seconds, True)
         down = range(begin, self.sequence)
-        self._send(0.2, False)
+        self._send(0.1, False)
         time.sleep(UNPINNED_AFTER)
         proxy.send_signal(signal.SIGTERM)
         assert proxy.wait(60) == 0
@@ -200,11 +198,11 @@ def session():
         link = BadLinkSession(stack)
         link.start()
         for name, arguments in LOSSES.items():
-            link.run(name, arguments, effort(3, 20))
+            link.run(name, arguments, effort(1.2, 20))
         cells = matrix()
-        short = ("delay", "jitter+duplicate", "delay+reorder", "delay+jitter+reorder+duplicate")
+        short = ("jitter+duplicate", "delay+reorder", "delay+jitter+reorder+duplicate")
         for name in effort(short, tuple(cells)):
-            link.run(name, cells[name], effort(1, 3))
+            link.run(name, cells[name], effort(0.6, 3))
         code, _ = stack.stop("simulator", seconds=60)
         assert code == 0, stack.log_text("simulator")
         link.packets = stack.assert_counters_add_up()["master_to_daemon"]

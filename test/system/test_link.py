@@ -129,7 +129,7 @@ def pause(process, seconds, meanwhile=lambda: None):
 
 def test_a_stalled_robot_is_flagged_and_dropped_and_nothing_old_is_used_after_it():
     """N5, and the reverse: the daemon stalls."""
-    seconds = effort(3, 10)
+    seconds = effort(2, 10)
     with Stack() as stack:
         ready(stack)
         time.sleep(1.0)
@@ -182,7 +182,7 @@ def _space():
 
 def test_a_broken_network_is_found_out_and_heals_without_motion(space):
     """N6: half-open connections; N4: partition, heal, pedal cycle."""
-    cycles, dark = effort(3, 20), random.Random(4)
+    cycles, dark = effort(2, 20), random.Random(4)
     with Stack(configure={"runtime": {"plan_at": -1.0}}) as stack:  # a plan would move the model
         ready(stack, space.prefix, space.run)
         cut = [f"tcp dport {stack.state_port}", f"tcp sport {stack.state_port}", f"udp dport {stack.robot_port}"]

@@ -9,12 +9,12 @@ import subprocess
 import sys
 import time
 
-from stack import PROGRAMS, ROOT, Stack, effort, robot_states
+from stack import PROGRAMS, ROOT, Stack, await_run_level, effort
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
 
-SECONDS = effort(5, 60)
+SECONDS = effort(4, 60)
 PEDAL_DOWN = 3
 LEAST_SPEED = 5.0  # x real time
 
@@ -31,15 +31,16 @@ def resimulate(session, *arguments):
 def start(stack, *arguments):
     """Robot, daemon, console; returns when the surgeon's pedal is down."""
     stack.start_robot()
-    reader = robot_states(stack.state_port)
     stack.start_daemon(*arguments)
     stack.start_console()
-    reader.wait_for(PEDAL_DOWN, 40)
-    reader.close()
+    await_run_level(stack.state_port, PEDAL_DOWN)
 
 
 def test_a_session_of_real_threads_gives_the_same_bits_again_faster_than_it_went():
-    with Stack() as stack:
+    # The hazard comes soon, and so does the next pedal-down, which ends the pause that the stop makes.
+    soon = {"faults/sudden_jump": lambda s: s["faults"][0]["start"].update(first_tick=effort(500, 8000)),
+            "console": {"clutch_every": effort(1.0, 7.0)}}
+    with Stack(configure=soon) as stack:
         start(stack, "--duration", SECONDS, "--hazard", "sudden_jump")
         daemon = stack.processes["simulator"]
         time.sleep(1.0)
@@ -49,6 +50,7 @@ def test_a_session_of_real_threads_gives_the_same_bits_again_faster_than_it_went
         assert daemon.wait(SECONDS + 60) == 0, stack.log_text("simulator")
         assert stack.metrics()["timing"]["physics"]["time_slips"] >= 1
         assert stack.metrics()["records_dropped"] == 0
+        assert stack.metrics()["faults"], "the hazard acted"
         stack.stop("master_console")
         received, applied, rejected = map(int, re.search(r"forces: (\d+) received = (\d+) applied \+ (\d+) rejected",
                                                          stack.log_text("master_console")).groups())
