@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 
+import pytest
 from stack import PROGRAMS, wait_until
 
 CAMPAIGN = """
@@ -26,7 +27,7 @@ scenarios:
     observed: none
     published: []
     phase: pedal_down
-    repetitions: 2
+    repetitions: 1
     faults:
       - {host: robot, site: put_usb_packet, variable: dac, kind: random, arm: [gold, green], channel: [shoulder, all],
          low: [-30000, -3000], high: 3000, start: {trigger: pedal_down, first_tick: 300}, duration_ticks: [2, 200]}
@@ -51,7 +52,7 @@ scenarios:
       - {host: robot, site: torque_to_dac, variable: current_cmd, kind: random, arm: both, channel: all, low: -3000,
          high: 3000, start: {trigger: power_on, first_tick: 100}, duration_ticks: 100}
 """
-RUNS = 2 * 16 + 2 * 2 + 2
+RUNS = 16 + 2 * 2 + 2
 
 
 def command(folder, output, *arguments, text=CAMPAIGN):
@@ -85,10 +86,22 @@ def lines_in(path):
     return path.read_bytes().count(b"\n") if path.exists() else 0
 
 
-def test_jobs_kills_and_shards_change_nothing(tmp_path):
-    code, said = run(tmp_path, "two", "--seed", 3, "--jobs", 2)
+@pytest.fixture(name="two", scope="module")
+def two_jobs(tmp_path_factory):
+    """Folder in which "two" is the campaign with seed 3 and two jobs."""
+    folder = tmp_path_factory.mktemp("campaign")
+    code, said = run(folder, "two", "--seed", 3, "--jobs", 2)
     assert code == 0 and said.rstrip().endswith("/two/outcomes.csv")
-    wanted = digest(tmp_path, "two")
+    return folder
+
+
+def rows_of(folder, output):
+    with open(folder / output / "outcomes.csv", encoding="ascii", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_jobs_kills_and_shards_change_nothing(two, tmp_path):
+    wanted = digest(two, "two")
 
     # killed half-way, its children with it; then resumed with another number of jobs
     victim = subprocess.Popen(command(tmp_path, "killed", "--seed", 3, "--jobs", 2), stderr=subprocess.DEVNULL)
@@ -116,8 +129,7 @@ def test_jobs_kills_and_shards_change_nothing(tmp_path):
     assert digest(tmp_path, "merged") == wanted
 
     # and what was made is what was asked for
-    with open(tmp_path / "two" / "outcomes.csv", encoding="ascii", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(two, "two")
     assert [int(row["run"]) for row in rows] == list(range(1, RUNS + 1))
     assert all(row["injected_ms"] for row in rows), "every fault acted"
     assert {row["outcome"] for row in rows if row["scenario"] == "program" and row["kind"] == "crash"} == {"crash"}
@@ -139,14 +151,14 @@ def test_an_outcome_that_nobody_expects_fails_what_is_written_all_the_same(tmp_p
     assert code == 0 and "explained" not in said, "an explanation is no other campaign"
 
 
-def test_another_seed_gives_other_outcomes(tmp_path):
-    for seed in (3, 4):
-        assert run(tmp_path, f"seed{seed}", "--seed", seed, "--shard", "1/4", "--jobs", 2)[0] == 0
-    tables = []
-    for seed in (3, 4):
-        with open(tmp_path / f"seed{seed}" / "outcomes.csv", encoding="ascii") as file:
-            rows = list(csv.DictReader(file))
-        tables.append([{k: v for k, v in row.items() if k not in ("seed", "motion_seed")} for row in rows])
+def test_another_seed_gives_other_outcomes(two, tmp_path):
+    assert run(tmp_path, "seed4", "--seed", 4, "--shard", "1/4", "--jobs", 2)[0] == 0
+    there = rows_of(tmp_path, "seed4")
+    runs = {row["run"] for row in there}
+    here = [row for row in rows_of(two, "two") if row["run"] in runs]
+    assert len(here) == len(there) > 4
+    tables = [[{k: v for k, v in row.items() if k not in ("seed", "motion_seed")} for row in rows]
+              for rows in (here, there)]
     assert tables[0] != tables[1], "what the seeds are for: motions and faults, not their own columns"
 
 

@@ -19,8 +19,8 @@ def run(script, *arguments):
 
 
 def test_a_session_with_everything_going_wrong_keeps_its_promises(tmp_path):
-    """R11: bad network, cuts of the robot's link, a hazard every 8 s; some seconds here, ten minutes in the long form."""
-    code = run("soak", "--minutes", effort(0.4, 10), "--output", tmp_path)
+    """R11: bad network, cuts of the robot's link, a hazard again and again; 12 s here, ten minutes in the long form."""
+    code = run("soak", "--minutes", effort(0.2, 10), "--output", tmp_path)
     with open(tmp_path / "soak.json", encoding="utf-8") as file:
         figures = json.load(file)
     assert code == 0 and figures["held"], [row for row in figures["promises"] if not row["held"]]
