@@ -27,7 +27,7 @@ TEST(SuddenJump, IsFeltAsAForceTowardTheModelAndEndsWhenCleared) {
   Latest<geometry_msgs::WrenchStamped> gold("haptic/gold/force"), green("haptic/green/force");
   ASSERT_TRUE(startHazard("sudden_jump").success);
   ASSERT_TRUE(waitFor([&] { return isMoving(model); }, kStartDeadline));
-  // The scenario waits 8 s after the first pedal-down, and a little more where the surgeon clutches.
+  // The scenario waits 3 s (run_rostest) after the first pedal-down, and a little more where the surgeon clutches.
   ASSERT_TRUE(waitFor([&] { return magnitude(gold.get()) > 0.0; }, 30.0)) << "the jump was never felt";
   double strongest = 0.0, part = 0.0;
   const int begin = gold.count();
