@@ -62,7 +62,7 @@ class Driver:
             shake = 0.0005 * math.sin(0.2 * self._ticks) if self.trembles else 0.0
             self.publish([self.position[0] + shake, self.position[1], self.position[2]])
 
-    def move(self, axis, way, seconds=1.0):
+    def move(self, axis, way, seconds=0.3):
         """[m] along one of the device's axes."""
         start, steps = self.position[axis], int(seconds / 0.01)
         for step in range(1, steps + 1):
