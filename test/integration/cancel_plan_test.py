@@ -17,7 +17,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..
 from stack import Stack  # noqa: E402
 
 LIMIT = 0.1  # s
-AFTER = (0.05, 0.2, 0.5, 1.0, 2.0)  # s that the planner was at work
+AFTER = (0.05, 0.3, 1.0)  # s that the planner was at work
 # So many neighbours within the radius that the search takes much longer than the longest wait below.
 PATIENT = {"samples": 100000, "max_samples": 100000, "radius_multiplier": 10.0, "time_limit": 600.0}
 

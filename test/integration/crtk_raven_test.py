@@ -38,7 +38,7 @@ class CrtkRaven(unittest.TestCase):
         cls.say["/arm1/state_command"].publish(StringStamped(string="enable"))  # stored until it is connected, as that one does
         until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
         until(lambda: cls.states[-1].state == "ENABLED" and cls.states[-1].is_homed and not cls.states[-1].is_busy, 40, "homed")
-        rospy.sleep(1.5)
+        rospy.sleep(1.0)
 
     def next(self, topic, kind):
         return rospy.wait_for_message(topic, kind, 5)
@@ -48,7 +48,7 @@ class CrtkRaven(unittest.TestCase):
         for _ in range(count):
             self.say[topic].publish(message)
             rate.sleep()
-        rospy.sleep(1.5)
+        rospy.sleep(1.0)
 
     def test_1_increments_go_along_the_axes_of_the_turned_base(self):
         by = TransformStamped()

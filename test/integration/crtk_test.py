@@ -374,12 +374,11 @@ class Crtk(unittest.TestCase):
                   f"set point of {arm.name}: {goal}, is {arm.position()}")
 
     def test_08_a_stream_of_poses_moves_both_tips(self):
-        starts = [arm.pose() for arm in self.arms]
+        type(self).starts = starts = [arm.pose() for arm in self.arms]
         away = ((0.015, 0.01, -0.01), (-0.01, 0.01, 0.005))  # each arm otherwise
         self.stream_poses_to([moved(start, by) for start, by in zip(starts, away)])
         self.settle()
         self.check_settled(f"poses by {away}")
-        self.stream_poses_to(starts)
 
     def stream_poses_to(self, goals):
         """And checks the set points."""
@@ -410,7 +409,7 @@ class Crtk(unittest.TestCase):
         # half a second of it, and until the last has run out
         self.assertAlmostEqual(arm.pose().pose.position.z - end.pose.position.z, 5.5e-3, delta=1.5e-3)
         self.check_settled("a twist")
-        self.stream_poses([start, self.arms[1].pose()])
+        self.stream_poses_to(self.starts)  # of test 08, both ways along each axis
 
     def test_10_a_move_is_busy_until_it_is_there(self):
         arm, other = self.arms

@@ -9,6 +9,7 @@ import tempfile
 import threading
 import time
 import unittest
+import xmlrpc.client
 
 import rosbag
 import rospy
@@ -25,7 +26,7 @@ import raven2_session  # noqa: E402
 MASTER_PORT, STATE_PORT = 27190, 27193
 PEDALS = ("planning", "simulation", "trial", "view", "camera", "tool_change", "stop")  # numbers of config/network.yaml
 SILENCE = 0.5  # s, config/network.yaml: joy/timeout, and config/render.yaml: real_camera/stale_after
-REAL, VIRTUAL = (64, 48), (640, 360)  # px: ours, and config/render.yaml
+REAL, VIRTUAL = (64, 48), (160, 90)  # px: ours, and that of run_rostest
 
 
 class Repeater(threading.Thread):
@@ -61,9 +62,13 @@ class View:
                      f"pictures of {size[0]} x {size[1]}")
 
     def sizes_within(self, seconds):
-        first = len(self.seen)
-        time.sleep(seconds)
+        """Of the pictures in that time, five at least."""
+        first, end = len(self.seen), time.monotonic() + seconds
+        until(lambda: time.monotonic() > end and len(self.seen) >= first + 5, 20, "five pictures")
         return {size for _, size in self.seen[first:]}
+
+    def close(self):
+        self._subscriber.unregister()
 
 
 def real_picture():
@@ -79,7 +84,7 @@ class TrainingModes(unittest.TestCase):
         cls.console = Console(MASTER_PORT)
         cls.console.start()
         cls.robot = connect(STATE_PORT)
-        cls.trainer, cls.view = Trainer(), View()
+        cls.trainer = Trainer()
         cls.held = set()
         cls.pedals = Repeater("pedals", Joy, lambda: Joy(buttons=[int(name in cls.held) for name in PEDALS]))
         cls.camera = Repeater("real_camera/image_raw", Image, real_picture)
@@ -183,11 +188,13 @@ class TrainingModes(unittest.TestCase):
         self.trainer.await_mode("pedal_up")
 
     def test_5_the_view_is_the_cameras_while_it_is_asked_for_and_fresh(self):
+        self.view = View()  # pictures are drawn while somebody subscribes to them
+        self.addCleanup(self.view.close)
         self.view.await_size(VIRTUAL, 20)
-        self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
+        self.assertEqual(self.view.sizes_within(0.5), {VIRTUAL})
         self.assertEqual(self.trainer.call("set_view", True), "accepted")
         self.view.await_size(REAL)
-        self.assertEqual(self.view.sizes_within(1.0), {REAL})
+        self.assertEqual(self.view.sizes_within(0.5), {REAL})
         # WHEN the camera is silent
         self.camera.on = False
         stood_in = self.view.await_size(VIRTUAL)
@@ -195,14 +202,14 @@ class TrainingModes(unittest.TestCase):
         print(f"the virtual scene stands in {silent:.3f} s after the last picture")
         self.assertGreater(silent, SILENCE - 0.01)
         self.assertLess(silent, SILENCE + 1.0)
-        self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
+        self.assertEqual(self.view.sizes_within(0.5), {VIRTUAL})
         # WHEN it is back
         self.camera.on = True
         self.view.await_size(REAL)
         self.assertEqual(self.view.sizes_within(0.5), {REAL})
         self.assertEqual(self.trainer.call("set_view", False), "accepted")
         self.view.await_size(VIRTUAL)
-        self.assertEqual(self.view.sizes_within(1.0), {VIRTUAL})
+        self.assertEqual(self.view.sizes_within(0.5), {VIRTUAL})
 
     def test_6_the_exercise_is_told_and_begins_anew(self):
         state = until(lambda: self.trainer.progress.message, 5, "exercise/state")
@@ -245,8 +252,8 @@ class TrainingModes(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "training.bag")
             recorder = subprocess.Popen(["rosbag", "record", "-O", path, "mode", "exercise/state", "exercise/events"])
-            until(lambda: os.path.exists(path + ".active"), 20, "rosbag records")
-            time.sleep(3.0)  # it looks for topics once a second
+            daemon = xmlrpc.client.ServerProxy(rospy.get_master().lookupNode("/raven2_simulator")[2])
+            until(lambda: self.is_read_by(daemon, "/record"), 30, "rosbag records all three topics")
             begun = len(self.trainer.events.messages)
             for _ in range(3):
                 self.assertEqual(self.trainer.call("start_exercise"), "accepted")
@@ -268,6 +275,13 @@ class TrainingModes(unittest.TestCase):
         self.assertIn("running", [m.status for t, m in told if t.endswith("exercise/state")])
         self.assertIn("teleoperating", [m.mode for t, m in told if t.endswith("mode")])
         self.check_events(raven2_session.Session(newest_session("training_modes")).log)
+
+    @staticmethod
+    def is_read_by(daemon, node):
+        """Do subscribers of that name have connections for modes, states and events?"""
+        time.sleep(0.1)
+        topics = {topic for _, name, _, _, topic, *_ in daemon.getBusInfo("/training_modes_test")[2] if name.startswith(node)}
+        return topics >= {"/mode", "/exercise/state", "/exercise/events"}
 
     def check_events(self, log):
         """Each event that was heard is the one of its number in the log, and none was missed."""
