@@ -146,7 +146,8 @@ TEST_P(HeldRing, StaysInTheGripForAMinuteAndDoesNotSink) {
   EXPECT_LT(turned, creep(3.0));
   std::printf(
       "  %s: pressed with %.1f to %.1f N, at most %.4f mm/s, %.1f um deep, in %d s shifted %.1f um and %.3f deg\n",
-      GetParam().name, weakest, strongest, 1e3 * fastest, 1e6 * attempt.judge.deepest(), watchedTicks() / 1000, 1e6 * moved.p.norm(), turned);
+      GetParam().name, weakest, strongest, 1e3 * fastest, 1e6 * attempt.judge.deepest(), watchedTicks() / 1000,
+      1e6 * moved.p.norm(), turned);
 }
 
 INSTANTIATE_TEST_SUITE_P(Strengths,
