@@ -93,12 +93,21 @@ std::string FfmpegProcess::lastMessage() const {
   return last;
 }
 
-std::string ffmpegVersion() {
+namespace {
+
+std::string askVersion() {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(popen("ffmpeg -version 2>/dev/null", "r"), &pclose);
   std::array<char, 512> line{};
   if (!pipe || std::fgets(line.data(), static_cast<int>(line.size()), pipe.get()) == nullptr)
     throw RenderException("ffmpeg cannot be started");
   return line.data();
+}
+
+}  // namespace
+
+std::string ffmpegVersion() {
+  static const std::string version = askVersion();  // it takes a tenth of a second to start
+  return version;
 }
 
 }  // namespace raven2_trainer::render

@@ -75,7 +75,7 @@ wire::ItpPacket randomPacket(Robot* robot, Random* random) {
 
 TEST(Hardened, NoSinglePacketStopsTheRobot) {
   Random random(6);
-  const std::int64_t packets = testing::effort(1000, 100000);
+  const std::int64_t packets = testing::effort(250, 100000);
   std::int64_t used = 0;
   std::unique_ptr<Robot> robot;
   for (std::int64_t n = 0; n < packets; ++n) {

@@ -7,6 +7,7 @@
 
 #include "raven2_trainer/raven/drives.h"
 #include "raven2_trainer/runtime/detector_study.h"
+#include "support/effort.h"
 #include "support/rig.h"
 
 // A seeded part of what evaluate_detector runs in full (doc/detector.md), and that its parts are what they are said to
@@ -25,8 +26,22 @@ std::vector<StudyOutcome> evaluate(const EvaluateOptions& options) {
   return outcomes;
 }
 
+/** One stuck value, -15000 counts, at 1 to 19 ms. */
+EvaluateOptions oneTorque() {
+  EvaluateOptions options;
+  options.input_starts = options.add_starts = 0;
+  options.torque_starts = 1;
+  return options;
+}
+
+/** Its outcomes; only once. */
+const std::vector<StudyOutcome>& outcomesOfOneTorque() {
+  static const std::vector<StudyOutcome> outcomes = evaluate(oneTorque());
+  return outcomes;
+}
+
 /** Rates of the acceptance: DSN 2016, table IV. The full evaluation is held against the rates themselves; on so few
- * runs (here 100 to 150 a scenario, 6 to 100 of them of the rarer kind) they are a binomial test: as many wrong runs
+ * runs (here 57 to 160 a scenario) they are a binomial test: as many wrong runs
  * are granted as a detector with exactly these rates exceeds in 2.5 of 100 choices of seeds. */
 struct Bound {
   Scenario scenario;
@@ -55,10 +70,10 @@ TEST(DetectorRates, GrantedIsTheBinomialTail) {
 TEST(DetectorRates, AreThoseOfThePaperOnAPartOfTheGrids) {
   EvaluateOptions options;
   options.input_starts = 2;
-  options.torque_starts = 5;
+  options.torque_starts = static_cast<int>(testing::effort(3, 5));
   options.add_starts = 1;
   const std::vector<StudyOutcome> outcomes = evaluate(options);
-  ASSERT_EQ(outcomes.size(), 2U * 48 + 5U * 19 + 64);
+  ASSERT_EQ(outcomes.size(), 2U * 48 + static_cast<std::size_t>(options.torque_starts) * 19 + 64);
   for (const Bound& bound : {Bound{Scenario::kInputs, 0.898, 0.124}, Bound{Scenario::kTorque, 0.998, 0.118}}) {
     const StudyRates r = ratesOf(outcomes, bound.scenario, DetectorRule::kDeparture, 1.0);
     std::printf("scenario %d: %d of %d unsafe, %d of %d safe, %d stopped\n", static_cast<int>(bound.scenario),
@@ -74,22 +89,20 @@ TEST(DetectorRates, NoAlarmWithoutAFault) {
   testing::useOde();
   const TrainerConfig config = testing::packagedConfig();
   double largest = 0.0;
-  for (std::uint64_t seed = 300001; seed <= 300004; ++seed) {
+  const auto seeds = static_cast<std::uint64_t>(testing::effort(2, 4));
+  for (std::uint64_t seed = 300001; seed <= 300000 + seeds; ++seed) {
     const DetectorTrial trial(studyConfig(config, seed), 5000);
     detector::AnomalyDetector detector(config.detector, raven::drivesOf(config.arms, config.virtual_raven));
     for (const TrialTick& tick : trial.past())
       largest = std::max(largest, detector.step(observationOf(tick)).size);
   }
-  // 20 s of both arms; an alarm is above 1, and what is held under an alarm must be below half of one
+  // 5 s of both arms from each seed; an alarm is above 1, and what is held under an alarm must be below half of one
   EXPECT_GT(largest, 0.0);
   EXPECT_LT(largest, 0.5);
 }
 
 TEST(DetectorRates, SameSeedSameOutcomes) {
-  EvaluateOptions options;
-  options.input_starts = options.add_starts = 0;
-  options.torque_starts = 1;
-  const std::vector<StudyOutcome> once = evaluate(options), again = evaluate(options);
+  const std::vector<StudyOutcome>&once = outcomesOfOneTorque(), again = evaluate(oneTorque());
   ASSERT_EQ(once.size(), again.size());
   for (std::size_t i = 0; i < once.size(); ++i) {
     EXPECT_EQ(once[i].departure, again[i].departure);
@@ -101,14 +114,11 @@ TEST(DetectorRates, SameSeedSameOutcomes) {
 TEST(DetectorRates, TruthIsAboutTheTipAlone) {
   // GIVEN one stuck value at 1 to 19 ms THEN the departure grows with the length, a run is unsafe exactly beyond 1 mm,
   // and was decided by the shortest length that is
-  EvaluateOptions options;
-  options.input_starts = options.add_starts = 0;
-  options.torque_starts = 1;  // -15000 counts
-  const std::vector<StudyOutcome> outcomes = evaluate(options);
+  const std::vector<StudyOutcome>& outcomes = outcomesOfOneTorque();
   ASSERT_EQ(outcomes.size(), 19U);
   Tick shortest = 0;
   for (const StudyOutcome& o : outcomes) {
-    EXPECT_EQ(o.is_unsafe, o.departure > options.unsafe);
+    EXPECT_EQ(o.is_unsafe, o.departure > oneTorque().unsafe);
     if (o.is_unsafe && shortest == 0) shortest = o.fault.length;
     EXPECT_EQ(o.decided, o.is_unsafe ? shortest - 1 : -1);
     EXPECT_TRUE(!o.is_unsafe || o.harmed >= o.decided) << "harm comes after it was decided";

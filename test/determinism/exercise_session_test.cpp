@@ -85,7 +85,7 @@ TEST_F(ExerciseSession, AnExpertsIsTheSameFromTheSameSeedAndSimulatesAgain) {
 }
 
 TEST_F(ExerciseSession, PedalsOfScriptedHandsActAndAreRecorded) {
-  const session::SessionPaths paths = run("camera", configOf("camera_clutch"), {"expert", {}}, 8.0);
+  const session::SessionPaths paths = run("camera", configOf("camera_clutch"), {"expert", {}}, 5.0);
   std::set<Mode> modes;
   std::vector<std::uint8_t> pressed;
   session::LogVisitor visitor;
@@ -116,8 +116,9 @@ TEST_F(ExerciseSession, EndsASecondAfterTheHandsAreFinishedIfThatIsAskedFor) {
 TEST_F(ExerciseSession, AReactionStandsInTheTruthAndInTheLogAtTheSamePacket) {
   TrainerConfig config = configOf("none");
   config.hazard = "sudden_jump";
+  raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump").first_tick = 1500;
   console::TruthLog truth;
-  const session::SessionPaths paths = run("reaction", config, {"scripted", 0.4}, 12.0, &truth);
+  const session::SessionPaths paths = run("reaction", config, {"scripted", 0.4}, 5.0, &truth);
   const auto of = [&](const char* what) {
     const auto& events = truth.events();
     const auto event = std::find_if(events.begin(), events.end(), [what](const auto& e) { return e.what == what; });

@@ -9,6 +9,7 @@
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/runtime/lockstep.h"
 #include "raven2_trainer/runtime/motion.h"
+#include "support/effort.h"
 #include "support/rig.h"
 
 // The haptic port in whole sessions: console, daemon and virtual Raven in lockstep.
@@ -17,6 +18,9 @@ namespace raven2_trainer::runtime {
 namespace {
 
 using raven2_trainer::testing::packagedConfig;
+
+// [s] a jump at 8 s; in the long form also those at 16 and 24 s
+const double kJumpsSeconds = static_cast<double>(raven2_trainer::testing::effort(10, 26));
 
 struct PortOfSession {
   double energy{0.0};      ///< [J] largest, either arm
@@ -83,7 +87,7 @@ TEST_F(HapticSession, TheSuddenJumpIsFeltWholeWithThePassivityControllerOn) {
   TrainerConfig config = packagedConfig();
   config.hazard = "sudden_jump";
   ASSERT_TRUE(config.haptics.passivity.enabled);
-  const PortOfSession port = run(config, 26.0);
+  const PortOfSession port = run(config, kJumpsSeconds);
   print("sudden_jump", port);
   EXPECT_GT(port.felt, 100);
   EXPECT_GT(port.force, 0.4);
@@ -98,7 +102,7 @@ TEST_F(HapticSession, ALooseHandBehindFiftyMillisecondsFeelsItToo) {
   config.console.hand_damping = 2.0;
   Impairment link;
   link.delay.constant_ns = 50 * kTickNanoseconds;
-  const PortOfSession port = run(config, 26.0, &link);
+  const PortOfSession port = run(config, kJumpsSeconds, &link);
   print("sudden_jump, loose hand, 50 ms each way", port);
   EXPECT_GT(port.felt, 100);
   EXPECT_GT(port.energy, 0.0);

@@ -12,7 +12,7 @@
 namespace raven2_trainer::runtime {
 namespace {
 
-constexpr double kSeconds = 10.0;  // one sudden jump, at 8 s
+constexpr double kSeconds = 3.0;  // one sudden jump, at 1.5 s
 
 class LockstepTest : public ::testing::Test {
  protected:
@@ -27,6 +27,7 @@ class LockstepTest : public ::testing::Test {
     TrainerConfig config = raven2_trainer::testing::packagedConfig();
     config.seed = seed;
     config.hazard = hazard;
+    raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump").first_tick = 1500;
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
     Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted");
     EXPECT_TRUE(lockstep.run(kSeconds, {}));
@@ -40,9 +41,8 @@ class LockstepTest : public ::testing::Test {
 
 TEST_F(LockstepTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
   const std::string first = session::fileHash(run("a", 1, "sudden_jump").log());
-  EXPECT_EQ(session::fileHash(run("b", 1, "sudden_jump").log()), first);
-  EXPECT_NE(session::fileHash(run("c", 2, "sudden_jump").log()), first);
-  EXPECT_EQ(session::fileHash(run("d", 1, "sudden_jump").log()), first) << "nothing is left of the session before";
+  EXPECT_NE(session::fileHash(run("b", 2, "sudden_jump").log()), first);
+  EXPECT_EQ(session::fileHash(run("c", 1, "sudden_jump").log()), first) << "nothing is left of the session before";
 }
 
 TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {
@@ -59,7 +59,7 @@ TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
     Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted over a bad link");
     lockstep.impair(link);
-    EXPECT_TRUE(lockstep.run(3.0, {}));
+    EXPECT_TRUE(lockstep.run(2.0, {}));
     return paths.log();
   };
   const std::string first = over("bad_a", 1);
@@ -81,14 +81,14 @@ TEST_F(LockstepTest, AHazardIsFeltAndOnlyAHazard) {
   const training::SessionMetrics calm = training::computeMetrics(run("calm", 1, "none").log());
   EXPECT_TRUE(calm.faults.empty());
   EXPECT_EQ(calm.max_force, 0.0);
-  EXPECT_EQ(calm.ticks, 10000U);
+  EXPECT_EQ(calm.ticks, 3000U);
 }
 
 TEST_F(LockstepTest, EveryLinksCountersAddUp) {
   const SessionCounts counts = training::computeMetrics(run("counts", 3, "sudden_jump").log()).counts;
   for (const LinkCounts& link : {counts.master, counts.relay, counts.robot_state}) {
     EXPECT_TRUE(link.addsUp());
-    EXPECT_GT(link.applied, 10000U);
+    EXPECT_GT(link.applied, 3000U);
     EXPECT_EQ(link.rejectedTotal(), 0U);
   }
   EXPECT_EQ(counts.records_dropped, 0U);

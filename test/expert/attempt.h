@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -67,13 +68,15 @@ class Attempt {
   }
 
   /** Until the hands are finished and everything had two seconds to come to rest, it has failed, or the time is over.
-   */
-  void run() {
+   *  @param[in] seen Ends it two seconds after it is true for the first time; may be empty. */
+  void run(const std::function<bool()>& seen = {}) {
+    bool was_seen = false;
     Tick rest = 2000;
     const auto most = static_cast<Tick>((config_.exercise.time_limit + 30.0) / kTickSeconds);
     for (Tick i = 0; i < most && rest > 0 && exercise().status != ExerciseStatus::kFailed; ++i) {
       step();
-      rest -= finished() ? 1 : 0;
+      was_seen = was_seen || (seen && seen());
+      rest -= finished() || was_seen ? 1 : 0;
     }
   }
 

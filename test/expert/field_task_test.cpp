@@ -64,9 +64,10 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     config_ = trainingConfig(GetParam());
   }
 
-  std::shared_ptr<Attempt> attempt(std::uint64_t seed, const std::string& clumsy = "") const {
+  std::shared_ptr<Attempt> attempt(std::uint64_t seed, const ClumsyHand* hand = nullptr) const {
+    const std::string clumsy = hand == nullptr ? "" : hand->name;
     auto attempt = std::make_shared<Attempt>(config_, seed, clumsy);
-    const bool is_done_by_poses = run(attempt.get());
+    const bool is_done_by_poses = run(attempt.get(), hand);
     const std::string who = (clumsy.empty() ? "seed " : clumsy + ", seed ") + std::to_string(seed);
     tell(who, *attempt);
     if (std::getenv("RAVEN2_TRAINER_TELL") != nullptr || (clumsy.empty() && !isDone(*attempt))) tellAll(*attempt);
@@ -86,14 +87,17 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
 
   /** Until the hands are finished and everything had two seconds to come to rest, it has failed, or the time is over.
    *  @return whether all milestones were passed, in their order. */
-  bool run(Attempt* attempt) const {
+  bool run(Attempt* attempt, const ClumsyHand* hand) const {
+    const bool ends_at_mistake = hand != nullptr && !isFull() && isLong(GetParam());
+    bool was_made = false;
     const std::vector<Milestone> wanted = milestones();
     std::size_t passed = 0;
     Tick rest = 2000, there = 0;
     const auto most = static_cast<Tick>((config_.exercise.time_limit + 30.0) / kTickSeconds);
     for (Tick i = 0; i < most && rest > 0 && attempt->exercise().status != ExerciseStatus::kFailed; ++i) {
       attempt->step();
-      rest -= attempt->finished() ? 1 : 0;
+      was_made = was_made || (ends_at_mistake && madeMistake(*attempt, expectation(*hand)));
+      rest -= attempt->finished() || was_made ? 1 : 0;
       if (passed == wanted.size()) continue;
       there = wanted[passed].is_there(attempt->model()) ? there + 1 : 0;
       if (static_cast<double>(there) * kTickSeconds < wanted[passed].dwell) continue;
@@ -172,7 +176,7 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
 TEST_P(FieldExercise, IsDoneThroughItpAndPedalsAlone) {
   std::vector<double> times;
   std::uint32_t mistakes = 0;
-  const std::vector<std::uint64_t> all = seeds(isFull() ? 20 : 2);
+  const std::vector<std::uint64_t> all = seeds(seedsOf(GetParam()));
   for (const std::uint64_t seed : all) {
     const auto tried = seed == kFirst ? first() : attempt(seed);
     if (!isDone(*tried)) continue;
@@ -189,7 +193,7 @@ TEST_P(FieldExercise, ClumsyHandsDoWorseAsExpected) {
   const auto expert = first();
   ASSERT_TRUE(isDone(*expert));
   for (const ClumsyHand& hand : config_.exercise.clumsy) {
-    const auto clumsy = attempt(kFirst, hand.name);
+    const auto clumsy = attempt(clumsySeed(GetParam()), &hand);
     EXPECT_TRUE(isWorse(*clumsy, *expert, expectation(hand))) << hand.name;
     if (!isFull()) break;
   }

@@ -40,14 +40,34 @@ inline std::pair<std::string, std::string> expectation(const ClumsyHand& hand) {
   return {};
 }
 
+/** Exercises of most of a minute: the short form does them once, and ends clumsy attempts at the mistake. */
+inline bool isLong(const std::string& exercise) {
+  return exercise == "peg_transfer" || exercise == "ring_tower_transfer" || exercise == "ring_along_loops";
+}
+
+/** Seed of the clumsy hands: where the expert has only the first one, they take the second. */
+inline std::uint64_t clumsySeed(const std::string& exercise) {
+  return !isFull() && isLong(exercise) ? 2 : 1;
+}
+
+inline int seedsOf(const std::string& exercise) {
+  return isFull() ? 20 : isLong(exercise) ? 1 : 2;
+}
+
+/** Whether the mistake was made that is expected of a clumsy hand. */
+inline bool madeMistake(const Attempt& clumsy, const std::pair<std::string, std::string>& expected) {
+  if (expected.second == "wire_touches" || expected.second == "wire_time")
+    return clumsy.mistakes(Mistake::kWireTouch) > 0;
+  const auto mistake = std::find(kMistakeNames.begin(), kMistakeNames.end(), expected.second);
+  return expected.first == "mistake" && mistake != kMistakeNames.end() &&
+         clumsy.mistakes(static_cast<Mistake>(mistake - kMistakeNames.begin())) > 0;
+}
+
 /** Worse than the expert in the way that is expected, and in this test's own terms of what that means. */
 inline bool isWorse(const Attempt& clumsy, const Attempt& expert, const std::pair<std::string, std::string>& expected) {
   const auto& [kind, which] = expected;
   if (kind == "fail") return which == nameOf(clumsy.exercise().failure);
-  if (kind == "mistake") {
-    const auto mistake = std::find(kMistakeNames.begin(), kMistakeNames.end(), which);
-    return mistake != kMistakeNames.end() && clumsy.mistakes(static_cast<Mistake>(mistake - kMistakeNames.begin())) > 0;
-  }
+  if (kind == "mistake") return madeMistake(clumsy, expected);
   if (which == "time") {
     const bool is_over = clumsy.exercise().failure == ExerciseFailure::kTimeLimit;
     return is_over || clumsy.seconds() > 1.5 * expert.seconds();

@@ -111,8 +111,8 @@ TEST_F(RenderSettingsTest, IsAnotherWhereAnythingThatDecidesOverTheVideoChanges)
     options_ = SessionRenderOptions();
     camera_ = "top";
     build_ = "a build";
-    EXPECT_EQ(seen[hash()], "nothing") << "after " << name;
   }
+  EXPECT_EQ(seen[hash()], "nothing") << "a change was not taken back";
 }
 
 TEST_F(RenderSettingsTest, IsTheSameWhereOnlyWhatDecidesOverNoPictureChanges) {
