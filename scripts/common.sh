@@ -43,15 +43,10 @@ step() {
   say "$name: $((SECONDS - begin)) s"
 }
 
-# Debian's Python: a second one in PATH would lack catkin and numpy.
-configure_and_build() {
-  local targets=("$@")
-  if [ ! -f "$BUILD/CMakeCache.txt" ]; then
-    step "configure" configure.log cmake -S "$ROOT" -B "$BUILD" -G Ninja \
-      -DPYTHON_EXECUTABLE=/usr/bin/python3
-  fi
-  step "build" build.log cmake --build "$BUILD" -j "$(nproc)" "${targets[@]}"
-}
+configure_preset() { cd "$ROOT" && cmake --preset "$1" -B "$2"; }
+configure() { [ -f "$BUILD/CMakeCache.txt" ] || step "configure" configure.log configure_preset release "$BUILD"; }
+build() { step "build" build.log cmake --build "$BUILD" -j "$(nproc)" "$@"; }
+configure_and_build() { configure && build "$@"; }
 
 # ROS environment of the devel space. Its scripts use unset variables.
 source_ros() {

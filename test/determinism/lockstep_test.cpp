@@ -27,6 +27,7 @@ class LockstepTest : public ::testing::Test {
     TrainerConfig config = raven2_trainer::testing::packagedConfig();
     config.seed = seed;
     config.hazard = hazard;
+    config.console.clutch_every = 1.0;
     raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump").first_tick = 1500;
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
     Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted");
