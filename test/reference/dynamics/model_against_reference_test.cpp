@@ -137,7 +137,7 @@ TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
     State truth{toVector(kinematics::toUrdf(arm, d4, start)), Vector::Zero(7)};
     double sum = 0.0, worst = 0.0, travel = 0.0;
     Vector worst_joint = Vector::Zero(7);
-    const auto ticks = static_cast<int>(effort(3000, 10000));
+    const auto ticks = static_cast<int>(effort(3000, 10000)), steps = static_cast<int>(effort(10, 20));
     for (int i = 0; i < ticks; ++i) {
       const JointArray target = strokes.at(i * kTickSeconds);
       JointArray q, dq;
@@ -149,7 +149,7 @@ TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
       const JointArray hold = kinematics::rateToUrdf(arm, toJoints(chain.gravityTorque(truth.q)));
       const JointArray torque =
           reference_pid.torque(target, q_true, kinematics::rateToUrdf(arm, toJoints(truth.dq)), hold);
-      chain.advance(toVector(kinematics::rateToUrdf(arm, torque)), kTickSeconds, 20, &truth);
+      chain.advance(toVector(kinematics::rateToUrdf(arm, torque)), kTickSeconds, steps, &truth);
 
       world.jointState(arm, &q, &dq);
       const JointArray q_after = kinematics::fromUrdf(arm, d4, toJoints(truth.q));
