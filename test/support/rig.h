@@ -124,9 +124,11 @@ class Rig {
     tick(command);
   }
 
-  /** Steps with the pedal up until the robot is homed. @return false if it never is. */
+  /** Lets the robot home before the daemon hears of it, then steps with the pedal up. @return false if it never is. */
   bool home() {
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < 20000 && software.state().runlevel != RunLevel::kPedalUp; ++i)
+      plant.step(software.cycle(plant.read()));
+    for (int i = 0; i < 1000; ++i) {
       tick(false);
       if (shared->model.load().mode == Mode::kPedalUp) return true;
     }

@@ -25,6 +25,7 @@ TrainerConfig faultConfig() {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "none";
   config.runtime.plan_at = -1.0;
+  config.virtual_raven.homing_time = 0.1;
   return config;
 }
 
