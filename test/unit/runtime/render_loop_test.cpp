@@ -76,6 +76,8 @@ class RenderLoopTest : public ::testing::Test {
   Picture frame() {
     eyes_.clear();
     shared_->model.store(state_);
+    haptic_.tick = state_.tick;  // or the loop waits for it
+    shared_->haptic.store(haptic_);
     loop_.frame();
     return picture_;
   }
@@ -105,6 +107,7 @@ class RenderLoopTest : public ::testing::Test {
   std::int64_t takes_ns_{0};                // each picture
   RenderLoop loop_;
   ModelState state_;
+  HapticState haptic_;
 };
 
 TEST_F(RenderLoopTest, APlanIsInTheLivePictureUntilItIsForgotten) {
