@@ -281,8 +281,8 @@ State upperLimits(Arm arm) {
  *  first, unless friction on bare links makes these unstable. */
 Sequence makeSequence(Arm arm, const Terms& terms, Family family, std::uint64_t seed) {
   const ReferenceChain chain = makeReference(arm, terms);
-  const int steps = terms.rotors ? static_cast<int>(raven2_trainer::testing::effort(kReferenceSteps / 2, kReferenceSteps))
-                                 : kReferenceSteps;
+  const bool takes_half = terms.rotors && !raven2_trainer::testing::isFull();
+  const int steps = takes_half ? kReferenceSteps / 2 : kReferenceSteps;
   const bool allows_coarse = terms.rotors || !terms.friction;
   const auto stays = [arm](const Sequence& made) {
     return made.torques.size() == kTicks && isWithin(arm, made.truth.back());

@@ -46,7 +46,8 @@ TEST(GoalSearch, ReachesTheTipsOfRandomJoints) {
       EXPECT_LT((kinematics::forward(geometry, arm, space.toJoints(found.goal)).p - tip).norm(), 1e-6);
     }
   }
-  EXPECT_LE(1000 * missed, 15 * 2 * tips) << "tips at the very edge, which only some rolls and wrists between those tried reach";
+  EXPECT_LE(1000 * missed, 15 * 2 * tips)
+      << "tips at the very edge, which only some rolls and wrists between those tried reach";
   RecordProperty(testing::isFull() ? "missed_of_1000" : "missed_of_250", missed);
 }
 
