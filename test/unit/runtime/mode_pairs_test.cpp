@@ -146,6 +146,8 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
 };
 
 TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
+  // Linked, or put back by a pause, the model is pulled by what it lagged behind.
+  const bool follows_hands = GetParam() == Mode::kTeleoperating || GetParam() == Mode::kPaused;
   double worst_step = 0.0, worst_stray = 0.0, worst_error = 0.0;
   int changes = 0;
   for (const Mode next : kLed) {
@@ -173,7 +175,7 @@ TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
     EXPECT_FALSE(sends) << "nobody moved a hand";
     EXPECT_FALSE(pushes);
     EXPECT_LT(strayed, 0.5e-3) << "the robot stands";
-    EXPECT_LT(largest, 0.5e-3) << "the model does not jump";
+    EXPECT_LT(largest, follows_hands ? 0.5e-3 : 0.1e-3) << "the model does not jump";
     EXPECT_LT(error, 0.5e-3);
     worst_step = std::max(worst_step, largest);
     worst_stray = std::max(worst_stray, strayed);
