@@ -58,7 +58,8 @@ Quat unitOrNone(const Quat& q) noexcept {
 PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
                          const model::RavenModel& raven,
                          const model::SceneModel& scene,
-                         SharedState* shared)
+                         SharedState* shared,
+                         double trial_limit)
     : config_(config),
       shared_(*shared),
       world_(raven, scene, config.model),
@@ -66,7 +67,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
       driver_(config.model, &world_),
       desk_(config, raven, scene, shared),
-      trial_(config, raven, scene, shared),
+      trial_(config, raven, scene, shared, trial_limit),
       return_(config.planner.velocity_limit, config.planner.acceleration_limit),
       camera_(liveCamera(config.render)),
       exercise_(config, scene, liveCamera(config.render), &world_, shared),

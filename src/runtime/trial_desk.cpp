@@ -30,11 +30,12 @@ control::IncrementLimits limitsOf(const ItpRules& rules) {
 TrialDesk::TrialDesk(const TrainerConfig& config,
                      const model::RavenModel& raven,
                      const model::SceneModel& scene,
-                     SharedState* shared)
+                     SharedState* shared,
+                     double limit)
     : config_(config.execution),
       geometry_(config.arms.geometry),
       shared_(*shared),
-      tape_(static_cast<std::size_t>(std::llround(kTrialLimit / kTickSeconds))),
+      tape_(static_cast<std::size_t>(std::llround(limit / kTickSeconds))),
       execution_(config.execution),
       relays_{control::PathRelay(config.arms.geometry, limitsOf(config.network.itp)),
               control::PathRelay(config.arms.geometry, limitsOf(config.network.itp))},

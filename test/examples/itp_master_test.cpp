@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <future>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -71,11 +73,21 @@ class Receiver {
   std::uint16_t port_{0};
 };
 
-class ExampleMaster : public ::testing::TestWithParam<const char*> {};
+/** The masters take 6 s each, at the same time. */
+class ExampleMaster : public ::testing::TestWithParam<const char*> {
+ protected:
+  static void SetUpTestSuite() {
+    for (const char* program : {ITP_MASTER_CPP, ITP_MASTER_PYTHON})
+      sent_[program] = std::async(std::launch::async, [program] { return Receiver().listenTo(program, "6"); });
+  }
+  static void TearDownTestSuite() { sent_.clear(); }
+
+  static inline std::map<std::string, std::future<std::vector<wire::ItpPacket>>> sent_;
+};
 
 TEST_P(ExampleMaster, SendsPacketsThatTheDaemonTakesAndDrawsACircle) {
   // the pedal is up for 0.5 s, a circle takes 5 s
-  const std::vector<wire::ItpPacket> packets = Receiver().listenTo(GetParam(), "6");
+  const std::vector<wire::ItpPacket> packets = sent_.at(GetParam()).get();
   ASSERT_EQ(packets.size(), 6000U);
   std::array<PerArm<int>, 3> sums{};  // [um] x, y, z
   int farthest = 0;

@@ -27,7 +27,8 @@ class ModeDriver {
     return config;
   }
 
-  explicit ModeDriver(const TrainerConfig& config = configuration()) : rig(config) {}
+  explicit ModeDriver(const TrainerConfig& config = configuration(), double trial_limit = runtime::kTrialLimit)
+      : rig(config, trial_limit) {}
 
   /** Homes the robot. @return whether it is. */
   bool begin() {

@@ -53,7 +53,8 @@ class PhysicsLoop {
   PhysicsLoop(const TrainerConfig& config,
               const model::RavenModel& raven,
               const model::SceneModel& scene,
-              SharedState* shared);
+              SharedState* shared,
+              double trial_limit = kTrialLimit);
 
   /** Advances the nominal model by one 1 ms step. @param[in] now_ns CLOCK_MONOTONIC; in lockstep tick x 1e6. */
   void tick(std::int64_t now_ns) noexcept;

@@ -20,11 +20,12 @@ constexpr double kTrialLimit = 120.0;
  */
 class TrialDesk {
  public:
-  /** @throw ModelException for a collision shape that is a mesh. */
+  /** @param[in] limit [s] longest trial that is kept. @throw ModelException for a collision shape that is a mesh. */
   TrialDesk(const TrainerConfig& config,
             const model::RavenModel& raven,
             const model::SceneModel& scene,
-            SharedState* shared);
+            SharedState* shared,
+            double limit = kTrialLimit);
 
   // ---- the trial
   /** Begins one from `standing` [rad; m]; forgets the one before. */

@@ -10,6 +10,7 @@
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/physics/raven_world.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::reference {
 namespace {
@@ -18,6 +19,7 @@ constexpr std::size_t kTicks = 1000;
 constexpr std::uint64_t kAttempts = 200;
 constexpr double kLeastShare = 0.1;
 constexpr int kReferenceSteps = 20;  // a tick: 0.05 ms
+constexpr int kCoarseSteps = 5;      // to see whether a sequence stays within the limits
 constexpr double kWithin = 0.02;     // share of a joint's limits that is kept free
 
 // Of the robot's friction, for links without rotors: all of it would stop a jaw of 8e-9 kg m2 within 0.2 us, which the
@@ -87,18 +89,24 @@ struct Goal {
   Vector q, dq, ddq;
 };
 
+/** The reference, and how many steps it takes a tick. */
+struct Stepper {
+  const ReferenceChain& chain;
+  int steps;
+};
+
 /** Lets `wanted(tick, state)` choose the accelerations; joints from `free_from` on get no torque. */
 template <typename Wanted>
-Sequence lead(Arm arm, const ReferenceChain& chain, State start, Eigen::Index free_from, Wanted wanted) {
+Sequence lead(Arm arm, const Stepper& stepper, State start, Eigen::Index free_from, Wanted wanted) {
   Sequence result;
   result.truth.push_back(start);
   for (std::size_t i = 0; i < kTicks && isWithin(arm, start); ++i) {
     Vector free;
-    const Matrix inverse = inverseMass(chain, start, &free);
+    const Matrix inverse = inverseMass(stepper.chain, start, &free);
     const Vector change = wanted(i, start) - free;
     Vector tau = Vector::Zero(7);
     tau.head(free_from) = inverse.topLeftCorner(free_from, free_from).lu().solve(change.head(free_from));
-    chain.advance(tau, kTickSeconds, kReferenceSteps, &start);
+    stepper.chain.advance(tau, kTickSeconds, stepper.steps, &start);
     result.torques.push_back(tau);
     result.truth.push_back(start);
   }
@@ -118,28 +126,28 @@ Range range(Arm arm) {
   return {0.5 * (low + high), 0.5 * (high - low)};
 }
 
-Sequence tracked(Arm arm, const ReferenceChain& chain, double share, Random* random) {
+Sequence tracked(Arm arm, const Stepper& stepper, double share, Random* random) {
   const Range r = range(arm);
   const Sines sines(r.middle, r.half, share, 1.5, random);
   Goal goal;
   sines.at(0.0, &goal.q, &goal.dq, &goal.ddq);
-  return lead(arm, chain, {goal.q, goal.dq}, 7, [&](std::size_t i, const State& state) {
+  return lead(arm, stepper, {goal.q, goal.dq}, 7, [&](std::size_t i, const State& state) {
     sines.at(static_cast<double>(i) * kTickSeconds, &goal.q, &goal.dq, &goal.ddq);
     return towards(goal, state, 30.0);
   });
 }
 
-Sequence jumps(Arm arm, const ReferenceChain& chain, double share, Random* random) {
+Sequence jumps(Arm arm, const Stepper& stepper, double share, Random* random) {
   const Range r = range(arm);
   Goal goal{r.middle, Vector::Zero(7), Vector::Zero(7)};
-  return lead(arm, chain, {r.middle, Vector::Zero(7)}, 7, [&](std::size_t i, const State& state) {
+  return lead(arm, stepper, {r.middle, Vector::Zero(7)}, 7, [&](std::size_t i, const State& state) {
     for (Eigen::Index j = 0; i % 200 == 0 && j < 7; ++j)
       goal.q[j] = r.middle[j] + share * r.half[j] * random->uniform(-0.7, 0.7);
     return towards(goal, state, 15.0);
   });
 }
 
-Sequence swing(Arm arm, const ReferenceChain& chain, double share, Random* random) {
+Sequence swing(Arm arm, const Stepper& stepper, double share, Random* random) {
   const Range r = range(arm);
   const Sines sines(r.middle, r.half, 0.7 * share, 1.0, random);
   State start;
@@ -151,14 +159,14 @@ Sequence swing(Arm arm, const ReferenceChain& chain, double share, Random* rando
     start.q[j] = r.middle[j] + share * r.half[j] * random->uniform(-0.6, 0.6);
     start.dq[j] = share * random->uniform(-25.0, 25.0);
   }
-  return lead(arm, chain, start, 3, [&](std::size_t i, const State& state) {
+  return lead(arm, stepper, start, 3, [&](std::size_t i, const State& state) {
     sines.at(static_cast<double>(i) * kTickSeconds, &goal.q, &goal.dq, &goal.ddq);
     return towards(goal, state, 30.0);
   });
 }
 
 /** Accelerations that jump each 50 ms on top of sines: no feedback, torques for what all joints do together. */
-Sequence forced(Arm arm, const ReferenceChain& chain, double share, Random* random) {
+Sequence forced(Arm arm, const Stepper& stepper, double share, Random* random) {
   const Range r = range(arm);
   const State start{r.middle, Vector::Zero(7)};
   Vector rate(7), side(7), jump(7);
@@ -166,7 +174,7 @@ Sequence forced(Arm arm, const ReferenceChain& chain, double share, Random* rand
     rate[j] = 2.0 * kPi * random->uniform(1.0, 6.0);
     side[j] = random->uniform(-0.4, 0.4);
   }
-  return lead(arm, chain, start, 7, [&](std::size_t i, const State&) {
+  return lead(arm, stepper, start, 7, [&](std::size_t i, const State&) {
     Vector wanted(7);
     for (Eigen::Index j = 0; j < 7; ++j) {
       if (i % 50 == 0) jump[j] = i % 100 == 0 ? random->uniform(-40.0, 40.0) : -jump[j];
@@ -177,16 +185,16 @@ Sequence forced(Arm arm, const ReferenceChain& chain, double share, Random* rand
   });
 }
 
-Sequence make(Family family, Arm arm, const ReferenceChain& chain, double share, Random* random) {
+Sequence make(Family family, Arm arm, const Stepper& stepper, double share, Random* random) {
   switch (family) {
     case Family::kTracked:
-      return tracked(arm, chain, share, random);
+      return tracked(arm, stepper, share, random);
     case Family::kJumps:
-      return jumps(arm, chain, share, random);
+      return jumps(arm, stepper, share, random);
     case Family::kForced:
-      return forced(arm, chain, share, random);
+      return forced(arm, stepper, share, random);
     case Family::kSwing:
-      return swing(arm, chain, share, random);
+      return swing(arm, stepper, share, random);
   }
   throw std::logic_error("no such family");
 }
@@ -269,14 +277,25 @@ State upperLimits(Arm arm) {
   return state;
 }
 
-/** What reaches a stop is made again, smaller and from another start. */
+/** What reaches a stop is made again, smaller and from another start. All but the first are tried with coarse steps
+ *  first, unless friction on bare links makes these unstable. */
 Sequence makeSequence(Arm arm, const Terms& terms, Family family, std::uint64_t seed) {
   const ReferenceChain chain = makeReference(arm, terms);
+  const bool takes_half = terms.rotors && !raven2_trainer::testing::isFull();
+  const int steps = takes_half ? kReferenceSteps / 2 : kReferenceSteps;
+  const bool allows_coarse = terms.rotors || !terms.friction;
+  const auto stays = [arm](const Sequence& made) {
+    return made.torques.size() == kTicks && isWithin(arm, made.truth.back());
+  };
   for (std::uint64_t attempt = 0; attempt < kAttempts; ++attempt) {
-    Random random(seed, attempt + 1);
     const double share = std::max(kLeastShare, std::pow(0.9, static_cast<double>(attempt)));
-    Sequence sequence = make(family, arm, chain, share, &random);
-    if (sequence.torques.size() == kTicks && isWithin(arm, sequence.truth.back())) return sequence;
+    const auto makeWith = [&](int steps_a_tick) {
+      Random random(seed, attempt + 1);
+      return make(family, arm, {chain, steps_a_tick}, share, &random);
+    };
+    if (attempt > 0 && allows_coarse && !stays(makeWith(kCoarseSteps))) continue;
+    Sequence sequence = makeWith(steps);
+    if (stays(sequence)) return sequence;
   }
   throw std::runtime_error(std::string("no sequence stays inside the limits: ") + name(arm) + " " + terms.text());
 }

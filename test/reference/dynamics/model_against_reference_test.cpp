@@ -12,22 +12,23 @@
 #include "raven2_trainer/physics/raven_world.h"
 #include "reference/dynamics/experiment.h"
 #include "reference/dynamics/plain_ode_arm.h"
-#include "support/sanitizer.h"
+#include "support/effort.h"
 
 // The nominal model against the reference chain: open loop, in closed loop, over the step, and over a long time.
 
 namespace raven2_trainer::reference {
 namespace {
 
-constexpr int kSeeds = raven2_trainer::testing::kIsSanitized ? 1 : 2;
+using raven2_trainer::testing::effort;
 
 class OpenLoop : public ::testing::TestWithParam<std::tuple<int, Family>> {};
 
 TEST_P(OpenLoop, EveryJointFollowsTheReferenceForASecond) {
   const Terms terms = allTerms()[static_cast<std::size_t>(std::get<0>(GetParam()))];
   const Family family = std::get<1>(GetParam());
+  const auto seeds = static_cast<std::uint64_t>(effort(1, 2));
   for (const Arm arm : kArms) {
-    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       const Sequence sequence = makeSequence(arm, terms, family, seed);
       const Vector errors = relativeErrors(sequence.truth, runModel(arm, modelConfig(terms, packagedSubSteps()),
                                                                     sequence.truth.front(), sequence.torques));
@@ -136,7 +137,8 @@ TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
     State truth{toVector(kinematics::toUrdf(arm, d4, start)), Vector::Zero(7)};
     double sum = 0.0, worst = 0.0, travel = 0.0;
     Vector worst_joint = Vector::Zero(7);
-    for (int i = 0; i < 10000; ++i) {
+    const auto ticks = static_cast<int>(effort(3000, 10000)), steps = static_cast<int>(effort(10, 20));
+    for (int i = 0; i < ticks; ++i) {
       const JointArray target = strokes.at(i * kTickSeconds);
       JointArray q, dq;
       world.jointState(arm, &q, &dq);
@@ -147,7 +149,7 @@ TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
       const JointArray hold = kinematics::rateToUrdf(arm, toJoints(chain.gravityTorque(truth.q)));
       const JointArray torque =
           reference_pid.torque(target, q_true, kinematics::rateToUrdf(arm, toJoints(truth.dq)), hold);
-      chain.advance(toVector(kinematics::rateToUrdf(arm, torque)), kTickSeconds, 20, &truth);
+      chain.advance(toVector(kinematics::rateToUrdf(arm, torque)), kTickSeconds, steps, &truth);
 
       world.jointState(arm, &q, &dq);
       const JointArray q_after = kinematics::fromUrdf(arm, d4, toJoints(truth.q));
@@ -159,7 +161,7 @@ TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
       worst_joint = worst_joint.cwiseMax((toVector(q) - toVector(q_after)).cwiseAbs());
       travel = std::max(travel, std::abs(q_after[kElbow] - start[kElbow]));
     }
-    const double rms = std::sqrt(sum / 10000.0);
+    const double rms = std::sqrt(sum / ticks);
     std::printf("%s: tip rms %.3g mm, max %.3g mm; joints", name(arm), 1e3 * rms, 1e3 * worst);
     for (Eigen::Index j = 0; j < 7; ++j)
       std::printf(" %.2g", worst_joint[j]);
@@ -190,7 +192,8 @@ TEST(Drift, NoneInAMinuteOfHardMotion) {
   double work = 0.0, moved = 0.0;
   const double before = chain.energy(state());
   double worst = 0.0;
-  for (int i = 0; i < 60000; ++i) {
+  const auto ticks = static_cast<int>(effort(20000, 60000));
+  for (int i = 0; i < ticks; ++i) {
     PerArm<JointArray> tau{world.gravityTorque(Arm::kGold), world.gravityTorque(Arm::kGreen)};
     const JointArray target = strokes.at(3.0 * i * kTickSeconds);
     for (std::size_t j = 0; j < kJointCount; ++j)
@@ -205,7 +208,7 @@ TEST(Drift, NoneInAMinuteOfHardMotion) {
     }
     worst = std::max(worst, std::abs(chain.energy(state()) - before - work));
   }
-  std::printf("60 s: energy and work differ by at most %.3g J of %.3g J moved\n", worst, moved);
+  std::printf("%d s: energy and work differ by at most %.3g J of %.3g J moved\n", ticks / 1000, worst, moved);
   RecordProperty("energy_error_nJ", std::to_string(1e9 * worst));
   EXPECT_TRUE(world.healthy());
   EXPECT_GT(moved, 10.0);

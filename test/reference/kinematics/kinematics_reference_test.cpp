@@ -13,12 +13,13 @@
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "support/allocation_counter.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::kinematics {
 namespace {
 
 constexpr double kDegree = kPi / 180.0;
-constexpr int kConfigurations = 1000000;  // an arm
+const int kConfigurations = static_cast<int>(testing::effort(150000, 1000000));  // an arm
 
 const ArmsConfig& arms() {
   static const ArmsConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml").arms;
@@ -246,9 +247,9 @@ TEST(KinematicsReference, SingularWristReachesThePoseAndKeepsTheRoll) {
   Random random(9);
   for (const ArmGeometry& g : allTools()) {
     for (const Arm arm : kArms) {
-      constexpr int kPoses = 20000;
+      const auto poses = static_cast<int>(testing::effort(6000, 20000));
       int kept = 0, scanned = 0;
-      for (int i = 0; i < kPoses; ++i) {
+      for (int i = 0; i < poses; ++i) {
         const JointArray q = singularJoints(g, &random);
         const Pose X = forward(g, arm, q);
         JointArray current = q;
@@ -264,8 +265,8 @@ TEST(KinematicsReference, SingularWristReachesThePoseAndKeepsTheRoll) {
         if (keeps || ++scanned > 100) continue;
         EXPECT_FALSE(canKeepRoll(g, arm, X, current)) << "pose " << i;
       }
-      std::printf("%s, lw %.4f: roll kept in %.1f %%\n", name(arm), g.lw, 100.0 * kept / kPoses);
-      EXPECT_GT(kept, kPoses * 9 / 10);
+      std::printf("%s, lw %.4f: roll kept in %.1f %%\n", name(arm), g.lw, 100.0 * kept / poses);
+      EXPECT_GT(kept, poses * 9 / 10);
     }
   }
 }

@@ -23,10 +23,12 @@ class LoadTraining : public ::testing::Test {
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("raven2_training_" + std::to_string(getpid()));
     fs::remove_all(folder_);
-    fs::copy(RAVEN2_TRAINER_SOURCE_DIR "/config", folder_, fs::copy_options::recursive);
-    for (const char* name : {"exercises", "scenes", "curricula", "bands"}) {
-      fs::remove_all(folder_ / name);
+    for (const char* name : {"exercises", "scenes", "curricula", "bands"})
       fs::create_directories(folder_ / name);
+    for (const fs::directory_entry& entry : fs::directory_iterator(RAVEN2_TRAINER_SOURCE_DIR "/config")) {
+      const fs::path here = folder_ / entry.path().filename();
+      if (fs::exists(here)) continue;
+      entry.is_directory() ? fs::create_directory_symlink(entry, here) : fs::copy(entry, here);
     }
   }
   void TearDown() override { fs::remove_all(folder_); }

@@ -11,6 +11,7 @@
 #include "raven2_trainer/console/clumsy.h"
 #include "raven2_trainer/console/reactor.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "support/effort.h"
 
 // The verbs, in a world without mass: what they lead to, not how well jaws hold.
 
@@ -71,7 +72,8 @@ class ExpertTest : public ::testing::Test {
 };
 
 TEST_F(ExpertTest, PutsTheRingOverTheTowerFromOneHandToTheOther) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  const auto seeds = static_cast<std::uint64_t>(raven2_trainer::testing::effort(4, 10));
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     FakeWorld& world = start(wholeTask(), {}, seed);
     world.sag = 0.001;
     world.run(200.0);

@@ -8,6 +8,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::console {
 namespace {
@@ -295,7 +296,8 @@ TEST(ShippedConsole, KeepsBothArmsInsideTheirLimitsWithTheToolsHeldAsAtHome) {
   const TrainerConfig config =
       config::loadTrainerConfig(std::string(RAVEN2_TRAINER_SOURCE_DIR) + "/config/trainer.yaml");
   const ArmGeometry& geometry = config.arms.geometry;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  const auto seeds = static_cast<std::uint64_t>(raven2_trainer::testing::effort(4, 10));
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     Console console(config.console, makeScripted(config.console, config.arms, seed));
     console.setReady(true);
     PerArm<Pose> X_BT;

@@ -9,6 +9,7 @@
 
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/core/types.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::haptics {
 namespace {
@@ -128,11 +129,14 @@ TEST(PathGuidance, GivesNothingOnAnyClosedWay) {
     const GuidePath* path;
     int steps;
     double doubt;  ///< [J]
+    std::int64_t runs;
   };
   Random random(3);
+  using raven2_trainer::testing::effort;
   double largest = 0.0;
-  for (const Case& c : {Case{&kStraight, 2000, 2e-7}, Case{&kinked, 20000, 1e-4}, Case{&circle, 2000, 1e-5}}) {
-    for (int run = 0; run < 10; ++run) {
+  for (const Case& c : {Case{&kStraight, 2000, 2e-7, effort(5, 10)}, Case{&kinked, 20000, 1e-4, effort(5, 10)},
+                        Case{&circle, 2000, 1e-5, effort(2, 10)}}) {
+    for (std::int64_t run = 0; run < c.runs; ++run) {
       std::vector<Vector3d> corners;
       for (int i = 0; i < 5; ++i)
         corners.push_back({random.uniform(-0.05, 0.15), random.uniform(-0.05, 0.08), random.uniform(-0.03, 0.03)});

@@ -20,7 +20,7 @@ namespace {
 using testing::makeEmptyScene;
 using testing::makeRaven;
 
-constexpr int kTicks = 3000;
+constexpr int kTicks = 1500;
 
 /** All terms of the dynamics: dry friction on three joints, as the robot has it, viscous friction on all. */
 ModelConfig everyTerm(int sub_steps) {

@@ -49,7 +49,7 @@ TEST(RavenWorldAlloc, StepsWithContactsDoNotTouchTheHeap) {
     world.setCollisions(arm, true);
   std::uint32_t contacts = 0;
   const int count = allocatorCalls([&] {
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < 1500; ++i) {
       testing::driveStep(&world, testing::stirringTarget(home, i));
       contacts += world.contacts(Arm::kGold);
     }
@@ -69,7 +69,7 @@ TEST(RavenWorldAlloc, StepsWithMoreContactsThanBeforeTouchNoNewPage) {
   // WHEN both arms are pressed into the floor and the ring
   const long before = pageFaults();
   std::uint32_t most = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 1500; ++i) {
     testing::driveStep(&world, testing::stirringTarget(home, i));
     most = std::max(most, world.contacts(Arm::kGold));
   }

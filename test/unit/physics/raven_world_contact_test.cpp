@@ -32,9 +32,9 @@ TEST(RavenWorldContact, FreeRingComesToRestOnTheFloor) {
   const model::RavenModel raven = makeRaven();
   const PerArm<JointArray> home{raven.arms.geometry.home, raven.arms.geometry.home};
   double fastest = 0.0, deepest = 0.0, shallowest = 1.0;
-  for (int drop = 0; drop < 10; ++drop) {
+  for (int drop = 0; drop < 5; ++drop) {
     model::SceneModel scene = makeFloorAndRing();
-    scene.X_WL.back().p.z() += drop * 1.3e-3;
+    scene.X_WL.back().p.z() += drop * 2.6e-3;
     RavenWorld world(raven, scene, modelConfig());
     for (int i = 0; i < 1000; ++i)
       driveStep(&world, home);
@@ -161,7 +161,7 @@ TEST(RavenWorldContact, HingesStayTogetherUnderContact) {
   const model::RavenModel raven = makeRaven();
   RavenWorld world(raven, makeFloorAndRing(), modelConfig());
   double worst = 0.0;
-  for (int i = 0; i < 10000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     driveStep(&world, testing::stirringTarget(raven.arms.geometry.home, i));
     if (i % 100 != 99) continue;
     const JointArray drifted = world.gravityTorque(Arm::kGold);

@@ -21,7 +21,7 @@ using testing::makeFloorAndRing;
 using testing::makeRaven;
 using testing::modelConfig;
 
-constexpr int kSteps = 3000;
+constexpr int kSteps = 1500;
 
 struct Trace {
   std::vector<JointArray> joints;

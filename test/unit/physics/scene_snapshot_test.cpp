@@ -73,7 +73,7 @@ class SceneSnapshotTest : public ::testing::Test {
     }
   }
 
-  /** Saves a world that began with `saved` after so many ticks, goes on for 2 s, and does the same once more in a world
+  /** Saves a world that began with `saved` after so many ticks, goes on for 1 s, and does the same once more in a world
    *  of another past. @return whether both went the same way, to the last bit */
   void expectSameFuture(const Start& saved, const Start& other, int ticks) {
     RavenWorld a(raven_, makeTumble(saved), testing::modelConfig());
@@ -83,10 +83,10 @@ class SceneSnapshotTest : public ::testing::Test {
     SceneSnapshot snapshot;
     a.saveScene(&snapshot);
     std::vector<Moment> first, again;
-    run(&a, ticks, 2000, &first);
+    run(&a, ticks, 1000, &first);
     b.restoreScene(snapshot);
     EXPECT_EQ(b.brokenOff().mask != 0, snapshot.bodies[3].held == 0);
-    run(&b, ticks, 2000, &again);
+    run(&b, ticks, 1000, &again);
     for (std::size_t i = 0; i < first.size(); ++i) {
       ASSERT_EQ(std::memcmp(&first[i].bodies, &again[i].bodies, sizeof(first[i].bodies)), 0) << i;
       ASSERT_EQ(first[i].q, again[i].q) << i;

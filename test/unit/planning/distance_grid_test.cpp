@@ -91,7 +91,7 @@ TEST_F(ShippedGrid, IsTightWhereToolsPassByAtTheirRadius) {
   Random random(2);
   double lost = 0.0;
   int count = 0;
-  while (count < 5000) {
+  while (count < 1500) {
     const Vector3 p = draw({0, 0, 0.04}, {0.09, 0.09, 0.05}, &random);
     const double truth = reference(p);
     if (truth < 0.005 || truth > 0.007) continue;

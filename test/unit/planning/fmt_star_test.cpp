@@ -417,7 +417,7 @@ TEST(OmplPlanners, AnytimeOnesGetBetterUntilTheyAreStopped) {
   SearchOrder order = orderFor(outsideWall);
   order.planner = "RRTstar";
   order.stops_on_draws = true;
-  order.settings.samples = 5000;
+  order.settings.samples = 2500;
   const SearchOutcome first = searchPath(order);
   order.until_stopped = true;
   const SearchOutcome best = searchPath(order);

@@ -157,7 +157,7 @@ Followed follow(const PlanResult& plan, const JointArray& other) {
 TEST(FollowedPaths, NoPathThatIsReturnedTouchesAnything) {
   physics::initialiseOde();
   PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
-  const auto problems = static_cast<std::uint64_t>(testing::effort(20, 200));
+  const auto problems = static_cast<std::uint64_t>(testing::effort(6, 200));
   int returned = 0, edges = 0;
   std::array<int, kPlanStatusCount> outcomes{};
   int beside_home = 0, beside_others = 0;

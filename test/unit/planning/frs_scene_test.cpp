@@ -5,6 +5,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/planning/path_planner.h"
+#include "support/effort.h"
 
 // The shipped robot, scene and configuration: from deep inside the dome out to the ring (paper, 3.3).
 
@@ -85,7 +86,8 @@ TEST(FrsScene, TwentySeedsOfTwentyFindTheWayToTheRing) {
   PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
   const PathPlanner judge(trainer().raven, trainer().scene, bare);
   const PlanRequest request = insideTheDome();
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  const auto seeds = static_cast<std::uint64_t>(testing::effort(8, 20));
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const PlanResult result = planner.plan(request, seed, true, kGoOn);
     ASSERT_EQ(result.status, PlanStatus::kSuccess) << "seed " << seed;
     EXPECT_GT(result.waypoint_count, 2u) << "something stands in the straight way";
@@ -132,7 +134,7 @@ TEST(FrsScene, TheClearanceTermKeepsPathsAwayFromThings) {
   PathPlanner planner(trainer().raven, trainer().scene, trainer().config.planner, trainer().config.model);
   PlanOptions options = defaultOptions(trainer().config.planner);
   double with = 0.0, without = 0.0;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     PlanStatistics statistics;
     options.eta_clearance = 1.0;
     const PlanResult wide = planner.plan(insideTheDome(), seed, true, kGoOn, options, &statistics);

@@ -140,7 +140,8 @@ TEST_F(PathPlannerTest, EveryEdgeOfEveryPlanIsFreeAtTenTimesTheResolution) {
   const PathPlanner judge(raven_, scene, bare);
   Random random(2024);
   int solved = 0;
-  for (int problem = 0; problem < 20; ++problem) {
+  const auto problems = static_cast<int>(testing::effort(10, 20));
+  for (int problem = 0; problem < problems; ++problem) {
     PlanRequest request = overTheWall();
     request.arm = kArms[static_cast<std::size_t>(problem % 2)];
     const double side = request.arm == Arm::kGold ? 1.0 : -1.0;
@@ -162,7 +163,7 @@ TEST_F(PathPlannerTest, EveryEdgeOfEveryPlanIsFreeAtTenTimesTheResolution) {
     EXPECT_LT((tip(raven_, request.arm, result.waypoints[result.waypoint_count - 1]) - toEigen(request.goal_W)).norm(),
               1e-9);
   }
-  EXPECT_GE(solved, 15);
+  EXPECT_GE(4 * solved, 3 * problems);
 }
 
 TEST_F(PathPlannerTest, CostAndArrivalAddUpOverTheEdges) {
@@ -278,6 +279,7 @@ TEST_F(PathPlannerTest, SaysSoWhenThereIsNoWay) {
   // WHEN the wall stands THEN start and goal are as free as before, but no path joins them
   pit.description.links[0].collisions.push_back(middle);
   pit.X_WL[0] = Pose{};
+  config_.max_samples = 1500;
   EXPECT_EQ(PathPlanner(raven, pit, config_).plan(request, 1, true, kGoOn).status, PlanStatus::kNoPath);
 }
 
@@ -366,11 +368,14 @@ TEST_F(PathPlannerTest, IsCancelledWithinATenthOfASecondInEveryPhase) {
   const model::SceneModel scene = wall();
   PathPlanner planner(raven_, scene, config_);
   planner.prepare();
-  for (const double at : {0.0005, 0.002, 0.005, 0.01, 0.03, 0.1, testing::isFull() ? 3.0 : 0.6})
+  const auto either = [](std::vector<double> quick, std::vector<double> full) {
+    return testing::isFull() ? full : quick;
+  };
+  for (const double at : either({0.0005, 0.005, 0.03, 0.1, 0.6}, {0.0005, 0.002, 0.005, 0.01, 0.03, 0.1, 3.0}))
     expectPrompt(workAfterCancel(&planner, overTheWall(), after(at)), "search after [s]", at);
   // AND one that prepares first, for a tenth of a second: grid, tables of both arms, roll-outs, free volumes
   const test::Trainer& shipped = test::trainer();
-  for (const double at : {0.0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.07}) {
+  for (const double at : either({0.0, 0.01, 0.03, 0.05}, {0.0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.07})) {
     PathPlanner fresh(shipped.raven, shipped.scene, shipped.config.planner, shipped.config.model);
     expectPrompt(workAfterCancel(&fresh, insideTheDome(), after(at)), "preparation after [s]", at);
   }
@@ -378,7 +383,8 @@ TEST_F(PathPlannerTest, IsCancelledWithinATenthOfASecondInEveryPhase) {
   PlannerConfig endless = shipped.config.planner;
   endless.max_tracking_error = 1e-9;
   endless.max_rollouts = 100000;
-  for (const std::uint32_t rollouts : {1U, 3U, 8U}) {
+  for (const double wanted : either({1, 3}, {1, 3, 8})) {
+    const auto rollouts = static_cast<std::uint32_t>(wanted);
     PathPlanner fresh(shipped.raven, shipped.scene, endless, shipped.config.model);
     const auto follows = [&](std::thread* worker) {
       return fresh.progress().rollouts.load() >= rollouts || cpuSeconds(worker) < 0.0;
@@ -401,7 +407,7 @@ TEST_F(PathPlannerTest, AnImpossibleGoalFailsAtTheTimeLimitAndInBoundedMemory) {
   request.goal_W = {-0.018, 0.065, 0.03};
   for (const std::uint32_t samples : {2000U, 100000U}) {
     config_.samples = samples;
-    config_.time_limit = testing::isFull() ? 5.0 : 0.7;
+    config_.time_limit = testing::isFull() ? 5.0 : 0.4;
     PathPlanner planner(raven, pit, config_);
     planner.prepare();
     resetPeakMemory();

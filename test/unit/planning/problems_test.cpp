@@ -68,6 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Solvable,
 TEST(ImpossibleProblem, StartAndGoalAreFreeAndNoPathIsFound) {
   PlannerConfig config = trainer().config.planner;
   config.samples = 200;
+  config.max_samples = 1500;
   PathPlanner planner(trainer().raven, trainer().scene, config);
   const PlanRequest request = problem("impossible");
   EXPECT_FALSE(planner.inCollision(Arm::kGold, request.start, request.other));

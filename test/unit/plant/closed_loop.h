@@ -22,6 +22,7 @@ inline const VirtualRavenConfig& quickRaven() {
   static const VirtualRavenConfig config = [] {
     VirtualRavenConfig quick = trainerConfig().virtual_raven;
     quick.full_homing = false;
+    quick.homing_time = 0.3;
     return quick;
   }();
   return config;

@@ -14,7 +14,7 @@ TrainerConfig configWith(const std::string& exercise) {
   raven2_trainer::testing::useOde();
   TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
                                                    config::TrainingNames{exercise, "none", "", "none"});
-  config.virtual_raven.full_homing = false;
+  raven2_trainer::testing::homeQuickly(&config);
   config.hazard = "none";
   config.runtime.plan_at = -1.0;
   return config;

@@ -33,7 +33,7 @@ class FinishSession : public ::testing::Test {
 
   session::SessionPaths record(const config::TrainingNames& training, const std::string& name = "session") const {
     TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", training);
-    config.virtual_raven.full_homing = false;
+    raven2_trainer::testing::homeQuickly(&config);
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
     Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted");
     EXPECT_TRUE(lockstep.run(0.5, {}));

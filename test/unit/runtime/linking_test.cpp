@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "raven2_trainer/core/random.h"
+#include "support/effort.h"
 #include "support/rig.h"
 
 // How model and robot are kept together: the rules in the comment of PhysicsLoop.
@@ -46,7 +47,8 @@ class Linking : public ::testing::Test {
 
 TEST_F(Linking, AHundredClutchesLeaveNoOffset) {
   Random random(2);
-  for (int clutch = 0; clutch < 100; ++clutch) {
+  const auto clutches = static_cast<int>(raven2_trainer::testing::effort(30, 100));
+  for (int clutch = 0; clutch < clutches; ++clutch) {
     stroke(100, clutch % 2 == 0 ? 1.0 : -1.0);
     rest(true, 20 + static_cast<int>(random.uniform(0, 20)));  // released while both still settle
     rest(false, 60);

@@ -33,10 +33,10 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     d->rest(down, ticks);
   }
 
-  /** 5 mm by hand where that is wanted, else none. */
+  /** 2 mm by hand where that is wanted, else none. */
   void move(bool moves) {
     if (!pedal) press(true);
-    if (moves) d->stroke(200, away = -away);
+    if (moves) d->stroke(80, away = -away);
     d->rest(pedal, 60);
   }
 
@@ -54,7 +54,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
         return ask(RequestKind::kPlan);
       case Mode::kTracking:
         plan();
-        return d->rest(pedal, 500);
+        return d->rest(pedal, 420);  // to its end
       case Mode::kStopped:
         if (moves) lead(Mode::kSimulating, moves);  // away from the robot
         return ask(RequestKind::kEmergencyStop);
@@ -146,13 +146,15 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
 };
 
 TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
+  // Linked, or put back by a pause, the model is pulled by what it lagged behind.
+  const bool follows_hands = GetParam() == Mode::kTeleoperating || GetParam() == Mode::kPaused;
   double worst_step = 0.0, worst_stray = 0.0, worst_error = 0.0;
   int changes = 0;
   for (const Mode next : kLed) {
     SCOPED_TRACE(kModeNames[static_cast<std::size_t>(next)]);
     lead(GetParam(), true);
     ASSERT_EQ(d->mode(), GetParam());
-    if (GetParam() != Mode::kReturning) d->rest(pedal, GetParam() == Mode::kExecuting ? 20 : 300);  // hands still
+    if (GetParam() != Mode::kReturning) d->rest(pedal, GetParam() == Mode::kExecuting ? 20 : 100);  // hands still
     ASSERT_EQ(d->mode(), GetParam());
     before = d->rig.model();
     stood = {d->robotTip(Arm::kGold), d->robotTip(Arm::kGreen)};
@@ -161,7 +163,7 @@ TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
     d->watch = [this] { look(); };
     lead(next, false);
     changes += d->mode() != GetParam() ? 1 : 0;
-    d->rest(pedal, 300);
+    d->rest(pedal, 100);
     giveUp();
     ASSERT_EQ(d->mode(), Mode::kPedalUp);
     press(true, 40);
@@ -169,11 +171,11 @@ TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
     ASSERT_EQ(d->rig.model().linked, 1);
     const double error = std::max(d->rig.error(Arm::kGold), d->rig.error(Arm::kGreen));
     d->watch = nullptr;
-    press(false, 60);
+    press(false, 20);
     EXPECT_FALSE(sends) << "nobody moved a hand";
     EXPECT_FALSE(pushes);
     EXPECT_LT(strayed, 0.5e-3) << "the robot stands";
-    EXPECT_LT(largest, 0.5e-3) << "the model does not jump";
+    EXPECT_LT(largest, follows_hands ? 0.5e-3 : 0.1e-3) << "the model does not jump";
     EXPECT_LT(error, 0.5e-3);
     worst_step = std::max(worst_step, largest);
     worst_stray = std::max(worst_stray, strayed);

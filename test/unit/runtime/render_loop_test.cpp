@@ -26,7 +26,7 @@ constexpr Tick kTick = 7000;
 class RenderLoopTest : public ::testing::Test {
  protected:
   RenderLoopTest()
-      : config_(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml")),
+      : config_(smallPictures()),
         raven_(model::loadRavenModel(config_)),
         scene_(model::loadSceneModel(config_)),
         shared_(std::make_unique<SharedState>()),
@@ -45,6 +45,15 @@ class RenderLoopTest : public ::testing::Test {
       arm.q = config_.arms.geometry.home;
     for (std::size_t i = 0; i < scene_.free_bodies.size(); ++i)
       state_.bodies[i] = toArray(scene_.X_WL[static_cast<std::size_t>(scene_.free_bodies[i])]);
+  }
+
+  static TrainerConfig smallPictures() {
+    static const TrainerConfig packaged =
+        config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+    TrainerConfig config = packaged;
+    config.render.live_width /= 2;
+    config.render.live_height /= 2;
+    return config;
   }
 
   struct EyePicture {
@@ -67,6 +76,8 @@ class RenderLoopTest : public ::testing::Test {
   Picture frame() {
     eyes_.clear();
     shared_->model.store(state_);
+    haptic_.tick = state_.tick;  // or the loop waits for it
+    shared_->haptic.store(haptic_);
     loop_.frame();
     return picture_;
   }
@@ -96,6 +107,7 @@ class RenderLoopTest : public ::testing::Test {
   std::int64_t takes_ns_{0};                // each picture
   RenderLoop loop_;
   ModelState state_;
+  HapticState haptic_;
 };
 
 TEST_F(RenderLoopTest, APlanIsInTheLivePictureUntilItIsForgotten) {

@@ -8,6 +8,7 @@
 #include "raven2_trainer/session/session_log.h"
 #include "session/header_json.h"
 #include "session/record_frame.h"
+#include "support/effort.h"
 
 namespace raven2_trainer::session {
 namespace {
@@ -77,7 +78,16 @@ TEST(DamagedLog, EndsCleanlyWhereverItIsCut) {
   ASSERT_EQ(log.ends.size(), kRecords + 2u);
   const std::string path = scratchPath("cut.rlog");
   writeBytes(path, log.bytes);
+  // Short form: every byte of the first record, of the footer's frame and around each end; of the rest every 16th.
+  const auto isLikeOthers = [&](std::size_t cut) {
+    const auto end = std::upper_bound(log.ends.begin(), log.ends.end(), cut);
+    const std::size_t before = cut - *(end - 1), behind = *end - cut;
+    const bool is_footer = end + 1 == log.ends.end();
+    const bool is_frame = is_footer ? before <= 24 || behind <= 5 : before <= 1 || behind <= 1;
+    return cut > log.ends[1] && !is_frame && cut % 16 != 0;
+  };
   for (std::size_t cut = log.bytes.size() - 1; cut >= log.ends[0]; --cut) {
+    if (!raven2_trainer::testing::isFull() && isLikeOthers(cut)) continue;
     std::filesystem::resize_file(path, cut);
     const Found found = readFile(path);
     const auto whole = std::upper_bound(log.ends.begin(), log.ends.end(), cut) - log.ends.begin();
@@ -101,7 +111,8 @@ TEST(DamagedLog, IsRefusedWhenItsHeaderIsCut) {
 TEST(DamagedLog, LosesOnlyTheRecordWithTheFlippedBit) {
   const SmallLog log = makeSmallLog();
   Random random(2017);
-  for (int i = 0; i < 1000; ++i) {
+  const auto flips = raven2_trainer::testing::effort(250, 1000);
+  for (std::int64_t i = 0; i < flips; ++i) {
     const auto span = static_cast<std::uint32_t>(log.bytes.size() - log.ends[0]);
     const std::size_t at_byte = log.ends[0] + random.next() % span;
     Bytes bytes = log.bytes;
