@@ -3,6 +3,8 @@ import pathlib
 import subprocess
 import sys
 
+import pytest
+
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "summarise_tests"
 GOOD = '<testsuite><testcase classname="A" name="a"/><testcase classname="A" name="b"/></testsuite>'
 BAD = '<testsuite><testcase classname="A" name="a"><failure/></testcase></testsuite>'
@@ -33,7 +35,22 @@ def test_runs_are_added_up_and_failures_named_with_their_run(tmp_path):
 
 
 def test_nothing_skipped_is_not_mentioned(tmp_path):
-    assert summarise(run(tmp_path, core=GOOD)) == (0, ["2 passed, 0 failed"])
+    code, lines = summarise(run(tmp_path, core=GOOD))
+    assert (code, lines[-1]) == (0, "2 passed, 0 failed")
+    assert [line for line in lines if line.startswith("slow: ")] == ["slow:    0.0 s A.b", "slow:    0.0 s A.a"]
+
+
+@pytest.mark.parametrize("run_name,file,case,again", [
+    ("plain", "core", '<testcase classname="A" name="a"><failure/></testcase>', "GTEST_FILTER='A.a' scripts/test -R '^core$'"),
+    ("clock", "system_clock", '<testcase classname="test.system.test_link" name="test_x[1]"><failure/></testcase>',
+     "PYTEST_ADDOPTS='-k test_x' scripts/test -R '^system_clock$'"),
+    ("plain", "rosunit-plan", '<testcase classname="A" name="a"><failure/></testcase>', "scripts/test -R '^rostest_plan$'"),
+    ("asan", "core", '<testcase classname="A" name="a"><failure/></testcase>',
+     "GTEST_FILTER='A.a' ctest --test-dir build/fuzz --output-on-failure -R '^core$'"),
+    ("fuzz", "fuzz", '<testcase classname="fuzz" name="yaml"><failure/></testcase>', "scripts/fuzz --seconds 3 yaml")])
+def test_a_failure_names_the_command_that_repeats_it(tmp_path, run_name, file, case, again):
+    lines = summarise(run(tmp_path, 8, name=run_name, **{file: f"<testsuite>{case}</testsuite>"}))[1]
+    assert f"  again: {again}" in lines
 
 
 def test_a_crash_counts_beside_a_failure_of_another_program(tmp_path):
