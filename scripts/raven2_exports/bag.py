@@ -2,6 +2,7 @@
 clock (monotonic; in lockstep the tick). Topics that the simulator has, too, have its names and types. Needs
 python3-rosbag, Debian's messages and the package's own, imported when a bag is asked for."""
 
+import heapq
 import math
 import os
 import sys
@@ -38,7 +39,7 @@ def joint_state(message, q, dq, tau, d4):
 
 
 class Writer:
-    """Messages kind by kind, each with its own time, by which readers of a bag sort them; `counts` by topic."""
+    """Messages, each with its own time; `counts` by topic."""
 
     def __init__(self, bag):
         import rospy
@@ -54,7 +55,6 @@ class Writer:
         self.bag.write(topic, message, stamp, connection_header=self._latching(topic, message))
         self.counts[topic] = self.counts.get(topic, 0) + 1
 
-
     @staticmethod
     def _latching(topic, message):
         """What the bag says of the connection where it is more than its own words; None else."""
@@ -64,27 +64,27 @@ class Writer:
                 "message_definition": message._full_text, "latching": "1"}
 
 
-def _ticks(facts, put, messages):
+def _ticks(facts, messages):
     """Joints of model and robot, tips of the model."""
     d4, last_robot = facts.header["d4"], -1
     for record in facts.series.ticks[facts.series.ticks["model"]["tick"] % EVERY == 0]:
         model, robot, now = record["model"], record["robot"], int(record["model"]["time_ns"])
         arms = model["arms"]
-        put("/model/joint_states", joint_state(messages.JointState(), arms["q"], arms["dq"], arms["tau"], d4), now)
+        yield ("/model/joint_states", joint_state(messages.JointState(), arms["q"], arms["dq"], arms["tau"], d4), now)
         for arm, name in enumerate(("gold", "green")):
             pose = messages.PoseStamped()
             point, turn = pose.pose.position, pose.pose.orientation
             point.x, point.y, point.z = arms["p_BT"][arm].tolist()
             turn.x, turn.y, turn.z, turn.w = arms["q_BT"][arm].tolist()
-            put(f"/model/{name}/measured_cp", pose, now, FRAMES[arm])
+            yield (f"/model/{name}/measured_cp", pose, now, FRAMES[arm])
         if robot["frame"] > 0 and robot["connected"] and robot["frame"] != last_robot:
             last_robot = robot["frame"]
             arms = robot["arms"]
-            put("/robot/joint_states", joint_state(messages.JointState(), arms["q"], arms["dq"], None, d4),
-                int(robot["received_ns"]))
+            yield ("/robot/joint_states", joint_state(messages.JointState(), arms["q"], arms["dq"], None, d4),
+                   int(robot["received_ns"]))
 
 
-def _forces(facts, put, messages):
+def _forces(facts, messages):
     haptic = facts.log.haptic["haptic"]
     first = facts.series.ticks["model"]["tick"][0]
     for record in haptic[(haptic["tick"] >= first) & (haptic["tick"] % EVERY == 0)]:
@@ -92,7 +92,7 @@ def _forces(facts, put, messages):
             wrench = messages.WrenchStamped()
             force = wrench.wrench.force
             force.x, force.y, force.z = record["force_B"][arm].tolist()
-            put(f"/haptic/{name}/force", wrench, int(record["time_ns"]), FRAMES[arm])
+            yield (f"/haptic/{name}/force", wrench, int(record["time_ns"]), FRAMES[arm])
 
 
 def _transform(messages, child, p, q):
@@ -104,7 +104,7 @@ def _transform(messages, child, p, q):
     return message
 
 
-def _frames(facts, put, messages):
+def _frames(facts, messages):
     """What moves on /tf, the rest on /tf_static; of the robot while it is linked. Cameras are not told."""
     urdf = facts.configuration.file("urdf", "raven2.urdf")
     if urdf is None:
@@ -114,7 +114,7 @@ def _frames(facts, put, messages):
     still = arms.poses(NAMES, np.zeros((1, len(NAMES))))
     fixed = [_transform(messages, f"{prefix}/{name}", p[0], q[0]) for prefix in ("model", "robot")
              for name, (p, q) in still.items() if name in arms.fixed]
-    put("/tf_static", messages.TFMessage(fixed), int(ticks["model"]["time_ns"][0]))
+    yield ("/tf_static", messages.TFMessage(fixed), int(ticks["model"]["time_ns"][0]))
     told = ticks[ticks["model"]["tick"] % FRAMES_EVERY == 0]
     poses = {which: arms.poses(NAMES, to_urdf(told[which]["arms"]["q"], d4).reshape(len(told), -1))
              for which in ("model", "robot")}
@@ -123,10 +123,10 @@ def _frames(facts, put, messages):
         there = ("model", "robot") if is_linked else ("model",)
         moving = [_transform(messages, f"{which}/{name}", p[i], q[i]) for which in there
                   for name, (p, q) in poses[which].items() if name not in arms.fixed]
-        put("/tf", messages.TFMessage(moving), int(record["model"]["time_ns"]))
+        yield ("/tf", messages.TFMessage(moving), int(record["model"]["time_ns"]))
 
 
-def _configuration(facts, put, messages):
+def _configuration(facts, messages):
     """What the simulator was configured by, as it told: from meta.json, which has it in the same words."""
     meta, training = facts.meta, facts.training
     message = messages.SessionConfiguration()
@@ -135,10 +135,10 @@ def _configuration(facts, put, messages):
     message.exercise, message.drill = training["exercise"], training["drill"]
     named = meta.get("config_files", []) + [meta[key] for key in ("robot_urdf", "scene_urdf") if key in meta]
     message.files = [messages.ConfigurationHash(path=entry["path"], fnv1a=entry["fnv1a"]) for entry in named]
-    put("/session/configuration", message, int(facts.series.ticks["model"]["time_ns"][0]))
+    yield ("/session/configuration", message, int(facts.series.ticks["model"]["time_ns"][0]))
 
 
-def _mode(facts, put, messages):
+def _mode(facts, messages):
     model = facts.series.ticks["model"]
     names = facts.log.names("tick", "model.mode")
     has = model.dtype.names  # logs of older versions do not know all of them
@@ -149,13 +149,13 @@ def _mode(facts, put, messages):
         message.pedal, message.engaged, message.linked = (bool(x) for x in told[i][1:4])
         message.view = "real" if told[i][4] else "virtual"
         message.trial_time = 0.001 * float(model["trial_ticks"][i]) if "trial_ticks" in has else 0.0
-        put("/mode", message, int(model["time_ns"][i]))
+        yield ("/mode", message, int(model["time_ns"][i]))
 
 
-def _pedal(facts, put, messages):
+def _pedal(facts, messages):
     model = facts.series.ticks["model"]
     for i in np.concatenate(([0], np.flatnonzero(np.diff(model["pedal"].astype(int))) + 1)):
-        put("/console/pedal", messages.Joy(buttons=[int(model["pedal"][i])]), int(model["time_ns"][i]))
+        yield ("/console/pedal", messages.Joy(buttons=[int(model["pedal"][i])]), int(model["time_ns"][i]))
 
 
 def _named(names, number):
@@ -182,7 +182,7 @@ def _event(facts, event, messages):
     return message
 
 
-def _events(facts, put, messages):
+def _events(facts, messages):
     """At the session's tick in which they happened, its first at the earliest; numbered as the simulator does, from the
     log's beginning."""
     model = facts.series.ticks["model"]
@@ -192,7 +192,7 @@ def _events(facts, put, messages):
             continue
         message = _event(facts, record["event"], messages)
         message.number, message.tick = number, int(record["tick"])
-        put("/exercise/events", message, int(model["time_ns"][facts.index(at)]))
+        yield ("/exercise/events", message, int(model["time_ns"][facts.index(at)]))
 
 
 def _find_own_messages():
@@ -225,6 +225,8 @@ def write(facts, path):
     messages = _Messages()
     with rosbag.Bag(path, "w", compression="bz2") as bag:
         writer = Writer(bag)
-        for part in (_configuration, _frames, _ticks, _forces, _mode, _pedal, _events):
-            part(facts, writer.put, messages)
+        # In order of time: a reader sorts by time, and decompresses a chunk again each time that it comes back to it.
+        parts = (part(facts, messages) for part in (_configuration, _frames, _ticks, _forces, _mode, _pedal, _events))
+        for message in heapq.merge(*parts, key=lambda message: message[2]):
+            writer.put(*message)
     return writer.counts
