@@ -66,9 +66,9 @@ def frames(table, ticks):
 
 
 def turn(q):
-    """Rotation matrix of a quaternion x y z w, by turning the axes one by one."""
-    v, w = np.array(q[:3]), q[3]
-    return np.array([e + 2 * np.cross(v, np.cross(v, e) + w * e) for e in np.eye(3)]).T
+    """Rotation matrix of a quaternion x y z w, by turning the axes."""
+    v, w, axes = np.array(q[:3]), q[3], np.eye(3)
+    return (axes + 2 * np.cross(v, np.cross(v, axes) + w * axes)).T
 
 
 # ---- JIGSAWS ----------------------------------------------------------------------------------------------------
