@@ -331,21 +331,21 @@ class Crtk(unittest.TestCase):
 
     def test_05_measured_js_comes_500_times_a_second_at_least(self):
         topic = Topic(f"{ARMS[0]}/measured_js", JointState)
-        self.addCleanup(topic.close)
-        for attempt in range(10):  # of a second each: in most of them a busy machine may keep the daemon from publishing
-            time.sleep(1.1)
-            headers = [message.header for message in topic.messages[-600:]]
-            seconds = (headers[-1].stamp - headers[0].stamp).to_sec()
-            # roscpp numbers what it publishes: what this process is too slow for counts, too
-            published, taken = (headers[-1].seq - headers[0].seq) / seconds, len(headers) / seconds
-            gaps = [(b.stamp - a.stamp).to_sec() for a, b in zip(headers, headers[1:]) if b.seq == a.seq + 1]
-            print(f"measured_js: {published:.1f} Hz published, {taken:.1f} Hz received by Python, "
-                  f"stamps {1e3 * statistics.median(gaps):.3f} ms apart, {1e3 * max(gaps):.1f} ms at most")
-            self.assertGreater(min(gaps), 0.0, "no tick is told twice")
-            self.assertLess(published, 550)
-            if published >= 490 and seconds > 0.9 and len(gaps) > 250 and statistics.median(gaps) < 2.05e-3:
-                return
-        self.fail("in no second of ten")
+        time.sleep(4.5)
+        topic.close()
+        headers = [message.header for message in topic.messages]
+        seconds = (headers[-1].stamp - headers[0].stamp).to_sec()
+        # roscpp numbers what it publishes: what this process is too slow for counts, too
+        published, taken = (headers[-1].seq - headers[0].seq) / seconds, len(headers) / seconds
+        gaps = [(b.stamp - a.stamp).to_sec() for a, b in zip(headers, headers[1:]) if b.seq == a.seq + 1]
+        print(f"measured_js: {published:.1f} Hz published, {taken:.1f} Hz received by Python, "
+              f"stamps {1e3 * statistics.median(gaps):.3f} ms apart, {1e3 * max(gaps):.1f} ms at most")
+        self.assertGreater(seconds, 4.0)
+        self.assertGreater(len(gaps), 1000)
+        self.assertGreater(min(gaps), 0.0, "no tick is told twice")
+        self.assertLess(statistics.median(gaps), 2.05e-3)
+        self.assertGreaterEqual(published, 490)
+        self.assertLess(published, 550)
 
     def test_06_local_is_the_world_seen_from_the_arms_base(self):
         frames = Topic("/tf_static", TFMessage)
