@@ -22,8 +22,11 @@ model::SceneModel strewnBalls() {
   Random random(31);
   std::vector<model::CollisionShape> shapes;
   for (int i = 0; i < 60; ++i) {
-    const Vector3 p(random.uniform(-0.08, 0.08), random.uniform(-0.08, 0.08), random.uniform(0.0, 0.10));
-    shapes.push_back(test::sphere(random.uniform(0.001, 0.004), {Matrix3::Identity(), p}));
+    // one a line: compilers differ in the order in which they evaluate arguments
+    const double z = random.uniform(0.0, 0.10);
+    const double y = random.uniform(-0.08, 0.08);
+    const double x = random.uniform(-0.08, 0.08);
+    shapes.push_back(test::sphere(random.uniform(0.001, 0.004), {Matrix3::Identity(), Vector3(x, y, z)}));
   }
   return test::scene(shapes);
 }
