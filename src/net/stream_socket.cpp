@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "binding.h"
 #include "sockets.h"
 
 namespace raven2_trainer::net {
@@ -48,15 +49,12 @@ void StreamSocket::endSending() noexcept {
   ::shutdown(fd_.get(), SHUT_WR);
 }
 
-StreamListener::StreamListener(const std::string& address, std::uint16_t port) {
+StreamListener::StreamListener(const std::string& address, std::uint16_t port, double patience) {
   const Endpoint endpoint = resolve(address, port);
   fd_ = openSocket(SOCK_STREAM);
   if (!fd_.isOpen()) throwNetwork("TCP", endpoint, "socket", errno);
   setOption(fd_.get(), SOL_SOCKET, SO_REUSEADDR, 1);
-  const sockaddr_in name = toSockaddr(endpoint);
-  if (::bind(fd_.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)) != 0) {
-    throwNetwork("TCP", endpoint, "bind", errno);
-  }
+  bindPatiently("TCP", endpoint, SOCK_STREAM, patience, [&] { return bindOnce(fd_.get(), endpoint); });
   if (::listen(fd_.get(), kBacklog) != 0) throwNetwork("TCP", endpoint, "listen", errno);
   port_ = localEndpoint(fd_.get()).port;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "binding.h"
 #include "outgoing_queue.h"
 #include "raven2_trainer/net/endpoint.h"
 #include "sockets.h"
@@ -34,17 +35,14 @@ struct TcpServer::Client {
   ReaderInfo info;
 };
 
-TcpServer::TcpServer(const std::string& bind_address, std::uint16_t port) {
+TcpServer::TcpServer(const std::string& bind_address, std::uint16_t port, double patience) {
   const Endpoint endpoint = resolve(bind_address, port);
   listening_ = openSocket(SOCK_STREAM);
   if (!listening_.isOpen()) throwNetwork("TCP server", endpoint, "socket", errno);
   setOption(listening_.get(), SOL_SOCKET, SO_REUSEADDR, 1);        // restart without waiting for old connections
   setOption(listening_.get(), SOL_SOCKET, SO_SNDBUF, kTcpBuffer);  // accepted sockets inherit both
   setOption(listening_.get(), SOL_SOCKET, SO_RCVBUF, kTcpBuffer);
-  const sockaddr_in address = toSockaddr(endpoint);
-  if (::bind(listening_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    throwNetwork("TCP server", endpoint, "bind", errno);
-  }
+  bindPatiently("TCP server", endpoint, SOCK_STREAM, patience, [&] { return bindOnce(listening_.get(), endpoint); });
   if (::listen(listening_.get(), kAcceptBacklog) != 0) throwNetwork("TCP server", endpoint, "listen", errno);
   port_ = localEndpoint(listening_.get()).port;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "binding.h"
 #include "sockets.h"
 
 namespace raven2_trainer::net {
@@ -16,30 +17,35 @@ constexpr int kPortAttempts = 16;   // a free port of the one socket may be take
 
 FileDescriptor openBound(const Endpoint& endpoint, int* error) noexcept {
   FileDescriptor fd = openSocket(SOCK_DGRAM);
-  const sockaddr_in address = toSockaddr(endpoint);
-  const bool good = fd.isOpen() && setOption(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1) &&
-                    ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
-  *error = good ? 0 : errno;
-  return good ? std::move(fd) : FileDescriptor();
+  const bool is_set = fd.isOpen() && setOption(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
+  *error = is_set ? bindOnce(fd.get(), endpoint) : errno;
+  return *error == 0 ? std::move(fd) : FileDescriptor();
 }
 
 /** Whether nobody has the port: two sockets of SO_REUSEADDR would share it with a third, one without tells. */
 bool isFree(const Endpoint& endpoint, int* error) noexcept {
   const FileDescriptor probe = openSocket(SOCK_DGRAM);
-  const sockaddr_in address = toSockaddr(endpoint);
-  const bool good =
-      probe.isOpen() && ::bind(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
-  *error = good ? 0 : errno;
-  return good;
+  *error = probe.isOpen() ? bindOnce(probe.get(), endpoint) : errno;
+  return *error == 0;
 }
 
 }  // namespace
 
-UdpReceiver::UdpReceiver(const std::string& bind_address, std::uint16_t port) {
-  Endpoint endpoint = resolve(bind_address, port);
+UdpReceiver::UdpReceiver(const std::string& bind_address, std::uint16_t port, double patience) {
+  const Endpoint endpoint = resolve(bind_address, port);
+  bindPatiently("UDP receiver", endpoint, SOCK_DGRAM, patience, [&] { return bindBoth(endpoint); });
+  for (const FileDescriptor* each : {&guard_, &fd_})
+    setOption(each->get(), SOL_SOCKET, SO_REUSEADDR, 0);  // no third one, which would get our datagrams
+  setOption(guard_.get(), SOL_SOCKET, SO_RCVBUF, kGuardBuffer);
+  port_ = localEndpoint(fd_.get()).port;
+}
+
+int UdpReceiver::bindBoth(Endpoint endpoint) noexcept {
+  const std::uint16_t port = endpoint.port;
   int error = 0;
   for (int attempt = 0; attempt < kPortAttempts && !fd_.isOpen(); ++attempt) {
     endpoint.port = port;
+    guard_.close();  // of an attempt before: it has the port
     if (!isFree(endpoint, &error)) break;
     guard_ = openBound(endpoint, &error);
     if (!guard_.isOpen()) break;
@@ -48,11 +54,7 @@ UdpReceiver::UdpReceiver(const std::string& bind_address, std::uint16_t port) {
     fd_ = openBound(endpoint, &error);
     if (!fd_.isOpen() && port != 0) break;
   }
-  if (!fd_.isOpen()) throwNetwork("UDP receiver", endpoint, "bind", error);
-  for (const FileDescriptor* each : {&guard_, &fd_})
-    setOption(each->get(), SOL_SOCKET, SO_REUSEADDR, 0);  // no third one, which would get our datagrams
-  setOption(guard_.get(), SOL_SOCKET, SO_RCVBUF, kGuardBuffer);
-  port_ = endpoint.port;
+  return fd_.isOpen() ? 0 : error;
 }
 
 bool UdpReceiver::wait(int timeout_ms) noexcept {

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "binding.h"
 #include "sockets.h"
 
 namespace raven2_trainer::net {
@@ -28,13 +29,10 @@ FileDescriptor open(const Endpoint& endpoint) {
 
 UdpSocket::UdpSocket(FileDescriptor fd) noexcept : fd_(std::move(fd)), port_(localEndpoint(fd_.get()).port) {}
 
-UdpSocket UdpSocket::bound(const std::string& address, std::uint16_t port) {
+UdpSocket UdpSocket::bound(const std::string& address, std::uint16_t port, double patience) {
   const Endpoint endpoint = resolve(address, port);
   FileDescriptor fd = open(endpoint);
-  const sockaddr_in name = toSockaddr(endpoint);
-  if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)) != 0) {
-    throwNetwork("UDP", endpoint, "bind", errno);
-  }
+  bindPatiently("UDP", endpoint, SOCK_DGRAM, patience, [&] { return bindOnce(fd.get(), endpoint); });
   return UdpSocket(std::move(fd));
 }
 

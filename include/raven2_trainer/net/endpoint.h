@@ -22,6 +22,9 @@ constexpr Endpoint endpointOf(std::uint64_t source) noexcept {
   return {static_cast<std::uint32_t>(source >> 16U), static_cast<std::uint16_t>(source & 0xFFFFU)};
 }
 
+/** [s] for which a port that is taken is tried again: a session that is told to end takes at most 2. */
+constexpr double kBindPatience = 3.0;
+
 /** "127.0.0.1:36010" */
 std::string toString(const Endpoint& endpoint);
 

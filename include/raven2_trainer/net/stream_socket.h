@@ -43,8 +43,8 @@ class StreamSocket {
 /** Takes TCP connections. */
 class StreamListener {
  public:
-  /** @param[in] port 0 takes a free one. @throw NetworkException with address, port and the system's error. */
-  StreamListener(const std::string& address, std::uint16_t port);
+  /** Parameters and errors are those of TcpServer. */
+  StreamListener(const std::string& address, std::uint16_t port, double patience = kBindPatience);
 
   std::optional<StreamSocket> accept() noexcept;
 

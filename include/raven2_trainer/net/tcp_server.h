@@ -59,9 +59,10 @@ class TcpServer {
 
   /**
    * @param[in] port 0 takes a free one.
-   * @throw NetworkException with address, port and the system's error.
+   * @param[in] patience [s] it is tried again for so long while another program has the port.
+   * @throw NetworkException with address, port and the system's error; of a taken port, who has it.
    */
-  TcpServer(const std::string& bind_address, std::uint16_t port);
+  TcpServer(const std::string& bind_address, std::uint16_t port, double patience = kBindPatience);
   ~TcpServer();
   TcpServer(const TcpServer&) = delete;
   TcpServer& operator=(const TcpServer&) = delete;

@@ -28,9 +28,10 @@ class UdpReceiver {
  public:
   /**
    * @param[in] port 0 takes a free one.
-   * @throw NetworkException with address, port and the system's error.
+   * @param[in] patience [s] it is tried again for so long while another program has the port.
+   * @throw NetworkException with address, port and the system's error; of a taken port, who has it.
    */
-  UdpReceiver(const std::string& bind_address, std::uint16_t port);
+  UdpReceiver(const std::string& bind_address, std::uint16_t port, double patience = kBindPatience);
 
   std::uint16_t port() const noexcept { return port_; }
 
@@ -54,6 +55,7 @@ class UdpReceiver {
   int fd() const noexcept { return fd_.get(); }
 
  private:
+  int bindBoth(Endpoint endpoint) noexcept;
   std::optional<Datagram> receiveFrom(const FileDescriptor& fd, std::uint8_t* buffer, std::size_t capacity) noexcept;
 
   FileDescriptor guard_;  ///< bound first, so that the kernel prefers the other one

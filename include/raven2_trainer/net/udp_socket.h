@@ -15,8 +15,8 @@ namespace raven2_trainer::net {
  *  it neither throws nor allocates. */
 class UdpSocket {
  public:
-  /** Listens. @param[in] port 0 takes a free one. @throw NetworkException with address, port and the system's error. */
-  static UdpSocket bound(const std::string& address, std::uint16_t port);
+  /** Listens. Parameters and errors are those of UdpReceiver. */
+  static UdpSocket bound(const std::string& address, std::uint16_t port, double patience = kBindPatience);
 
   /** Talks to one peer and hears of nobody else. @throw NetworkException. */
   static UdpSocket connected(const Endpoint& peer);

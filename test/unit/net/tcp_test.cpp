@@ -257,18 +257,6 @@ TEST(Tcp, ClientComesBackAfterTheServerRestarted) {
   }
 }
 
-TEST(Tcp, NamesAddressPortAndReasonWhenThePortIsTaken) {
-  TcpServer first(kLoopback, 0);
-  try {
-    TcpServer second(kLoopback, first.port());
-    FAIL() << "two servers on one port";
-  } catch (const NetworkException& e) {
-    const std::string what = e.what();
-    EXPECT_NE(what.find("127.0.0.1:" + std::to_string(first.port())), std::string::npos) << what;
-    EXPECT_NE(what.find("Address already in use"), std::string::npos) << what;
-  }
-}
-
 TEST(Tcp, TwoHundredQuickConnectionsLeaveNoDescriptorsBehind) {
   TcpServer server(kLoopback, 0);
   Notes notes;
@@ -681,9 +669,9 @@ TEST(TcpClient, NeverSendsHalfAFrame) {
 }
 
 TEST(TcpClient, RefusesImpossiblePauses) {
-  EXPECT_THROW(TcpClient(kLoopback, 36100, 0.0, 1.0), NetworkException);
-  EXPECT_THROW(TcpClient(kLoopback, 36100, 2.0, 1.0), NetworkException);
-  EXPECT_THROW(TcpClient("", 36100, 0.1, 1.0), NetworkException);
+  EXPECT_THROW(TcpClient(kLoopback, 26100, 0.0, 1.0), NetworkException);
+  EXPECT_THROW(TcpClient(kLoopback, 26100, 2.0, 1.0), NetworkException);
+  EXPECT_THROW(TcpClient("", 26100, 0.1, 1.0), NetworkException);
 }
 
 }  // namespace

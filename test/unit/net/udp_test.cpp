@@ -166,18 +166,6 @@ TEST(Udp, ADepartedAskerDoesNotSilenceTheReceiver) {
   EXPECT_TRUE(receiver.receive(&byte, 1));
 }
 
-TEST(Udp, NamesAddressPortAndReasonWhenThePortIsTaken) {
-  UdpReceiver first(kLoopback, 0);
-  try {
-    UdpReceiver second(kLoopback, first.port());
-    FAIL() << "two receivers on one port";
-  } catch (const NetworkException& e) {
-    const std::string what = e.what();
-    EXPECT_NE(what.find("127.0.0.1:" + std::to_string(first.port())), std::string::npos) << what;
-    EXPECT_NE(what.find("Address already in use"), std::string::npos) << what;
-  }
-}
-
 TEST(Udp, NamesAnAddressThatIsNotOurs) {
   try {
     UdpReceiver receiver("192.0.2.1", 36010);  // TEST-NET-1 (RFC 5737): nobody's
@@ -223,7 +211,7 @@ TEST(Udp, LeavesNoDescriptorsBehind) {
   for (int i = 0; i < 200; ++i) {
     UdpReceiver receiver(kLoopback, 0);
     UdpSender sender(kLoopback, receiver.port());
-    EXPECT_THROW(UdpReceiver(kLoopback, receiver.port()), NetworkException);
+    EXPECT_THROW(UdpReceiver(kLoopback, receiver.port(), 0.0), NetworkException);
   }
   EXPECT_EQ(openDescriptors(), before);
 }
