@@ -50,7 +50,7 @@ ln -s {ROOT}/test/support/crtk_messages.py python/crtk_msgs/msg.py
 export PYTHONPATH=$PWD/python:$PYTHONPATH
 """,
 }
-PORTS = (36000, 36001, 36002, 36010, 36100)  # config/network.yaml, named in tutorials and launch files
+PORTS = (36000, 36001, 26002, 36010, 26100)  # config/network.yaml, named in tutorials and launch files
 USUAL_TIME = 60.0
 BEFORE_TIME = 120.0  # of BESIDE
 

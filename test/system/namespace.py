@@ -37,7 +37,7 @@ class Namespace:
         subprocess.run(["ip", "netns", "del", self.name], check=False)
 
     def cut(self, *what):
-        """From now on such packets vanish without a word to either side, e.g. "tcp dport 36100"."""
+        """From now on such packets vanish without a word to either side, e.g. "tcp dport 26100"."""
         self._nft("; ".join(f"add rule inet test in {each} drop" for each in what))  # all at once
 
     def heal(self):

@@ -29,7 +29,7 @@ struct ProxyOptions {
 
 /** Figures of one direction of one link. */
 struct ProxyReport {
-  std::string link;       ///< "udp 36020", "tcp 36120"
+  std::string link;       ///< "udp 26020", "tcp 26120"
   std::string direction;  ///< "forward", "back"
   impair::ChannelCounts counts{};
   std::uint64_t unsent{};       ///< of the forwarded: the system did not take them

@@ -18,10 +18,10 @@ runtime::ProxyOptions parsed(const std::string& arguments) {
 }
 
 TEST(ImpairmentOptions, LinksAreReadWithAndWithoutAnAddress) {
-  const auto options = parsed("--udp 36020:127.0.0.1:36010 --udp 0.0.0.0:36021:10.0.0.2:36001 --tcp 36120:host:36100");
+  const auto options = parsed("--udp 26020:127.0.0.1:36010 --udp 0.0.0.0:26021:10.0.0.2:36001 --tcp 26120:host:26100");
   ASSERT_EQ(options.links.size(), 3U);
   EXPECT_EQ(options.links[0].listen_address, "127.0.0.1");
-  EXPECT_EQ(options.links[0].listen_port, 36020);
+  EXPECT_EQ(options.links[0].listen_port, 26020);
   EXPECT_EQ(options.links[0].target_port, 36010);
   EXPECT_EQ(options.links[1].listen_address, "0.0.0.0");
   EXPECT_EQ(options.links[1].target_host, "10.0.0.2");
@@ -47,7 +47,7 @@ TEST(ImpairmentOptions, AProfileOfItsOwnForTheWayBackIsLeftAsItIs) {
 }
 
 TEST(ImpairmentOptions, WhatMakesNoSenseIsRefused) {
-  for (const char* bad : {"--loss 0.1", "--udp 36020:36010", "--udp 70000:h:1", "--udp 1:h:0", "--udp x:h:1",
+  for (const char* bad : {"--loss 0.1", "--udp 26020:36010", "--udp 70000:h:1", "--udp 1:h:0", "--udp x:h:1",
                           "--udp 1:h:2 --burst 0.1,nan", "--udp 1:h:2 --burst 1.1,0.1", "--udp 1:h:2 --runs 0.1,0",
                           "--udp 1:h:2 --cut 1,2", "--udp 1:h:2 --profile nothing_like_it"}) {
     EXPECT_THROW(parsed(bad), ConfigException) << bad;
