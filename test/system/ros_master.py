@@ -2,9 +2,12 @@
 
 import os
 import socket
+import socketserver
 import subprocess
+import threading
 import time
 import xmlrpc.client
+import xmlrpc.server
 
 from stack import free_ports, wait_until
 
@@ -79,6 +82,40 @@ class RosMaster:
 
     def __exit__(self, *_):
         self.kill()
+
+
+class _Handler(xmlrpc.server.SimpleXMLRPCRequestHandler):
+    protocol_version = "HTTP/1.1"  # one connection for all calls, as the master's own
+
+
+class _Server(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
+    daemon_threads = True
+
+
+class SlowMaster:
+    """Stands before a master and hands every call on, the first that takes a registration back only after `seconds`."""
+
+    def __init__(self, master, seconds):
+        self._master, self._seconds, self._connections = master.uri, seconds, threading.local()
+        self._server = _Server(("127.0.0.1", 0), _Handler, logRequests=False)
+        self._server.register_instance(self)
+        self.uri = "http://{}:{}".format(*self._server.server_address)
+
+    def _dispatch(self, method, arguments):
+        if method.startswith("unregister"):
+            seconds, self._seconds = self._seconds, 0.0
+            time.sleep(seconds)
+        if not hasattr(self._connections, "master"):
+            self._connections.master = xmlrpc.client.ServerProxy(self._master, transport=_Patient())
+        return getattr(self._connections.master, method)(*arguments)
+
+    def __enter__(self):
+        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self._server.shutdown()
+        self._server.server_close()
 
 
 def _address(text):

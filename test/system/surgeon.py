@@ -5,7 +5,7 @@ import struct
 import threading
 import time
 
-from stack import RobotStates, itp
+from stack import RobotStates, itp, wait_until
 
 
 class Surgeon:
@@ -32,6 +32,23 @@ class Surgeon:
             step = (way, way, 0) if self.pedal else (0, 0, 0)
             self._master.sendto(itp(sequence, self.pedal, step, step), self._target)
             time.sleep(0.001)
+
+    def press(self, is_down, seconds=20):
+        """The pedal, down. Where this thread had no processor for long, the daemon has let the robot go, and wants a new
+        press: it comes after a second."""
+        pressed = time.monotonic()
+        self.pedal = True
+
+        def is_done():
+            nonlocal pressed
+            if is_down():
+                return True
+            since = time.monotonic() - pressed
+            self.pedal = since < 1.0 or since > 1.2
+            if since > 1.2:
+                pressed = time.monotonic()
+            return False
+        wait_until(is_done, seconds, "pedal down")
 
     def read_forces(self):
         """Forces [mN] of all packets that wait: x, y, z, each gold and green. The last of all stays in last_force."""

@@ -86,8 +86,7 @@ class Session:
         wait_until(self.surgeon.read_forces, 20, "the daemon runs")
         self.robot = LatestState(self.stack.state_port)
         wait_until(lambda: self.robot.runlevel() == PEDAL_UP, 20, "homed")
-        self.surgeon.pedal = True
-        wait_until(lambda: self.robot.runlevel() == PEDAL_DOWN, 20, "pedal down")
+        self.surgeon.press(lambda: self.robot.runlevel() == PEDAL_DOWN)
 
     def __exit__(self, *_):
         if self.surgeon:

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from ros_master import RosMaster
+from ros_master import RosMaster, SlowMaster
 from stack import Stack, effort, wait_until
 from surgeon import LatestState, Surgeon
 
@@ -17,6 +17,7 @@ E_STOP, PEDAL_UP, PEDAL_DOWN = 0, 2, 3
 ROUNDS = effort(1, 10)  # of every way to end
 JUMPS = 4  # that one robot is made to do
 WITHIN = 1.0  # [s] from the signal to the end of the process
+GOODBYE = 2.0  # [s] at most for taking the registrations back, while the master answers
 ENDLESS_PLAN = {"runtime": {"plan_at": 0.3}, "planner": {"samples": 100000, "time_limit": 3600.0}}
 
 
@@ -85,8 +86,9 @@ class Once:
 class Bench:
     """A homed robot that lives on, and a new daemon with a surgeon each round."""
 
-    def __init__(self, **options):
+    def __init__(self, within=WITHIN, **options):
         self.stack = Stack(**options)
+        self.within = within
         self.times, self.begun = [], 0
         early_jump(self.stack)
 
@@ -108,8 +110,7 @@ class Bench:
             surgeon = Surgeon(self.stack)
             try:
                 wait_until(lambda: robot.runlevel() == PEDAL_UP and surgeon.read_forces(), 20, "ready")
-                surgeon.pedal = True
-                wait_until(lambda: robot.runlevel() == PEDAL_DOWN, 20, "pedal down")
+                surgeon.press(lambda: robot.runlevel() in (PEDAL_DOWN, E_STOP))
                 begun = Once(lambda: ready(self.stack, surgeon))
                 wait_until(lambda: begun() or robot.runlevel() == E_STOP, 20, "what is to be interrupted is going on")
                 self.begun += begun.was_true
@@ -128,7 +129,7 @@ class Bench:
         print(f"  {len(self.times)} ends, seconds:", " ".join(f"{t:.2f}" for t in self.times))
         self.stack.__exit__(*error)  # first: no program may outlive a failure
         if error[0] is None:
-            assert max(self.times) < WITHIN, self.times
+            assert max(self.times) < self.within, self.times
             assert self.begun > len(self.times) / 2, "the robot's own emergency stop came before it too often"
 
 
@@ -175,6 +176,21 @@ def test_a_master_that_hangs_holds_nobody_up():
         bench.run([[signal.SIGTERM]], is_ready, master, before=lambda: master.signal(signal.SIGSTOP),
                   after=lambda: master.signal(signal.SIGCONT))
         assert "leaving without a goodbye" in bench.stack.log_text("simulator")
+
+
+@pytest.mark.parametrize("seconds", [0.5, 60.0])
+def test_a_slow_master_that_answers_gets_its_goodbye_within_a_bound(seconds):
+    with Bench(GOODBYE + WITHIN) as bench, RosMaster(bench.stack.folder) as master:
+        master.start()
+
+        def is_ready(*_):
+            return "/start_hazard" in master.known_of("/raven2_simulator")["services"]
+        with SlowMaster(master, seconds) as slow:
+            bench.run([[signal.SIGTERM]], is_ready, slow, hazard="none")
+        left = any(master.known_of("/raven2_simulator").values())
+        assert left == ("leaving without a goodbye" in bench.stack.log_text("simulator"))
+        assert bench.times[-1] > (GOODBYE if left else seconds), "it left early, or the master was not slow"
+        assert left or seconds < GOODBYE
 
 
 @pytest.mark.parametrize("program", ["virtual_raven", "master_console", "raven_state_bridge"])
