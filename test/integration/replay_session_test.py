@@ -48,17 +48,20 @@ class Heard:
     """All messages of one topic."""
 
     def __init__(self, topic, kind):
-        self.messages = []
+        self.messages, self._arrivals = [], []
+        self.arrivals = []  # of what was taken last [s]
         self._lock = threading.Lock()
         self._subscriber = rospy.Subscriber(topic, kind, self._hear, queue_size=None, tcp_nodelay=True)
 
     def _hear(self, message):
         with self._lock:
             self.messages.append(message)
+            self._arrivals.append(time.monotonic())
 
     def take(self):
         with self._lock:
             taken, self.messages = self.messages, []
+            self.arrivals, self._arrivals = self._arrivals, []
             return taken
 
 
@@ -165,13 +168,14 @@ class ReplaySession(unittest.TestCase):
         self.assertFalse(frames & fixed, "each frame on one of the two topics")
 
     def test_it_takes_as_long_as_its_rate_says(self):
-        spent = {}
+        """A message may come late, on a busy machine, but none early: the earliest of the first ones and of the last ones tell."""
         for rate in (2.0, 10.0):
-            begin = time.monotonic()
-            self.assertEqual(self.play("--rate", str(rate), "--from", "1")[0].returncode, 0)
-            spent[rate] = time.monotonic() - begin
-        played = (len(self.log.ticks) - 1 - int(np.argmax(self.log.ticks["model"]["session_tick"] == 1000))) / 1000
-        self.assertAlmostEqual(spent[2.0] - spent[10.0], played / 2 - played / 10, delta=1.0)
+            done, heard = self.play("--rate", str(rate), "--from", "1")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            stamps = np.array([m.header.stamp.to_sec() for m in heard["robot/joint_states"]])
+            late = np.array(self.heard["robot/joint_states"].arrivals) - (stamps - stamps[0]) / rate
+            third = len(late) // 3
+            self.assertAlmostEqual(late[:third].min(), late[-third:].min(), delta=0.15)
 
     def test_from_a_session_time_on(self):
         done, heard = self.play("--rate", "10", "--from", "3.5")
