@@ -42,7 +42,8 @@ inline Fault& onlyFaultOf(TrainerConfig* config, const std::string& scenario) {
   return config->scenarios[config::faultId(*config, scenario) - 1].faults.at(0);
 }
 
-/** The robot of a configuration. Each URDF is read once, with its meshes. */
+/** The robot of a configuration. Each URDF is read once, with its meshes, and checked against the arms of then. Not for
+ *  several threads. */
 inline model::RavenModel robotOf(const TrainerConfig& config) {
   static std::map<std::string, model::RavenModel> read;
   if (read.count(config.robot_urdf) == 0) read[config.robot_urdf] = model::loadRavenModel(config);

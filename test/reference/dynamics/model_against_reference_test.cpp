@@ -123,7 +123,7 @@ std::array<JointGains, kJointCount> gainsOf(const ModelConfig& config, Arm arm) 
   return gains;
 }
 
-TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
+TEST(ClosedLoop, TheTipStaysWithinAHundredthOfAMillimetre) {
   const ModelConfig config = modelConfig(Terms{}, packagedSubSteps());
   const model::RavenModel& raven = packagedRaven();
   const double d4 = raven.arms.geometry.d4;
@@ -173,7 +173,7 @@ TEST(ClosedLoop, TheTipStaysWithAHundredthOfAMillimetreForTenSeconds) {
   }
 }
 
-TEST(Drift, NoneInAMinuteOfHardMotion) {
+TEST(Drift, NoneInHardMotion) {
   // GIVEN an arm without friction led through its range three times as fast as above: after a minute its energy is
   // still what the torques have done to it. (Hinges cannot open: the bodies are put on the chain before every step.)
   const Terms terms{true, false, true, false};

@@ -45,7 +45,7 @@ class Linking : public ::testing::Test {
   std::unique_ptr<Rig> rig;
 };
 
-TEST_F(Linking, AHundredClutchesLeaveNoOffset) {
+TEST_F(Linking, ClutchingLeavesNoOffset) {
   Random random(2);
   const auto clutches = static_cast<int>(raven2_trainer::testing::effort(30, 100));
   for (int clutch = 0; clutch < clutches; ++clutch) {
