@@ -6,6 +6,7 @@
 
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/core/random.h"
+#include "support/sanitizer.h"
 
 namespace raven2_trainer::control {
 namespace {
@@ -119,7 +120,8 @@ double angleBetween(const Matrix3& a, const Matrix3& b) {
 }
 
 TEST(PathRelay, TheRobotsInverseKinematicsComesToThePathsJointsAtEveryTick) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  const std::uint64_t seeds = raven2_trainer::testing::kIsSanitized ? 4 : 20;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const Arm arm = seed % 2 == 0 ? Arm::kGold : Arm::kGreen;
     const PlanResult plan = randomPlan(arm, seed);
     PathRelay relay(raven(), kLimits);
