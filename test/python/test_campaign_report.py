@@ -6,7 +6,12 @@ import re
 import subprocess
 import sys
 
+
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "campaign_report"
+sys.path[:0] = [str(SCRIPT.parent), str(pathlib.Path(__file__).resolve().parent)]
+import forked  # noqa: E402
+import raven2_figures  # noqa: E402,F401  (loaded once, for all reports)
+
 COLUMNS = ("scenario,run,seed,outcome,injection,phase,host,site,variable,kind,arm,channel,value,low,high,first_tick,"
            "duration_ticks,half_period_ticks,repetition,motion_seed,injected_ms,deviation_mm,jump_mm,jump_ms,estop,"
            "estop_ms,seen,reported,force_ms,force_n,motion_mm,golden_motion_mm,started,program,finite").split(",")
@@ -32,9 +37,12 @@ def write(folder, scenarios, rows):
             table.writerow(PLAIN | {"run": number} | row)
 
 
-def report(folder, *arguments):
-    done = subprocess.run([sys.executable, str(SCRIPT), str(folder), *arguments], capture_output=True, text=True,
-                          check=False, timeout=120)
+def plainly(script, *arguments):
+    return subprocess.run([sys.executable, script, *arguments], capture_output=True, text=True, check=False, timeout=120)
+
+
+def report(folder, *arguments, run=forked.run):
+    done = run(SCRIPT, folder, *arguments)
     page = folder / "report.html"
     return done.returncode, done.stderr, page.read_text() if page.exists() else ""
 
@@ -109,7 +117,7 @@ def test_scenarios_of_one_row_of_the_library_are_one_grid(tmp_path):
 
 def test_counts_are_those_of_the_table(tmp_path):
     two_scenarios(tmp_path)
-    _, _, page = report(tmp_path)
+    _, _, page = report(tmp_path, run=plainly)
     assert "<b>5</b><span>runs with a recorded outcome" in page
     assert "<b>3</b><span>stopped, after 200 ms (median)" in page
     assert "<b>3</b><span>stops of the PLC that the software never showed" in page

@@ -9,6 +9,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
+import forked  # noqa: E402
 import raven2_figures  # noqa: E402
 import raven2_kinematics  # noqa: E402
 import raven2_session  # noqa: E402
@@ -51,8 +52,7 @@ def test_the_planned_motion_begins_and_ends_where_its_track_does(series):
 
 
 def test_a_session_with_a_plan_has_its_figure(directory, tmp_path):
-    done = subprocess.run([sys.executable, ROOT / "scripts/plot_session", directory, "--output", tmp_path],
-                          capture_output=True, text=True, check=False)
+    done = forked.run(ROOT / "scripts/plot_session", directory, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
     assert {path.name for path in tmp_path.glob("*.png")} == {f"{name}.png" for name in raven2_figures.FIGURES
                                                               if name != "timing"}

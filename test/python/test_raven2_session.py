@@ -21,6 +21,7 @@ sys.dont_write_bytecode = True
 
 import numpy as np  # noqa: E402
 
+import forked  # noqa: E402
 import raven2_session  # noqa: E402
 
 
@@ -238,7 +239,16 @@ class FiguresTest(LogCase):
 
 
 class ProgramsTest(LogCase):
+    @classmethod
+    def setUpClass(cls):
+        import raven2_figures  # noqa: F401  (loaded once, for all reports)
+        from raven2_report import page  # noqa: F401
+
     def run_script(self, name, *arguments):
+        return forked.run(os.path.join(SCRIPTS, name), *arguments)
+
+    @staticmethod
+    def run_plainly(name, *arguments):
         command = ["/usr/bin/python3", os.path.join(SCRIPTS, name), *arguments]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
@@ -312,7 +322,7 @@ class ProgramsTest(LogCase):
         with open(self.path, "wb") as file:
             file.write(session_bytes())
         target = os.path.join(self.folder.name, "pictures")
-        done = self.run_script("plot_session", self.folder.name, "--output", target)
+        done = self.run_plainly("plot_session", self.folder.name, "--output", target)
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("joints", "joint_1", "haptic_force", "tip_error", "tip_paths"):
             for kind, start in (("png", b"\x89PNG"), ("svg", b"<?xml")):
@@ -321,7 +331,7 @@ class ProgramsTest(LogCase):
 
     def test_programs_say_in_one_line_that_a_folder_is_no_session(self):
         for name in ("session_report", "plot_session"):
-            done = self.run_script(name, self.folder.name)
+            done = self.run_plainly(name, self.folder.name)
             self.assertEqual(done.returncode, 1)
             self.assertEqual(done.stderr.count("\n"), 1)
             self.assertIn("no session", done.stderr)
