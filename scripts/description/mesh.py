@@ -65,10 +65,9 @@ class Mesh:
         keep = np.linalg.norm(n, axis=1) > 1e-14
         t, n = t[keep], n[keep]
         n = np.round(n / np.linalg.norm(n, axis=1)[:, None], 4) + 0.0
-        out = [MARK, struct.pack('<I', len(t))]
-        for normal, corners in zip(n, t):
-            out.append(np.concatenate([normal, corners.ravel()]).astype('<f4').tobytes() + b'\0\0')
-        return b''.join(out)
+        facets = np.zeros(len(t), [('numbers', '<f4', 12), ('attribute', '<u2')])
+        facets['numbers'] = np.concatenate([n, t.reshape(-1, 9)], axis=1)
+        return MARK + struct.pack('<I', len(t)) + facets.tobytes()
 
 
 def quads(rows, closed_u=False, closed_v=False):
@@ -175,9 +174,9 @@ def mass_properties(mesh, density):
     volume = np.einsum('ij,ij->i', t[:, 0], np.cross(t[:, 1], t[:, 2])) / 6
     total = volume.sum()
     com = (volume[:, None] * t.sum(axis=1)).sum(axis=0) / 4 / total
-    covariance = np.zeros((3, 3))
-    for corners in t - com:
-        s = corners.sum(axis=0)
-        covariance += np.linalg.det(corners) / 6 / 20 * (corners.T @ corners + np.outer(s, s))
+    corners = t - com
+    s = corners.sum(axis=1)
+    squares = corners.transpose(0, 2, 1) @ corners + s[:, :, None] * s[:, None, :]
+    covariance = (np.linalg.det(corners)[:, None, None] / 6 / 20 * squares).sum(axis=0)
     inertia = density * (np.trace(covariance) * np.eye(3) - covariance)
     return density * total, com, inertia
