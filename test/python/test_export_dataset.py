@@ -37,8 +37,7 @@ def simulated(tmp_path_factory):
     """Five seconds of moving arms with turned masters: the scripted expert on its way to the ring."""
     output = tmp_path_factory.mktemp("export") / "a session"
     done = subprocess.run([PROGRAMS / "simulate", "--motion", "expert", "--exercise", "pick_hand_over_place",
-                           "--seconds", "5",
-                           "--output", output], capture_output=True, text=True, check=False)
+                           "--seconds", "5", "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return output
 

@@ -29,7 +29,8 @@ def score(directory, *options):
 def session(tmp_path_factory):
     """Twelve seconds with a fault in them; the scripted hands do nothing about it."""
     output = tmp_path_factory.mktemp("score") / "first"
-    done = subprocess.run([PROGRAMS / "simulate", "--hazard", "sudden_jump", "--seconds", "12", "--output", output],
+    done = subprocess.run([PROGRAMS / "simulate", "--hazard", "sudden_jump", "--seconds", "12", "--homing", "quick",
+                           "--output", output],
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return output
