@@ -7,6 +7,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend has to be chosen first)
 import numpy as np  # noqa: E402
 import raven2_kinematics  # noqa: E402
+from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
+from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: E402
 
 MAX_POINTS = 3000  # of a drawn line
 ARMS = ("gold", "green")
@@ -31,6 +33,17 @@ STYLE = {
     "savefig.dpi": 150,
 }
 plt.rcParams.update(STYLE)
+
+
+def save_png(figure, file):
+    """The same picture as figure.savefig(), which draws twice: first only to measure."""
+    figure.set_dpi(plt.rcParams["savefig.dpi"])
+    FigureCanvasAgg(figure).print_png(file)
+
+
+def save_svg(figure, file, metadata=None):
+    """Likewise."""
+    FigureCanvasSVG(figure).print_svg(file, metadata=metadata)
 
 
 def runs(mask):

@@ -214,11 +214,11 @@ class Details:
 def inline_svg(figure, name):
     """The figure as SVG for the page: scales with it, and its ids are its own."""
     import matplotlib  # slow to load
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    import raven2_figures
 
     matplotlib.rcParams["svg.hashsalt"] = name
     text = io.StringIO()
-    FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None})  # savefig() would draw twice
+    raven2_figures.save_svg(figure, text, metadata={"Date": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg"):]
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
