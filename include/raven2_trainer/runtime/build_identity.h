@@ -13,7 +13,7 @@ namespace raven2_trainer::runtime {
 std::map<std::string, std::string> buildIdentity();
 
 /** What decides over the pixels of pictures beside what they show: the same, libOSMesa, and libLLVM where that draws
- * with it; in one text, a line each. */
+ * with it; in one text, a line each. These two by their build IDs, or by the hash of the file where there is no ID. */
 std::string pictureIdentity();
 
 }  // namespace raven2_trainer::runtime
