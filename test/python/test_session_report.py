@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import unittest.mock
 import warnings
 
 import pytest
@@ -14,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import forked  # noqa: E402
 import report_session as made  # noqa: E402
 
-import raven2_figures  # noqa: E402,F401  (found beside raven2_session; loaded once, for all reports)
+import raven2_figures  # noqa: E402  (found beside raven2_session; loaded once, for all reports)
 from raven2_report import curves, drawing, metric_words, page as _, scorecard, view3d  # noqa: E402,F401
 
 REPORT = made.ROOT / "scripts" / "session_report"
@@ -28,7 +29,16 @@ def plainly(script, *arguments):
     return subprocess.run(["/usr/bin/python3", script, *arguments], capture_output=True, text=True, check=False)
 
 
-def report(*directories, fails=False, run=forked.run):
+def sketchily(script, *arguments):
+    """With empty figures in the engineering part, which take most of the time."""
+    def nothing(_, file, metadata=None):
+        file.write("<svg></svg>")
+
+    with unittest.mock.patch.object(raven2_figures, "save_svg", nothing):
+        return forked.run(script, *arguments)
+
+
+def report(*directories, fails=False, run=sketchily):
     """(page, record, standard error) of the last directory."""
     done = run(REPORT, *map(str, directories))
     assert fails or done.returncode == 0, done.stderr
@@ -51,7 +61,7 @@ def headline(page):
 @pytest.fixture(scope="module", name="whole")
 def whole_report(tmp_path_factory):
     folder = made.make(tmp_path_factory.mktemp("report") / "first", made.score())
-    return (folder, *report(folder))
+    return (folder, *report(folder, run=forked.run))
 
 
 # ---- one file ---------------------------------------------------------------------------------------------------
@@ -354,7 +364,7 @@ def test_hostile_names_are_shown_and_do_nothing(tmp_path):
     scored["band"]["origin"] = HOSTILE
     header = {"trainee": HOSTILE, "motion": HOSTILE, "hazard": HOSTILE, "drill": HOSTILE, "curriculum": HOSTILE,
               "step_names": [[HOSTILE] * 3], "body_names": [HOSTILE] * 3, "scenarios": [HOSTILE]}
-    page, record, _ = report(made.make(folder, scored, **header))
+    page, record, _ = report(made.make(folder, scored, **header), run=forked.run)
     assert HOSTILE not in page and "<img src=x" not in page and "alert(2)</script>" not in page
     assert page.count("<script") == 2 and page.count("</script>") == 2, "the view's data and the view's script"
     assert "&lt;img src=x onerror=alert(1)&gt;" in page
@@ -366,7 +376,7 @@ def test_hostile_figures_of_the_engineering_part_do_nothing(tmp_path):
     fault = {"name": "sudden_jump", "first_tick": 1000, "last_tick": 1300, "error_to_force_ms": HOSTILE}
     plan = {"success": True, "status": "found", "cost": HOSTILE, "waypoints": HOSTILE}
     (folder / "metrics.json").write_text(json.dumps({"faults": [fault], "plan": plan}))
-    page, _, _ = report(folder)
+    page, _, _ = report(folder, run=forked.run)
     assert "<img src=x" not in page and page.count("<script") == 2
     assert "alert(1)&gt;&quot;" in page, "the arm's name"
 
@@ -406,7 +416,7 @@ def test_a_wrong_directory_among_several_is_named_and_nothing_written(tmp_path):
 
 def test_the_same_session_gives_the_same_page(tmp_path):
     folder = made.make(tmp_path / "s", made.score())
-    assert report(folder, run=plainly)[0] == report(folder)[0]
+    assert report(folder, run=plainly)[0] == report(folder, run=forked.run)[0]
 
 
 def test_ticks_of_an_axis_are_round_and_inside():
