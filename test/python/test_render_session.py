@@ -173,24 +173,37 @@ def kill_after(session, seconds, processes):
 
 
 def kill_with_a_part(session):
-    """Kills a render as soon as there is a part of it. {name: when it was written}."""
+    """Kills a render as soon as there is a part of it."""
     worker = start(session, processes=1)
     while not parts_of(session):
         assert worker.poll() is None
         time.sleep(0.01)
     kill(worker, session)
-    return parts_of(session)
+
+
+@pytest.fixture(scope="module", name="killed")
+def kill_once(recorded, tmp_path_factory):
+    """The session as a render leaves it that was killed with a part; nothing of it is changed by tests."""
+    session = pathlib.Path(shutil.copytree(recorded, tmp_path_factory.mktemp("killed") / recorded.name))
+    kill_with_a_part(session)
+    return session
+
+
+@pytest.fixture(name="begun")
+def copy_killed(killed, tmp_path):
+    return pathlib.Path(shutil.copytree(killed, tmp_path / killed.name))
 
 
 def frames_of(parts):
     return sum(min(PART_FRAMES, round(SECONDS * RATE) - PART_FRAMES * int(name.split("_")[1])) for name in parts)
 
 
-def test_what_was_finished_when_a_render_was_killed_is_not_drawn_again(session, whole):
-    kept = kill_with_a_part(session)
-    told = render(session, *AT_RATE)
+def test_what_was_finished_when_a_render_was_killed_is_not_drawn_again(begun, whole):
+    kept = parts_of(begun)
+    assert kept
+    told = render(begun, *AT_RATE)
     assert f"{frames_of(kept)} of them drawn before" in told, (told, kept)
-    assert (session / "video.mp4").read_bytes() == whole[0].read_bytes()
+    assert (begun / "video.mp4").read_bytes() == whole[0].read_bytes()
 
 
 def test_a_render_that_is_killed_at_any_moment_gives_the_same_file(session, whole):
@@ -217,18 +230,18 @@ def test_a_render_that_is_killed_at_any_moment_gives_the_same_file(session, whol
 
 
 @pytest.mark.parametrize("damage", ["flipped", "half"])
-def test_a_damaged_part_is_drawn_again(session, whole, damage):
-    part = session / "video.parts" / sorted(kill_with_a_part(session))[0]
+def test_a_damaged_part_is_drawn_again(begun, whole, damage):
+    part = begun / "video.parts" / sorted(parts_of(begun))[0]
     content = bytearray(part.read_bytes())
     if damage == "flipped":
         content[random.Random(3).randrange(len(content))] ^= 0x04
     else:
         del content[len(content) // 2:]
     part.write_bytes(content)
-    whole_parts = len(parts_of(session)) - 1
-    told = render(session, *AT_RATE)
+    whole_parts = len(parts_of(begun)) - 1
+    told = render(begun, *AT_RATE)
     assert ("drawn before" in told) == (whole_parts > 0), told
-    assert (session / "video.mp4").read_bytes() == whole[0].read_bytes()
+    assert (begun / "video.mp4").read_bytes() == whole[0].read_bytes()
 
 
 def made(video):
