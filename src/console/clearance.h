@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/eigen.h"
 

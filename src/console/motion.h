@@ -2,7 +2,8 @@
 
 #include <array>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/eigen.h"
 

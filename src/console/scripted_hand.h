@@ -1,6 +1,8 @@
 #pragma once
 
 #include "motion.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/console_config.h"
 
 namespace raven2_trainer::console {
 

@@ -9,6 +9,8 @@
 
 #include "grip_search.h"
 #include "raven2_trainer/console/expert.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/ticks.h"
 #include "tool_hand.h"
 

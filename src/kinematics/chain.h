@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/types.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 // What forward() and inverse() share: the constants of the chain and the walk along it. Real-time safe.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kinematics/chain.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::kinematics {

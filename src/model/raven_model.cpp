@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "model/xml_outline.h"
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"

@@ -1,4 +1,5 @@
 #include "model/xml_outline.h"
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/raven_model.h"
 

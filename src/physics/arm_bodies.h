@@ -7,6 +7,7 @@
 
 #include "physics/arm_recursion.h"
 #include "physics/rigid_links.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/arm_world.h"
 

@@ -11,8 +11,8 @@
 #include "physics/contact_set.h"
 #include "physics/ode_handles.h"
 #include "physics/parked_contacts.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/contact.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::physics {

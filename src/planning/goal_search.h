@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "planning/joint_space.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/kinematics/eigen.h"
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 
 namespace raven2_trainer::planning {
 

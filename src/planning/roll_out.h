@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planning/arm_collision.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/model/raven_model.h"
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::raven {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/types.h"
 #include "raven2_trainer/raven/low_pass.h"
 #include "raven2_trainer/raven/usb_packets.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "raven/motor_controller.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::raven {
 

@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/render/session_renderer.h"
 
 namespace raven2_trainer::render {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/render/renderer.h"
 #include "render/near_limits.h"
 #include "render/overlay_text.h"

@@ -4,7 +4,8 @@
 #include <deque>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/render/scene.h"
 

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "ros/jpeg_encoder.h"
 

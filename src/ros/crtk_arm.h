@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "ros/crtk_messages.h"
 #include "ros/crtk_states.h"

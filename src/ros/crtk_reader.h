@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/servo.h"
 #include "ros/crtk_frames.h"
 

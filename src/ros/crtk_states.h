@@ -7,7 +7,7 @@
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64MultiArray.h>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/servo.h"
 #include "raven2_trainer/core/state.h"
 #include "ros/crtk_frames.h"

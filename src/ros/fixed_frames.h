@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::ros_bridge {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <mutex>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/network_config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/runtime/pedal_gate.h"
 #include "ros/planning_client.h"

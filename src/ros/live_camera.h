@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/runtime/render_loop.h"
 #include "ros/camera_view.h"
 #include "ros/jpeg_encoder.h"

@@ -13,6 +13,7 @@
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"

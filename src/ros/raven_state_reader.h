@@ -1,7 +1,7 @@
 #pragma once
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/raven/low_pass.h"
 #include "ros/raven_messages.h"

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/runtime/haptic_loop.h"
 #include "raven2_trainer/runtime/resimulation.h"

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/recovery.h"
 

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/core/state.h"
 #include "training/hold_watch.h"
 #include "training/judge_scene.h"

@@ -11,6 +11,7 @@
 
 #include "raven2_trainer/config/load_training.h"
 #include "raven2_trainer/console/script.h"
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/runtime/lockstep_stack.h"

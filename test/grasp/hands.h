@@ -7,6 +7,7 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/control/joint_pid.h"
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/physics/raven_world.h"

@@ -10,6 +10,7 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/console/console.h"
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
 #include "raven2_trainer/runtime/fault_director.h"

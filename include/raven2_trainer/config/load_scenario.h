@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/scenario.h"
 
 namespace raven2_trainer::config {
 

@@ -8,6 +8,8 @@
 
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/console/truth_log.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/scene_roles.h"
 
 namespace raven2_trainer::console {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "raven2_trainer/control/joint_pid.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/model_config.h"
 
 namespace raven2_trainer::control {
 

@@ -2,7 +2,7 @@
 
 #include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/execution_config.h"
 
 namespace raven2_trainer::control {
 

@@ -3,8 +3,8 @@
 #include <array>
 
 #include "raven2_trainer/control/arm_controller.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::control {

@@ -3,7 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/crtk_config.h"
 #include "raven2_trainer/core/servo.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::control {

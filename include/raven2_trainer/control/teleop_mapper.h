@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::control {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/guide_path.h"
 
 namespace raven2_trainer::control {

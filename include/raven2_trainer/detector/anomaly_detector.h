@@ -3,7 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/detector_config.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::detector {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/console_config.h"
 
 namespace raven2_trainer::haptics {
 

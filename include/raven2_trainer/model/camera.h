@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
 

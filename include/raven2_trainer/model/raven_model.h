@@ -3,9 +3,15 @@
 #include <array>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/robot_model.h"
+
+namespace raven2_trainer {
+
+struct TrainerConfig;  // core/config.h
+
+}  // namespace raven2_trainer
 
 namespace raven2_trainer::model {
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/model/raven_model.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/exercise.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/scene_snapshot.h"

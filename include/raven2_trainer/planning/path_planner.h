@@ -7,7 +7,8 @@
 #include <string>
 
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/model_config.h"
+#include "raven2_trainer/core/planner_config.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::planning {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/plant/motor_recording.h"
 

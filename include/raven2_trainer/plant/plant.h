@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/raven/usb_packets.h"
 

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <memory>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/detector_config.h"
 #include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
 #include "raven2_trainer/raven/usb_packets.h"
 #include "raven2_trainer/wire/itp_session.h"

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
 
 namespace raven2_trainer::raven {

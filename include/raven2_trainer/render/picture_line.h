@@ -2,6 +2,7 @@
 
 #include <deque>
 
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/render/scene.h"
 

@@ -5,9 +5,17 @@
 #include <memory>
 #include <vector>
 
+#include "raven2_trainer/core/haptics_config.h"
+#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/model/mesh.h"
 #include "raven2_trainer/render/scene.h"
+
+namespace raven2_trainer {
+
+struct TrainerConfig;  // core/config.h
+
+}  // namespace raven2_trainer
 
 namespace raven2_trainer::render {
 

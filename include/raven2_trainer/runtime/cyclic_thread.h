@@ -8,8 +8,8 @@
 #include <functional>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/runtime_config.h"
 #include "raven2_trainer/core/state_cell.h"
 
 namespace raven2_trainer::runtime {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/render_config.h"
 
 namespace raven2_trainer::runtime {
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "raven2_trainer/core/itp_rules.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/runtime/pedal_gate.h"
 #include "raven2_trainer/wire/itp_gate.h"

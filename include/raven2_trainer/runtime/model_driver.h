@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "raven2_trainer/control/arm_controller.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/physics/arm_world.h"
 #include "raven2_trainer/physics/raven_world.h"
 

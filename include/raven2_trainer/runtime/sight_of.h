@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/sight.h"
 
 namespace raven2_trainer::runtime {

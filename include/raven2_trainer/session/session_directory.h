@@ -3,7 +3,11 @@
 #include <map>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+namespace raven2_trainer {
+
+struct TrainerConfig;  // core/config.h
+
+}  // namespace raven2_trainer
 
 namespace raven2_trainer::session {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/training/contact_tally.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/band.h"
+#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/session/session_log.h"
 #include "raven2_trainer/training/score.h"
 #include "raven2_trainer/training/transit.h"

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/model/raven_model.h"
 

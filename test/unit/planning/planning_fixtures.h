@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/planner_config.h"
 #include "raven2_trainer/model/raven_model.h"
 
 // A Raven and scenes by hand: the DH chain of raven2.md 2.1 with the least of collision shapes. Planned for by the

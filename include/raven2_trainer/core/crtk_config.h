@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "raven2_trainer/core/types.h"
+
+namespace raven2_trainer {
+
+/** Which message types CRTK clients are spoken to with. */
+enum class CrtkDialect : std::uint8_t {
+  kModern,  ///< crtk_msgs 1.3
+  kRaven,   ///< the robot's own branch `crtk`: TransformStamped, messages of the retired package
+};
+constexpr std::array<const char*, 2> kCrtkDialectNames{"modern", "raven"};
+
+/** config/crtk.yaml: the arms as CRTK devices (doc/crtk.md). */
+struct CrtkConfig {
+  bool enabled{};
+  PerArm<std::string> names;  ///< namespace of each arm
+  CrtkDialect dialect{};
+  double period{};          ///< [s] between two states that are published
+  double state_period{};    ///< [s] the operating state is repeated, changed or not
+  double max_speed{};       ///< [m/s] of a tip after a servo command
+  double max_turn_rate{};   ///< [rad/s] of it, and of a joint
+  double max_step{};        ///< [m] a servo command may lead from the set point
+  double max_step_turn{};   ///< [rad] the same
+  double move_speed{};      ///< [m/s] highest of a move_*; at most max_speed
+  double move_turn_rate{};  ///< [rad/s] the same
+  double twist_timeout{};   ///< [s] servo_cv without another
+  double release_after{};   ///< [s] of silence after which the pedal goes up; 0 never
+  double trim_time{};       ///< [s] constant in which a resting robot is brought nearer to the set point; 0 it is not
+};
+
+}  // namespace raven2_trainer
