@@ -285,10 +285,21 @@ TEST(FaultSessions, WhatStaysArmedWithinOneIsNotToldAgain) {
   EXPECT_EQ(toldBy(&engine), (std::vector<int>{1}));
 }
 
+TEST(FaultSessions, AFaultThatIsDueLaterIsAnotherOne) {
+  Fault fault = stuck(FaultTrigger::kHand, 0);
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(planOf(fault, 1, 7));
+  for (int i = 0; i < 10; ++i)
+    engine.beginCycle({});
+  fault.first_tick = 2;
+  engine.setPlan(planOf(fault, 2, 7));
+  EXPECT_EQ(actingCycles(engine, 10, [](int) { return FaultCycle{}; }), (std::vector<int>{2, 3, 4}));
+}
+
 /** What tells two rows of a plan apart: with any of it changed a fault is another one, and begins anew. */
 TEST(FaultSessions, AFaultWithAnyPartChangedIsAnotherOne) {
   const Fault fault = stuck(FaultTrigger::kHand, 0);
-  std::vector<Fault> others(9, fault);
+  std::vector<Fault> others(12, fault);
   others[0].id = 2;
   others[1].arm = 1;
   others[2].channel = kElbow;
@@ -298,6 +309,9 @@ TEST(FaultSessions, AFaultWithAnyPartChangedIsAnotherOne) {
   others[6].row = 1;
   others[7].arming = 1;
   others[8].low = -1.0;
+  others[9].high = 1.0;
+  others[10].variable = FaultVariable::kTauD;
+  others[11].trigger = FaultTrigger::kPowerOn;
   for (const Fault& other : others) {
     FaultEngine engine(FaultHost::kRobot);
     engine.setPlan(planOf(fault, 1, 7));
