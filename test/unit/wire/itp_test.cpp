@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "hex.h"
@@ -304,6 +305,23 @@ TEST(Force, IsRoundedToTheNearestMillinewton) {
   ForcePacket back;
   ASSERT_EQ(decodeForce(bytes.data(), bytes.size(), &back), Reject::kNone);
   EXPECT_EQ(back.force_I[0], (Vec3{0.001, 0.002, -0.002}));
+}
+
+TEST(Force, RefusesARunLevelThatTheRobotDoesNotHave) {
+  const ForceBytes good = encodeForce(vectorForce());
+  std::int32_t runlevel = 0, sum = 0;
+  std::memcpy(&runlevel, good.data() + 40, sizeof(runlevel));
+  std::memcpy(&sum, good.data() + 48, sizeof(sum));
+  ASSERT_EQ(runlevel, std::int32_t{vectorForce().runlevel});
+  for (const std::int32_t level : {-256, -1, 0, 3, 4, 256}) {
+    ForceBytes bytes = good;
+    const std::int32_t mended = sum + level - runlevel;
+    std::memcpy(bytes.data() + 40, &level, sizeof(level));
+    std::memcpy(bytes.data() + 48, &mended, sizeof(mended));
+    ForcePacket force;
+    const Reject expected = level == 0 || level == 3 ? Reject::kNone : Reject::kOutOfRange;
+    EXPECT_EQ(decodeForce(bytes.data(), bytes.size(), &force), expected) << level;
+  }
 }
 
 TEST(Force, RefusesOtherSizes) {

@@ -100,6 +100,17 @@ TEST(SequenceWindow, OnePedalDownStartsTheTenAgain) {
   EXPECT_EQ(window.last(), 20U);
 }
 
+TEST(SequenceWindow, APedalDownOfAnyNumberStartsTheTenAgain) {
+  for (const std::uint32_t pedal_down : {9U, 10U, 700U, 4000U, 900000U}) {
+    SequenceWindow window = windowAt(5000);
+    for (std::uint32_t sequence = 1; sequence <= 9; ++sequence)
+      window.check(sequence, kUp);
+    window.check(pedal_down, kDown);
+    EXPECT_EQ(window.check(10, kUp), Reject::kOutOfOrder) << pedal_down;
+    EXPECT_EQ(window.last(), 5000U) << pedal_down;
+  }
+}
+
 TEST(SequenceWindow, TenPacketsWithAHoleDoNotRebase) {
   SequenceWindow window = windowAt(5000);
   for (std::uint32_t i = 0; i < 100; ++i)
