@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/impair/delay_model.h"
 #include "unit/impair/channel_support.h"
 
 namespace raven2_trainer::impair {
@@ -91,6 +92,22 @@ TEST(DelayTest, ADrawHoldsForItsInterval) {
   for (std::size_t i = 0; i < 1000; ++i)
     EXPECT_EQ(delays[i], delays[i - i % 100]) << i;
   EXPECT_EQ(std::unique(delays.begin(), delays.end()) - delays.begin(), 10);
+}
+
+TEST(DelayTest, ADrawHoldsForItsIntervalFromWheneverItWasDrawn) {
+  DelayLaw law;
+  law.constant_ns = law.uniform_ns = 10 * kMillisecond;
+  law.interval_ns = 100 * kMillisecond;
+  for (const std::int64_t start :
+       {std::int64_t{0}, 5'000'000 * kMillisecond}) {  // a computer that is up for 83 minutes
+    DelayModel model(law, 1, 0);
+    const std::int64_t first = model.next(start);
+    EXPECT_EQ(model.next(start + 99 * kMillisecond), first);
+    const std::int64_t after_a_pause = model.next(start + 1000 * kMillisecond);
+    EXPECT_NE(after_a_pause, first);
+    EXPECT_EQ(model.next(start + 1099 * kMillisecond), after_a_pause);
+    EXPECT_NE(model.next(start + 1100 * kMillisecond), after_a_pause);
+  }
 }
 
 TEST(DelayTest, ABottleneckSpacesPacketsAndDropsThoseThatWouldWaitTooLong) {
