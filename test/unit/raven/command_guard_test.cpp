@@ -82,6 +82,23 @@ TEST_P(Guarded, HoldWritesTheArmsOwnLastSafeCommandAndLeavesTheOtherArm) {
   }
 }
 
+/** A command beyond the clip that raises no alarm yet is nothing to fall back to. */
+TEST_P(Guarded, HoldNeverWritesACommandFromBeyondTheClip) {
+  DetectorConfig config = alert(Mitigation::kHold);
+  config.factor = 0.12;  // 2600 counts, a hundred beyond the clip, are a third of it and kThrow more than it
+  for (const std::int32_t sign : {-1, 1}) {
+    CommandGuard guard(trainerConfig().arms, trainerConfig().virtual_raven, config);
+    for (int k = 0; k < 10; ++k)
+      check(&guard);
+    check(&guard, sign * 2600);
+    ASSERT_FALSE(guard.report().verdict.alarm);
+    ASSERT_LT(guard.report().verdict.size, 0.5 * config.factor) << "nothing but the clip tells it from a calm one";
+    check(&guard, sign * kThrow);
+    ASSERT_TRUE(guard.report().verdict.alarm);
+    expectWritten(GetParam(), calm(GetParam()));
+  }
+}
+
 TEST_P(Guarded, StopZeroesBothArms) {
   CommandGuard guard(trainerConfig().arms, trainerConfig().virtual_raven, alert(Mitigation::kStop));
   for (int k = 0; k < 10; ++k)

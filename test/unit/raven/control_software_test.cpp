@@ -141,6 +141,18 @@ TEST(ControlSoftware, MasterSilenceLiftsThePedalAfterTheTimeOut) {
   EXPECT_EQ(bench.cycle().pins & pins::kFootPedal, 0);
 }
 
+TEST(ControlSoftware, AutomovesKeepThePedalDownAsPacketsDo) {
+  Bench bench;
+  bench.bringTo(RunLevel::kPedalDown);
+  for (int k = 0; k < 3; ++k) {
+    for (int silent = 0; silent < 4000; ++silent)
+      ASSERT_NE(bench.cycle().pins & pins::kFootPedal, 0) << k;
+    bench.software.automove({}, {kIdentityQuat, kIdentityQuat});
+  }
+  bench.cycles(5001);  // the cycle that sees the last one, and 5000 without any
+  EXPECT_EQ(bench.cycle().pins & pins::kFootPedal, 0);
+}
+
 TEST(ControlSoftware, DuplicatesDoNotKeepTheTimeOutAlive) {
   Bench bench;
   bench.bringTo(RunLevel::kPedalDown);

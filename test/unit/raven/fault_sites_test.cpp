@@ -308,6 +308,30 @@ TEST(FaultSites, AFrozenPacketRepeatsTheMotionBeforeItUnderItsOwnNumber) {
     EXPECT_EQ(sendGold(7), 30) << k;
 }
 
+/** The true packets have the pedal up. In the base frame gold goes along (-z, -x, y), green along (-z, x, -y). */
+TEST(FaultSites, AForgedPacketMovesItsArmAlongItsAxisWithThePedalDown) {
+  const PerArm<std::array<int, 3>> base_axis{{{1, 2, 0}, {1, 2, 0}}}, sign{{{-1, 1, -1}, {1, -1, -1}}};
+  for (const Arm which : kArms) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Bench bench;
+      bench.bringTo(RunLevel::kPedalDown);
+      Fault forged = now(FaultVariable::kPacket, FaultKind::kForge, 3000, static_cast<int>(axis));
+      forged.arm = static_cast<std::int8_t>(index(which));
+      forged.low = 1.0;  // numbered as the next true packet
+      arm(&bench, forged);
+      bench.cycle();
+      std::array<std::int32_t, 6> expected = bench.software.report().pos_d_um;
+      expected[3 * index(which) + static_cast<std::size_t>(at(base_axis, which)[axis])] += 3000 * at(sign, which)[axis];
+      wire::ItpPacket packet = bench.next();
+      packet.surgeon_mode = 0;
+      bench.send(packet);
+      EXPECT_NE(bench.cycle().pins & pins::kFootPedal, 0) << name(which) << " " << axis;
+      EXPECT_EQ(bench.software.report().pos_d_um, expected) << name(which) << " " << axis;
+      EXPECT_EQ(bench.software.state().last_sequence, packet.sequence + 1);
+    }
+  }
+}
+
 TEST(FaultSites, PacketsCanBeHeldBackAndCountWhenTheyCome) {
   Bench bench;
   bench.bringTo(RunLevel::kPedalDown);
