@@ -259,6 +259,20 @@ TEST(NetworkFaults, NothingActsOnPacketsBeforeTheFirstCycle) {
   EXPECT_FALSE(network.take(&got, 0));
 }
 
+TEST(NetworkFaults, ARunLevelThatTheControlThreadReachesTriggersThem) {
+  for (const std::uint8_t level : {0, 1, 2, 3}) {
+    Fault drop = fault(FaultVariable::kPacket, FaultKind::kDrop, 1.0);
+    drop.trigger = FaultTrigger::kRunLevel;
+    drop.threshold = 2.0;
+    CycleHistory history;
+    NetworkFaults network(planOf(drop), &history);
+    history.append(level);
+    network.offer(wire::encodeItp(wire::ItpPacket{}), 0);
+    wire::ItpBytes bytes;
+    EXPECT_EQ(network.take(&bytes, 0), level != 2) << int{level};
+  }
+}
+
 TEST(NetworkFaults, APacketBeforeTheFirstCycleCanBeRepeated) {
   Fault frozen = fault(FaultVariable::kPacket, FaultKind::kHoldLast, 0);
   CycleHistory history;
