@@ -274,6 +274,21 @@ TEST(FaultSessions, NothingOfTheOneBeforeGoesOnWithoutABreakBetweenThem) {
   EXPECT_EQ(toldBy(&engine), (std::vector<int>{1, -1}));
 }
 
+TEST(FaultSessions, TheEndOfAFaultIsToldOfTheSessionInWhichItBegan) {
+  Fault fault = stuck(FaultTrigger::kHand, 0);
+  fault.duration_ticks = 0;
+  FaultEngine engine(FaultHost::kRobot);
+  for (const std::uint32_t session : {7U, 8U}) {
+    engine.setPlan(planOf(fault, session, session));
+    engine.beginCycle({});
+  }
+  std::vector<std::pair<int, std::uint32_t>> told;
+  FaultChange change;
+  while (engine.nextChange(&change))
+    told.emplace_back(change.acts, change.session);
+  EXPECT_EQ(told, (std::vector<std::pair<int, std::uint32_t>>{{1, 7U}, {0, 7U}, {1, 8U}}));
+}
+
 TEST(FaultSessions, WhatStaysArmedWithinOneIsNotToldAgain) {
   Fault fault = stuck(FaultTrigger::kHand, 0);
   fault.duration_ticks = 0;
