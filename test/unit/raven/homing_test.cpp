@@ -141,6 +141,20 @@ TEST(Homing, BothArmsAreHomeAndKnowIt) {
   expectHome(&homing);
 }
 
+TEST(Homing, PositioningJointsCountAsAtHomeOnceTheToolIsAtItsStops) {
+  const JointArray home = trainerConfig().arms.geometry.home;
+  const JointArray believed{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
+  ArmStopSearch search(home, trainerConfig().virtual_raven.homing_dac);
+  search.begin(believed);
+  search.advance(believed);
+  DacArray dac;
+  dac.fill(32767);
+  ASSERT_TRUE(search.check(believed, &dac));
+  search.takeReference(believed);
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    EXPECT_NEAR(search.desired()[j], j < kToolRotation ? home[j] : kStops[j], 1e-12) << kJointNames[j];
+}
+
 TEST(Homing, GreenIsWaitedFor) {
   Homing homing;
   homing.cyclesUntil([&] { return homing.search().arm(Arm::kGold).ready(); });
