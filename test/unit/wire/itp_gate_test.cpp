@@ -61,6 +61,24 @@ TEST(ItpGate, ASilentMasterIsLetGoAfterHalfASecondAndNotBefore) {
   EXPECT_EQ(bench.arrive(plain(bench.packet(7000, false)), kSurgeon), Reject::kForeignSource);
 }
 
+TEST(ItpGate, PacketsThatComeTooFastNeitherKeepAMasterNorMakeOne) {
+  ItpRules rules = benchRules(true, ItpAuth::kOff);
+  rules.max_rate = 1.0;
+  rules.max_burst = 1;
+  ItpGate gate(rules, Audience::kDaemon, nullptr);
+  const auto judge = [&](std::uint32_t number, std::uint64_t source, std::int64_t time_ns) {
+    const auto bytes = plain(GateBench(true, ItpAuth::kOff).packet(number, false));
+    ItpPacket packet;
+    return gate.judge({bytes.data(), bytes.size(), source, time_ns}, &packet);
+  };
+  EXPECT_EQ(judge(1, kSurgeon, 0), Reject::kNone);
+  EXPECT_EQ(judge(2, kSurgeon, 400'000'000), Reject::kRateLimited);
+  gate.idle(500'000'001);
+  EXPECT_FALSE(gate.isPinned());
+  EXPECT_EQ(judge(1, kOther, 600'000'000), Reject::kRateLimited);
+  EXPECT_FALSE(gate.isPinned());
+}
+
 TEST(ItpGate, APedalThatStillCountsAsDownKeepsItsMaster) {
   ItpRules rules = benchRules(true, ItpAuth::kOff);
   rules.master_timeout = 3.0;
