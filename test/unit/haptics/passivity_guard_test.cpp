@@ -433,6 +433,24 @@ TEST(PassivityGuard, WhatIsNotFiniteIsNoMotion) {
   }
 }
 
+TEST(PassivityGuard, ForgottenInTheMidstOfARestItTakesAWholeOne) {
+  PassivityGuard guard(kConfig);
+  guard.observe({0.0, 0.0, 0.0});
+  const auto ticksToRest = [&guard](int most) {
+    int ticks = 0;
+    for (; ticks < most && !guard.isResting(); ++ticks)
+      guard.given({0.0, 0.0, 0.0}, false);
+    return ticks;
+  };
+  guard.given({1.0, 0.0, 0.0}, true);
+  const int whole = ticksToRest(10'000);
+  EXPECT_EQ(whole, 121 + 500);  // the delays of 0 to 0.12 s, and 0.5 s
+  guard.given({1.0, 0.0, 0.0}, true);
+  ASSERT_EQ(ticksToRest(400), 400);
+  guard.forget();
+  EXPECT_EQ(ticksToRest(10'000), whole);
+}
+
 TEST(PassivityGuard, ForgottenItIsKnownAgainAfterARest) {
   // GIVEN two guards of which one missed a force
   PassivityGuard whole(kConfig), other(kConfig);
