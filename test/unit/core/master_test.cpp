@@ -12,6 +12,8 @@ TEST(WordsOfScale, AMasterOfAnotherScaleThanTheDaemonsIsTold) {
   const std::string line = wordsOfScale(master, 0.1);
   EXPECT_EQ(line.find("WARNING: scale 0.2 of master mtm, but console.yaml has 0.1: "), 0U) << line;
   EXPECT_NE(line.find("--scale 0.2 are wrong by 2"), std::string::npos) << line;
+  master.scale = 0.05;
+  EXPECT_NE(wordsOfScale(master, 0.1).find("--scale 0.05 are wrong by 0.5"), std::string::npos);
   master.scale = 0.1;
   EXPECT_EQ(wordsOfScale(master, 0.1), "");
 }
