@@ -142,6 +142,8 @@ TEST(UrdfErrors, MassMustBePositive) {
 
 TEST(UrdfErrors, InertiaMustBePhysical) {
   expectRefused(replaced(kGood, "izz=\"0.01\"", "izz=\"0.05\""), 7, "no body can have");
+  expectRefused(replaced(replaced(kGood, "ixx=\"0.02\"", "ixx=\"0.001\""), "iyy=\"0.02\"", "iyy=\"0.012\""), 7,
+                "no body can have");  // 0.001, 0.01, 0.012
   expectRefused(replaced(kGood, "izz=\"0.01\"", "izz=\"-0.01\""), 7, "not positive definite");
   expectRefused(replaced(kGood, "izz=\"0.01\"", "izz=\"0\""), 7, "not positive definite");
   expectRefused(replaced(kGood, "ixy=\"0\"", "ixy=\"0.03\""), 7, "not positive definite");
