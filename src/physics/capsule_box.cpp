@@ -131,12 +131,15 @@ WayOut shortestWayOut(const Scene& s) noexcept {
       const double depth = s.half(i) - std::min(side * s.a(i), side * b(i));
       if (depth < best.depth) best = {side * Vector3::Unit(i), depth, true};
     }
+  }
+  // Of an axis parallel to a face an edge's normal may be the face's: the face comes first, it has both ends.
+  for (int i = 0; i < 3; ++i) {
     const Vector3 across = s.d.cross(Vector3::Unit(i));
     const double norm = across.norm();
     if (norm < 1e-9 * s.d.norm()) continue;
     const Vector3 n = across / norm * (across.dot(s.a) < 0.0 ? -1.0 : 1.0);
     const double depth = s.half.dot(n.cwiseAbs()) - n.dot(s.a);
-    if (depth < best.depth) best = {n, depth, false};
+    if (depth < best.depth - kInside) best = {n, depth, false};
   }
   return best;
 }

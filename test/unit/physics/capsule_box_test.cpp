@@ -92,6 +92,26 @@ TEST(CapsuleBox, GoingOutAlongTheNormalByTheDepthEndsTheOverlap) {
   EXPECT_GT(checked, 1000);
 }
 
+/** A bar of 1 mm radius, 4 mm long, whose axis is 0.5 mm below a face and parallel to it. */
+TEST(CapsuleBox, AnAxisInTheBoxIsPushedOutOfTheNearestOfTheSixFaces) {
+  const Vector3 half(0.010, 0.020, 0.030);
+  for (int face = 0; face < 3; ++face) {
+    for (const double side : {-1.0, 1.0}) {
+      Pair pair{{}, {}, 0.001, 0.004, half};
+      const Vector3 normal = side * Vector3::Unit(face);
+      pair.X_WC.R = Quaternion::FromTwoVectors(Vector3::UnitZ(), Vector3::Unit((face + 1) % 3)).toRotationMatrix();
+      pair.X_WC.p = (half(face) - 0.0005) * normal;
+      OverlapPoints points;
+      ASSERT_EQ(overlap(pair, &points), 2) << normal.transpose();
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(points[i].depth, 0.0015, 1e-12) << normal.transpose();
+        EXPECT_NEAR((points[i].n_W - normal).norm(), 0.0, 1e-12) << normal.transpose();
+      }
+      EXPECT_NEAR((points[0].p_W - points[1].p_W).norm(), 0.004, 1e-12) << "its two ends";
+    }
+  }
+}
+
 TEST(CapsuleBox, ABarAlongAFaceTouchesAtBothEndsOfTheStretchTheyShare) {
   // GIVEN a bar of 2 mm radius, 20 mm long, lying 0.1 mm deep on a box 4 mm wide, turned a little either way
   for (const double tilt : {0.0, 1e-5, -1e-5}) {
