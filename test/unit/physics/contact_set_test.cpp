@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "physics/contact_forces.h"
+#include "physics/parked_contacts.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::physics {
@@ -82,6 +84,67 @@ TEST(ContactSet, IgnoresPairsBeyondItsSize) {
   EXPECT_EQ(static_cast<std::size_t>(set.end() - set.begin()), ContactSet::kMaxPairs);
   set.clear();
   EXPECT_EQ(set.begin(), set.end());
+}
+
+TEST(ContactForces, APairsFrictionIsBoundByItsOwnNormalForceOfTheStepBefore) {
+  SceneSnapshot snapshot;
+  snapshot.pair_count = 3;
+  snapshot.pairs[0] = {1, 2, 5.0};
+  snapshot.pairs[1] = {1, 3, 7.0};
+  snapshot.pairs[2] = {2, 3, 11.0};
+  ContactForces forces;
+  forces.restore(snapshot);
+  forces.clear();
+  EXPECT_EQ(forces.addPair(1, 3), 7.0);
+  EXPECT_EQ(forces.addPair(1, 4), 0.0) << "new";
+  EXPECT_EQ(forces.addPair(2, 3), 11.0);
+  EXPECT_EQ(forces.addPair(1, 2), 5.0);
+  forces.clear();
+  EXPECT_EQ(forces.addPair(1, 2), 0.0) << "nothing acted in the step between";
+}
+
+Contact contactOf(std::uint16_t a, std::uint16_t b, double x, double newton) {
+  Contact contact;
+  contact.a = a;
+  contact.b = b;
+  contact.depth = 1e-5F;
+  contact.p_W = {x, 0.0, 0.0};
+  contact.n_W = {0.0, 0.0, 1.0};
+  contact.f_W = {0.0, 0.5 * newton, newton};
+  return contact;
+}
+
+ContactList listOf(ParkedContacts* parked) {
+  ContactList list{};
+  parked->show();
+  parked->report(&list);
+  return list;
+}
+
+TEST(ParkedContacts, OfEachPairAreOneWithTheSumOfItsForces) {
+  ParkedContacts parked;
+  parked.add(contactOf(1, 2, 0.0, 1.0));
+  parked.add(contactOf(1, 3, 8.0, 5.0));
+  parked.add(contactOf(1, 2, 4.0, 3.0));
+  const ContactList list = listOf(&parked);
+  ASSERT_EQ(list.count, 2U);
+  EXPECT_EQ(list.contacts[0].f_W, (Vec3{0.0, 2.0, 4.0}));
+  EXPECT_EQ(list.contacts[0].p_W, (Vec3{3.0, 0.0, 0.0})) << "where the forces balance";
+  EXPECT_EQ(list.contacts[1].f_W, (Vec3{0.0, 2.5, 5.0}));
+}
+
+TEST(ParkedContacts, GoWithTheBodyThatIsWokenWhicheverOfTheTwoItIs) {
+  for (const int woken : {1, 2, 3}) {
+    ParkedContacts parked;
+    for (const auto& [a, b] : {std::pair{1, 2}, std::pair{1, 3}, std::pair{2, 3}})
+      parked.add(contactOf(static_cast<std::uint16_t>(a), static_cast<std::uint16_t>(b), 0.0, 1.0));
+    parked.show();
+    parked.remove(woken);
+    const ContactList list = listOf(&parked);
+    ASSERT_EQ(list.count, 1U) << woken;
+    EXPECT_NE(list.contacts[0].a, woken);
+    EXPECT_NE(list.contacts[0].b, woken);
+  }
 }
 
 }  // namespace

@@ -155,6 +155,10 @@ TEST(FreeBody, SinksIntoTheFloorAsTheSpringSaysInHoweverManySteps) {
     RavenWorld world(testing::makeRaven(), scene, config);
     rest(&world, 300);
     EXPECT_NEAR(0.010 - poseOf(world).p.z(), expected, 0.03 * expected) << sub_steps;
+    SceneSnapshot snapshot;
+    world.saveScene(&snapshot);
+    ASSERT_EQ(snapshot.pair_count, 1U);
+    EXPECT_NEAR(snapshot.pairs[0].normal, 0.5 * kGravity, 0.02 * 0.5 * kGravity) << "what friction is bound by";
   }
 }
 
