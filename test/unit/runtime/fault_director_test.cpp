@@ -102,6 +102,29 @@ TEST(FaultDirectorDrill, StartedByRequestItIsTheLibrarysScenario) {
   EXPECT_EQ(desk.plan().count, 1U) << "it is no drill any more";
 }
 
+/** `count` rows of one scenario behind what is there. */
+void addRows(std::uint32_t id, std::uint32_t count, FaultPlan* plan) {
+  for (std::uint32_t i = 0; i < count; ++i)
+    plan->faults[plan->count++].id = id;
+}
+
+TEST(FaultDirector, AScenarioFitsIfItsRowsDoOnceItsOwnFormerOnesAreGone) {
+  FaultPlan armed;
+  addRows(1, 5, &armed);
+  addRows(2, 3, &armed);
+  ASSERT_EQ(armed.count, kMaxFaults);
+  const auto fits = [&armed](std::uint32_t id, std::uint32_t count) {
+    FaultPlan added;
+    addRows(id, count, &added);
+    return FaultDirector::fits(armed, added);
+  };
+  EXPECT_TRUE(fits(1, 5));
+  EXPECT_FALSE(fits(1, 6));
+  EXPECT_TRUE(fits(2, 3));
+  EXPECT_FALSE(fits(2, 4));
+  EXPECT_FALSE(fits(3, 1));
+}
+
 TEST(FaultDirectorDrill, AnotherScenarioStandsBesideIt) {
   Desk desk;
   const std::uint32_t other = config::faultId(desk.config, "unavailable_recoverable");

@@ -80,6 +80,17 @@ TEST_F(HapticParts, TheForceGoesThroughTheAxesOfEachArm) {
   EXPECT_NEAR((toEigen(state.force_I[1]) - Vector3(0.9, -1.2, 0.0)).norm(), 0.0, kRounding);
 }
 
+TEST_F(HapticParts, AFaultOfTheConsoleScalesAndShiftsTheForceOfItsArm) {
+  at(robot.arms, Arm::kGold).p_BT = {-0.010, 0.0, 0.0};      // 1.5 N along x, as above
+  at(robot.arms, Arm::kGreen).p_BT = {0.0, -0.006, -0.008};  // 0.9 N along y and 1.2 N along z
+  model.faults.console = 1;
+  model.faults.force_gain = {0.5, -1.0};
+  model.faults.force_offset_B = {Vec3{0.0, 0.2, 0.0}, Vec3{0.3, 0.0, 0.0}};
+  const HapticState state = ticks(200);
+  EXPECT_NEAR((toEigen(state.force_B[0]) - Vector3(0.75, 0.2, 0.0)).norm(), 0.0, kRounding);
+  EXPECT_NEAR((toEigen(state.force_B[1]) - Vector3(0.3, -0.9, -1.2)).norm(), 0.0, kRounding);
+}
+
 TEST_F(HapticParts, APathGuidesItsOwnArmWithThePedalDownAndFadesIn) {
   putTips(Arm::kGold, {0.05, 0.004, 0.0});
   putTips(Arm::kGreen, {0.05, 0.004, 0.0});

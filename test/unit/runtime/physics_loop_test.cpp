@@ -249,6 +249,22 @@ TEST_P(EitherArm, OfARobotThatMovedOnTheWayBackIsGoneToAsSlowly) {
   }
 }
 
+/** Reach of the pedal-up's following: 0.1 rad of shoulder and elbow, 10 mm, 0.5 rad of roll and wrist. */
+TEST_P(EitherArm, GoesToARobotThatIsNearAndIsPutToOneThatIsFarOnEitherSide) {
+  constexpr std::array<double, kGrasp1> kReach{0.1, 0.1, 0.01, 0.5, 0.5};
+  for (std::size_t j = 0; j < kGrasp1; ++j) {
+    for (const double share : {-1.5, -0.5, 0.5, 1.5}) {
+      begin();
+      const double aside = share * kReach[j];
+      at(robot.arms, arm()).q[j] += aside;
+      rest(1);
+      const double missing = std::abs(at(robot.arms, arm()).q[j] - armState(arm()).q[j]);
+      const double expected = std::abs(share) > 1.0 ? 0.0 : 0.9 * std::abs(aside);  // a millisecond of ten
+      EXPECT_NEAR(missing, expected, 0.05 * std::abs(aside)) << kJointNames[j] << " " << share;
+    }
+  }
+}
+
 TEST_P(EitherArm, ThatMovedSinceThePlanRefusesItsExecution) {
   plan();
   const PerArm<RobotArmState> stood = robot.arms;
@@ -285,6 +301,18 @@ TEST_P(EitherArm, ThatMovedSinceATrialRefusesItsRepetition) {
   at(robot.arms, arm()).q[kElbow] -= 1.5 * config.execution.start_tolerance[kElbow];
   ASSERT_TRUE(waitFor(Mode::kPedalUp)) << "nor is it armed if the robot moves while the model goes back";
   EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kMoved);
+}
+
+TEST_P(EitherArm, OfARobotThatStillMovesAtTheEndHasNotFinishedARepetition) {
+  for (const bool moves : {false, true}) {
+    begin();
+    trial(pressed(), 5);
+    beginRepeat();
+    at(robot.arms, arm()).v_BT = {moves ? -2.0 * config.execution.settle_speed : 0.0, 0.0, 0.0};
+    for (int i = 0; i < 6000 && mode() == Mode::kExecuting; ++i)
+      press(1);
+    EXPECT_EQ(shared->last_execution.load().end, moves ? ExecutionEnd::kNotSettled : ExecutionEnd::kFinished);
+  }
 }
 
 TEST_P(EitherArm, OfARobotThatStaysBehindEndsARepetition) {

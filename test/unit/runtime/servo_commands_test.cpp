@@ -536,28 +536,31 @@ TEST_F(ServoCommands, PressAgainOnlyOnceTheReleaseIsSeen) {
   EXPECT_EQ(mode, Mode::kTeleoperating);
 }
 
-TEST_F(ServoCommands, ThatStopDoNotWaitBehindAFloodOfMotions) {
+TEST_F(ServoCommands, ThatStopDoNotWaitBehindAFloodOfMotionsOfEitherArm) {
   enable();
-  ServoCommand move, pause;
-  move.kind = ServoKind::kMovePose;
-  move.pose_B = state().arms[0].setpoint_B;
-  pause.kind = ServoKind::kState;
-  pause.state = StateCommand::kPause;
-  while (shared->servo_commands.tryPush(move))
-    move.pose_B.p[0] += 1e-4;
-  ASSERT_TRUE(shared->servo_commands.tryPush(pause)) << "nor are they lost";
-  const std::uint64_t before = state().received;
-  const Vec3 here = tip();
-  tick();
-  EXPECT_EQ(state().state, OperatingState::kPaused);
-  EXPECT_FALSE(pedal);
-  tick(20);
-  EXPECT_EQ(state().received - before, ServoQueue::kMotions + 1);
-  EXPECT_EQ(state().refused, 0U) << "they were over with the pause";
-  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
-  tick(100);
-  EXPECT_EQ(state().arms[0].is_busy, 0);
-  EXPECT_LT(apart(tip(), here), 1e-9);
+  for (const Arm arm : kArms) {
+    ServoCommand move, pause;
+    move.kind = ServoKind::kMovePose;
+    move.arm = arm;
+    move.pose_B = at(state().arms, arm).setpoint_B;
+    pause.kind = ServoKind::kState;
+    pause.state = StateCommand::kPause;
+    while (shared->servo_commands.tryPush(move))
+      move.pose_B.p[0] += 1e-4;
+    ASSERT_TRUE(shared->servo_commands.tryPush(pause)) << "nor are they lost";
+    const std::uint64_t before = state().received;
+    const Vec3 here = at(state().arms, arm).setpoint_B.p;
+    tick();
+    EXPECT_EQ(state().state, OperatingState::kPaused);
+    EXPECT_FALSE(pedal);
+    tick(20);
+    EXPECT_EQ(state().received - before, ServoQueue::kMotions + 1);
+    EXPECT_EQ(state().refused, 0U) << "they were over with the pause";
+    EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+    tick(100);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 0) << name(arm);
+    EXPECT_LT(apart(at(state().arms, arm).setpoint_B.p, here), 1e-9) << name(arm);
+  }
 }
 
 TEST_F(ServoCommands, OfMotionBeforeAHoldOrAnEnableAreNotDoneAfterIt) {
