@@ -115,15 +115,17 @@ TEST(CapsuleBox, AnAxisInTheBoxIsPushedOutOfTheNearestOfTheSixFaces) {
 TEST(CapsuleBox, ABarAlongAFaceTouchesAtBothEndsOfTheStretchTheyShare) {
   // GIVEN a bar of 2 mm radius, 20 mm long, lying 0.1 mm deep on a box 4 mm wide, turned a little either way
   for (const double tilt : {0.0, 1e-5, -1e-5}) {
-    Pair pair{{}, {}, 0.002, 0.020, Vector3(0.002, 0.010, 0.005)};
-    pair.X_WC.R = Eigen::AngleAxisd(kPi / 2 + tilt, Vector3::UnitY()).toRotationMatrix();
-    pair.X_WC.p = Vector3(0.0, 0.0, 0.005 + 0.0019);
-    OverlapPoints points;
-    ASSERT_EQ(overlap(pair, &points), 2);
-    EXPECT_NEAR(std::abs(points[0].p_W.x() - points[1].p_W.x()), 0.004, 1e-6);
-    for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_NEAR(points[i].depth, 1e-4, 1e-7);
-      EXPECT_NEAR(points[i].n_W.z(), 1.0, 1e-6);
+    for (const double side : {-1.0, 1.0}) {
+      Pair pair{{}, {}, 0.002, 0.020, Vector3(0.002, 0.010, 0.005)};
+      pair.X_WC.R = Eigen::AngleAxisd(kPi / 2 + tilt, Vector3::UnitY()).toRotationMatrix();
+      pair.X_WC.p = Vector3(0.0, 0.0, side * (0.005 + 0.0019));
+      OverlapPoints points;
+      ASSERT_EQ(overlap(pair, &points), 2) << side << " " << tilt;
+      EXPECT_NEAR(std::abs(points[0].p_W.x() - points[1].p_W.x()), 0.004, 1e-6);
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(points[i].depth, 1e-4, 1e-7);
+        EXPECT_NEAR(points[i].n_W.z(), side, 1e-6);
+      }
     }
   }
 }
