@@ -70,6 +70,46 @@ TEST_F(RobotLinkTest, FillsInTipAndVelocityByTheKinematicChain) {
   EXPECT_NEAR(toEigen(got.arms[0].v_BT).norm(), 0.1, 1e-9);
 }
 
+TEST_F(RobotLinkTest, TheVelocityOfEitherTipIsTheDerivativeOfItsPlace) {
+  constexpr double kStep = 1e-6;  // [s]
+  const JointArray rate{0.2, -0.3, 0.04, 0.5, -0.6, 0.7, -0.1};
+  RobotState sent;
+  for (const Arm arm : kArms) {
+    at(sent.arms, arm).q = config.arms.geometry.home;
+    at(sent.arms, arm).dq = rate;
+  }
+  link.connected();
+  ASSERT_TRUE(state(sent, 77));
+  for (const Arm arm : kArms) {
+    const auto placeAfter = [&](double seconds) {
+      JointArray q = config.arms.geometry.home;
+      for (std::size_t j = 0; j < kJointCount; ++j)
+        q[j] += seconds * rate[j];
+      return kinematics::forward(config.arms.geometry, arm, q).p;
+    };
+    const Vector3 expected = (placeAfter(kStep) - placeAfter(-kStep)) / (2.0 * kStep);
+    EXPECT_NEAR((toEigen(at(shared->robot.load().arms, arm).v_BT) - expected).norm(), 0.0, 1e-8) << name(arm);
+  }
+}
+
+TEST_F(RobotLinkTest, TheFaultPlanIsOfTheLinksSession) {
+  constexpr std::uint32_t kSession = 4711;
+  FaultDirector director(config, shared.get());
+  RobotLink own(config, shared.get(), kSession);
+  own.connected();
+  own.receive(buffer.data(), wire::encodeHello(1, true, buffer.data()), 5);
+  wire::FrameParser parser;
+  wire::Frame frame;
+  FaultPlan plan;
+  for (std::size_t size = 0; (size = own.pendingFrame(buffer.data())) > 0;) {
+    parser.feed(buffer.data(), size);
+    ASSERT_EQ(parser.next(&frame), wire::FrameParser::Result::kFrame);
+    wire::decodeFaultPlan(frame, &plan);
+  }
+  EXPECT_EQ(plan.generation, shared->faults.load().generation) << "or no plan came";
+  EXPECT_EQ(plan.session, kSession);
+}
+
 TEST_F(RobotLinkTest, WhateverDoesNotSayVirtualIsReal) {
   link.connected();
   hello(false);
