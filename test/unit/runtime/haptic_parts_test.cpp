@@ -91,6 +91,20 @@ TEST_F(HapticParts, AFaultOfTheConsoleScalesAndShiftsTheForceOfItsArm) {
   EXPECT_NEAR((toEigen(state.force_B[1]) - Vector3(0.3, -0.9, -1.2)).norm(), 0.0, kRounding);
 }
 
+TEST_F(HapticParts, AfterItForgotItKnowsItselfOnceBothArmsHadTheirRest) {
+  for (const Arm felt : kArms) {
+    loop.reset();
+    tick();
+    loop->forget();
+    at(robot.arms, felt).p_BT = {-0.010, 0.0, 0.0};
+    ticks(1000);
+    EXPECT_FALSE(loop->knowsItself()) << name(felt) << " is still felt";
+    at(robot.arms, felt).p_BT = at(model.arms, felt).p_BT;
+    ticks(1000);
+    EXPECT_TRUE(loop->knowsItself()) << name(felt);
+  }
+}
+
 TEST_F(HapticParts, APathGuidesItsOwnArmWithThePedalDownAndFadesIn) {
   putTips(Arm::kGold, {0.05, 0.004, 0.0});
   putTips(Arm::kGreen, {0.05, 0.004, 0.0});

@@ -664,6 +664,47 @@ TEST_F(LoopBench, APlanArmedAgainWaitsForThePedalAsLongAsTheFirst) {
   EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kNoPedal);
 }
 
+TEST_F(LoopBench, APlanForTheRobotThatNobodyPressedForIsKept) {
+  config.execution.pedal_timeout = 0.05;
+  begin();
+  plan();
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
+    rest(60);
+    EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kNoPedal);
+    EXPECT_EQ(model().planning.status, PlanningStatus::kReady) << "the robot has not moved";
+  }
+}
+
+TEST_F(LoopBench, APlanIsNotFinishedBeforeTheRobotRests) {
+  for (const bool moves : {false, true}) {
+    begin();
+    plan();
+    ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
+    robot.arms[0].v_BT = {0.0, moves ? 2.0 * config.execution.settle_speed : 0.0, 0.0};
+    press(1);
+    for (int i = 0; i < 6000 && mode() == Mode::kExecuting; ++i)
+      press(1);
+    EXPECT_EQ(shared->last_execution.load().end, moves ? ExecutionEnd::kNotSettled : ExecutionEnd::kFinished);
+  }
+}
+
+TEST_F(LoopBench, PlansThatWereAnsweredAreNotCountedAsUnderWay) {
+  for (int i = 0; i < 100; ++i)
+    ASSERT_NO_FATAL_FAILURE(plan()) << i;
+}
+
+TEST_F(LoopBench, TheSessionsClockStartsWithTheFirstPedalDownThatMovesAnything) {
+  for (const RequestKind kind : {RequestKind::kNone, RequestKind::kBeginSimulation, RequestKind::kBeginTrial}) {
+    begin();
+    if (kind != RequestKind::kNone) ASSERT_EQ(ask(kind), PlanningAnswer::kAccepted);
+    rest(5);
+    EXPECT_EQ(model().session_tick, -1);
+    press(4);
+    EXPECT_EQ(model().session_tick, 3) << static_cast<int>(kind);
+  }
+}
+
 TEST_F(LoopBench, ATrialArmedAgainWaitsForThePedalAsLongAsTheFirst) {
   config.execution.pedal_timeout = 0.05;
   begin();

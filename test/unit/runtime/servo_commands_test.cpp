@@ -288,6 +288,21 @@ TEST_F(ServoCommands, GiveWayToTheConsole) {
   EXPECT_EQ(state().state, OperatingState::kPaused) << "0.2 s of silence";
 }
 
+TEST_F(ServoCommands, OfBeforeTheConsoleTookThePedalAreOverForGood) {
+  enable();
+  ASSERT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone);
+  tick(200);
+  tick(5, Heard::kDown);
+  tick(5, Heard::kUp);
+  ASSERT_EQ(state().state, OperatingState::kPaused);
+  const Vec3 here = tip();
+  ASSERT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+  tick(300);
+  ASSERT_EQ(mode, Mode::kTeleoperating);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
+  EXPECT_LT(apart(tip(), here), 1e-9);
+}
+
 TEST_F(ServoCommands, EndWhenTheRobotNoLongerFollows) {
   stand.linked = true;
   enable();
@@ -563,33 +578,51 @@ TEST_F(ServoCommands, ThatStopDoNotWaitBehindAFloodOfMotionsOfEitherArm) {
   }
 }
 
-TEST_F(ServoCommands, OfMotionBeforeAHoldOrAnEnableAreNotDoneAfterIt) {
-  ServoCommand move, enabled, hold;
+TEST_F(ServoCommands, OfMotionBeforeAnEnableAreNotDoneAfterIt) {
+  ServoCommand move, enabled;
   move.kind = ServoKind::kMovePose;
   move.pose_B = state().arms[0].setpoint_B;
   move.pose_B.p[0] += 0.01;
   enabled.kind = ServoKind::kState;
   enabled.state = StateCommand::kEnable;
-  hold.arm = Arm::kGold;
   for (const ServoCommand& command : {move, enabled})
     ASSERT_TRUE(shared->servo_commands.tryPush(command));
   tick(5);
   EXPECT_EQ(refused.reason, ServoRefusal::kNotEnabled) << "as they came";
   EXPECT_EQ(state().refused, 1U);
-  ASSERT_EQ(mode, Mode::kTeleoperating);
-  ServoCommand green = move;
-  green.arm = Arm::kGreen;
-  green.pose_B = state().arms[1].setpoint_B;
-  for (const ServoCommand& command : {move, green, move, hold})
-    ASSERT_TRUE(shared->servo_commands.tryPush(command));
-  tick(5);
-  EXPECT_EQ(state().arms[0].is_busy, 0) << "held";
-  EXPECT_EQ(state().arms[1].is_busy, 1) << "the other arm's";
-  EXPECT_EQ(state().refused, 1U);
-  for (const ServoCommand& command : {hold, move})
-    ASSERT_TRUE(shared->servo_commands.tryPush(command));
-  tick(5);
-  EXPECT_EQ(state().arms[0].is_busy, 1) << "behind it";
+  EXPECT_EQ(mode, Mode::kTeleoperating);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
+}
+
+TEST_F(ServoCommands, OfMotionBeforeAHoldOfTheirArmAreNotDoneAfterIt) {
+  enable();
+  for (const Arm arm : kArms) {
+    const Arm other = otherArm(arm);
+    const auto moveOf = [this](Arm which) {
+      ServoCommand move;
+      move.kind = ServoKind::kMovePose;
+      move.arm = which;
+      move.pose_B = at(state().arms, which).setpoint_B;
+      move.pose_B.p[0] += 0.01;
+      return move;
+    };
+    ServoCommand hold, hold_other;
+    hold.arm = arm;
+    hold_other.arm = other;
+    for (const ServoCommand& command : {moveOf(arm), moveOf(other), moveOf(arm), hold})
+      ASSERT_TRUE(shared->servo_commands.tryPush(command));
+    tick(5);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 0) << "held " << name(arm);
+    EXPECT_EQ(at(state().arms, other).is_busy, 1) << "the other arm's";
+    for (const ServoCommand& command : {hold, moveOf(arm)})
+      ASSERT_TRUE(shared->servo_commands.tryPush(command));
+    tick(5);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 1) << "behind it " << name(arm);
+    for (const ServoCommand& command : {hold, hold_other})
+      ASSERT_TRUE(shared->servo_commands.tryPush(command));
+    tick(5);
+  }
+  EXPECT_EQ(state().refused, 0U);
 }
 
 TEST_F(ServoCommands, ThatAreRefusedAtOnceDoNotSlowTheRest) {
