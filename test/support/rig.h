@@ -10,7 +10,9 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/console/console.h"
+#include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
 #include "raven2_trainer/runtime/fault_director.h"
@@ -213,5 +215,16 @@ class Rig {
   std::uint32_t frame_sequence{0}, master_sequence{0};
   std::array<std::uint8_t, wire::kMaxFrame> buffer{};
 };
+
+/** 30 um of the gold tip towards a place in the world. */
+inline MasterCommand goldTowards(const Rig& rig, const Vec3& p_W) {
+  const Matrix3 R_WB = model::armBaseRotation(Arm::kGold);
+  const Vector3 tip_W = R_WB * toEigen(rig.model().arms[0].p_BT) + toEigen(at(rig.config.arms.rcm_W, Arm::kGold));
+  const Vector3 step_W = 30e-6 * (toEigen(p_W) - tip_W).normalized();
+  MasterCommand command;
+  command.pedal = 1;
+  command.dp_I[0] = toArray(Vector3(control::itpToBase(Arm::kGold).transpose() * R_WB.transpose() * step_W));
+  return command;
+}
 
 }  // namespace raven2_trainer::testing

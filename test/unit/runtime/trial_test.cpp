@@ -2,9 +2,7 @@
 
 #include <cstdio>
 
-#include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/core/random.h"
-#include "raven2_trainer/model/raven_model.h"
 #include "support/effort.h"
 #include "support/mode_driver.h"
 
@@ -15,6 +13,7 @@ namespace {
 
 using raven2_trainer::testing::apart;
 using raven2_trainer::testing::effort;
+using raven2_trainer::testing::goldTowards;
 using raven2_trainer::testing::ModeDriver;
 
 class Trial : public ::testing::Test {
@@ -63,17 +62,6 @@ class Trial : public ::testing::Test {
     MasterCommand sent;
     sent.pedal = 1;
     sent.dp_I = {Vec3{speed, 0.0, 0.0}, Vec3{speed, 0.0, 0.0}};
-    return sent;
-  }
-
-  /** 30 um of the gold tip towards a place in the world. */
-  MasterCommand towards(const Vec3& p_W) const {
-    const Matrix3 R_WB = model::armBaseRotation(Arm::kGold);
-    const Vector3 tip_W = R_WB * toEigen(d->modelTip(Arm::kGold)) + toEigen(at(d->rig.config.arms.rcm_W, Arm::kGold));
-    const Vector3 way_W = 30e-6 * (toEigen(p_W) - tip_W).normalized();
-    MasterCommand sent;
-    sent.pedal = 1;
-    sent.dp_I[0] = toArray(Vector3(control::itpToBase(Arm::kGold).transpose() * R_WB.transpose() * way_W));
     return sent;
   }
 
@@ -223,7 +211,7 @@ TEST_F(Trial, DiscardedItLeavesNothingBehind) {
   d->ask(RequestKind::kBeginTrial);
   const auto moved = [&] { return apart(d->rig.model().bodies[0].p, before[0].p); };
   for (int i = 0; i < 6000 && moved() < 2e-3; ++i)
-    d->tick(towards(before[0].p));
+    d->tick(goldTowards(d->rig, before[0].p));
   ASSERT_GT(moved(), 2e-3) << "or nothing was touched";
   d->rest(false, 50);
   ASSERT_EQ(d->ask(RequestKind::kDiscardTrial), PlanningAnswer::kAccepted);
@@ -237,7 +225,7 @@ TEST_F(Trial, NorDoesOneThatAStopEnded) {
   for (const bool discarded : {true, false}) {
     ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
     for (int i = 0; i < 6000 && moved() < 2e-3; ++i)
-      d->tick(towards(before[0].p));
+      d->tick(goldTowards(d->rig, before[0].p));
     ASSERT_GT(moved(), 2e-3) << "or nothing was touched";
     d->rest(false, 50);
     if (discarded) {
