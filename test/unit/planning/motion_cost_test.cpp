@@ -210,8 +210,8 @@ TEST(JointSpace, GoesThereAndBackAtAFixedOpening) {
 
 TEST(JointSpace, KeepsBothJawsWithinTheirOwnLimits) {
   // GIVEN jaws whose limits differ from each other's and from side to side
-  for (const auto& [min1, max1, min2, max2] :
-       {std::array{-1.2, 1.6, -1.6, 1.8}, std::array{-1.8, 1.2, -0.9, 1.5}, std::array{-0.7, 1.8, -1.8, 0.9}}) {
+  for (const auto& [min1, max1, min2, max2] : {std::array{-1.2, 1.6, -1.6, 1.8}, std::array{-1.8, 1.2, -0.9, 1.5},
+                                               std::array{-0.7, 1.8, -1.8, 0.9}, std::array{-0.4, 1.9, -0.5, 1.8}}) {
     ArmGeometry g = test::geometry();
     g.q_min[kGrasp1] = min1;
     g.q_max[kGrasp1] = max1;
