@@ -124,6 +124,31 @@ def test_counts_are_those_of_the_table(tmp_path):
     assert "Toy &amp; co" in page and "seen &lt;so&gt;" in page
 
 
+def test_figures_are_in_the_units_of_their_columns(tmp_path):
+    stopped = {"scenario": "a", "injection": 3, "outcome": "estop"}
+    rows = [stopped | {"estop": "software", "estop_ms": 10, "seen": 1, "deviation_mm": "1.25", "jump_mm": "0.125",
+                       "force_ms": 40},
+            stopped | {"estop": "plc", "estop_ms": 30, "reported": 0, "deviation_mm": "4.5", "jump_mm": "2.5",
+                       "force_ms": 70},
+            stopped | {"estop": "both", "estop_ms": 50, "seen": 1, "reported": 1, "deviation_mm": "3.0"},
+            {"scenario": "a", "injection": 3, "outcome": "masked", "deviation_mm": "0.5", "jump_mm": "0.0625"},
+            {"scenario": "b", "injection": 0, "outcome": "masked"}]
+    write(tmp_path, [scenario("a", 3, 4, ["estop", "masked"]), scenario("b", 0, 1, [])], rows)
+    (tmp_path / "timing.json").write_text(json.dumps({"cpu_s_per_run": 1.2345}))
+    page = report(tmp_path)[2]
+    cards = dict(reversed(pair) for pair in re.findall(r'<div class="card"><b>(.*?)</b><span>(.*?)</span>', page))
+    assert cards == {"runs with a recorded outcome": "5", "runs in which the fault never acted": "0",
+                     "stopped, after 30 ms (median)": "3", "stopped by the robot&#x27;s own check": "2",
+                     "stops of the PLC that the software never showed": "1", "went more than 3 mm astray": "1",
+                     "until the hand feels a force (median of those that do)": "55 ms", "": "1.23 CPU s a run"}
+    lines = page.split("<h2>Figures of each scenario")[1].split("<tr>")[1:]
+    titles, b, a = ([re.sub("<[^>]*>", "", cell) for cell in re.findall(r"<t[hd].*?>(.*?)</t[hd]>", line)]
+                    for line in lines)
+    assert titles[5:7] == ["Deviation [mm]", "Jump [mm]"]
+    assert a == ["3", "a", "pedal down", "4", "masked 1, estop 3", "4.50", "2.500", "30 ms", "55 ms", "2"]
+    assert b == ["–", "b", "pedal down", "1", "masked 1", "0.00", "0.000", "–", "–", "0"]
+
+
 def test_a_fault_that_never_acted_fails_the_campaign_whatever_was_published(tmp_path):
     rows = [{"scenario": "a", "injection": 0, "outcome": "masked", "injected_ms": at} for at in ("1", "")]
     rows.append({"scenario": "a", "injection": 0, "outcome": "crash", "injected_ms": "", "estop": "",

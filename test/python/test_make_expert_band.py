@@ -62,6 +62,19 @@ def test_a_band_that_cannot_be_written_leaves_the_old_one(tmp_path):
     assert (bands / "peg_transfer.yaml").read_text() == "the old one"
 
 
+@pytest.mark.parametrize("name, unit, least", [
+    ("path", "mm", 1.0), ("time", "s", 0.5), ("peak_force", "N", 0.5), ("collisions", "count", 1.0),
+    ("tremor", "um", 5.0), ("drops", "count", 0.0), ("break_offs", "count", 0.0), ("idle", "-", 0.0),
+    ("mean_jerk", "m/s^3", 0.0), ("force_impulse", "Ns", 0.0)])
+def test_each_unit_is_granted_its_least_spread(tmp_path, name, unit, least):
+    """One count, half a second, half a newton, a millimetre; the tremor of eye surgeons, 49 um, at a scale of 0.1."""
+    folders = [session(tmp_path, str(i), ("done", {name: {**metric(value, unit), "scored": True}}))
+               for i, value in enumerate([3.0, 5.0])]
+    (found,) = yaml.safe_load(run(*folders).stdout)["metrics"].items()
+    assert found == (name, {"mean": 4.0, "deviation": pytest.approx(2.0 ** 0.5, rel=1e-5), "better": "lower",
+                            "least": least})
+
+
 def test_a_logarithm_is_granted_a_factor_of_two(tmp_path):
     folders = [session(tmp_path, str(i), ("done", {"ldlj": {**metric(value, "-", "higher"), "scored": True}}))
                for i, value in enumerate([-24.0, -24.2])]

@@ -230,6 +230,37 @@ def test_plans_and_motions_are_on_the_session_s_clock(tmp_path):
     assert column(behind.execution_section(), "Time") == ["1.250 s"]
 
 
+@pytest.mark.parametrize("levels, stop", [([0, 0, 1, 2, 3, 3, 0, 0, 1, 0], 0.006), ([-1, 0, 0, 1], None),
+                                          ([3, 3, 3], None), ([3, 0, 3, 0], 0.001), ([2, -1, 0], None)])
+def test_an_emergency_stop_is_the_first_fall_from_a_higher_run_level(levels, stop):
+    series = SimpleNamespace(runlevel=np.array(levels), t=np.arange(len(levels)) / 1000)
+    assert Facts.emergency_stop(SimpleNamespace(series=series)) == stop
+
+
+def test_a_step_begins_where_the_one_before_it_ended_in_each_attempt():
+    told = [("started", 0.0), ("began", 1.0), ("step_done", 2.5), ("failed", 4.0), ("started", 4.5), ("began", 6.0),
+            ("step_done", 7.0), ("step_done", 7.25), ("done", 7.25), ("began", 9.0), ("step_done", 9.5)]
+    events = [{"kind": kind, "at_s": at, "step": f"to {at}"} for kind, at in told]
+    found = Facts._steps(SimpleNamespace(events=events, duration=12.0))
+    assert [(step["name"], step["from_s"], step["to_s"]) for step in found] == [
+        ("to 2.5", 1.0, 2.5), ("not finished", 2.5, 4.0), ("to 7.0", 6.0, 7.0), ("to 7.25", 7.0, 7.25),
+        ("to 9.5", 9.0, 9.5), ("not finished", 9.5, 12.0)]
+    found = Facts._steps(SimpleNamespace(events=events[:9], duration=12.0))
+    assert [step["name"] for step in found][-1] == "to 7.25", "nothing goes on after an attempt that ended"
+
+
+def test_each_hazard_has_the_fault_of_its_own_activation():
+    """Two of one scenario and one of another, which nobody judged; judged are the later one first."""
+    faults = [{"name": name, "first_tick": first, "last_tick": first + 299, "max_error_mm": error}
+              for name, first, error in (("jump", 2000, 1.0), ("loss", 4000, 2.0), ("jump", 6000, 3.0))]
+    judged = [{"scenario": "jump", "injection_tick": tick} for tick in (5995, 2000)]
+    facts = SimpleNamespace(score={"hazards": judged}, faults=faults)
+    facts._hazard = lambda *entry: Facts._hazard(facts, *entry)
+    assert [(h["name"], h["at_s"], h["end_s"], h["fault"]["max_error_mm"], bool(h["judged"]))
+            for h in Facts._hazards(facts)] == [("jump", 2.0, 2.3, 1.0, True), ("loss", 4.0, 4.3, 2.0, False),
+                                                ("jump", 5.995, 6.3, 3.0, True)]
+
+
 BODIES = ["link1_L", "link1_R", "tower", "ring"]
 
 
