@@ -98,6 +98,30 @@ TEST(DrillPlan, EveryScenarioOfTheLibraryMakesASoundDrillAndKeepsItsOrder) {
   }
 }
 
+/** Rows that the library has 60 ms apart, the later one first, by chance and again and again. */
+TEST(DrillPlan, KeepsItsRowsApartAndComesForSureAndOnce) {
+  TrainerConfig config = drilled("pick_hand_over_place", "own");
+  Scenario& scenario = config.scenarios.at(faultId(config, config.drill) - 1);
+  scenario.faults.resize(1);
+  scenario.faults.push_back(scenario.faults[0]);
+  scenario.faults[0].first_tick = 100;
+  scenario.faults[1].first_tick = 40;
+  for (Fault& fault : scenario.faults) {
+    fault.period_ticks = 5000;
+    fault.count = 9;
+    fault.probability = 0.25;
+  }
+  const FaultPlan plan = drillPlan(config, 1, 1);
+  ASSERT_EQ(plan.count, 2U);
+  EXPECT_EQ(plan.faults[0].first_tick - plan.faults[1].first_tick, 60);
+  EXPECT_GE(plan.faults[1].first_tick, static_cast<Tick>(1000 * config.exercise.drill.delay));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(plan.faults[i].period_ticks, 0) << i;
+    EXPECT_EQ(plan.faults[i].count, 1) << i;
+    EXPECT_EQ(plan.faults[i].probability, 1.0) << i;
+  }
+}
+
 TEST(DrillPlan, IsEmptyWithoutADrillAndWhereNothingMayBeInjected) {
   TrainerConfig config = drilled("pick_hand_over_place", "own");
   config.injection.enable = false;

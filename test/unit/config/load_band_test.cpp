@@ -138,6 +138,7 @@ TEST(LoadBand, BothLimitsOfEveryNumberHold) {
                      {"least_spread: 0.25", "least_spread: 10.1", 3},
                      {"mean: 61.5", "mean: 1000001", 5},
                      {"mean: -9.5", "mean: -1000001", 6},
+                     {"deviation: 2.0", "deviation: -0.001", 5},
                      {"deviation: 2.0", "deviation: 1000001", 5},
                      {"least: 0.1", "least: -0.1", 6},
                      {"least: 0.1", "least: 1000001", 6}});

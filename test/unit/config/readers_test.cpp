@@ -182,6 +182,54 @@ TEST(ReadFault, TheLimitsOfAStreamHold) {
   }
 }
 
+/** A row that starts by `trigger`, with `threshold`. */
+std::string triggered(const std::string& trigger, const std::string& threshold) {
+  const std::string good = row("stuck_at", "gold", "800");
+  const std::string start = "{trigger: pedal_down, first_tick: 0}";
+  return std::string(good).replace(good.find(start), start.size(),
+                                   "{trigger: " + trigger + ", first_tick: 0, threshold: " + threshold + "}");
+}
+
+TEST(ReadFault, BothLimitsOfAThresholdHold) {
+  for (const auto& [trigger, low, high, below, above] :
+       std::vector<std::array<const char*, 5>>{{"run_level", "0", "3", "-1", "4"},
+                                               {"tissue_distance", "0", "10", "-0.001", "10.001"},
+                                               {"target_distance", "0", "10", "-0.001", "10.001"},
+                                               {"step", "1", "1000", "0", "1001"}}) {
+    for (const char* good : {low, high})
+      EXPECT_NO_THROW(faultOf(triggered(trigger, good))) << trigger << good;
+    for (const char* bad : {below, above})
+      EXPECT_THROW(faultOf(triggered(trigger, bad)), ConfigException) << trigger << bad;
+  }
+}
+
+TEST(ReadFault, BothLimitsOfEveryTimeHold) {
+  const std::string base = row("stuck_at", "gold", "800");
+  const auto with = [&base](const std::string& from, const std::string& to) {
+    return std::string(base).replace(base.find(from), from.size(), to);
+  };
+  for (const char* ticks : {"0", "1000000000"})
+    EXPECT_NO_THROW(faultOf(with("first_tick: 0", std::string("first_tick: ") + ticks))) << ticks;
+  for (const char* ticks : {"-1", "1000000001"}) {
+    EXPECT_THROW(faultOf(with("first_tick: 0", std::string("first_tick: ") + ticks)), ConfigException) << ticks;
+    EXPECT_THROW(faultOf(with("duration_ticks: 1", std::string("duration_ticks: ") + ticks)), ConfigException) << ticks;
+    EXPECT_THROW(faultOf(base + "period_ticks: " + ticks + "\n"), ConfigException) << ticks;
+    EXPECT_THROW(faultOf(base + "count: " + ticks + "\n"), ConfigException) << ticks;
+    EXPECT_THROW(faultOf(base + "seed: " + ticks + "\n"), ConfigException) << ticks;
+  }
+  EXPECT_NO_THROW(faultOf(base + "half_period_ticks: 1\n"));
+  EXPECT_THROW(faultOf(base + "half_period_ticks: 0\n"), ConfigException);
+  for (const char* kind : {"ramp", "drift"}) {
+    EXPECT_NO_THROW(faultOf(row(kind, "gold", "800") + "ramp_ticks: 1\n")) << kind;
+    for (const char* ticks : {"0", "1000000001"})
+      EXPECT_THROW(faultOf(row(kind, "gold", "800") + "ramp_ticks: " + ticks + "\n"), ConfigException) << kind << ticks;
+  }
+  for (const char* good : {"0.001", "1"})
+    EXPECT_NO_THROW(faultOf(base + "probability: " + good + "\n")) << good;
+  for (const char* bad : {"-0.001", "0", "1.001"})
+    EXPECT_THROW(faultOf(base + "probability: " + bad + "\n"), ConfigException) << bad;
+}
+
 /** Every row of every scenario draws other numbers with another seed of the session. */
 TEST(PlanFor, TheSeedOfTheSessionSeedsEveryFault) {
   TrainerConfig config = loadTrainerConfig(kFolder + "trainer.yaml");

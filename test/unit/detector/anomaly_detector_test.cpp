@@ -559,6 +559,35 @@ TEST(AnomalyDetector, ACommandBeyondTheClipOfAnyAxisEndsTheSuspicionOfItsArm) {
   }
 }
 
+TEST(AnomalyDetector, SteadyMotionOfAnyAxisIsNoDeparture) {
+  // GIVEN a velocity held for ten times the memory THEN all but exp(-10) of it is the surgeon's
+  for (const Case& c : cases()) {
+    AnomalyDetector detector(plainConfig(DetectorRule::kDeparture), plainDrives());
+    Observation now = atHome();
+    for (int k = 0; k < 2000; ++k) {
+      at(now.motor, c.arm)[c.axis] += c.sign * 10 * kCount;
+      detector.step(now);
+    }
+    EXPECT_NEAR(detector.prediction(c.arm, c.axis).motor_velocity, 0.0, 0.02) << nameOf(c);  // [rad/s] of 15.7
+  }
+}
+
+TEST(AnomalyDetector, WhatMovesUnderACommandBeyondTheClipIsNeverTheSurgeonsMotion) {
+  // GIVEN 100 ms of motion under a command beyond the clip, which then ends while the motor coasts on
+  for (const Case& c : cases()) {
+    AnomalyDetector detector(plainConfig(DetectorRule::kDeparture), plainDrives());
+    Observation now = atHome();
+    for (int k = 0; k < 103; ++k) {
+      at(now.motor, c.arm)[c.axis] += k > 0 ? c.sign * 30 * kCount : 0.0;
+      at(now.dac, c.arm)[c.axis] = k < 100 ? static_cast<std::int32_t>(c.sign * 3000) : 0;
+      detector.step(now);
+    }
+    // THEN the mean of the memory, 200 ms, has two cycles of it
+    const double coasts = c.sign * 30 * kCount / kTickSeconds;
+    EXPECT_NEAR(detector.prediction(c.arm, c.axis).motor_velocity / coasts, std::exp(-2.0 / 200.0), 1e-4) << nameOf(c);
+  }
+}
+
 /** A session with faults: jumps beyond the clip, others within it, and steady motion of all motors. */
 void stepAnything(Observation* now, Random* random, int k) {
   for (const Arm arm : kArms) {
