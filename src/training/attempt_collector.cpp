@@ -59,10 +59,13 @@ void AttemptCollector::add(const TickRecord& record) {
       attempt->outcome.last = model.session_tick;
     }
   }
-  events_.clear();
+  // What happens before the timer starts is of the attempt that waits for it.
+  const bool waits = attempt == nullptr && exercise.status == ExerciseStatus::kWaiting;
+  if (!waits) events_.clear();
 }
 
 void AttemptCollector::add(const ExerciseRecord& record) {
+  if (record.event.kind == ExerciseEventKind::kStarted) events_.clear();  // of an attempt that never began
   events_.push_back(record);
 }
 

@@ -212,6 +212,29 @@ TEST_F(SessionScoreTest, AnAttemptThatFailsBeforeItsTimerStartsIsOne) {
   EXPECT_EQ(json["attempts"][0]["mistakes"]["break_off"], 1);
 }
 
+/** What breaks off while an attempt waits is told once, with the attempt that it was in. */
+TEST_F(SessionScoreTest, AMistakeBeforeTheTimerStartsIsOfTheAttemptThatWaits) {
+  begin();
+  for (const std::uint8_t attempt : {1, 2, 3}) {
+    const Tick start = 1000 * (attempt - 1);
+    writer_->write(makeEvent(start, ExerciseEventKind::kStarted));
+    for (Tick k = start; k < start + 1000; ++k) {
+      const bool waits = k < start + 500 || attempt == 2;  // the second one is given up for the third before it begins
+      ExerciseRecord torn = makeEvent(k, ExerciseEventKind::kMistake);
+      torn.event.mistake = attempt == 2 ? Mistake::kDrop : Mistake::kBreakOff;
+      if (k == start + 200 && attempt != 3) writer_->write(torn);
+      writer_->write(makeExerciseTick(k, attempt, waits ? ExerciseStatus::kWaiting : ExerciseStatus::kRunning));
+    }
+  }
+  const SessionScore score = finish();
+  ASSERT_EQ(score.attempts.size(), 2U);
+  EXPECT_EQ(score.attempts[1].outcome.number, 3);
+  ASSERT_EQ(score.histories[0].mistakes.size(), 1U);
+  EXPECT_EQ(score.histories[0].mistakes[0].name, "break_off");
+  EXPECT_EQ(score.histories[0].mistakes[0].at, 0.0);
+  EXPECT_TRUE(score.histories[1].mistakes.empty());
+}
+
 TEST_F(SessionScoreTest, ComparesWhatWasCarriedWithItsPlannedWay) {
   begin();
   for (Tick k = 0; k < 2000; ++k) {
