@@ -189,6 +189,19 @@ TEST_P(EitherArm, IsTheWrongOneWhereTheStepAsksForTheOther) {
   }
 }
 
+/** Where nothing is judged, no hold goes on: the scene may be another one afterwards. */
+TEST_P(EitherArm, LetsGoWhereNothingIsJudged) {
+  Bench bench(Bench::with({endless()}));
+  bench.grip(arm());
+  bench.run(30);
+  ASSERT_NE(bench.state().bodies[kRingSlot], 0);
+  bench.model.mode = Mode::kChoosing;
+  bench.run(1);
+  EXPECT_EQ(bench.state().bodies[kRingSlot], 0);
+  ASSERT_EQ(bench.count(E::kReleased), 1);
+  EXPECT_EQ(bench.last(E::kReleased)->arm, handOf(arm()));
+}
+
 TEST_P(EitherArm, TouchesWithItsOwnForceAndTimeEachTime) {
   Bench bench(
       Bench::with({endless()}, {touchRule(Mistake::kWireTouch, {"grasper1_L", "grasper1_R"}, {"wire"}, 0.1, 0.05)}));

@@ -156,6 +156,16 @@ TEST(JudgeHeldAlone, ByBothMeansBothAndNothingElse) {
   EXPECT_TRUE(isDone(&bench));
 }
 
+TEST(JudgeHeldAlone, ByBothIsNotByOneOfThem) {
+  for (const Arm arm : kArms) {
+    Bench bench = waitingFor(when(K::kHeldAlone, kRingObject, kNobody, Hand::kBoth));
+    bench.grip(arm);
+    EXPECT_FALSE(isDone(&bench, 100)) << name(arm);
+    bench.grip(otherArm(arm));
+    EXPECT_TRUE(isDone(&bench, 25)) << name(arm);
+  }
+}
+
 TEST(JudgeUntouched, NoArmPresses) {
   Bench bench = waitingFor(when(K::kUntouched));
   bench.touch(kShaftR, kRing, 0.001);
@@ -254,6 +264,16 @@ TEST(JudgeResting, TurnsSlowerThanATwentiethRadianASecond) {
   EXPECT_EQ(fast.state().status, ExerciseStatus::kRunning);
 }
 
+/** It is looked at every 20 ms, and the sine of half a rotation is zero. */
+TEST(JudgeResting, AnObjectThatTurnsOverBetweenTwoLooksDoesNotRest) {
+  Bench bench = waitingFor(when(K::kResting));
+  for (int i = 0; i < 1000; ++i) {
+    bench.putTilted(kRingSlot, {0, 0, 0.002}, i / 20 % 2 == 0 ? 0.0 : kPi);
+    bench.tick();
+  }
+  EXPECT_EQ(bench.done(), 0);
+}
+
 TEST(JudgeResting, TremblingInPlaceIsRest) {
   Bench bench = waitingFor(when(K::kResting));
   for (int i = 0; i < 60; ++i) {
@@ -277,13 +297,18 @@ TEST(JudgeAt, IsWithinSoFarOfAPoint) {
 TEST(JudgeTips, NearAPoint) {
   const struct {
     Hand hand;
-    bool gold_alone, both;
-  } cases[] = {
-      {Hand::kGold, true, true}, {Hand::kGreen, false, true}, {Hand::kAny, true, true}, {Hand::kBoth, false, true}};
+    bool gold_alone, green_alone, both;
+  } cases[] = {{Hand::kGold, true, false, true},
+               {Hand::kGreen, false, true, true},
+               {Hand::kAny, true, true, true},
+               {Hand::kBoth, false, false, true}};
   for (const auto& c : cases) {
     Bench bench = waitingFor(when(K::kTipNear, kNobody, 0, c.hand, 0.002));
     bench.tip(Arm::kGold, {0.0, 0.0019, 0.04});
     EXPECT_EQ(isDone(&bench), c.gold_alone);
+    Bench green = waitingFor(when(K::kTipNear, kNobody, 0, c.hand, 0.002));
+    green.tip(Arm::kGreen, {0.0, 0.0019, 0.04});
+    EXPECT_EQ(isDone(&green), c.green_alone);
     Bench two = waitingFor(when(K::kTipNear, kNobody, 0, c.hand, 0.002));
     two.tip(Arm::kGold, {0.0, 0.0019, 0.04});
     two.tip(Arm::kGreen, {0.0, -0.0019, 0.04});

@@ -204,6 +204,23 @@ TEST(MotionMetrics, MeasureTremorUpToTheBoxOfTenTicks) {
   EXPECT_FALSE(gold(measure(990, shaky)).tremor);  // less than a second
 }
 
+/** With the pedal up the tip may shake: that is not the hand. */
+TEST(MotionMetrics, MeasureTheTremorOfEitherHandWithThePedalDown) {
+  for (const Arm arm : kArms) {
+    MotionAccumulator motion({});
+    for (Tick k = 0; k < 12000; ++k) {
+      const bool is_up = k >= 2000 && k < 10000;
+      const double size = is_up ? 1e-3 : 40e-6;
+      const Vec3 shaken{0.0, size * std::sin(2.0 * kPi * 9.0 * kTickSeconds * static_cast<double>(k)), 0.0};
+      TickRecord record = arm == Arm::kGold ? makeRecord(k, shaken) : makeRecord(k, {}, shaken);
+      record.model.pedal = is_up ? 0 : kSurgeonsPedal;
+      motion.add(record);
+    }
+    const double expected = 40e-6 / std::sqrt(2.0);
+    EXPECT_NEAR(at(motion.result().hands, arm).tremor.value(), expected, 0.05 * expected) << name(arm);
+  }
+}
+
 TEST(TremorPowers, AQuickStrokeNowAndThenIsNoTremor) {
   constexpr double kTremor = 10e-6, kRate = 100.0;
   std::vector<Vec3> places;

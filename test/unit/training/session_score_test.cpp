@@ -515,6 +515,55 @@ TEST_F(SessionScoreTest, EachHazardHasItsOwnTouchesAndDistancesOfEitherArm) {
   }
 }
 
+/** Three faults: in the first attempt, while the second one waits for its timer, and in the second. */
+TEST_F(SessionScoreTest, AHazardIsOfTheAttemptInWhichItStruck) {
+  begin();
+  for (Tick k = 0; k < 13'000; ++k) {
+    const bool is_first = k < 4000, waits = k >= 4000 && k < 8000;
+    TickRecord record =
+        makeExerciseTick(k, is_first ? 1 : 2, waits ? ExerciseStatus::kWaiting : ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    if (k % 4000 == 2000 || k % 4000 == 2100) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.id = 1;
+      change.change.acts = k % 4000 == 2000 ? 1 : 0;
+      writer_->write(change);
+    }
+    writer_->write(record);
+  }
+  const SessionScore score = finish();
+  ASSERT_EQ(score.hazards.size(), 3U);
+  ASSERT_EQ(score.attempts.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_EQ(score.attempts[i].hazards.size(), 1U) << i;
+    EXPECT_EQ(score.attempts[i].hazards[0].injection, i == 0 ? 2000 : 10'000);
+  }
+}
+
+/** The hands of a client of CRTK are not the surgeon's: with its pedal, the surgeon's is up. */
+TEST_F(SessionScoreTest, ThePedalThatAnswersIsTheSurgeons) {
+  ScoreSettings settings = makeSettings();
+  settings.response.right = {Response::kPedalUp};
+  begin();
+  for (Tick k = 0; k < 6000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    record.model.pedal = k < kInjection + 600 ? kSurgeonsPedal : kClientsPedal;
+    if (k == kInjection || k == kInjection + 400) {
+      FaultChangeRecord change;
+      change.tick = record.model.tick;
+      change.change.id = 1;
+      change.change.acts = k == kInjection ? 1 : 0;
+      writer_->write(change);
+    }
+    writer_->write(record);
+  }
+  const HazardResponse response = finish(settings).hazards.at(0).response;
+  EXPECT_EQ(response.deciding.response, Response::kPedalUp);
+  EXPECT_EQ(response.deciding.after, 600);
+}
+
 TEST_F(SessionScoreTest, NeitherPausesNorReplaysCount) {
   begin();
   for (Tick k = 0; k < 3000; ++k) {
