@@ -92,6 +92,28 @@ TEST(ConsoleTurn, WhatOnePacketMayNotHoldFollowsInTheNext) {
   }
 }
 
+/** 2 rad need 21 packets; the pedal goes up after three, and the hand turns 0.02 rad more when it is down again. */
+TEST(ConsoleTurn, WhatIsLeftOfATurnEndsWithThePedal) {
+  const Vector3 axis = Vector3(1.0, -2.0, 2.0) / 3.0;
+  Console console = readyConsole(testConfig(), [&](Tick now) {
+    Intent intent;
+    intent.pedal = now < 4 || now >= 10;
+    if (now > 0) intent.turn_I = {about(axis, now < 20 ? 2.0 : 2.02), about(axis, now < 20 ? -2.0 : -2.02)};
+    return intent;
+  });
+  console.setReady(true);
+  PerArm<Quaternion> product{Quaternion::Identity(), Quaternion::Identity()};
+  for (Tick now = 0; now < 60; ++now) {
+    const wire::ItpPacket packet = console.tick();
+    for (const Arm arm : kArms)
+      at(product, arm) = now < 10 ? Quaternion::Identity() : turnOf(packet, arm) * at(product, arm);
+  }
+  for (const Arm arm : kArms) {
+    const Quaternion expected = toEigen(about(axis, arm == Arm::kGold ? 0.02 : -0.02));
+    EXPECT_NEAR(angleOf(at(product, arm).conjugate() * expected), 0.0, 1e-6) << name(arm);
+  }
+}
+
 TEST(ConsoleTurn, AHandThatDoesNotTurnSendsTheIdentityToTheBit) {
   const Quat still = about({0.6, 0.0, 0.8}, 1.0);
   Console console = readyConsole(testConfig(), [&](Tick) {
