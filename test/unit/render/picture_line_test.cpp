@@ -87,6 +87,17 @@ TEST(PictureLine, AnOlderTickBeginsANewLine) {
   EXPECT_EQ(line.pass(at(20, kFrozen)).model.tick, 10);
 }
 
+/** The next session begins with its picture frozen, or late. */
+TEST(PictureLine, ANewLineKnowsNoPictureOfTheOneBefore) {
+  for (const Snapshot& first : {at(10, kFrozen), at(10, kNone, 450)}) {
+    PictureLine line;
+    line.pass(at(4000));
+    line.pass(at(5000));
+    EXPECT_EQ(line.pass(first).model.tick, 10);
+    EXPECT_EQ(line.pass(at(20, kFrozen)).model.tick, 10);
+  }
+}
+
 TEST(PictureLine, EyesThatAreChangedOverSeeFromEachOthersPlace) {
   PictureLine line;
   CameraConfig right;

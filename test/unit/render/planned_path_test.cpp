@@ -95,6 +95,19 @@ TEST(PlannedPath, JointsOnThePathAreWhereTheyAreOnIt) {
   EXPECT_EQ(path.placeOf(before), 0.0);
 }
 
+/** 20 mm of insertion are as far as 0.2 rad: half of the shoulder's 0.1 rad is a tenth of the way. */
+TEST(PlannedPath, TenCentimetresOfInsertionAreAsFarAsARadian) {
+  PlanResult plan = makePlan(geometry(), Arm::kGreen);
+  plan.waypoint_count = 2;
+  plan.waypoints[1] = plan.waypoints[0];
+  plan.waypoints[1][kShoulder] += 0.1;
+  plan.waypoints[1][kInsertion] += 0.02;
+  const PlannedPath path(geometry(), somewhere(), plan);
+  JointArray q = plan.waypoints[0];
+  q[kShoulder] += 0.05;
+  EXPECT_NEAR(path.placeOf(q), 0.05 * 0.1 / (0.1 * 0.1 + 0.2 * 0.2), 1e-9);
+}
+
 TEST(PlannedPath, WhatIsBehindEndsWhereTheArmIs) {
   const PlanResult plan = makePlan(geometry(), Arm::kGold);
   const PlannedPath path(geometry(), somewhere(), plan);
