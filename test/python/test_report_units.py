@@ -308,6 +308,53 @@ def test_a_hazard_is_drawn_for_the_arm_that_it_moved_and_along_its_way(arm):
     assert nothing == 0, "it parts them 200 ms later, and is over"
 
 
+def short_log(arm):
+    """A tick before the first pedal-down, ten of the session, five in which its clock stands, ten more. The robot's tip
+    is 4 mm off, that of the other arm 1 mm."""
+    place = [("q", "f8", 7), ("p_BT", "f8", 3)]
+    ticks = np.zeros(26, [("model", [("tick", "i8"), ("session_tick", "i8"), ("mode", "u1"), ("robot_fresh", "u1"),
+                                     ("linked", "u1"), ("faults", [("active", "u4")]), ("arms", place, 2)]),
+                          ("robot", [("frame", "u8"), ("runlevel", "i1"), ("active_fault", "u4"), ("arms", place, 2)])])
+    model, robot = ticks["model"], ticks["robot"]
+    model["tick"] = 100 + np.arange(26)
+    model["session_tick"] = [-1, *range(10), *[9] * 5, *range(10, 20)]
+    model["robot_fresh"], model["linked"], robot["frame"], robot["runlevel"] = 1, 1, 1, 3
+    robot["arms"]["p_BT"][:, arm, 1], robot["arms"]["p_BT"][:, 1 - arm, 2] = 0.004, -0.001
+    haptic = np.zeros(4, [("haptic", [("tick", "i8"), ("force_B", "f8", (2, 3))])])["haptic"]
+    haptic["tick"] = [99, 105, 113, 120]
+    haptic["force_B"][:, arm] = [[9, 9, 9], [0, 3, -4], [0, 0, -2], [1, 2, 2]]
+    log = SimpleNamespace(ticks=ticks, haptic={"haptic": haptic}, header={"tolerance": 0.003, "scenarios": ["a", "b"]},
+                          names=lambda *_: ["teleoperating", "paused"])
+    return log, model, robot
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_the_tips_are_compared_while_both_arms_follow_from_a_common_pose(arm):
+    log, model, robot = short_log(arm)
+    model["robot_fresh"][2], model["linked"][4], robot["frame"][6], model["mode"][8] = 0, 0, 0, 1
+    series = raven2_figures.Series(SimpleNamespace(log=log))
+    assert np.flatnonzero(np.isnan(series.error_mm).all(axis=1)).tolist() == [1, 3, 5, 7], "the first tick is left out"
+    assert np.nanmax(series.error_mm[:, arm]) == pytest.approx(4.0) and series.tolerance_mm == 3.0
+    assert np.nanmax(series.error_mm[:, 1 - arm]) == pytest.approx(1.0)
+    assert series.runlevel.tolist() == [3] * 5 + [-1] + [3] * 19, "no frame told it"
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_the_force_is_of_its_arm_and_stands_with_the_session_s_clock(arm):
+    series = raven2_figures.Series(SimpleNamespace(log=short_log(arm)[0]))
+    assert series.force_t.tolist() == [0.004, 0.009, 0.014] and series.force[:, arm].tolist() == [5.0, 2.0, 3.0]
+    assert not series.force[:, 1 - arm].any()
+
+
+def test_a_fault_that_follows_another_at_once_has_a_window_of_its_own():
+    log, model, robot = short_log(0)
+    robot["active_fault"][4:6], robot["active_fault"][6:8], model["faults"]["active"][9:10] = 1, 2, 1
+    robot["active_fault"][25] = 3
+    series = raven2_figures.Series(SimpleNamespace(log=log))
+    assert series.fault_windows == [(0.003, 0.004, "a"), (0.008, 0.008, "a"), (0.005, 0.006, "b"),
+                                    (0.019, 0.019, "fault_3")]
+
+
 # ---- figures ----------------------------------------------------------------------------------------------------
 
 
