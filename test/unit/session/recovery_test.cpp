@@ -298,6 +298,44 @@ TEST(Recovery, GoesOnAtTheCheckpointBeforeATornOne) {
   EXPECT_EQ(session.ticks(), session.all());
 }
 
+/** As after a loss of power: the end of the log never came to the disk. */
+TEST(Recovery, GoesOnAtTheLastIntactRecordOfALogThatEndsBeforeItsCheckpoint) {
+  Session session("short_log");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(40);
+  session.record();
+  session.push(10);
+  session.kill();
+  fs::resize_file(session.paths.log(), fs::file_size(session.paths.log()) - 100);  // a part of the 40th
+  const Recovery done = recoverSession(session.paths);
+  EXPECT_EQ(done.status, RecoveryStatus::kRecovered);
+  std::vector<Tick> expected = session.all();
+  expected.erase(expected.begin() + 39);
+  EXPECT_EQ(session.ticks(), expected);
+  EXPECT_EQ(session.summary.bad_bytes, 0u);
+}
+
+/** What the queue had no room for, and what a byte on its way destroyed. */
+TEST(Recovery, AddsUpWhatWasLostForDifferentReasons) {
+  Session session("two_losses");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(2048 + 3);
+  session.kill();
+  auto file = std::make_unique<FlightFile>();
+  Bytes bytes = readBytes(session.flightFile());
+  std::memcpy(static_cast<void*>(file.get()), bytes.data(), sizeof(FlightFile));
+  using Slot = std::decay_t<decltype(file->rings.ticks)>::Slot;
+  const auto* slots = static_cast<const Slot*>(file->rings.ticks.slots());
+  for (const std::size_t i : {5U, 900U})
+    bytes[static_cast<std::size_t>(reinterpret_cast<const char*>(&slots[i]) -
+                                   reinterpret_cast<const char*>(file.get()))] ^= 1U;
+  writeBytes(session.flightFile(), bytes);
+  const Recovery done = recoverSession(session.paths);
+  EXPECT_EQ(done.lost[0], 5U);
+  EXPECT_EQ(done.recovered[0], 2046U);
+  EXPECT_EQ(session.ticks().size(), 2046U);
+}
+
 TEST(Recovery, TakesNothingFromAFlightRecorderOfAnotherLog) {
   Session session("another_log");
   SKIP_WITHOUT_TMPFS(session);

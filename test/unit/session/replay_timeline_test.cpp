@@ -239,6 +239,17 @@ TEST(ReplayTimeline, TheNewestHapticStateIsKnownUntilThereIsANewerOne) {
   EXPECT_EQ(known, (std::vector<Tick>{-1, 3, 3, 25, 31}));
 }
 
+TEST(ReplayTimeline, BegunLaterItKnowsTheHapticStateOfBefore) {
+  ReplayTimeline timeline(10, 9000);
+  timeline.add(hapticAt(3));
+  for (Tick tick = 0; tick <= 9000; ++tick)
+    timeline.add(tickAt(tick, tick));
+  timeline.finish();
+  const std::vector<ReplayInstant> instants = all(&timeline);
+  ASSERT_EQ(ticksOf(instants), (std::vector<Tick>{9000}));
+  EXPECT_EQ(instants[0].haptic.tick, 3);
+}
+
 TEST(ReplayTimeline, ContactsAreThoseOfTheInstantsTickAlone) {
   ReplayTimeline timeline(10, -1);
   for (const Tick tick : {0, 9, 10, 10, 11})
