@@ -90,6 +90,15 @@ TEST_F(Judging, AScenarioOfWhichEveryRunIsMaskedDoesNothingUnlessThatIsAllThatIs
   EXPECT_TRUE(judged(wide).isGood()) << "a part of a campaign may hold the masked ones alone";
 }
 
+TEST_F(Judging, AScenarioOfWhichAnyOneRunIsMaskedDoesSomething) {
+  const Explanations wide{{"jumps/pedal_down", {{"masked", "small_deviation"}, "too short to be seen"}}};
+  for (const std::uint32_t run : {1, 2, 3}) {
+    set(run, {Ending::kComplete, acted()});
+    EXPECT_EQ(inWords(judged(wide)), "") << run;
+    set(run, jumped());
+  }
+}
+
 TEST_F(Judging, WhatNothingWasPublishedOfIsNotCompared) {
   set(5, {Ending::kDied, {}});
   EXPECT_TRUE(judged().isGood());
@@ -113,6 +122,27 @@ TEST_F(Judging, OnlyTheFirstRunsAreNamed) {
   for (std::uint32_t run = 1; run <= 6; ++run)
     set(run, {Ending::kNoEnd, {}});
   EXPECT_EQ(inWords(judged()), "6 runs without an outcome: 1 2 3 4 5 ...\n");
+}
+
+/** A campaign that is resumed may have been explained anew, or no longer. */
+TEST(KeepExplanations, ThoseOfTheNewestStartAreKept) {
+  const fs::path folder = fs::temp_directory_path() / ("raven2_kept_" + std::to_string(getpid()));
+  fs::create_directories(folder / "out");
+  Campaign campaign = sixRuns();
+  campaign.file = (folder / "six.yaml").string();
+  const OutputPaths paths{(folder / "out").string()};
+  const fs::path given = folder / "six_explained.yaml";
+  for (const std::string text : {"first", "second"}) {
+    std::ofstream(given) << text;
+    keepExplanations(campaign, paths);
+    std::string kept;
+    std::getline(std::ifstream(paths.explanations(campaign.name)), kept);
+    EXPECT_EQ(kept, text);
+  }
+  fs::remove(given);
+  keepExplanations(campaign, paths);
+  EXPECT_FALSE(fs::exists(paths.explanations(campaign.name)));
+  fs::remove_all(folder);
 }
 
 class Explained : public ::testing::Test {

@@ -220,6 +220,21 @@ TEST_F(Results, AKilledCampaignGoesOnFromItsWholeRows) {
   EXPECT_EQ(slurp(at("killed") + "/outcomes.csv"), slurp(at("whole") + "/outcomes.csv"));
 }
 
+/** Each start but the first finds the torn row of the one before. */
+TEST_F(Results, WhatIsMadeBetweenTwoKillsIsThereInTheEnd) {
+  for (std::size_t start = 0; start < 3; ++start) {
+    {
+      PartialOutcomes outcomes({at("a")}, identity(), campaign_, start > 0);
+      ASSERT_EQ(outcomes.size(), 2 * start);
+      for (std::size_t i = 2 * start; i < 2 * start + 2; ++i)
+        outcomes.add(campaign_.runs[i].number, rowOf(campaign_.runs[i]));
+    }
+    std::ofstream(at("a") + "/outcomes.part", std::ios::app) << "dac,3,torn";
+  }
+  PartialOutcomes outcomes({at("a")}, identity(), campaign_, true);
+  EXPECT_EQ(outcomes.size(), 6U);
+}
+
 TEST_F(Results, WhatFollowsADamagedRowIsMadeAgain) {
   {
     PartialOutcomes outcomes({at("a")}, identity(), campaign_, false);

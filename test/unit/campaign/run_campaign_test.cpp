@@ -18,10 +18,11 @@
 namespace raven2_trainer::campaign {
 namespace {
 
-std::string scenario(const std::string& name, const std::string& phase, const std::string& fault) {
+std::string scenario(const std::string& name, const std::string& phase, const std::string& fault, int horizon = 400) {
   return "  - scenario: " + name +
          "\n    injection: 0\n    number: 0\n    observed: x\n    published: []\n    phase: " + phase +
-         "\n    repetitions: 1\n    faults:\n      - {" + fault + "}\n";
+         "\n    horizon_ticks: " + std::to_string(horizon) + "\n    repetitions: 1\n    faults:\n      - {" + fault +
+         "}\n";
 }
 
 Campaign campaignOf(const std::string& scenarios) {
@@ -54,7 +55,7 @@ Campaign everyClock() {
                "high: 3000" +
                    start) +
       scenario("robot_packets", "pedal_down", "host: robot" + moved + packets) +
-      scenario("relay", "pedal_down", "host: relay" + moved + start) +
+      scenario("relay", "pedal_down", "host: relay" + moved + start, 520) +  // forks first, and ends last
       scenario("relay_packets", "pedal_down", "host: relay" + moved + packets) +
       scenario("master", "pedal_down", "host: master" + moved + start) +
       scenario("master_packets", "pedal_down", "host: master" + moved + packets) +
