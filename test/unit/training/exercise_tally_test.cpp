@@ -117,6 +117,7 @@ TEST(ExerciseTally, AttemptsBeyondTheLongestListAreCounted) {
     tally.add(makeTick(k, static_cast<std::uint8_t>(k), ExerciseStatus::kWaiting).model);
   EXPECT_EQ(tally.attempts().size(), kMaxAttempts);
   EXPECT_EQ(tally.beyond(), 7u);
+  EXPECT_EQ(tally.attempts().back().state.attempt, static_cast<std::uint8_t>(kMaxAttempts - 1)) << "not of those";
 }
 
 TEST(MetricsFile, TellsOfTheExercise) {
