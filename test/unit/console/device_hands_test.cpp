@@ -588,6 +588,73 @@ TEST_P(EachDevice, ForbidsToStartIfItAloneHasNeverMoved) {
   EXPECT_EQ(bench.newest(otherArm(GetParam())), DeviceTrouble::kNone);
 }
 
+/** A pose of a slow driver is gone to in ten ticks, of which the pedal leaves seven. */
+TEST_P(EachDevice, MovesNothingByWhatIsLeftOfAPoseAsThePedalGoesDown) {
+  MasterConfig master = testMaster();
+  master.orientation = true;
+  DeviceBench bench(master);
+  bench.senses.may_move = true;
+  bench.warmUp();
+  bench.publishes = false;
+  bench.tick(10);
+  DeviceSample& sample = at(bench.samples, GetParam());
+  sample.position[1] += 0.004;
+  sample.orientation = {std::sin(0.05), 0.0, 0.0, std::cos(0.05)};
+  ++sample.poses;
+  const Intent before = bench.tick(3);
+  ASSERT_GT(at(before.hand_I, GetParam())[1], 0.001);
+  ASSERT_LT(at(before.hand_I, GetParam())[1], 0.002);
+  bench.press();
+  for (int i = 0; i < 20; ++i) {
+    const Intent intent = bench.tick();
+    ASSERT_TRUE(intent.pedal);
+    EXPECT_EQ(at(intent.hand_I, GetParam()), at(before.hand_I, GetParam())) << i;
+    EXPECT_EQ(at(intent.turn_I, GetParam()), at(before.turn_I, GetParam())) << i;
+  }
+}
+
+/** The device's x is the hand's z, and its y the hand's x: the second turn is added to the first one there. */
+TEST_P(EachDevice, AddsTheTurnsOfTwoEngagementsAboutItsOwnAxes) {
+  MasterConfig master = testMaster();
+  master.orientation = true;
+  master.turn_axes = {Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{1, 0, 0}};
+  DeviceBench bench(master);
+  bench.senses.may_move = true;
+  bench.warmUp();
+  Quat turn = kIdentityQuat;
+  for (const Eigen::Vector3d& about : {Eigen::Vector3d(Eigen::Vector3d::UnitX()), Eigen::Vector3d(0, 1, 0)}) {
+    bench.press();
+    bench.tick();
+    Quat& orientation = at(bench.samples, GetParam()).orientation;
+    orientation =
+        toArray(Eigen::Quaterniond(Eigen::AngleAxisd(0.15, about)) * Eigen::Quaterniond(toEigen(orientation)));
+    turn = at(bench.tick().turn_I, GetParam());
+    bench.press(0);
+    bench.tick();
+  }
+  const Eigen::Quaterniond expected(Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitX()) *
+                                    Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitZ()));
+  EXPECT_LT(Eigen::Quaterniond(toEigen(turn)).angularDistance(expected), 1e-9);
+}
+
+TEST_P(EachDevice, HasMovedIfItOnlyTurned) {
+  MasterConfig master = testMaster();
+  master.orientation = true;
+  DeviceBench bench(master);
+  bench.senses.may_move = true;
+  for (int i = 0; i < 600; ++i) {
+    for (const Arm arm : kArms) {
+      const double angle = 0.01 * std::sin(0.05 * i);
+      DeviceSample& sample = at(bench.samples, arm);
+      if (arm == GetParam()) sample.orientation = {std::sin(0.5 * angle), 0.0, 0.0, std::cos(0.5 * angle)};
+      if (arm != GetParam()) sample.position[0] = 1e-3 * std::sin(0.05 * i);
+    }
+    bench.tick();
+  }
+  bench.press();
+  EXPECT_TRUE(bench.tick().pedal) << bench.said(GetParam());
+}
+
 TEST_P(EachDevice, GetsTheForceOnItsOwnHand) {
   MasterConfig config = testMaster();
   config.force_per_newton = 4.0;
