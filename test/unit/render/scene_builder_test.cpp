@@ -280,6 +280,21 @@ TEST_F(SceneBuilderTest, ThePathIsSeenAllAlongTheTipsWayAndTheGoalWhereItEnds) {
   EXPECT_GE(seen, looked_at - 2) << "of " << looked_at << "; the ghost of the goal may cover an end";
 }
 
+/** As when another session is shown. */
+TEST_F(SceneBuilderTest, APlanWithTheNumberOfTheOneBeforeHasItsOwnStops) {
+  for (const Arm arm : kArms) {
+    const PlanResult plan = makePlan(config_->arms.geometry, arm);
+    ASSERT_EQ(plan.id, kPlan);
+    setPlan(plan, PlanningStatus::kReady, &snapshot_);
+    Vector3 last(0.0, 0.0, 0.0);
+    for (const Drawable& d : builder_.build(snapshot_).drawables) {
+      if (d.is_mark) last = d.X_WM.p;
+    }
+    const Vector3 end = at(raven_->X_WB, arm) * kinematics::forward(config_->arms.geometry, arm, plan.waypoints[2]).p;
+    EXPECT_LT((last - end).norm(), 1e-9) << name(arm);
+  }
+}
+
 TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmedWhileItIsFollowed) {
   const PlanResult plan = makePlan(config_->arms.geometry, Arm::kGold);
   setPlan(plan, PlanningStatus::kExecuting, &snapshot_);

@@ -96,6 +96,19 @@ TEST(TipTrails, TheHandsAndThePlansTargetsAreToldApart) {
   EXPECT_EQ(t.marks(Trail::kTrack).size(), 2 * 12U);
 }
 
+/** The step at 250 ms lies between the last picture of the one and the first of the other. */
+TEST(TipTrails, BetweenTheHandsTargetAndThePlansThereIsNone) {
+  TipTrails t = trails(10.0);
+  for (Tick tick = 0; tick <= 400; tick += 20) {
+    Snapshot s = at(tick, 0.1, tick <= 240 ? Mode::kTeleoperating : Mode::kExecuting);
+    s.model.planning.arm = Arm::kGreen;
+    t.follow(s);
+  }
+  EXPECT_EQ(t.marks(Trail::kUser).size(), 2 * 4U);
+  EXPECT_EQ(t.marks(Trail::kPlan).size(), 3U);
+  EXPECT_EQ(t.marks(Trail::kTrack).size(), 2 * 8U);
+}
+
 TEST(TipTrails, NothingIsMarkedBetweenFramesThatLieFarApart) {
   TipTrails t = trails(10.0);
   t.follow(at(0, 0.1));
