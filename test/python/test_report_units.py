@@ -13,7 +13,8 @@ import report_session as made  # noqa: E402
 
 import raven2_figures  # noqa: E402  (found beside raven2_session)
 import raven2_session  # noqa: E402
-from raven2_report import curves, details, hazard_page, metric_words, record, scorecard, timeline, verdict  # noqa: E402
+from raven2_report import curves, details, drawing, hazard_page, metric_words, record, scorecard  # noqa: E402
+from raven2_report import timeline, verdict, view3d  # noqa: E402
 from raven2_report.facts import Facts  # noqa: E402
 
 READ = {"-": "", "count": "", "um": " µm", "m/s^3": " m/s³", "Ns": " N s"}  # a unit as a reader sees it
@@ -69,6 +70,31 @@ def test_a_metric_is_shown_in_its_unit(name):
     assert [told[key] for key in ("value", "mean", "deviation", "limit", "unit")] == [value, mean, deviation, limit,
                                                                                      unit]
     assert verdict.improvements(SimpleNamespace(**{**vars(facts), "attempt": {**facts.attempt, "improve": [name]}}))
+
+
+def test_the_metric_that_is_farthest_beyond_its_limit_is_said_first():
+    far = {"time": 0.25, "path": 3.0, "drops": 1.5, "idle": -2.0}
+    metrics = {name: {"passed": excess <= 0.0, "excess": excess} for name, excess in far.items()}
+    assert verdict.failed_metrics(SimpleNamespace(attempt={"metrics": metrics})) == ["path", "drops", "time"]
+
+
+@pytest.mark.parametrize("drill, verdicts, bad", [
+    ("none", ["right", "late", "wrong", "none", "coincidence"], ["late", "wrong", "none"]),
+    ("none", ["coincidence"], []), ("x", ["coincidence"], ["coincidence"]), ("x", ["coincidence", "right"], []),
+    ("x", ["late"], ["late"])])
+def test_a_late_answer_is_none_and_in_a_drill_one_must_be_right(drill, verdicts, bad):
+    facts = SimpleNamespace(attempt={"hazards": [{"verdict": each} for each in verdicts]}, training={"drill": drill})
+    assert [hazard["verdict"] for hazard in verdict.badly_answered(facts)] == bad
+
+
+@pytest.mark.parametrize("better, side", [("lower", 0), ("higher", 1)])
+def test_the_band_is_shaded_on_the_side_where_the_metric_passes(better, side):
+    metric = made.metric(3.0, 2.0, 0.5, 4.0, "s", better)
+    panel = drawing.Panel(9, 5, 202, 16, scorecard.band_range(metric), (0, 1))
+    ends = [panel.x, panel.to_x(4.0), panel.x + panel.width][side:side + 2]
+    x, width = re.search(r'<rect x="([\d.]+)"[^>]* width="([\d.]+)"[^>]*fill="#d9dee4"',
+                         scorecard.band_svg("time", metric)).groups()
+    assert [float(x), float(x) + float(width)] == pytest.approx(ends, abs=0.2)
 
 
 def record_facts(facts):
@@ -415,6 +441,47 @@ def test_paths_are_millimetres_of_their_arm_over_their_axes():
             for line, points in zip(axes.get_lines(), (series.p_model, series.p_robot)):
                 assert line.get_xdata() == pytest.approx(1000 * points[:, arm, a])
                 assert line.get_ydata() == pytest.approx(1000 * points[:, arm, b])
+
+
+# ---- paths in the world -----------------------------------------------------------------------------------------
+
+BASES = [(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3])),
+         (np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), np.array([-4.0, -5, -6]))]
+
+
+def in_world(arm, x, y, z):
+    """Gold: a quarter about z; green: a quarter about x."""
+    return [1 - y, 2 + x, 3 + z] if arm == 0 else [-4 + x, -5 - z, -6 + y]
+
+
+def world_facts():
+    """Ten ticks, of which the attempt has those from 2 to 6; every place is another one."""
+    series = figure_series()
+    facts = SimpleNamespace(series=series, attempt_span=lambda: (0.002, 0.006))
+    facts.index = lambda seconds: Facts.index(facts, seconds)
+    return facts, series
+
+
+def test_paths_are_those_of_the_attempt_from_each_arm_s_base_in_the_world():
+    facts, series = world_facts()
+    found = {(path["arm"], path["who"]): path["points"] for path in view3d.world_paths(facts, BASES)}
+    assert len(found) == 4
+    for arm, name in enumerate(("gold", "green")):
+        for who, places in (("model", series.p_model), ("robot", series.p_robot)):
+            for end, tick in ((0, 2), (-1, 6)):
+                assert found[name, who][end] == pytest.approx(in_world(arm, *places[tick, arm])), (name, who)
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_marks_are_at_the_tip_of_their_arm_if_they_are_of_the_attempt(arm):
+    facts, series = world_facts()
+    facts.hazards = [{"name": "jump", "at_s": at} for at in (0.001, 0.004)]
+    facts.worst_gap = lambda hazard: (arm, None)
+    facts.mistakes = lambda: [{"at_s": at} for at in (0.005, 0.007)]
+    facts.mistake_text, facts.arm_of = (lambda event: "wire"), (lambda event: 1 - arm)
+    hazard, mistake = view3d.event_marks(facts, BASES)
+    assert hazard["point"] == pytest.approx(in_world(arm, *series.p_model[4, arm]))
+    assert mistake["point"] == pytest.approx(in_world(1 - arm, *series.p_model[5, 1 - arm]))
 
 
 # ---- learning curves --------------------------------------------------------------------------------------------
