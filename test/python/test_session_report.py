@@ -107,6 +107,8 @@ def test_the_failing_metric_is_named_first(whole):
      "Not passed: sudden jump answered wrongly (pushed on), and one more reason"),
     ({"hazards": [made.hazard("none", None)], "improve": ["hazard_response"]},
      "Not passed: sudden jump not answered, and one more reason"),
+    ({"hazards": [made.hazard(), made.hazard("late", "pedal_up", 2500)], "improve": ["hazard_response"]},
+     "Not passed: sudden jump answered rightly, but late (released the pedal), and one more reason"),
     ({"passed": None, "improve": [], "band": None},
      "Not judged: the exercise was done, but there is no expert band for it"),
     ({"passed": None, "improve": [], "band": None, "status": "failed", "failure": "broke_off"},
