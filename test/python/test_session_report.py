@@ -200,6 +200,15 @@ def test_of_several_attempts_the_last_that_ended_is_told(tmp_path):
     assert "Attempts of this session" in page and "Attempt 2 of 3" in page
 
 
+def test_an_attempt_that_failed_has_ended_too(tmp_path):
+    scored = made.score(passed=True)
+    failed = made.score(status="failed", failure="time_limit")["attempts"][0]
+    scored["attempts"].append({**failed, "number": 2})
+    page, record, _ = report(made.make(tmp_path / "s", scored))
+    assert record["verdict"]["attempt"] == 2
+    assert headline(page).startswith("Not passed: the time limit was reached")
+
+
 # ---- what happened ----------------------------------------------------------------------------------------------
 
 
