@@ -274,6 +274,17 @@ TEST_F(StateServerTest, ThePlanSentAgainByItsOwnerChangesNothingAndIsTakenOnceAn
   EXPECT_TRUE(until([&] { return armed() == 8; }));
 }
 
+TEST_F(StateServerTest, ThePlanOfAnOwnerThatCameBackIsArmedAgain) {
+  join()->sendPlan(5, 77);
+  ASSERT_TRUE(until([&] { return armed() == 5; }));
+  const std::uint64_t generation = server->faults().load().generation;
+  readers[0].reset();
+  ASSERT_TRUE(until([&] { return armed() == 0; }));
+  join()->sendPlan(5, 77);
+  EXPECT_TRUE(until([&] { return armed() == 5; }));
+  EXPECT_GT(server->faults().load().generation, generation) << "as another plan";
+}
+
 TEST_F(StateServerTest, SixtyFourDribblersNeverKeepAGoodReaderOut) {
   TestReader* good = join();
   std::array<std::uint8_t, wire::kMaxFrame> plan{};
