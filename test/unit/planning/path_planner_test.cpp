@@ -527,6 +527,33 @@ TEST_F(PathPlannerTest, AnArmThatIsChosenGoesAsIfItHadBeenAsked) {
   EXPECT_GE(chosen, 5);
 }
 
+TEST_F(PathPlannerTest, AnArmThatIsChosenKeepsOffTheOneThatWasAsked) {
+  for (const Arm asked : kArms) {
+    // GIVEN an arm whose tip is at a goal that both can reach, and whose shaft touches something, so that it cannot go
+    PlanRequest request = overTheWall();
+    request.arm = asked;
+    request.goal_W = {0.02, 0.0, 0.05};
+    const PlanResult there = plan(test::scene({}), request);
+    ASSERT_EQ(there.status, PlanStatus::kSuccess);
+    request.start = there.waypoints[there.waypoint_count - 1];
+    const Vector3 goal = tip(raven_, asked, request.start);
+    const Vector3 shaft = goal + 0.05 * (at(raven_.X_WB, asked).p - goal).normalized();
+    const model::SceneModel scene = test::scene({test::sphere(0.003, {Matrix3::Identity(), shaft})});
+    PathPlanner planner(raven_, scene, config_);
+    PlanRequest elsewhere = request;
+    elsewhere.arm = otherArm(asked);
+    std::swap(elsewhere.start, elsewhere.other);
+    elsewhere.other = kHome;
+    ASSERT_EQ(planner.plan(elsewhere, 1, true, kGoOn).status, PlanStatus::kSuccess) << "but for that arm it is free";
+    // WHEN the planner chooses
+    request.choose_arm = 1;
+    const PlanResult result = planner.plan(request, 1, true, kGoOn);
+    // THEN it is the other arm, and it cannot go there
+    EXPECT_EQ(result.arm, otherArm(asked));
+    EXPECT_EQ(result.status, PlanStatus::kGoalInCollision);
+  }
+}
+
 TEST_F(PathPlannerTest, AnArmThatStandsBeyondItsLimitsIsNotChosen) {
   const model::SceneModel scene = test::scene({});
   PathPlanner planner(raven_, scene, config_);
