@@ -102,6 +102,26 @@ TEST_F(RecorderTest, SaysInTheLogExactlyWhatAFullDiskCost) {
   EXPECT_EQ(ticks[2148], 2148 + 962);
 }
 
+TEST_F(RecorderTest, CountsAsDroppedWhatTheDiskNeverTook) {
+  push(100);
+  recorder->drain(kSecond);
+  push(1000);
+  // GIVEN a disk with room for the end of the log, and not for what waits
+  limitFileSize(fs::file_size(paths.log()) + 65536);
+  recorder->finish(sharedCounts(shared));
+  SessionCounts counts;
+  session::LogVisitor visitor;
+  visitor.counts = [&](const SessionCounts& read) { counts = read; };
+  EXPECT_TRUE(session::readLog(paths.log(), visitor).clean);
+  EXPECT_EQ(counts.records_dropped, 1000u + 1000u);
+  for (const RingId ring : {RingId::kTickRecords, RingId::kHapticRecords}) {
+    const RingCounts& records = counts.rings[static_cast<std::size_t>(ring)];
+    EXPECT_EQ(records.pushed, 100u);
+    EXPECT_EQ(records.taken, 100u);
+    EXPECT_EQ(records.dropped, 1000u);
+  }
+}
+
 TEST_F(RecorderTest, SaysThatItDidNotKeepUp) {
   push(2048 + 3);
   recorder->drain(kSecond);
