@@ -625,6 +625,27 @@ TEST_F(ServoCommands, OfMotionBeforeAHoldOfTheirArmAreNotDoneAfterIt) {
   EXPECT_EQ(state().refused, 0U);
 }
 
+TEST_F(ServoCommands, OfEitherArmAreOverWithTheOrderThatLetsGo) {
+  for (const Arm arm : kArms) {
+    for (const StateCommand letting_go : {StateCommand::kPause, StateCommand::kDisable}) {
+      EXPECT_EQ(ask(state().state == OperatingState::kPaused ? StateCommand::kResume : StateCommand::kEnable),
+                ServoRefusal::kNone);
+      tick(2);
+      ServoCommand move, order;
+      move.kind = ServoKind::kMovePose;
+      move.arm = arm;
+      move.pose_B = at(state().arms, arm).setpoint_B;
+      order.kind = ServoKind::kState;
+      order.state = letting_go;
+      for (const ServoCommand& command : {move, order})
+        ASSERT_TRUE(shared->servo_commands.tryPush(command));
+      tick(5);
+      EXPECT_NE(state().state, OperatingState::kEnabled) << name(arm);
+      EXPECT_EQ(state().refused, 0U) << name(arm) << ": it was over before it was looked at";
+    }
+  }
+}
+
 TEST_F(ServoCommands, ThatAreRefusedAtOnceDoNotSlowTheRest) {
   enable();
   ServoCommand move;
