@@ -297,6 +297,9 @@ TEST_P(EitherArm, ThatMovedSinceATrialRefusesItsRepetition) {
     }
   }
   robot.arms = stood;
+  at(robot.arms, arm()).q[kElbow] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(ask(RequestKind::kRepeatTrial), PlanningAnswer::kMoved) << "not a number";
+  robot.arms = stood;
   ASSERT_EQ(ask(RequestKind::kRepeatTrial), PlanningAnswer::kAccepted);
   at(robot.arms, arm()).q[kElbow] -= 1.5 * config.execution.start_tolerance[kElbow];
   ASSERT_TRUE(waitFor(Mode::kPedalUp)) << "nor is it armed if the robot moves while the model goes back";
