@@ -332,6 +332,19 @@ TEST_P(EitherArm, OfARobotThatStaysBehindEndsARepetition) {
   EXPECT_EQ(last_relay.command.pedal, 0);
 }
 
+TEST_P(EitherArm, OfARobotThatIsNoLongerAnywhereEndsARepetition) {
+  trial(pressed(), 350);
+  beginRepeat();
+  press(5);
+  ASSERT_EQ(mode(), Mode::kExecuting);
+  at(follows, arm()) = false;
+  at(robot.arms, arm()).q[kElbow] = std::numeric_limits<double>::quiet_NaN();
+  press(5);
+  EXPECT_NE(mode(), Mode::kExecuting);
+  EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kOffPath);
+  EXPECT_EQ(last_relay.command.pedal, 0);
+}
+
 // ---- jaws --------------------------------------------------------------------------------------------------------
 
 TEST_P(EitherArm, ComesBackWithTheJawsWithWhichItLeft) {
