@@ -649,6 +649,19 @@ TEST_F(LoopBench, WhatAFaultHeldBackOfAVirtualRobotsMotionIsNotForARealOne) {
   }
 }
 
+TEST_F(LoopBench, NorIsWhatAFaultHeldBackOfItsOwnPackets) {
+  MasterCommand move = pressed();
+  move.dp_I[0] = {50e-6, 0.0, 0.0};
+  press(3);
+  fault(byHand(FaultHost::kRelay, FaultVariable::kPacket, FaultKind::kDelay, 40));
+  repeat(move, 20);
+  robot.is_virtual = 0;
+  for (int i = 0; i < 60; ++i) {
+    press(1);
+    EXPECT_EQ(last_relay.command.dp_I[0], Vec3{}) << i;
+  }
+}
+
 // ---- another robot, another attempt ------------------------------------------------------------------------------
 
 TEST_F(LoopBench, TheRelaysNumbersGoOnFromThoseThatTheRobotKnows) {
