@@ -679,6 +679,17 @@ TEST_F(LoopBench, TheRelaysNumbersGoOnFromThoseThatTheRobotKnows) {
   }
 }
 
+TEST_F(LoopBench, ARobotThatRestartedBetweenTwoTicksIsLetGoUntilTheNextPress) {
+  press(20);
+  ASSERT_EQ(model().linked, 1);
+  robot.cycle = 0;  // homed, its pedal down as the one before it
+  press(1);
+  EXPECT_EQ(model().linked, 0);
+  press(5);
+  EXPECT_EQ(model().linked, 0);
+  EXPECT_EQ(last_relay.command.pedal, 0) << "it takes a new pedal-down";
+}
+
 TEST_F(LoopBench, APlanArmedAgainWaitsForThePedalAsLongAsTheFirst) {
   config.execution.pedal_timeout = 0.05;
   begin();
