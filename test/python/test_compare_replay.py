@@ -88,9 +88,11 @@ def change(row, column, value):
 
 @pytest.mark.parametrize("column, value, named", [
     ("pos_d4", lambda v: int(v) + 1, "displacement of pos_d green"),
+    ("pos_d1", lambda v: "nan", "displacement of pos_d gold"),
     ("ori_d1", lambda v: float(v) + 0.01, "rotation of ori_d gold"),
     ("ori_d1", lambda v: "nan", "rotation of ori_d gold"),
     ("grasp_d0", lambda v: "1.56900", "grasp_d gold"),
+    ("grasp_d1", lambda v: "nan", "grasp_d green"),
     ("jpos_d9", lambda v: float(v) + 0.02, "jpos_d by forward kinematics green"),
     ("runlevel", lambda v: 0, "run levels"),
     ("last_seq", lambda v: int(v) + 500, "packets used")])
