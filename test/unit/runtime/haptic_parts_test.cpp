@@ -156,6 +156,24 @@ TEST_F(HapticParts, OpposedOnesLeaveNoForceWhenTheyEndTogether) {
   }
 }
 
+TEST_F(HapticParts, OpposedOnesLeaveNothingBehindInARestHoweverShort) {
+  config.haptics.passivity.rest = config.haptics.passivity.max_delay = 0.0;
+  putTips(Arm::kGold, {0.05, 0.008, 0.0});
+  at(robot.arms, Arm::kGold).p_BT[1] -= 0.8 / 150.0;
+  shared.guide_path.store(path);
+  model.guide_plan = 4;
+  ASSERT_NEAR(ticks(800).guidance_B[0][1], -0.8, 1e-9);
+  model.linked = 0;
+  ASSERT_EQ(ticks(3).force_B[0], Vec3{});
+  // WHEN the link comes back, model and robot together, THEN the guidance begins from nothing
+  putTips(Arm::kGold, {0.05, 0.008, 0.0});
+  model.linked = 1;
+  for (int k = 0; k < 50; ++k) {
+    const HapticState state = tick();
+    ASSERT_NEAR(state.force_B[0][1], state.guidance_B[0][1], kRounding) << k;
+  }
+}
+
 TEST_F(HapticParts, PedalDownIsTheMiddleOfTheWorkspace) {
   const Matrix3 toBase = control::itpToBase(Arm::kGold);
   tick();
