@@ -124,6 +124,15 @@ def compared(tmp_path, rows, column, shift, capsys):
     return [line[:34].rstrip() for line in lines]
 
 
+@pytest.mark.parametrize("strange", ["ours", "real"])
+def test_a_packet_that_only_one_of_them_saw_is_found_whichever_it_is(tmp_path, recorded, strange, capsys):
+    for name in ("ours", "real"):
+        write(tmp_path / f"{name}.csv", HEADER, [change(row, "last_seq", 900) if k == 100 and name == strange else row
+                                                 for k, row in enumerate(recorded)])
+    assert compare_replay.compare(*(compare_replay.Trace(tmp_path / f"{name}.csv") for name in ("ours", "real")))
+    assert "far from any common one: [900]" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("sign", [-1, 1])
 @pytest.mark.parametrize("arm, name", [(0, "gold"), (1, "green")])
 def test_either_arm_is_compared_in_every_column_and_to_both_sides(tmp_path, recorded, arm, name, sign, capsys):
