@@ -210,6 +210,7 @@ def test_a_sweep_tells_the_stop_at_the_last_jump_and_adds_up_a_value():
     assert sweep.row(800, 4, *runs[0]) == "| 800 | 4 | 5.0, 2.0, 19.0 | at 24.306 s |"
     assert sweep.row(800, 5, *runs[1]) == "| 800 | 5 | 3.0, 4.0 | no |"
     assert sweep.summary(800, runs) == "| 800 | 2.0 / 4.0 / 19.0 | 3 of 5 | 1 of 2 |"
+    assert sweep.summary(800, [([], 0, 0), ([], 0, -1)]).endswith("| 2 of 2 |"), "as early as the session itself"
 
 
 def test_measure_hazards_fails_where_the_promise_is_not_kept(made, monkeypatch, capsys):
