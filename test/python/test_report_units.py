@@ -180,6 +180,14 @@ def test_the_cards_are_in_the_units_of_metrics_json():
         assert text in notes, text
 
 
+def test_what_full_queues_lost_is_told_and_records_apart_from_it():
+    log = SimpleNamespace(clean=True, bad_bytes=0, truncated_bytes=0)
+    queues = {"relay_packets": {"dropped": 1234}, "force_packets": {"dropped": 0}, "tick_records": {"dropped": 5}}
+    told = engineering(log=log, metrics={"queues": queues, "records_dropped": 6}).notices()
+    assert re.findall(r"<p[^>]*>(.*?)</p>", told) == [
+        "6 records could not be kept up with and are missing.", "Queues were full: 1,234 relay packets were lost."]
+
+
 def test_the_faults_are_in_the_units_of_metrics_json():
     rows = cells(engineering().fault_table())[1:]
     assert rows[0] == ["1", "sudden jump", "1.234 s", "300 ms", "2,345 – 2,644", "10.12 mm", "2.25 N", "7 ms"]
