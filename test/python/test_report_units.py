@@ -133,6 +133,25 @@ def test_a_hazard_s_row_is_in_the_units_of_its_figures(fault, error, force):
                                                            fault.get("max_force_N", 2.75), 0.322, 0.45]
 
 
+@pytest.mark.parametrize("verdict_, colour", [("right", "GOOD"), ("late", "BAD"), ("wrong", "BAD"), ("none", "BAD")])
+def test_only_a_right_answer_is_drawn_as_one(verdict_, colour):
+    facts, hazard = hazard_facts()
+    hazard["judged"] = {**JUDGED, "verdict": verdict_}
+    lanes = timeline.Lanes(5.0)
+    timeline._hazards(facts, lanes)
+    marks = re.findall(r'<path [^>]*fill="([^"]+)"[^>]*><title>([^,<]*)', "".join(lanes.parts))
+    assert marks == [(drawing.SOFT, "slowed down"), (getattr(drawing, colour), "released the pedal")]
+
+
+def test_the_timeline_goes_on_to_the_last_hazard():
+    quiet = SimpleNamespace(phases=[(0.0, 5.0, "teleoperating"), (5.0, 90.0, "pedal_up")], attempt=None, events=[],
+                            hazards=[], duration=90.0)
+    assert timeline.shown_until(quiet) == pytest.approx(1.15 * 5.0 + 2.0)
+    for end, last in ((25.0, 25.0), (None, 20.0)):
+        quiet.hazards = [{"at_s": 20.0, "end_s": end}]
+        assert timeline.shown_until(quiet) == pytest.approx(1.15 * last + 2.0)
+
+
 def test_a_hazard_s_moments_lie_where_they_happened():
     facts, hazard = hazard_facts()
     low, high = -0.5, 2.0
