@@ -97,6 +97,12 @@ def test_the_band_is_shaded_on_the_side_where_the_metric_passes(better, side):
     assert [float(x), float(x) + float(width)] == pytest.approx(ends, abs=0.2)
 
 
+@pytest.mark.parametrize("better, said", [("lower", "at most 5.0 s"), ("higher", "at least 5.0 s")])
+def test_a_limit_is_said_for_the_side_that_passes(better, said):
+    row = scorecard._row("time", {**made.metric(6.0, 4.0, 1.0, 5.0, "s"), "better": better}, {})
+    assert re.findall(r'<span class="limit">(.*?)</span>', row) == [said]
+
+
 def record_facts(facts):
     """What build() asks for beside the metrics."""
     series = SimpleNamespace(runlevel=np.zeros(0), t=np.zeros(0), tracking=np.zeros(0, bool))
