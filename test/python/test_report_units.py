@@ -517,6 +517,21 @@ def test_marks_are_at_the_tip_of_their_arm_if_they_are_of_the_attempt(arm):
     assert mistake["point"] == pytest.approx(in_world(1 - arm, *series.p_model[5, 1 - arm]))
 
 
+@pytest.mark.parametrize("arm", [0, 1])
+def test_a_hazard_s_curves_are_of_its_arm_from_where_the_model_was_then(arm):
+    facts, series = world_facts()
+    way, apart, force = hazard_page._curves(facts, {"at_s": 0.005}, 0.002, 0.012, arm, np.array([0.0, 1.0, 0.0]))
+    since = (np.arange(2, 13) - 5) / 1000
+    for _, time, _, _ in (way, apart, force):
+        assert time == pytest.approx(since)
+    shown = lambda curve, i=0: curve[2][i][0]  # noqa: E731
+    begin = series.p_model[5, arm, 1]
+    assert shown(way) == pytest.approx(1000 * (series.p_model[2:13, arm, 1] - begin)) and "[mm]" in way[0]
+    assert shown(way, 1) == pytest.approx(1000 * (series.p_robot[2:13, arm, 1] - begin))
+    assert shown(apart).tolist() == series.error_mm[2:13, arm].tolist() and apart[3] == 3.0
+    assert shown(force).tolist() == series.force[2:13, arm].tolist() and "[N]" in force[0]
+
+
 # ---- learning curves --------------------------------------------------------------------------------------------
 
 
