@@ -23,8 +23,9 @@ folder.mkdir(parents=True)
 time = {"value": 40.0 + seed, "unit": "s", "better": "lower", "scored": True}
 attempt = {"status": "done" if seed != 8 else "failed", "failure": "none" if seed != 8 else "mistakes",
            "metrics": {"time": time}}
+first = [{**attempt, "status": "failed", "failure": "mistakes"}] if seed == 4 else []
 (folder / "score.json").write_text(json.dumps({"version": 1, "exercise": options["--exercise"], "hazards": [],
-                                               "attempts": [attempt]}))
+                                               "attempts": first + [attempt]}))
 """
 
 
@@ -74,6 +75,12 @@ def test_without_two_that_were_done_there_is_no_band(build, tmp_path):
     assert done.returncode == 1
     assert "peg_transfer: 1 of 3 done, NO BAND" in done.stdout
     assert not list((tmp_path / "bands").iterdir())
+
+
+def test_a_session_is_done_whose_last_attempt_was(build, tmp_path):
+    done = run(build, "peg_transfer", "--seeds", "2-4", "--output", tmp_path / "bands")
+    assert done.returncode == 0, done.stderr
+    assert "peg_transfer: 3 of 3 done, band written" in done.stdout
 
 
 def test_sessions_are_kept_where_asked_and_else_removed(build, tmp_path):
