@@ -97,6 +97,12 @@ def test_the_band_is_shaded_on_the_side_where_the_metric_passes(better, side):
     assert [float(x), float(x) + float(width)] == pytest.approx(ends, abs=0.2)
 
 
+def test_the_metric_farthest_out_of_its_band_is_named_first():
+    limits = {"time": 4.9, "path": 3.0, "drops": 4.0, "idle": 7.0}
+    facts = scored_facts({name: made.metric(5.0, 2.0, 1.0, limit) for name, limit in limits.items()})
+    assert verdict.failed_metrics(facts) == ["path", "drops", "time"]
+
+
 @pytest.mark.parametrize("better, said", [("lower", "at most 5.0 s"), ("higher", "at least 5.0 s")])
 def test_a_limit_is_said_for_the_side_that_passes(better, said):
     row = scorecard._row("time", {**made.metric(6.0, 4.0, 1.0, 5.0, "s"), "better": better}, {})
