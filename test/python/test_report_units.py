@@ -174,6 +174,22 @@ def test_a_hazard_s_moments_lie_where_they_happened():
                                    "released the pedal": 1.25})
 
 
+@pytest.mark.parametrize("end, until", [(None, 13.2), (11.0, 13.2), (13.5, 14.5), (60.0, 18.0)])
+def test_a_hazard_is_drawn_a_second_past_its_end_and_for_eight_at_most(end, until):
+    facts = SimpleNamespace(duration=100.0)
+    assert hazard_page._window(facts, {"at_s": 10.0, "end_s": end}) == pytest.approx((9.4, until))
+    facts.duration = 12.0
+    assert hazard_page._window(facts, {"at_s": 10.0, "end_s": end}) == pytest.approx((9.4, 12.0))
+
+
+def test_a_hazard_is_shaded_from_its_beginning_to_its_end():
+    panel = drawing.Panel(70, 0, 910, 104, (-0.5, 2.5), (0.0, 1.0))
+    time = np.array([0.0, 1.0])
+    parts = hazard_page._panel({"at_s": 1.5, "end_s": 1.9}, panel, "", time, [(time, drawing.INK, "", "")], None)
+    (x, width), = re.findall(rf'<rect x="([\d.]+)"[^>]*width="([\d.]+)"[^>]*fill="{drawing.HAZARD}"', parts)
+    assert (float(x), float(x) + float(width)) == pytest.approx((panel.to_x(0.0), panel.to_x(0.4)), abs=0.11)
+
+
 # ---- metrics.json -----------------------------------------------------------------------------------------------
 
 METRICS = {
