@@ -133,6 +133,25 @@ TEST_F(RecorderTest, SaysThatItDidNotKeepUp) {
   EXPECT_EQ(gaps[0].lost, (RecordTally{3, 3, 0, 0, 0, 0, 0}));
 }
 
+TEST_F(RecorderTest, ATroubleThatCostNothingIsNotBlamedForLaterLosses) {
+  push(10);
+  recorder->drain(kSecond);
+  limitFileSize(fs::file_size(paths.log()));
+  push(10);
+  recorder->drain(kSecond);
+  ASSERT_EQ(shared.recorder.load().failing, 1);
+  limitFileSize(RLIM_INFINITY);
+  recorder->drain(3 * kSecond);
+  ASSERT_EQ(shared.recorder.load().failing, 0);
+  push(2048 + 3);
+  recorder->drain(4 * kSecond);
+  recorder->finish(SessionCounts{});
+  read();
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_EQ(gaps[0].reason, GapReason::kQueueFull);
+  EXPECT_EQ(gaps[0].error, 0);
+}
+
 TEST_F(RecorderTest, PutsWhatHappenedInAnExerciseAheadOfItsTick) {
   ExerciseRecord event;
   event.event.kind = ExerciseEventKind::kDropped;
