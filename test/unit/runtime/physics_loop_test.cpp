@@ -879,6 +879,16 @@ TEST_F(LoopBench, ARobotThatFallsBelowPedalUpIsLetGoUntilTheNextPress) {
   EXPECT_EQ(last_relay.command.pedal, 0) << "it takes a new pedal-down";
 }
 
+TEST_F(LoopBench, AnInstrumentIsChangedWithThePedalUpAlone) {
+  press(5);
+  EXPECT_EQ(ask(RequestKind::kToolChange, pressed()), PlanningAnswer::kNotNow);
+  rest(5);
+  EXPECT_EQ(model().faults.signals.tool_changes, 0U);
+  EXPECT_EQ(ask(RequestKind::kToolChange), PlanningAnswer::kAccepted);
+  rest(2);
+  EXPECT_EQ(model().faults.signals.tool_changes, 1U);
+}
+
 // ---- the camera --------------------------------------------------------------------------------------------------
 
 TEST_F(LoopBench, EachHandMovesTheCameraHalfAsFarAsBoth) {
