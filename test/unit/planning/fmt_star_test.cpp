@@ -1,6 +1,7 @@
 #include "planning/fmt_star.h"
 
 #include <gtest/gtest.h>
+#include <ompl/base/ScopedState.h>
 #include <ompl/base/objectives/PathLengthOptimizationObjective.h>
 
 #include <algorithm>
@@ -128,6 +129,26 @@ TEST(FmtStar, TakesAnyObjectiveOfOmpl) {
   EXPECT_GT(data.numEdges(), 10u);
   planner.clear();
   EXPECT_EQ(planner.counts().samples, 0u);
+}
+
+TEST(PlanningProblemEdges, OneThatIsBlockedIsBlockedBothWaysAndNoOther) {
+  SearchOrder order = orderFor(outsideWall);
+  order.task.is_edge_free = [](const UnitState&, const UnitState&) { return true; };
+  PlanningProblem problem(order.task);
+  const std::array<UnitState, 3> units{UnitState{0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, UnitState{0.9, 0.8, 0.7, 0.6, 0.5, 0.4},
+                                       UnitState{0.5, 0.5, 0.5, 0.5, 0.5, 0.5}};
+  const auto isFree = [&](std::size_t from, std::size_t to) {
+    ob::ScopedState<> a(problem.space()), b(problem.space());
+    toOmpl(units[from], a.get());
+    toOmpl(units[to], b.get());
+    return problem.space()->checkMotion(a.get(), b.get());
+  };
+  EXPECT_TRUE(isFree(0, 1));
+  problem.block(units[0], units[1]);
+  EXPECT_FALSE(isFree(0, 1));
+  EXPECT_FALSE(isFree(1, 0));
+  EXPECT_TRUE(isFree(0, 2));
+  EXPECT_TRUE(isFree(2, 1));
 }
 
 /** FMT* without a thought for speed: all costs exact, no memory, no order but cost so far plus length to go. */
