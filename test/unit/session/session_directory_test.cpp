@@ -6,6 +6,7 @@
 #include <set>
 
 #include "log_file.h"
+#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "support/file_size_limit.h"
 
