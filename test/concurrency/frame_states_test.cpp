@@ -122,6 +122,8 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
       nap(700);
     }
   });
+  while (computed.load() < 1)
+    nap(100);  // a reader that comes before the first state finds none
   const int frames = effort(300, 20000);
   int of_one_tick = 0, with_contacts = 0;
   for (int i = 0; i < frames; ++i) {
