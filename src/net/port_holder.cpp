@@ -96,7 +96,7 @@ std::string portHolder(const Endpoint& endpoint, int type) {
     const std::optional<Holder> other = lookUp(protocol + "6", endpoint);
     if (other) holder = other;
   }
-  if (!holder) return "Nobody has it any more: start again";
+  if (!holder) return "No program has it now: start again";
   if (holder->inode == 0) return "A connection that has just ended has it for up to a minute: wait";
   const fs::path process = processWith(holder->inode);
   if (process.empty()) return "A program of user " + std::to_string(holder->user) + " has it: ask for its end";

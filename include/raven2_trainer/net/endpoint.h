@@ -22,7 +22,7 @@ constexpr Endpoint endpointOf(std::uint64_t source) noexcept {
   return {static_cast<std::uint32_t>(source >> 16U), static_cast<std::uint16_t>(source & 0xFFFFU)};
 }
 
-/** [s] for which a port that is taken is tried again: a session that is told to end takes at most 2. */
+/** [s] for which a port that is taken is tried again: a session that is ending takes at most 2. */
 constexpr double kBindPatience = 3.0;
 
 /** "127.0.0.1:36010" */

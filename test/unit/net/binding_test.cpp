@@ -94,7 +94,7 @@ TEST_P(Binding, TriesForAsLongAsItIsTold) {
   EXPECT_GE(monotonicNow() - begin, 250'000'000);
 }
 
-/** What another user is told, whom the system does not show our files. */
+/** The message for another user, whom the system does not show our files. */
 TEST_P(Binding, ToAPortOfAnotherUserNamesTheUser) {
   if (::getuid() != 0) GTEST_SKIP() << "only root can become another user";
   Other other(GetParam().type);
