@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kCommandShown = 80;  // [characters]
 
-/** A line of /proc/net/udp or one of its sisters. */
+/** A line of /proc/net/tcp, tcp6, udp or udp6. */
 struct Holder {
   std::uint64_t inode{};  // 0: no program has it any more
   std::uint32_t user{};
@@ -37,7 +37,7 @@ bool isOurs(const std::string& local, const Endpoint& endpoint) {
   return last == ours || last == 0 || ours == 0;
 }
 
-/** Connections that have ended stand behind those that have not. */
+/** A socket that a program has comes before a connection that has ended. */
 std::optional<Holder> lookUp(const std::string& table, const Endpoint& endpoint) {
   std::ifstream file("/proc/net/" + table);
   std::optional<Holder> found;
