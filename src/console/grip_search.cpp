@@ -6,6 +6,7 @@
 
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/shortest_turn.h"
 #include "tool_hand.h"
 
 namespace raven2_trainer::console {
@@ -188,7 +189,7 @@ std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, dou
   Pose X_WR = level(line.front(), heading);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vector3 along = line[std::min(i + 1, line.size() - 1)] - line[i > 0 ? i - 1 : 0];
-    X_WR.R = Quaternion::FromTwoVectors(X_WR.R.col(2), axisOn(along)).toRotationMatrix() * X_WR.R;
+    X_WR.R = kinematics::shortestTurn(X_WR.R.col(2), axisOn(along)).toRotationMatrix() * X_WR.R;
     X_WR.p = line[i];
     poses.push_back(X_WR);
   }
@@ -197,7 +198,7 @@ std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, dou
 
 Pose levelled(const Pose& X_WR) noexcept {
   const Vector3 axis = X_WR.R.col(2);
-  return {Quaternion::FromTwoVectors(axis, Vector3::UnitZ()).toRotationMatrix() * X_WR.R, X_WR.p};
+  return {kinematics::shortestTurn(axis, Vector3::UnitZ()).toRotationMatrix() * X_WR.R, X_WR.p};
 }
 
 double spinOf(const Pose& X_WR, const Pose& other) noexcept {

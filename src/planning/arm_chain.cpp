@@ -4,6 +4,7 @@
 
 #include "planning/sin_cos.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
+#include "raven2_trainer/kinematics/shortest_turn.h"
 
 namespace raven2_trainer::planning {
 
@@ -13,7 +14,7 @@ ArmChain::ArmChain(const model::RavenModel& raven, Arm arm) : raven_(raven), arm
   model::linkPoses(raven.description, std::vector<double>(links.size(), 0.0), &poses);
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const auto link = static_cast<std::size_t>(at(raven.links, arm)[j]);
-    const Quaternion along_axis = Quaternion::FromTwoVectors(Vector3::UnitZ(), links[link].axis);
+    const Quaternion along_axis = kinematics::shortestTurn(Vector3::UnitZ(), links[link].axis);
     X_WJ_[j] = poses[link] * Pose{along_axis.toRotationMatrix(), Vector3::Zero()};
     const int before = parent(static_cast<int>(j));
     X_PJ_[j] = before < 0 ? X_WJ_[j] : X_WJ_[static_cast<std::size_t>(before)].inverse() * X_WJ_[j];

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/kinematics/shortest_turn.h"
 #include "raven2_trainer/render/renderer.h"
 #include "render/near_limits.h"
 #include "render/overlay_text.h"
@@ -78,7 +79,7 @@ bool isBelow(const model::Description& description, int link, int ancestor) {
 
 /** Pose whose z axis points along `direction`, scaled by `length`. */
 Pose arrowPose(const Vector3& from, const Vector3& direction, double length) {
-  return {length * Quaternion::FromTwoVectors(Vector3::UnitZ(), direction).toRotationMatrix(), from};
+  return {length * kinematics::shortestTurn(Vector3::UnitZ(), direction).toRotationMatrix(), from};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/shortest_turn.h"
 #include "support/effort.h"
 
 namespace raven2_trainer::physics {
@@ -99,7 +100,7 @@ TEST(CapsuleBox, AnAxisInTheBoxIsPushedOutOfTheNearestOfTheSixFaces) {
     for (const double side : {-1.0, 1.0}) {
       Pair pair{{}, {}, 0.001, 0.004, half};
       const Vector3 normal = side * Vector3::Unit(face);
-      pair.X_WC.R = Quaternion::FromTwoVectors(Vector3::UnitZ(), Vector3::Unit((face + 1) % 3)).toRotationMatrix();
+      pair.X_WC.R = kinematics::shortestTurn(Vector3::UnitZ(), Vector3::Unit((face + 1) % 3)).toRotationMatrix();
       pair.X_WC.p = (half(face) - 0.0005) * normal;
       OverlapPoints points;
       ASSERT_EQ(overlap(pair, &points), 2) << normal.transpose();

@@ -9,6 +9,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_scene.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/shortest_turn.h"
 #include "raven2_trainer/model/raven_model.h"
 
 // What hands have to reach in the shipped scenes: some grip of the ring there has all joints well inside their limits
@@ -56,7 +57,7 @@ Pose level(const Vector3& p_W) {
 
 /** A ring through which a wire passes in this direction. */
 Pose about(const Vector3& p_W, const Vector3& direction) {
-  return {Quaternion::FromTwoVectors(Vector3::UnitZ(), direction).toRotationMatrix(), p_W};
+  return {kinematics::shortestTurn(Vector3::UnitZ(), direction).toRotationMatrix(), p_W};
 }
 
 class Reach {
