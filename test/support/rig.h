@@ -111,6 +111,15 @@ class Rig {
     ingest.receive({bytes.data(), bytes.size(), 1, now_ns});
   }
 
+  /** Before the next tick the robot's frame says this, whatever the robot does; from now on nothing of ours reaches it.
+   */
+  void hear(RobotState* state) {
+    robot_connected = false;
+    state->time_ns = now_ns + kTickNanoseconds;
+    ++state->cycle;
+    link.receive(buffer.data(), wire::encodeState(++frame_sequence, *state, buffer.data()), state->time_ns);
+  }
+
   /** One millisecond with this command. */
   void tick(MasterCommand command) {
     send(command);

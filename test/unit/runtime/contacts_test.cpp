@@ -87,6 +87,20 @@ TEST_F(Contacts, AreNoneBeforeTheRobotIsReady) {
   EXPECT_EQ(most, 0u) << "the search of the stops leads through the scene";
 }
 
+TEST_F(Contacts, AreNoneWhileTheArmIsOnlyShown) {
+  ASSERT_GT(pushDown(), 0u);
+  for (int i = 0; i < 20; ++i)
+    rig->tick(false);
+  ASSERT_GT(rig->model().arms[0].contacts, 0u) << "it is where it was blocked";
+  Request choose;
+  choose.kind = RequestKind::kBeginPlanning;
+  ASSERT_TRUE(rig->shared->requests.tryPush(choose));
+  rig->tick(false);
+  ASSERT_EQ(rig->model().mode, Mode::kChoosing);
+  EXPECT_EQ(rig->model().arms[0].contacts, 0u);
+  EXPECT_EQ(rig->shared->contacts.load().count, 0u);
+}
+
 TEST_F(Contacts, ARequestLetsAnArmPassThroughTheScene) {
   Request request;
   request.kind = RequestKind::kSetCollisions;

@@ -6,6 +6,7 @@
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/control/path_relay.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/planning/clearance_gauge.h"
 #include "raven2_trainer/runtime/planner_worker.h"
 #include "support/effort.h"
 #include "support/rig.h"
@@ -127,12 +128,7 @@ class Execution : public ::testing::Test {
 
   /** A millisecond in which the robot's frame says this, whatever it does; our packets do not reach it any more. */
   void tickWith(RobotState* state, bool pedal) {
-    rig->robot_connected = false;
-    const std::int64_t now_ns = rig->model().time_ns + kTickNanoseconds;
-    state->time_ns = now_ns;
-    ++state->cycle;
-    std::array<std::uint8_t, wire::kMaxFrame> frame;
-    rig->link.receive(frame.data(), wire::encodeState(++frames, *state, frame.data()), now_ns);
+    rig->hear(state);
     rig->tick(pedal);
   }
 
@@ -149,7 +145,6 @@ class Execution : public ::testing::Test {
   PlanResult planned;
   double clearance{0.003};  ///< [m] that the planner says the path keeps
   std::uint32_t last_id{40};
-  std::uint32_t frames{1000000};
 };
 
 TEST_F(Execution, ReachesTheGoalOnModelAndRobotFromACommonPose) {
@@ -199,6 +194,23 @@ TEST_F(Execution, InOpenLoopReachesTheGoal) {
   EXPECT_EQ(done.end, ExecutionEnd::kFinished);
   EXPECT_LT(done.model.largest, 0.002);
   EXPECT_LT(done.model.at_end, rig->config.execution.settle_tolerance);
+}
+
+TEST_F(Execution, IsFinishedOnceTheRobotRests) {
+  for (const bool rests : {true, false}) {
+    SetUp();
+    arm(/*on_robot=*/true);
+    for (int i = 0; i < 10000 && planning().progress < 1.0; ++i)
+      rig->tick(true);
+    ASSERT_EQ(rig->model().mode, Mode::kExecuting);
+    RobotState there = rig->robot();
+    there.arms[0].q = goal();
+    there.arms[0].dq = {};
+    there.arms[0].dq[kInsertion] = rests ? 0.0 : 2.0 * rig->config.execution.settle_speed;
+    for (int i = 0; i < 3000 && rig->model().mode == Mode::kExecuting; ++i)
+      tickWith(&there, true);
+    EXPECT_EQ(report().end, rests ? ExecutionEnd::kFinished : ExecutionEnd::kNotSettled);
+  }
 }
 
 TEST_F(Execution, TheHeldPedalMovesNothingAfterwards) {
@@ -523,6 +535,38 @@ TEST_F(Execution, IsRefusedAtThePedalIfAnArmMovedSinceItWasArmed) {
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
 }
 
+TEST_F(Execution, IsRefusedAtThePedalIfSomethingIsBetweenTheArmAndThePath) {
+  planning::ClearanceGauge gauge(rig->raven, rig->scene);
+  const JointArray green = rig->robot().arms[1].q;
+  JointArray stands = rig->robot().arms[0].q;
+  const std::size_t joint = kShoulder;
+  for (int i = 0; i < 6000 && gauge.measure(Arm::kGold, stands, green) > 0.0; ++i)
+    stands[joint] += 1e-4;
+  ASSERT_EQ(gauge.measure(Arm::kGold, stands, green), 0.0) << "it meets something";
+  const double tolerance = rig->config.execution.start_tolerance[joint];
+  stands[joint] -= 0.4 * tolerance;
+  ASSERT_GT(gauge.measure(Arm::kGold, stands, green), 0.0);
+  // Within the tolerance both times: farther away, and into what it would touch.
+  for (const double away : {-0.8 * tolerance, 0.8 * tolerance}) {
+    SetUp();
+    RobotState state = rig->robot();
+    state.arms[0].q = stands;
+    for (int i = 0; i < 10; ++i)
+      tickWith(&state, false);
+    ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
+    ASSERT_TRUE(rig->shared->plan_requests.tryPop(&asked));
+    ASSERT_NEAR(asked.start[joint], stands[joint], 1e-5);
+    JointArray back{};
+    back[joint] = -0.02;
+    ASSERT_TRUE(rig->shared->plan_results.tryPush(answerTo(asked, back)));
+    tickWith(&state, false);
+    ASSERT_EQ(ask(RequestKind::kExecutePlan, 1), PlanningAnswer::kAccepted);
+    state.arms[0].q[joint] += away;
+    tickWith(&state, true);
+    EXPECT_EQ(report().end, away > 0.0 ? ExecutionEnd::kMoved : ExecutionEnd::kNone) << away;
+  }
+}
+
 TEST_F(Execution, IsRefusedWithItsReason) {
   EXPECT_EQ(ask(RequestKind::kExecutePlan), PlanningAnswer::kNoPlan);
   plan();
@@ -670,6 +714,7 @@ TEST_F(Execution, ThePlannersOwnPathIsExecutedFromTheRecordedGoalOn) {
   ASSERT_EQ(planned.robot_follows, 1);
   EXPECT_EQ(rig->model().guide_plan, id);
   ASSERT_EQ(ask(RequestKind::kExecutePlan, 1, id), PlanningAnswer::kAccepted);
+  EXPECT_EQ(rig->model().guide_plan, id);
   rest(true, 1);
   EXPECT_EQ(rig->model().guide_plan, 0U) << "nobody guides the hand while the path is played";
   hold(60000);

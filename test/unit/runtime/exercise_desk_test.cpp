@@ -93,6 +93,20 @@ TEST(ExerciseDesk, DoesNotBeginAnewWhileTheHandMoves) {
   EXPECT_EQ(rig.model().exercise.attempt, 1);
 }
 
+TEST(ExerciseDesk, DoesNotBeginAnewWithThePedalDownWhereItMovesNothing) {
+  Rig rig(configWith("pick_hand_over_place"));
+  for (int i = 0; i < 10; ++i)
+    rig.tick(i > 4);
+  ASSERT_EQ(rig.model().mode, Mode::kWaiting);
+  Request request;
+  request.kind = RequestKind::kStartExercise;
+  request.id = 8;
+  ASSERT_TRUE(rig.shared->requests.tryPush(request));
+  rig.tick(true);
+  EXPECT_EQ(rig.model().planning.answer, PlanningAnswer::kNotNow);
+  EXPECT_EQ(rig.model().exercise.attempt, 1);
+}
+
 TEST(ExerciseDesk, AVirtualTrialIsNoPartOfTheAttempt) {
   Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
   ASSERT_TRUE(rig.home());
@@ -139,14 +153,20 @@ TEST(ExerciseDesk, CountsEventsThatTheJudgeHadNoRoomFor) {
   ModelState state;
   state.mode = Mode::kTeleoperating;
   state.pedal = 1;
-  for (state.tick = 1; state.tick <= 3; ++state.tick)
-    desk.tick(&state, contacts, false);
+  const auto pass = [&](int ticks, const ContactList& seen) {
+    for (int i = 0; i < ticks; ++i, ++state.tick)
+      desk.tick(&state, seen, false);
+    return shared->exercise_records.counts().dropped;
+  };
+  const std::uint64_t once = pass(3, contacts);
+  EXPECT_GT(once, 0U);
   const RingCounts counts = shared->exercise_records.counts();
-  EXPECT_GT(counts.dropped, 0U);
   // started, began, and touch and mistake of each that the judge's table of touches held
   const std::size_t seen = state.exercise.mistakes[static_cast<std::size_t>(Mistake::kCollision)];
   EXPECT_GE(seen, kMaxWatchRules);
   EXPECT_EQ(counts.pushed + counts.dropped, 2U + 2U * seen);
+  const std::uint64_t before = pass(2000, ContactList{});
+  EXPECT_EQ(pass(3, contacts) - before, once - 2U) << "touched again; it started and began once";
 }
 
 TEST(ExerciseDesk, WithoutAnExerciseThereIsNothingToBegin) {

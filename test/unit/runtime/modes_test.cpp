@@ -215,6 +215,17 @@ TEST_F(Modes, AStopIsForEverythingAndClearedWithThePedalUp) {
   EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
 }
 
+TEST_F(Modes, AStopIsNotClearedWhileTheModelCannotBeStepped) {
+  TrainerConfig config = ModeDriver::configuration();
+  config.model.gains[kShoulder].kp = std::nan("");
+  d = std::make_unique<ModeDriver>(config);
+  d->begin();
+  ASSERT_TRUE(d->waitFor(Mode::kStopped, 100));
+  d->ask(RequestKind::kEmergencyStop);
+  EXPECT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kNotNow);
+  EXPECT_EQ(d->mode(), Mode::kStopped);
+}
+
 TEST_F(Modes, AStopAwayFromTheRobotLeadsBackBeforeThePedalCounts) {
   simulate();
   EXPECT_EQ(d->ask(RequestKind::kEmergencyStop), PlanningAnswer::kAccepted);
