@@ -33,7 +33,7 @@ class TemporaryFile {
 
 const char* const kHeader = "gold_x_um,gold_y_um,gold_z_um,green_x_um,green_y_um,green_z_um\n";
 
-std::string errorOf(const std::string& text, std::string* path) {
+std::string complaintOf(const std::string& text, std::string* path) {
   const TemporaryFile file(text);
   *path = file.path();
   try {
@@ -72,7 +72,7 @@ TEST(LoadRecording, NamesFileAndLineOfABadValue) {
   for (const char* bad : {"nan", "inf", "1e400", "", "1.5x", "abc", "2000000", "--1", "0x10"}) {
     std::string path;
     const std::string error =
-        errorOf(std::string(kHeader) + "1,2,3,4,5,6\n1,2,3," + bad + ",5,6\n1,2,3,4,5,6\n", &path);
+        complaintOf(std::string(kHeader) + "1,2,3,4,5,6\n1,2,3," + bad + ",5,6\n1,2,3,4,5,6\n", &path);
     EXPECT_NE(error.find(path + ":3: green_x_um"), std::string::npos) << bad << ": " << error;
   }
 }
@@ -84,7 +84,7 @@ TEST(LoadRecording, BoundsAreTheSameOnBothSidesInEachColumn) {
       for (std::size_t k = 0; k < 6; ++k)
         row += std::string(k > 0 ? "," : "") + (k == column ? value : "1");
       std::string path;
-      const std::string error = errorOf(kHeader + row + "\n", &path);
+      const std::string error = complaintOf(kHeader + row + "\n", &path);
       const bool is_within = std::string(value).back() == '0';
       EXPECT_EQ(error == "no exception", is_within) << column << " " << value << ": " << error;
     }
@@ -93,22 +93,23 @@ TEST(LoadRecording, BoundsAreTheSameOnBothSidesInEachColumn) {
 
 TEST(LoadRecording, NamesFileAndLineOfARowThatIsTooShort) {
   std::string path;
-  const std::string error = errorOf(std::string(kHeader) + "1,2,3,4,5,6\n1,2,3,4,5\n", &path);
+  const std::string error = complaintOf(std::string(kHeader) + "1,2,3,4,5,6\n1,2,3,4,5\n", &path);
   EXPECT_NE(error.find(path + ":3: green_z_um"), std::string::npos) << error;
 }
 
 TEST(LoadRecording, NamesAMissingOrDoubledColumn) {
   std::string path;
-  std::string error = errorOf("gold_x_um,gold_y_um,gold_z_um,green_x_um,green_y_um\n1,2,3,4,5\n", &path);
+  std::string error = complaintOf("gold_x_um,gold_y_um,gold_z_um,green_x_um,green_y_um\n1,2,3,4,5\n", &path);
   EXPECT_NE(error.find(path + ":1: column green_z_um is missing"), std::string::npos) << error;
-  error = errorOf("gold_x_um,gold_x_um,gold_y_um,gold_z_um,green_x_um,green_y_um,green_z_um\n1,1,2,3,4,5,6\n", &path);
+  error =
+      complaintOf("gold_x_um,gold_x_um,gold_y_um,gold_z_um,green_x_um,green_y_um,green_z_um\n1,1,2,3,4,5,6\n", &path);
   EXPECT_NE(error.find(path + ":1: column gold_x_um appears twice"), std::string::npos) << error;
 }
 
 TEST(LoadRecording, RefusesAFileWithoutRowsOrNoFile) {
   std::string path;
-  EXPECT_NE(errorOf(kHeader, &path).find(path + ":2: 0 rows"), std::string::npos);
-  EXPECT_NE(errorOf("", &path).find(path + ":1: "), std::string::npos);
+  EXPECT_NE(complaintOf(kHeader, &path).find(path + ":2: 0 rows"), std::string::npos);
+  EXPECT_NE(complaintOf("", &path).find(path + ":1: "), std::string::npos);
   EXPECT_THROW(loadRecording("/nonexistent/recording.csv"), ConfigException);
   EXPECT_THROW(makeRecorded(testConfig(), testArms(), Recording{}), ConfigException);
 }

@@ -23,16 +23,16 @@ using testing::modelConfig;
 
 constexpr int kSteps = 1500;
 
-struct Trace {
+struct WorldTrace {
   std::vector<JointArray> joints;
   std::vector<RigidPose> ring;
   std::uint32_t contacts{};
 };
 
-Trace run(const model::RavenModel& raven, const model::SceneModel& scene, double offset) {
+WorldTrace run(const model::RavenModel& raven, const model::SceneModel& scene, double offset) {
   attachOdeToThread();
   RavenWorld world(raven, scene, modelConfig());
-  Trace trace;
+  WorldTrace trace;
   JointArray home = raven.arms.geometry.home;
   home[kShoulder] += offset;
   for (int i = 0; i < kSteps; ++i) {
@@ -49,7 +49,7 @@ Trace run(const model::RavenModel& raven, const model::SceneModel& scene, double
   return trace;
 }
 
-bool isSameBytes(const Trace& a, const Trace& b) {
+bool isSameBytes(const WorldTrace& a, const WorldTrace& b) {
   return a.joints.size() == b.joints.size() && a.contacts == b.contacts &&
          std::memcmp(a.joints.data(), b.joints.data(), a.joints.size() * sizeof(JointArray)) == 0 &&
          std::memcmp(a.ring.data(), b.ring.data(), a.ring.size() * sizeof(RigidPose)) == 0;
@@ -59,7 +59,7 @@ TEST(RavenWorldReplay, SameCommandsGiveTheSameBytes) {
   initialiseOde();
   const model::RavenModel raven = makeRaven();
   const model::SceneModel scene = makeFloorAndRing();
-  const Trace first = run(raven, scene, 0.0);
+  const WorldTrace first = run(raven, scene, 0.0);
   EXPECT_GT(first.contacts, 1000U) << "contacts must be part of the comparison";
   EXPECT_TRUE(isSameBytes(first, run(raven, scene, 0.0)));
   EXPECT_FALSE(isSameBytes(first, run(raven, scene, 1e-9))) << "the comparison must notice a small difference";
@@ -69,10 +69,10 @@ TEST(RavenWorldReplay, TwoWorldsOnTwoThreadsGiveTheSameBytes) {
   initialiseOde();
   const model::RavenModel raven = makeRaven();
   const model::SceneModel scene = makeFloorAndRing();
-  const Trace alone = run(raven, scene, 0.0);
+  const WorldTrace alone = run(raven, scene, 0.0);
   // Several rounds: without a threading implementation of its own for each world, ODE aborts in most of them.
   for (int round = 0; round < 4; ++round) {
-    Trace first, second;
+    WorldTrace first, second;
     std::thread other([&] { second = run(raven, scene, 0.0); });
     first = run(raven, scene, 0.0);
     other.join();

@@ -11,14 +11,14 @@
 namespace raven2_trainer::render {
 namespace {
 
-const ArmGeometry& geometry() {
+const ArmGeometry& packagedGeometry() {
   static const TrainerConfig kConfig = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
   return kConfig.arms.geometry;
 }
 
 Snapshot inState(PlanningStatus status) {
   Snapshot snapshot;
-  setPlan(makePlan(geometry(), Arm::kGreen), status, &snapshot);
+  setPlan(makePlan(packagedGeometry(), Arm::kGreen), status, &snapshot);
   return snapshot;
 }
 
@@ -84,7 +84,7 @@ TEST(PlanText, SaysHowTheExecutionEnded) {
 TEST(PlanText, ANewPlanMakesAnOldReportNoNews) {
   Snapshot kept = inState(PlanningStatus::kReady);
   report(makeReport(ExecutionEnd::kReleased, 0.62), &kept);
-  PlanResult newer = makePlan(geometry(), Arm::kGreen);
+  PlanResult newer = makePlan(packagedGeometry(), Arm::kGreen);
   newer.id = kPlan + 1;
   setPlan(newer, PlanningStatus::kReady, &kept);
   EXPECT_EQ(text(kept), "plan      ready");
@@ -123,7 +123,7 @@ TEST(PlanText, ValuesThatNoLogShouldHoldDoNoHarm) {
   EXPECT_EQ(text(snapshot), "plan      choosing the goal, ? arm");
   snapshot.model.planning.status = PlanningStatus::kExecuting;
   snapshot.model.planning.progress = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(pathError(geometry(), snapshot), 0.0);
+  EXPECT_EQ(pathError(packagedGeometry(), snapshot), 0.0);
   EXPECT_EQ(text(snapshot, std::numeric_limits<double>::quiet_NaN()), "plan      executing - %  err - mm");
   snapshot.model.planning.progress = 1e300;
   EXPECT_EQ(text(snapshot, 1e300), "plan      executing 100 %  err 9900.0 mm");
@@ -137,15 +137,15 @@ TEST(PlanText, ValuesThatNoLogShouldHoldDoNoHarm) {
 TEST(PathError, IsTheFartherTipsDistanceFromWhereTheDesiredJointsPutIt) {
   Snapshot executing = inState(PlanningStatus::kExecuting);
   ArmState& model = at(executing.model.arms, Arm::kGreen);
-  model.q_d = geometry().home;
-  const Vector3 path_B = kinematics::forward(geometry(), Arm::kGreen, geometry().home).p;
+  model.q_d = packagedGeometry().home;
+  const Vector3 path_B = kinematics::forward(packagedGeometry(), Arm::kGreen, packagedGeometry().home).p;
   model.p_BT = toArray(path_B + Vector3(0.0003, 0.0, -0.0004));                                 // 0.5 mm
   at(executing.robot.arms, Arm::kGreen).p_BT = toArray(path_B + Vector3(0.0, 0.0005, 0.0012));  // 1.3 mm
-  EXPECT_NEAR(pathError(geometry(), executing), 0.0005, 1e-12);
+  EXPECT_NEAR(pathError(packagedGeometry(), executing), 0.0005, 1e-12);
   executing.model.planning.on_robot = 1;
-  EXPECT_NEAR(pathError(geometry(), executing), 0.0013, 1e-12);
+  EXPECT_NEAR(pathError(packagedGeometry(), executing), 0.0013, 1e-12);
   executing.model.planning.status = PlanningStatus::kReady;
-  EXPECT_EQ(pathError(geometry(), executing), 0.0);
+  EXPECT_EQ(pathError(packagedGeometry(), executing), 0.0);
 }
 
 }  // namespace

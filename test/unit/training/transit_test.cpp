@@ -28,12 +28,12 @@ std::vector<Transit> carry(const Path& path, Tick ticks, const PerArm<Pose>& X_W
   return collector.transits();
 }
 
-Vec3 straight(double t) {
+Vec3 straightWay(double t) {
   return {0.1 * t, 0.02, -0.03};  // 100 mm/s
 }
 
 TEST(Transit, IsTheWayBetweenTheEndsOfACarry) {
-  const std::vector<Transit> transits = carry(straight, 1000);
+  const std::vector<Transit> transits = carry(straightWay, 1000);
   ASSERT_EQ(transits.size(), 1u);
   EXPECT_EQ(transits[0].arm, Arm::kGreen);
   EXPECT_NEAR(transits[0].way_W.front()[0], kTransitEnd, 0.002);
@@ -44,15 +44,15 @@ TEST(Transit, IsTheWayBetweenTheEndsOfACarry) {
 }
 
 TEST(Transit, OfAShortCarryIsNone) {
-  EXPECT_TRUE(carry(straight, 400).empty());
+  EXPECT_TRUE(carry(straightWay, 400).empty());
   EXPECT_TRUE(carry([](double) { return Vec3{}; }, 400).empty());
-  EXPECT_TRUE(carry(straight, 0).empty());
+  EXPECT_TRUE(carry(straightWay, 0).empty());
 }
 
 TEST(Transit, StandsInTheWorld) {
   PerArm<Pose> X_WB;
   at(X_WB, Arm::kGreen).p = {0.0, 1.0, 0.0};
-  EXPECT_NEAR(carry(straight, 1000, X_WB).at(0).way_W[0][1], 1.02, 1e-9);
+  EXPECT_NEAR(carry(straightWay, 1000, X_WB).at(0).way_W[0][1], 1.02, 1e-9);
 }
 
 TEST(Transit, NeedsAHandThatHolds) {
@@ -60,7 +60,7 @@ TEST(Transit, NeedsAHandThatHolds) {
   collector.add(makeEvent(ExerciseEventKind::kReleased, Hand::kGold));
   collector.add(makeEvent(ExerciseEventKind::kHeld, Hand::kAny));
   for (Tick k = 0; k < 1000; ++k)
-    collector.add(makeRecord(k, straight(kTickSeconds * static_cast<double>(k))).model);
+    collector.add(makeRecord(k, straightWay(kTickSeconds * static_cast<double>(k))).model);
   collector.add(makeEvent(ExerciseEventKind::kReleased, Hand::kGold));
   EXPECT_TRUE(collector.transits().empty());
 }
@@ -97,7 +97,7 @@ std::vector<Transit> reach(const std::vector<ExerciseTrack>& tracks) {
   for (Tick k = 0; k < 4000; ++k) {
     if (k == 1000 || k == 2000 || k == 3000) collector.add(makeStepDone(0, static_cast<std::uint8_t>(k / 1000 - 1)));
     const double t = kTickSeconds * static_cast<double>(k);
-    collector.add(makeRecord(k, straight(t), {0.0, 0.1 * t, 0.0}).model);
+    collector.add(makeRecord(k, straightWay(t), {0.0, 0.1 * t, 0.0}).model);
   }
   collector.add(makeStepDone(1, 0));
   return collector.transits();
