@@ -42,10 +42,10 @@ def test_nothing_skipped_is_not_mentioned(tmp_path):
 
 @pytest.mark.parametrize("run_name,file,case,again", [
     ("plain", "core", '<testcase classname="A" name="a"><failure/></testcase>', "GTEST_FILTER='A.a' scripts/test -R '^core$'"),
-    ("clock", "system_clock", '<testcase classname="test.system.test_link" name="test_x[1]"><failure/></testcase>',
+    ("plain", "system_clock", '<testcase classname="test.system.test_link" name="test_x[1]"><failure/></testcase>',
      "PYTEST_ADDOPTS='-k test_x' scripts/test -R '^system_clock$'"),
     ("plain", "rosunit-plan", '<testcase classname="A" name="a"><failure/></testcase>', "scripts/test -R '^rostest_plan$'"),
-    ("clock", "rosunit-replay_session_heard", '<testcase classname="A" name="a"><failure/></testcase>',
+    ("plain", "rosunit-replay_session_heard", '<testcase classname="A" name="a"><failure/></testcase>',
      "scripts/test -R '^rostest_replay_session$'"),
     ("asan", "core", '<testcase classname="A" name="a"><failure/></testcase>',
      "GTEST_FILTER='A.a' ctest --test-dir build/fuzz --output-on-failure -R '^core$'"),
