@@ -136,8 +136,9 @@ TEST(PathGuidance, GivesNothingOnAnyClosedWay) {
   using raven2_trainer::testing::effort;
   using raven2_trainer::testing::kIsSanitized;
   double largest = 0.0;
-  for (const Case& c : {Case{&kStraight, 2000, 2e-7, effort(5, 10)}, Case{&kinked, 20000, 1e-4, effort(5, 10)},
-                        Case{&circle, 2000, 1e-5, kIsSanitized ? 1 : effort(2, 10)}}) {
+  for (const Case& c :
+       {Case{&kStraight, 2000, 2e-7, effort(5, 10)}, Case{&kinked, 20000, 1e-4, kIsSanitized ? 1 : effort(5, 10)},
+        Case{&circle, 2000, 1e-5, kIsSanitized ? 1 : effort(2, 10)}}) {
     for (std::int64_t run = 0; run < c.runs; ++run) {
       std::vector<Vector3d> corners;
       for (int i = 0; i < 5; ++i)
