@@ -144,31 +144,6 @@ TEST_F(Trial, IsRepeatedOnTheModelAndThenOnTheRobot) {
               robot_error * 1e3, d->report().robot.mean * 1e3, d->report().robot.largest * 1e3);
 }
 
-TEST_F(Trial, ItsRepetitionIsFinishedOnceBothArmsOfTheRobotRest) {
-  const auto endsWith = [this](const PerArm<double>& speed) {
-    SetUp();
-    tryBriefly();
-    arm(/*on_robot=*/true);
-    for (int i = 0; i < 3000 && d->rig.model().planning.progress < 1.0; ++i)
-      d->rest(true, 1);
-    EXPECT_EQ(d->mode(), Mode::kExecuting);
-    RobotState there = d->rig.robot();
-    for (const Arm each : kArms) {
-      at(there.arms, each).dq = {};
-      at(there.arms, each).dq[kInsertion] = at(speed, each);
-    }
-    for (int i = 0; i < 3000 && d->mode() == Mode::kExecuting; ++i) {
-      d->rig.hear(&there);
-      d->rest(true, 1);
-    }
-    return d->report().end;
-  };
-  const double fast = 2.0 * d->rig.config.execution.settle_speed;
-  EXPECT_EQ(endsWith({0.0, 0.0}), ExecutionEnd::kFinished);
-  EXPECT_EQ(endsWith({fast, 0.0}), ExecutionEnd::kNotSettled);
-  EXPECT_EQ(endsWith({0.0, fast}), ExecutionEnd::kNotSettled);
-}
-
 TEST_F(Trial, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
   Random random(11);
   double worst = 0.0;
