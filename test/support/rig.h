@@ -111,8 +111,7 @@ class Rig {
     ingest.receive({bytes.data(), bytes.size(), 1, now_ns});
   }
 
-  /** Before the next tick the robot's frame says this, whatever the robot does; from now on nothing of ours reaches it.
-   */
+  /** The robot's next frame says this, whatever the robot does; from now on nothing of ours reaches the robot. */
   void hear(RobotState* state) {
     robot_connected = false;
     state->time_ns = now_ns + kTickNanoseconds;
