@@ -44,7 +44,7 @@ def _table(facts):
                      number(judged.get("excursion_mm"), 2, "mm"),
                      number(fault.get("max_force_N", judged.get("peak_force_N")), 2, "N"), number(cue, 0, "ms"),
                      esc(answers or "–"), esc(verdict_words(judged))])
-    return table(["", "Scenario", "Began", "Largest tip error", "Robot moved by", "Strongest cue", "Felt after",
+    return table(["", "Scenario", "Began", "Largest tip error", "Robot moved by", "Strongest force", "Noticed after",
                   "Reaction",
                   "Verdict"], rows, {0, 2, 3, 4, 5, 6})
 
@@ -66,14 +66,18 @@ def _answer(facts, hazard):
     if not judged:
         return "The answer to it was not judged."
     cue = judged.get("cue_after_ms")
-    felt = f"The hand felt it after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
+    if judged.get("verdict") == "not_judged" and not is_number(cue):
+        return ("The hand felt no force of it, and the robot did not part visibly from the model: there was nothing to answer, "
+                "and nothing is judged.")
+    by = {"ghost": "The robot was seen to part from the model"}.get(judged.get("cue"), "The hand felt it")
+    felt = f"{by} after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
     acted = " and ".join(f"{metric_words.response(response)} {1000 * after:,.0f} ms after it began"
                          for after, response, _ in facts.answers(hazard)) or "did nothing that counts as an answer"
     touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
     early = judged.get("coincidences") or []
-    chance = " What came within 100 ms was no reaction and is left out." if early else ""
+    chance = " What came sooner than 100 ms behind that was no reaction and is left out." if early else ""
     return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{met}{chance}")
 
 
@@ -164,7 +168,7 @@ def _moments(facts, hazard, low, high):
     panel = drawing.Panel(LEFT, 0, WIDTH - LEFT - RIGHT, 1, (low, high), (0, 1))
     judged = hazard["judged"]
     found = [(0.0, "hazard", drawing.BAD)]
-    for key, name in (("force_after_ms", "first force"), ("cue_after_ms", "felt")):
+    for key, name in (("force_after_ms", "first force"), ("cue_after_ms", "noticed")):
         if is_number(judged.get(key)):
             found.append((judged[key] / 1000.0, name, drawing.SOFT))
     found += [(after, metric_words.response(response), drawing.INK) for after, response, _ in facts.answers(hazard)]

@@ -88,7 +88,8 @@ RESPONSES = {"pedal_up": "released the pedal", "hold_still": "held still", "slow
 ANSWERS = {"pedal_up": "release the pedal", "hold_still": "hold still", "slow": "slow down", "retreat": "draw back",
            "stop": "press the emergency stop", "push_on": "push on"}
 VERDICTS = {"right": "answered rightly", "late": "answered rightly, but late", "wrong": "answered wrongly",
-            "none": "not answered", "coincidence": "not judged: the hands had let go before anybody could react"}
+            "none": "not answered", "not_judged": "not judged: there was nothing to feel or to see in time",
+            "coincidence": "not judged: the hands had let go before anybody could react"}  # of older scores
 MISTAKES = {"wire_touch": "Wire touched", "collision": "Collision", "drop": "Dropped", "break_off": "Broken off",
             "out_of_order": "Out of order", "wrong_arm": "Wrong arm"}
 

@@ -3,6 +3,8 @@
 from raven2_report import metric_words
 from raven2_report.text import counted, listed, number, words
 
+UNJUDGED = ("not_judged", "coincidence")
+
 
 def metric_of(facts, name):
     found = (facts.attempt or {}).get("metrics", {}).get(name)
@@ -18,11 +20,15 @@ def failed_metrics(facts):
 
 
 def badly_answered(facts):
-    """The attempt's hazards that were not answered rightly and in time; in a drill also what nobody could answer."""
+    """The attempt's hazards that could be noticed and were not answered rightly and in time."""
     hazards = [h for h in (facts.attempt or {}).get("hazards", []) if isinstance(h, dict)]
-    bad = [h for h in hazards if h.get("verdict") not in ("right", "coincidence")]
-    wanted = facts.training["drill"] != "none" and not _any_right(hazards)
-    return bad or (hazards if wanted else [])
+    return [h for h in hazards if h.get("verdict") not in UNJUDGED + ("right",)]
+
+
+def lacked_its_drill(facts):
+    """A drill in which there was no hazard that could be noticed."""
+    hazards = [h for h in (facts.attempt or {}).get("hazards", []) if isinstance(h, dict)]
+    return facts.training["drill"] != "none" and all(h.get("verdict") in UNJUDGED for h in hazards)
 
 
 def _any_right(hazards):
@@ -55,9 +61,13 @@ def reasons(facts):
                      if attempt["status"] == "running" else "the exercise was not begun")
     found += [hazard_words(h) for h in badly_answered(facts)[:1]]
     found += [metric_words.said(name, metric_of(facts, name)) for name in failed_metrics(facts)]
-    if not found and facts.training["drill"] != "none" and not attempt.get("hazards"):
-        found.append("the hazard of the drill did not come")
     return found
+
+
+def _drill_words(facts):
+    """Why nothing could be judged of a drill's hazard."""
+    came = (facts.attempt or {}).get("hazards")
+    return "the hazard of the drill " + ("gave nothing to feel or to see in time" if came else "did not come")
 
 
 def headline(facts):
@@ -75,6 +85,8 @@ def headline(facts):
         return "Free session: no exercise was set, so nothing is passed or failed"
     if facts.attempt is None:
         return "Not judged: this session has no score"
+    if facts.attempt.get("status") == "done" and facts.score.get("band") and lacked_its_drill(facts):
+        return f"Not judged: all else passed, but {_drill_words(facts)}"
     if facts.attempt.get("status") == "done":
         return "Not judged: the exercise was done, but there is no expert band for it"
     why = (reasons(facts) or ["the exercise was not finished"])[0]
@@ -94,7 +106,7 @@ def _improvement(facts, name):
         right = listed([metric_words.ANSWERS.get(r, words(r)) for r in rule.get("right", [])], "or")
         within = rule.get("within_s")
         how = f"The right answer: {right}, within {number(within, 1, 's')} of the cue." if right else ""
-        said = hazard_words(bad[0]) if bad else "the hazard of the drill did not come"
+        said = hazard_words(bad[0]) if bad else _drill_words(facts)
         return {"metric": name, "what": said[0].upper() + said[1:], "how": how, "failed": True}
     metric = metric_of(facts, name)
     if not metric:

@@ -15,11 +15,11 @@ class ReactingSource : public MotionSource {
 
   Intent tick(const Senses& senses) override {
     const Tick now = now_++;
-    if (phase_ == Phase::kNone && intent_.pedal && feels(senses)) enter(Phase::kFeeling, now, "felt", senses);
+    if (phase_ == Phase::kNone && intent_.pedal && feels(senses)) enter(Phase::kFeeling, now, "felt", senses.sequence);
     if (phase_ == Phase::kFeeling && now >= since_ + toTicks(reaction_.delay)) {
-      enter(Phase::kUp, now, "pedal_up", senses);
+      enter(Phase::kUp, now, "pedal_up", intent_.pedal ? senses.sequence : released_);
     } else if (phase_ == Phase::kUp && now >= since_ + toTicks(reaction_.rest)) {
-      enter(Phase::kLooking, now, "pedal_down", senses);
+      enter(Phase::kLooking, now, "pedal_down", senses.sequence);
     } else if (phase_ == Phase::kLooking && now >= since_ + toTicks(reaction_.look)) {
       phase_ = Phase::kNone;
       return goOn(senses, /*was_interrupted=*/true);
@@ -35,21 +35,23 @@ class ReactingSource : public MotionSource {
 
   bool feels(const Senses& senses) const noexcept {
     for (const Vec3& force : senses.force.force_I) {
-      if (toEigen(force).norm() > reaction_.force) return true;
+      if (toEigen(force).norm() >= reaction_.force) return true;
     }
     return false;
   }
 
-  void enter(Phase phase, Tick now, const char* what, const Senses& senses) {
+  void enter(Phase phase, Tick now, const char* what, std::uint32_t sequence) {
     phase_ = phase;
     since_ = now;
-    if (truth_ != nullptr) truth_->add({senses.sequence, what, -1, "reaction"});
+    if (truth_ != nullptr) truth_->add({sequence, what, -1, "reaction"});
   }
 
   const Intent& goOn(const Senses& senses, bool was_interrupted) {
     Senses sensed = senses;
     sensed.was_interrupted = was_interrupted;
+    const bool was_down = intent_.pedal;
     intent_ = source_->tick(sensed);
+    if (was_down && !intent_.pedal) released_ = senses.sequence;
     return intent_;
   }
 
@@ -59,6 +61,7 @@ class ReactingSource : public MotionSource {
   Intent intent_;
   Phase phase_{Phase::kNone};
   Tick now_{0}, since_{0};
+  std::uint32_t released_{0};  // packet with which the work's own pedal went up last
 };
 
 }  // namespace

@@ -22,9 +22,9 @@ Progress follow(const Curriculum& curriculum, const std::vector<CurriculumAttemp
   for (const CurriculumAttempt& attempt : attempts) {
     if (progress.current >= curriculum.stages.size()) break;
     const CurriculumStage& stage = curriculum.stages[progress.current];
-    if (attempt.exercise != stage.exercise || attempt.drill != stage.drill) continue;
+    if (!attempt.passed || attempt.exercise != stage.exercise || attempt.drill != stage.drill) continue;
     StageProgress* own = &progress.stages[progress.current];
-    count(stage, attempt.passed, own);
+    count(stage, *attempt.passed, own);
     if (own->done) ++progress.current;
   }
   return progress;

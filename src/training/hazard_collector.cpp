@@ -11,6 +11,15 @@ namespace {
 
 constexpr Tick kLateness = 5000;   // [1 ms] the recorder's queues hold a little over four seconds
 constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 12 MB
+constexpr Tick kEarly = 100;       // [1 ms] a robot's cycle is seen before the daemon is told whose fault it had
+
+/** The middle one; 0 of none. */
+Tick median(std::vector<Tick> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -39,8 +48,7 @@ HazardCollector::Hazard HazardCollector::describe(const FaultEvent& event, const
 }
 
 Tick HazardCollector::lastOf(const Hazard& hazard) const {
-  const Tick recovery = hazard.end >= 0 ? std::min(hazard.end, hazard.begin + kLongest) : hazard.begin + kLongest;
-  return std::max(recovery, hazard.begin + watch_);
+  return (hazard.end >= 0 ? std::min(hazard.end, hazard.begin + kLongest) : hazard.begin + kLongest) + watch_;
 }
 
 void HazardCollector::openWindows(Tick now) {
@@ -77,10 +85,11 @@ void HazardCollector::append(const TickRecord& record, Open* open) const {
   }
   const Hazard& hazard = open->hazard;
   // Its cycle may be seen a little before the daemon is told whose it was, but not long before.
-  const bool is_early = hazard.cycle > 0 && record.robot.cycle >= hazard.cycle && now >= hazard.begin - kCoincidence;
+  const bool is_early = hazard.cycle > 0 && record.robot.cycle >= hazard.cycle && now >= hazard.begin - kEarly;
   if (open->injection < 0 && (is_early || now >= hazard.begin)) {
     open->injection = now;
     window.injection = window.samples.size();
+    window.usual_clutch = median(clutches_);
   }
   window.samples.push_back(sampleOf(record));
   open->ticks.push_back(record.model.tick);
@@ -88,9 +97,23 @@ void HazardCollector::append(const TickRecord& record, Open* open) const {
   if (hazard.end < 0 || now <= hazard.end) window.recovery = window.samples.size();
 }
 
+/** A pedal-up that a pedal-down follows. */
+void HazardCollector::watchClutch(const ModelState& model) {
+  const bool is_down = model.pedal == kSurgeonsPedal;
+  if (is_down && released_ >= 0) clutches_.push_back(model.session_tick - released_);
+  if (is_down) {
+    released_ = -1;
+    was_down_ = true;
+  } else if (was_down_) {
+    released_ = model.session_tick;
+    was_down_ = false;
+  }
+}
+
 void HazardCollector::add(const TickRecord& record) {
   const Tick now = record.model.session_tick;
   if (now < 0) return;
+  watchClutch(record.model);
   openWindows(now);
   for (Open& open : open_)
     append(record, &open);
@@ -108,7 +131,9 @@ void HazardCollector::addLater(Tick tick, const HapticRecord& record) {
   for (Open& open : open_) {
     const auto found = std::lower_bound(open.ticks.begin(), open.ticks.end(), tick);
     if (found == open.ticks.end() || *found != tick) continue;
-    open.window.samples[static_cast<std::size_t>(found - open.ticks.begin())].force_I = record.haptic.force_I;
+    HandSample& sample = open.window.samples[static_cast<std::size_t>(found - open.ticks.begin())];
+    sample.force_I = record.haptic.force_I;
+    sample.has_force = 1;
   }
 }
 
@@ -122,8 +147,23 @@ void HazardCollector::addLater(Tick tick, const ContactRecord& record) {
   }
 }
 
+namespace {
+
+/** The haptic loop's millisecond is not the model's: now and then one of these has no force, and the hand has the last
+ * one. */
+void holdForces(std::vector<HandSample>* samples) {
+  for (std::size_t k = 1; k < samples->size(); ++k) {
+    HandSample& sample = (*samples)[k];
+    const HandSample& before = (*samples)[k - 1];
+    if (sample.has_force == 0 && before.has_force != 0) sample.force_I = before.force_I;
+  }
+}
+
+}  // namespace
+
 void HazardCollector::close(Open* open) {
   if (open->injection < 0) return;
+  holdForces(&open->window.samples);
   open->window.recovered = open->hazard.end >= 0 && open->hazard.end <= open->newest;
   HazardScore score{open->hazard.scenario, open->injection, {}};
   score.response =

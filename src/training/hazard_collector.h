@@ -42,6 +42,7 @@ class HazardCollector {
   };
 
   static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
+  void watchClutch(const ModelState& model);
   void openWindows(Tick now);
   void append(const TickRecord& record, Open* open) const;
   HandSample sampleOf(const TickRecord& record) const;
@@ -49,10 +50,13 @@ class HazardCollector {
   Tick lastOf(const Hazard& hazard) const;
 
   ScoreSettings settings_;
-  Tick watch_;  // [1 ms] behind an injection, for a response
+  Tick watch_;  // [1 ms] behind an aftermath, for a response
   std::deque<Hazard> coming_;
   std::deque<Open> open_;
   std::vector<HazardScore> scores_;
+  std::vector<Tick> clutches_;  // [1 ms] that each took
+  Tick released_{-1};           // session tick of the pedal-up under way
+  bool was_down_{};
   Tick stop_tick_{-1};
   std::uint64_t beyond_{0};
 };

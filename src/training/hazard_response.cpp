@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/haptics/hand_model.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "training/cue.h"
 
 namespace raven2_trainer::training {
 
@@ -20,11 +22,10 @@ constexpr double kBack = 0.010;           // [m/s] against the old direction
 constexpr std::size_t kBackTicks = 30;    // [1 ms]
 constexpr double kSlowShare = 0.2;        // [-] of the speed before
 constexpr double kStill = 0.005;          // [m/s]
-constexpr std::size_t kSlowTicks = 1000;  // [1 ms] hands rest shorter between strokes, whatever happens
 constexpr Tick kComesToStand = 150;       // [1 ms] on the way there a hand is slow
-constexpr Tick kCueComes = 1000;          // [1 ms] behind the injection; later cues are of faults that last as long
 constexpr std::size_t kPushTicks = 1500;  // [1 ms] behind the cue
 constexpr double kPushPath = 0.020;       // [m]
+constexpr double kLatest = 2.0;           // [-] times what the rule grants: later ones are about something else
 
 /** The hand's deliberate motion: velocities by sample. */
 class HandMotionTrack {
@@ -83,13 +84,39 @@ void findRuns(const HazardWindow& window,
   }
 }
 
-void findEdges(const HazardWindow& window,
-               Response response,
-               const std::function<bool(const HandSample&)>& is_on,
-               Responses* found) {
+std::size_t noticedAt(const HazardWindow& window, Tick cue) {
+  return window.injection + static_cast<std::size_t>(cue + kQuickest);
+}
+
+/** Ends of the runs of samples with the pedal up: first and behind the last. */
+std::vector<std::pair<std::size_t, std::size_t>> findReleases(const HazardWindow& window) {
+  std::vector<std::pair<std::size_t, std::size_t>> found;
+  for (std::size_t k = 0; k < window.samples.size(); ++k) {
+    if (window.samples[k].pedal != 0) continue;
+    if (k == 0 || window.samples[k - 1].pedal != 0) found.emplace_back(k, k);
+    found.back().second = k + 1;
+  }
+  return found;
+}
+
+/** Of those that last longer than a clutch what can be an answer, and what came before anybody could give one. */
+void findDisengagements(const HazardWindow& window, Tick cue, Responses* found) {
+  const std::size_t noticed = noticedAt(window, cue);
+  for (const auto& [from, to] : findReleases(window)) {
+    const auto tell = [&](std::size_t k) {
+      found->push_back({Response::kPedalUp, static_cast<Tick>(k - window.injection)});
+    };
+    const bool lasts =
+        to == window.samples.size() || static_cast<Tick>(to - from) >= disengagedFor(window.usual_clutch);
+    if (from >= window.injection && from < noticed) tell(from);  // a coincidence
+    if (to > noticed && lasts) tell(std::max(from, noticed));
+  }
+}
+
+void findStops(const HazardWindow& window, Responses* found) {
   for (std::size_t k = std::max<std::size_t>(window.injection, 1); k < window.samples.size(); ++k) {
-    if (is_on(window.samples[k]) && !is_on(window.samples[k - 1]))
-      found->push_back({response, static_cast<Tick>(k - window.injection)});
+    if (window.samples[k].stop != 0 && window.samples[k - 1].stop == 0)
+      found->push_back({Response::kStop, static_cast<Tick>(k - window.injection)});
   }
 }
 
@@ -121,21 +148,21 @@ void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hand
   const auto speed = [&](std::size_t k) { return std::max(hands[0].velocity(k).norm(), hands[1].velocity(k).norm()); };
   const auto isStill = [&](std::size_t k) { return speed(k) <= kStill; };
   if (before < kMoving) {
-    const std::size_t noticed = window.injection + static_cast<std::size_t>(std::max<Tick>(cue, 0) + kCoincidence);
-    findRuns(window, noticed, Response::kHoldStill, kSlowTicks, isStill, found);
+    findRuns(window, noticedAt(window, cue), Response::kHoldStill, kCarriedThrough, isStill, found);
     return;
   }
   const double limit = std::max(kSlowShare * before, kStill);
   Responses slow, still;
   findRuns(
-      window, window.injection, Response::kSlow, kSlowTicks, [&](std::size_t k) { return speed(k) <= limit; }, &slow);
-  findRuns(window, window.injection, Response::kHoldStill, kSlowTicks, isStill, &still);
+      window, window.injection, Response::kSlow, kCarriedThrough, [&](std::size_t k) { return speed(k) <= limit; },
+      &slow);
+  findRuns(window, window.injection, Response::kHoldStill, kCarriedThrough, isStill, &still);
   joinSlowing(slow, still, found);
 }
 
 /** Told at the end of its time: a hand on its way goes far while its owner takes notice. */
 void findPush(const HazardWindow& window, const HandMotionTrack& hand, Tick cue, Responses* found) {
-  const std::size_t begin = window.injection + static_cast<std::size_t>(std::max<Tick>(cue, 0));
+  const std::size_t begin = window.injection + static_cast<std::size_t>(cue);
   const std::size_t end = begin + kPushTicks;
   if (end >= window.samples.size()) return;
   double path = 0.0;
@@ -157,9 +184,7 @@ void measureForce(const HazardWindow& window, HazardResponse* result) {
   for (std::size_t k = window.injection; k < recovery(window); ++k) {
     const PerArm<Vec3>& force = window.samples[k].force_I;
     const double newton = std::max(norm(force[0]), norm(force[1]));
-    const auto after = static_cast<Tick>(k - window.injection);
-    if (newton > 0.0 && result->force_after < 0) result->force_after = after;
-    if (newton > kCueForce && result->cue_after < 0) result->cue_after = after;
+    if (newton > 0.0 && result->force_after < 0) result->force_after = static_cast<Tick>(k - window.injection);
     result->peak_force = std::max(result->peak_force, newton);
     result->impulse += newton * kTickSeconds;
   }
@@ -197,7 +222,7 @@ void decide(const Responses& responses, const ResponseRule& rule, HazardResponse
   const auto deciding = std::find_if(responses.begin(), responses.end(), is_named);
   if (deciding == responses.end()) return;
   result->deciding = *deciding;
-  const double since_cue = static_cast<double>(deciding->after - std::max<Tick>(result->cue_after, 0)) * kTickSeconds;
+  const double since_cue = static_cast<double>(deciding->after - result->cue_after) * kTickSeconds;
   if (contains(rule.wrong, deciding->response)) {
     result->verdict = Verdict::kWrong;
   } else {
@@ -205,30 +230,33 @@ void decide(const Responses& responses, const ResponseRule& rule, HazardResponse
   }
 }
 
-/** A slowing or turning that the rule does not name may be the work's own; before the cue, or with it, it is. */
-TimedResponse findReaction(const Responses& responses, const HazardResponse& result) {
-  if (result.deciding.after >= 0) return result.deciding;
-  const Tick noticed = std::max<Tick>(result.cue_after, 0) + kCoincidence;
-  const auto found =
-      std::find_if(responses.begin(), responses.end(), [&](const TimedResponse& r) { return r.after >= noticed; });
-  return found != responses.end() ? *found : TimedResponse{};
-}
-
-/** Whether the pedal was up, or a stop asked for, from before anybody reacts to the end: what else was to be done? */
-bool hadLetGo(const HazardWindow& window) {
-  const std::size_t noticed = window.injection + static_cast<std::size_t>(kCoincidence);
-  if (noticed >= window.samples.size()) return false;
-  const auto begin = window.samples.begin();
-  const auto from = begin + static_cast<std::ptrdiff_t>(noticed);
-  const auto isUp = [](const HandSample& sample) { return sample.pedal == 0; };
-  const auto isStop = [](const HandSample& sample) { return sample.stop != 0; };
-  return std::all_of(from, window.samples.end(), isUp) ||
-         std::any_of(begin + static_cast<std::ptrdiff_t>(window.injection), from, isStop);
+/** A stop that was asked for before anybody could react leaves nothing to answer. */
+bool hadStopped(const HazardWindow& window, const HazardResponse& result) {
+  const auto from = window.samples.begin() + static_cast<std::ptrdiff_t>(window.injection);
+  const auto to = window.samples.begin() +
+                  static_cast<std::ptrdiff_t>(std::min(noticedAt(window, result.cue_after), window.samples.size()));
+  return std::any_of(from, to, [](const HandSample& sample) { return sample.stop != 0; });
 }
 
 /** By time; of those at once the one that stands first in the list of responses. */
 bool isEarlier(const TimedResponse& a, const TimedResponse& b) {
   return a.after != b.after ? a.after < b.after : a.response < b.response;
+}
+
+/** All, by time. */
+Responses findResponses(const HazardWindow& window, const ForceMotion& explained, Tick cue) {
+  Responses all;
+  findDisengagements(window, cue, &all);
+  findStops(window, &all);
+  const PerArm<HandMotionTrack> hands{HandMotionTrack(window, explained, Arm::kGold),
+                                      HandMotionTrack(window, explained, Arm::kGreen)};
+  for (const HandMotionTrack& hand : hands) {
+    findRetreat(window, hand, &all);
+    findPush(window, hand, cue, &all);
+  }
+  findSlowing(window, hands, cue, &all);
+  std::sort(all.begin(), all.end(), isEarlier);
+  return all;
 }
 
 }  // namespace
@@ -243,9 +271,12 @@ ResponseRule ruleOf(const ExerciseDrill& drill) {
   return {responses(drill.right), responses(drill.wrong), drill.within};
 }
 
+Tick disengagedFor(Tick usual_clutch) noexcept {
+  return std::clamp(2 * usual_clutch, kCarriedThrough, 2 * kLongestHabit);
+}
+
 Tick watchOf(const ResponseRule& rule) noexcept {
-  const auto within = static_cast<Tick>(std::ceil(rule.within / kTickSeconds));
-  return std::max(kWatch, kCueComes + within + static_cast<Tick>(kSlowTicks));
+  return static_cast<Tick>(std::ceil(rule.within / kTickSeconds)) + disengagedFor(kLongestHabit);
 }
 
 ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand) {
@@ -267,27 +298,22 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
   result.duration = static_cast<Tick>(std::max(recovery(window), window.injection) - window.injection);
   measureForce(window, &result);
   measureExcursion(window, &result);
-  Responses all;
-  findEdges(
-      window, Response::kPedalUp, [](const HandSample& s) { return s.pedal == 0; }, &all);
-  findEdges(
-      window, Response::kStop, [](const HandSample& s) { return s.stop != 0; }, &all);
-  const PerArm<HandMotionTrack> hands{HandMotionTrack(window, explained, Arm::kGold),
-                                      HandMotionTrack(window, explained, Arm::kGreen)};
-  for (const HandMotionTrack& hand : hands) {
-    findRetreat(window, hand, &all);
-    findPush(window, hand, result.cue_after, &all);
-  }
-  findSlowing(window, hands, result.cue_after, &all);
-  std::sort(all.begin(), all.end(), isEarlier);
+  const Cue cue = findCue(window);
+  result.cue_after = cue.after;
+  result.sense = cue.sense;
+  if (cue.sense == Sense::kNone) return result;
+  const Responses all = findResponses(window, explained, cue.after);
   const auto deliberate =
-      std::find_if(all.begin(), all.end(), [](const TimedResponse& r) { return r.after >= kCoincidence; });
+      std::find_if(all.begin(), all.end(), [&](const TimedResponse& r) { return r.after >= cue.after + kQuickest; });
   result.coincidences.assign(all.begin(), deliberate);
-  const Responses responses(deliberate, all.end());
+  const Tick latest = cue.after + static_cast<Tick>(kLatest * rule.within / kTickSeconds);
+  const auto end = std::find_if(deliberate, all.end(), [&](const TimedResponse& r) { return r.after > latest; });
+  const Responses responses(deliberate, end);
   if (!responses.empty()) result.first = responses.front();
+  result.verdict = Verdict::kNone;
   decide(responses, rule, &result);
-  if (result.verdict == Verdict::kNone && hadLetGo(window)) result.verdict = Verdict::kCoincidence;
-  result.reaction = findReaction(responses, result);
+  if (result.verdict == Verdict::kNone && hadStopped(window, result)) result.verdict = Verdict::kNotJudged;
+  result.reaction = result.deciding.after >= 0 ? result.deciding : result.first;
   return result;
 }
 

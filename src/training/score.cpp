@@ -11,6 +11,7 @@ namespace raven2_trainer::training {
 namespace {
 
 constexpr std::size_t kMostAdvice = 3;
+constexpr double kNear = 0.25;  // [-] spreads, or shares of a bound, by which a pass is no near one
 
 using Value = std::optional<double>;
 
@@ -127,23 +128,33 @@ bool isAnsweredRightly(const HazardScore& hazard) {
   return hazard.response.verdict == Verdict::kRight;
 }
 
-/** Who had let go already cannot answer, and is not blamed. */
-bool isBlameless(const HazardScore& hazard) {
-  return isAnsweredRightly(hazard) || hazard.response.verdict == Verdict::kCoincidence;
+bool isJudged(const HazardScore& hazard) {
+  return hazard.response.verdict != Verdict::kNotJudged;
 }
 
-/** Every hazard that could be; in a drill one at least. */
+/** All that could be noticed. */
 bool areAnswered(const AttemptScore& score) {
-  const auto& hazards = score.hazards;
-  if (score.outcome.is_drill && std::none_of(hazards.begin(), hazards.end(), isAnsweredRightly)) return false;
-  return std::all_of(hazards.begin(), hazards.end(), isBlameless);
+  return std::all_of(score.hazards.begin(), score.hazards.end(),
+                     [](const HazardScore& hazard) { return !isJudged(hazard) || isAnsweredRightly(hazard); });
 }
 
-/** Failures by how far they are beyond their limits, then the passes that came nearest to them. */
+/** A drill in which there was nothing to answer proves nothing. */
+bool hadItsDrill(const AttemptScore& score) {
+  return !score.outcome.is_drill || std::any_of(score.hazards.begin(), score.hazards.end(), isJudged);
+}
+
+/** It failed, or nearly did; what cannot be better is no matter for advice. */
+bool isWorthSaying(const MetricScore& score) {
+  if (!score.is_judged) return false;
+  const bool is_perfect = score.metric.better == Better::kLower && *score.metric.value <= 0.0;
+  return !score.judgement.passed || (score.judgement.excess > -kNear && !is_perfect);
+}
+
+/** Failures by how far they are beyond their limits, then the passes that came near to them, the nearest first. */
 std::vector<std::string> advise(const AttemptScore& score) {
   std::vector<const MetricScore*> order;
   for (const MetricScore& metric : score.metrics) {
-    if (metric.is_judged) order.push_back(&metric);
+    if (isWorthSaying(metric)) order.push_back(&metric);
   }
   std::stable_sort(order.begin(), order.end(), [](const MetricScore* a, const MetricScore* b) {
     if (a->judgement.passed != b->judgement.passed) return !a->judgement.passed;
@@ -211,8 +222,9 @@ void conclude(AttemptScore* score) {
   const auto judged = std::count_if(score->metrics.begin(), score->metrics.end(), is_judged);
   const auto passed = std::count_if(score->metrics.begin(), score->metrics.end(), has_passed);
   if (judged > 0) score->composite = static_cast<double>(passed) / static_cast<double>(judged);
-  score->passed =
+  const bool has_passed_all =
       judged > 0 && passed == judged && score->outcome.status == ExerciseStatus::kDone && areAnswered(*score);
+  if (!has_passed_all || hadItsDrill(*score)) score->passed = has_passed_all;
 }
 
 }  // namespace

@@ -81,6 +81,7 @@ Json describe(const HazardScore& hazard) {
           {"injection_tick", hazard.injection},
           {"force_after_ms", orNull(r.force_after)},
           {"cue_after_ms", orNull(r.cue_after)},
+          {"cue", r.sense == Sense::kNone ? Json(nullptr) : Json(kSenseNames[static_cast<std::size_t>(r.sense)])},
           {"reaction", describe(r.reaction)},
           {"deciding", describe(r.deciding)},
           {"verdict", kVerdictNames[static_cast<std::size_t>(r.verdict)]},

@@ -149,7 +149,7 @@ std::vector<CurriculumAttempt> attemptsOf(const std::vector<IndexEntry>& index, 
   for (const IndexEntry& entry : index) {
     if (entry.trainee != trainee) continue;
     for (const IndexAttempt& attempt : entry.attempts)
-      attempts.push_back({entry.exercise, entry.drill, attempt.passed.value_or(false)});
+      attempts.push_back({entry.exercise, entry.drill, attempt.passed});
   }
   return attempts;
 }

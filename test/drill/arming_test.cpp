@@ -67,9 +67,9 @@ TEST_P(OwnDrill, StrikesItsDelayAfterTheStepAndIsFelt) {
   EXPECT_GE(run.began[0], run.reached + delay);
   EXPECT_LE(run.began[0], run.reached + delay + kLinkWay);
   run.largest_force = 0.0;
-  for (int i = 0; i < 3000 && run.largest_force <= training::kCueForce; ++i)
+  for (int i = 0; i < 3000 && run.largest_force <= kFeltForce; ++i)
     run.tick();
-  EXPECT_GT(run.largest_force, training::kCueForce) << "nobody would notice";
+  EXPECT_GT(run.largest_force, kFeltForce) << "nobody would notice";
 }
 
 INSTANTIATE_TEST_SUITE_P(Exercises,

@@ -27,7 +27,7 @@ EXERCISE = exercise("stroke", STEPS, "{time: {}}", "{scenario: sudden_jump, at: 
 BARE = exercise("bare", STEPS, "{time: {}}")
 AGREEMENT = 5  # [ms] of a measured time with the truth
 # (exercise, motion, [s] until the drill was answered, or was not)
-CASES = [("stroke", "scripted", 6.5), ("pick_hand_over_place", "expert", 14.0)]
+CASES = [("stroke", "scripted", 6.5)]
 
 
 def simulate(school, name, *options):
@@ -116,3 +116,40 @@ def test_a_drill_that_cannot_be_is_refused(school, options, words):
     output, done = simulate(school, "refused", *options)
     assert done.returncode != 0 and words in done.stderr, done.stderr
     assert not output.exists()
+
+
+@pytest.fixture(scope="module", name="measured")
+def make_measured(tmp_path_factory):
+    """Five seeds of the expert in a drill: one who ignores it, and one who lets go after 400 ms."""
+    table = tmp_path_factory.mktemp("measured") / "drills.csv"
+    command = [ROOT / "scripts/measure_drills", "camera_clutch", "--seeds", "1-5", "--reactions", "none,400", "--seconds", "9",
+               "--jobs", "1", "--output", table]
+    return table, command, subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_drills_are_judged_as_promised(measured):
+    table, _, done = measured
+    assert done.returncode == 0, done.stdout + done.stderr
+    with table.open(encoding="ascii") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 10 and sum(row["cue"] == "force" for row in rows) >= 6
+    assert "cue and answer are right within" in done.stdout and "NOT KEPT" not in done.stdout
+
+
+def test_a_measurement_that_was_interrupted_goes_on_where_it_was(measured):
+    table, command, done = measured
+    whole = table.read_text(encoding="ascii")
+    lines = whole.splitlines(keepends=True)
+    table.write_text("".join(lines[:-1]) + lines[-1][:20], encoding="ascii")  # killed while it wrote the last row
+    again = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert again.stdout == done.stdout and again.stderr.count("camera_clutch") == 1
+    assert table.read_text(encoding="ascii") == whole
+
+
+def test_a_promise_that_is_not_kept_fails(measured, tmp_path):
+    table, command, _ = measured
+    broken = tmp_path / "drills.csv"
+    text = table.read_text(encoding="ascii")
+    broken.write_text(text.replace("wrong,force", "right,force").replace("none,force", "right,force"), encoding="ascii")
+    done = subprocess.run([*command[:-1], broken], capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "reaction none" in done.stdout and "NOT KEPT" in done.stdout

@@ -179,7 +179,7 @@ def test_a_drill_with_another_scenario_is_judged_as_the_exercise_says_too(school
 
 
 def test_without_a_drill_the_usual_responses_are_right(first):
-    assert first["response_rule"] == {"right": ["pedal_up", "hold_still", "retreat", "stop"], "wrong": ["push_on"],
+    assert first["response_rule"] == {"right": ["pedal_up", "hold_still", "stop"], "wrong": ["push_on"],
                                       "within_s": 2.0}
 
 

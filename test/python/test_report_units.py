@@ -79,12 +79,13 @@ def test_the_metric_that_is_farthest_beyond_its_limit_is_said_first():
 
 
 @pytest.mark.parametrize("drill, verdicts, bad", [
-    ("none", ["right", "late", "wrong", "none", "coincidence"], ["late", "wrong", "none"]),
-    ("none", ["coincidence"], []), ("x", ["coincidence"], ["coincidence"]), ("x", ["coincidence", "right"], []),
+    ("none", ["right", "late", "wrong", "none", "not_judged", "coincidence"], ["late", "wrong", "none"]),
+    ("none", ["not_judged"], []), ("x", ["not_judged"], []), ("x", [], []), ("x", ["not_judged", "right"], []),
     ("x", ["late"], ["late"])])
-def test_a_late_answer_is_none_and_in_a_drill_one_must_be_right(drill, verdicts, bad):
+def test_a_late_answer_is_none_and_a_drill_without_a_cue_is_lacking(drill, verdicts, bad):
     facts = SimpleNamespace(attempt={"hazards": [{"verdict": each} for each in verdicts]}, training={"drill": drill})
     assert [hazard["verdict"] for hazard in verdict.badly_answered(facts)] == bad
+    assert verdict.lacked_its_drill(facts) == (drill == "x" and verdicts in ([], ["not_judged"]))
 
 
 @pytest.mark.parametrize("better, side", [("lower", 0), ("higher", 1)])
@@ -170,7 +171,7 @@ def test_a_hazard_s_moments_lie_where_they_happened():
     width = hazard_page.WIDTH - hazard_page.LEFT - hazard_page.RIGHT
     found = {name: (x - hazard_page.LEFT) / width * (high - low) + low
              for x, name, _, _ in hazard_page._moments(facts, hazard, low, high)}
-    assert found == pytest.approx({"hazard": 0.0, "first force": 0.021, "felt": 0.322, "slowed down": 0.45,
+    assert found == pytest.approx({"hazard": 0.0, "first force": 0.021, "noticed": 0.322, "slowed down": 0.45,
                                    "released the pedal": 1.25})
 
 

@@ -92,8 +92,9 @@ def test_the_hazard_is_judged_from_its_injection(directory, result):
     assert hazard["error_mm"] == pytest.approx(fault["max_error_mm"], abs=0.01)
     assert hazard["excursion_mm"] > 3
     assert hazard["injection_tick"] + hazard["force_after_ms"] == pytest.approx(fault["force_tick"], abs=2)
-    assert all(each["after_ms"] < 100 for each in hazard["coincidences"])
-    assert hazard["reaction"] is None or hazard["reaction"]["after_ms"] >= 100
+    assert hazard["cue"] == "force"
+    assert all(each["after_ms"] < hazard["cue_after_ms"] + 100 for each in hazard["coincidences"])
+    assert hazard["reaction"] is None or hazard["reaction"]["after_ms"] >= hazard["cue_after_ms"] + 100
 
 
 def test_the_same_bytes_come_twice(directory, result, tmp_path):

@@ -399,15 +399,24 @@ def test_an_attempt_that_failed_before_its_timer_started_has_no_length(tmp_path)
     assert "Not passed: something broke off" in page and "Attempt 1 of 1, over before its time began" in page
 
 
-def test_a_hazard_that_found_the_hands_let_go_is_no_failure(tmp_path):
-    scored = made.score(True, improve=["path"], hazards=[made.hazard("coincidence", None)])
-    page, _, _ = report(made.make(tmp_path / "a", scored, drill="none"))
-    assert "answered rightly" not in headline(page) and headline(page).startswith("Passed")
-    assert "had let go before anybody could react" in page
-    scored = made.score(improve=["hazard_response"], values={"time": made.metric(1.8, 2.0, 0.1, 2.5)},
-                        hazards=[made.hazard("coincidence", None)])
-    page, record, _ = report(made.make(tmp_path / "b", scored))
-    assert "let go" in headline(page) and "let go" in record["improve"][0]["what"]
+def test_a_hazard_that_nobody_could_notice_is_no_failure(tmp_path):
+    unnoticed = {**made.hazard("not_judged", None), "cue_after_ms": None, "cue": None}
+    passed = {"time": made.metric(1.8, 2.0, 0.1, 2.5)}
+    page, record, _ = report(made.make(tmp_path / "a", made.score(True, improve=[], hazards=[unnoticed], values=passed),
+                                       drill="none"))
+    assert "answered" not in headline(page) and headline(page).startswith("Passed")
+    assert "there was nothing to answer, and nothing is judged" in page
+    assert record["improve"] == [] and "Nothing that stands out" in page
+    page, record, _ = report(made.make(tmp_path / "b", made.score(None, improve=[], hazards=[unnoticed], values=passed)))
+    assert headline(page) == "Not judged: all else passed, but the hazard of the drill gave nothing to feel or to see in time"
+    assert record["verdict"]["passed"] is None
+    page, _, _ = report(made.make(tmp_path / "c", made.score(None, improve=[], hazards=[], values=passed)))
+    assert headline(page) == "Not judged: all else passed, but the hazard of the drill did not come"
+
+
+def test_a_hazard_that_was_seen_and_not_felt_is_told_so(tmp_path):
+    page, _, _ = report(made.make(tmp_path / "s", made.score(hazards=[{**made.hazard(), "cue": "ghost"}])))
+    assert "The robot was seen to part from the model after 12 ms" in page
 
 
 def test_copies_outside_the_session_are_not_read(tmp_path):

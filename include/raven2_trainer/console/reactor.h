@@ -4,22 +4,23 @@
 
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/console/truth_log.h"
+#include "raven2_trainer/core/perception.h"
 
 namespace raven2_trainer::console {
 
 /** When and how a surgeon lets go of the pedal. */
 struct Reaction {
-  double force{0.3};  ///< [N] felt on either hand
-  double delay{0.4};  ///< [s] from the first tick with that force to the pedal
-  double rest{2.0};   ///< [s] pedal up
-  double look{0.5};   ///< [s] pedal down again, hands still, before it goes on
+  double force{kFeltForce};  ///< [N] felt on either hand
+  double delay{0.4};         ///< [s] from the first tick with that force to the pedal
+  double rest{3.0};          ///< [s] pedal up: longer than any clutch, or it would be none
+  double look{0.5};          ///< [s] pedal down again, hands still, before it goes on
 };
 
 /**
  * A surgeon who reacts: as `source`, but `delay` after the first force the pedal goes up, whatever was being done;
  * after a rest it goes down and the motion goes on where it was.
- * @param[in] truth Told when the force came and when the pedal went up and down; may be null, else it must outlive the
- *                  source.
+ * @param[in] truth Told when the force came and when the pedal went up (sooner than the reaction where a clutch had
+ * begun that it makes a release of) and down; may be null, else it must outlive the source.
  */
 std::unique_ptr<MotionSource> makeReacting(std::unique_ptr<MotionSource> source,
                                            const Reaction& reaction,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@ namespace raven2_trainer::training {
 /** An attempt of a trainee, as far as a curriculum asks. */
 struct CurriculumAttempt {
   std::string exercise, drill;  ///< drill empty: none
-  bool passed{};
+  std::optional<bool> passed;   ///< nothing: nobody judged it
 };
 
 struct StageProgress {
@@ -27,7 +28,8 @@ struct Progress {
 
 /**
  * How far a trainee is. An attempt counts for the stage under way if it is of its exercise and drill, and else for
- * none; a failure begins the passes in a row anew, but takes nothing from the extra ones.
+ * none; a failure begins the passes in a row anew, but takes nothing from the extra ones. What was not judged counts
+ * for none.
  * @param[in] attempts in the order in which they were made.
  */
 Progress follow(const Curriculum& curriculum, const std::vector<CurriculumAttempt>& attempts);

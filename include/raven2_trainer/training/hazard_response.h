@@ -6,10 +6,12 @@
 
 #include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/exercise.h"
+#include "raven2_trainer/core/perception.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/training/contact_tally.h"
 
-// What a surgeon did when a hazard struck. Ours (field.md 5.4, "reaction time to hazard"); thresholds in doc/scores.md.
+// What a surgeon could notice of a hazard, and did about it. Ours (field.md 5.4, "reaction time to hazard"); thresholds
+// and sources in doc/scores.md.
 
 namespace raven2_trainer::training {
 
@@ -26,20 +28,24 @@ constexpr std::size_t kResponseCount = 7;
 constexpr std::array<const char*, kResponseCount> kResponseNames{"none",    "pedal_up", "hold_still", "slow",
                                                                  "retreat", "stop",     "push_on"};
 
+/** By what a hazard was noticed first. */
+enum class Sense : std::uint8_t { kNone, kForce, kGhost };
+constexpr std::array<const char*, 3> kSenseNames{"none", "force", "ghost"};
+
 enum class Verdict : std::uint8_t {
   kNone,   ///< no response that the rule names
   kRight,  ///< a right one, in time
-  kLate,   ///< a right one, too late
+  kLate,   ///< a right one, too late, but in twice the time
   kWrong,
-  kCoincidence,  ///< none could come: the hands let go before anybody reacts, and did not go on
+  kNotJudged,  ///< there was nothing to notice
 };
-constexpr std::array<const char*, 5> kVerdictNames{"none", "right", "late", "wrong", "coincidence"};
+constexpr std::array<const char*, 5> kVerdictNames{"none", "right", "late", "wrong", "not_judged"};
 
 /** What is right. A response in neither list does not decide; the first that is in one does. */
 struct ResponseRule {
-  std::vector<Response> right{Response::kPedalUp, Response::kHoldStill, Response::kRetreat, Response::kStop};
+  std::vector<Response> right{Response::kPedalUp, Response::kHoldStill, Response::kStop};
   std::vector<Response> wrong{Response::kPushOn};
-  double within{2.0};  ///< [s] from the cue, or from the injection without one
+  double within{2.0};  ///< [s] from the cue
 };
 
 /** What an exercise calls right in its drill. */
@@ -50,6 +56,7 @@ struct HandSample {
   std::uint8_t pedal{};               ///< 1 down
   std::uint8_t stop{};                ///< 1 an emergency stop was asked for
   std::uint8_t has_robot{};           ///< 1 the robot's tips are known
+  std::uint8_t has_force{};           ///< 1 a force was computed of this millisecond
   PerArm<Vec3> master_I{};            ///< [m] ModelState::master_I: tip, not hand
   PerArm<Vec3> force_I{};             ///< [N] given to the hands
   PerArm<Vec3> model_B{}, robot_B{};  ///< [m] tips
@@ -60,6 +67,7 @@ struct HazardWindow {
   std::vector<HandSample> samples;
   std::size_t injection{};   ///< index of the first sample that the fault acts in
   double motion_scale{1.0};  ///< [-] tip by hand
+  Tick usual_clutch{};       ///< [1 ms] of this surgeon: median of the pedal-ups before; 0 none
   std::size_t recovery{};    ///< index behind the last sample of the fault's aftermath; at most samples.size()
   bool recovered{};          ///< false: the session ended before
 };
@@ -76,12 +84,13 @@ struct TimedResponse {
 };
 
 struct HazardResponse {
-  Tick force_after{-1};    ///< [1 ms] from the injection to the first force on a hand; -1 never
-  Tick cue_after{-1};      ///< [1 ms] the same to more than kCueForce, which a hand notices
-  TimedResponse first;     ///< deliberate: kCoincidence or later
-  TimedResponse deciding;  ///< the first that the rule names
-  TimedResponse reaction;  ///< at the reaction time: what decided, or else the first, kCoincidence behind the cue
-  Verdict verdict{Verdict::kNone};
+  Tick force_after{-1};  ///< [1 ms] from the injection to the first force on a hand; -1 never
+  Tick cue_after{-1};    ///< [1 ms] the same to what a surgeon notices; -1 there was nothing
+  Sense sense{Sense::kNone};
+  TimedResponse first;     ///< kQuickest behind the cue or later
+  TimedResponse deciding;  ///< the first of these that the rule names
+  TimedResponse reaction;  ///< at the reaction time: what decided, or else the first
+  Verdict verdict{Verdict::kNotJudged};
   std::vector<TimedResponse> coincidences;  ///< what came sooner than anybody reacts, in order of time
   bool recovered{};
   Tick duration{};      ///< [1 ms] from the injection to recovery
@@ -92,24 +101,28 @@ struct HazardResponse {
   std::array<Touches, kPartnerCount> touches{};  ///< of the model in that time; for whoever has the contacts
 };
 
-constexpr Tick kCoincidence = 100;  ///< [ms] sooner is no reaction; athletes' simple reactions take longer
-constexpr double kCueForce = 0.3;   ///< [N] ours, a tenth of the Omni's peak
-constexpr Tick kLead = 500;         ///< [1 ms] before the injection that a window should have
-constexpr Tick kWatch = 3000;       ///< [1 ms] behind it, for a response to a fault that is soon over; or watchOf()
+constexpr Tick kLead = 500;             ///< [1 ms] before the injection that a window should have
+constexpr Tick kCarriedThrough = 2000;  ///< [1 ms] that an answer lasts at the least: scripted hands rest up to 1.5 s
+constexpr Tick kLongestHabit = 5000;    ///< [1 ms] no clutch is held to be longer
 
-/** [1 ms] Behind an injection until a right answer that began in time can be told: for a cue within a second. */
+/** [1 ms] For how long the pedal must stay up: twice the surgeon's usual clutch, kCarriedThrough at the least. */
+Tick disengagedFor(Tick usual_clutch) noexcept;
+
+/** [1 ms] Behind a cue until any answer to it can be told. */
 Tick watchOf(const ResponseRule& rule) noexcept;
 
 /**
  * Judges one hazard: responses in all samples, figures until recovery.
- * A response is the start of a run of samples with the pedal down in which, of a hand's velocity w less what the force
- * explains, u its mean over the 200 ms before the injection, if |u| >= 10 mm/s:
- * kRetreat w u / |u| <= -10 mm/s for 30 ms. Of the faster of both hands: kSlow |w| <= max(|u| / 5, 5 mm/s) for 1 s;
- * kHoldStill the same and |w| <= 5 mm/s for 1 s beginning 150 ms later at the latest; where no hand was that fast
- * |w| <= 5 mm/s for 1 s from kCoincidence behind the cue on, or later. kPedalUp, kStop: the pedal goes up, a stop is
- * asked for.
- * kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along u
- * (anywhere, if it had stood).
+ * The cue is the first in the aftermath of what lasts for kNoticed: a force of kFeltForce on either hand, or tips of
+ * model and robot kSeenGap apart. Without one nothing is judged. kPedalUp: the pedal goes up and stays so for
+ * disengagedFor(), or to the window's end; where it was up already when anybody could react, and stays up, it is told
+ * from then on. kStop: one is asked for. The others are the start of a run of samples with the pedal down in which, of
+ * a hand's velocity w less what the force explains, u its mean over the 200 ms before the injection, if |u| >= 10 mm/s:
+ * kRetreat w u / |u| <= -10 mm/s for 30 ms. Of the faster of both hands: kSlow |w| <= max(|u| / 5, 5 mm/s) for
+ * kCarriedThrough; kHoldStill the same and |w| <= 5 mm/s for that long beginning 150 ms later at the latest; where no
+ * hand was that fast |w| <= 5 mm/s for that long from kQuickest behind the cue on, or later. kPushOn: 1.5 s behind the
+ * cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along u (anywhere, if it had
+ * stood).
  */
 HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained);
 

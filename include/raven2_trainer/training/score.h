@@ -72,17 +72,17 @@ struct AttemptScore {
   std::vector<HazardScore> hazards;
   std::vector<MetricScore> metrics;
   std::vector<std::string> not_judged;  ///< what is scored and was not measured, or is not in the band
-  std::optional<bool> passed;           ///< nothing without a band
+  std::optional<bool> passed;           ///< nothing without a band, or where a drill had nothing to answer
   std::optional<double> composite;      ///< [-] share of the judged metrics that passed; decides nothing
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
 };
 
-constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve; of a drill without one, too
+constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve
 
 /**
  * An attempt passes if the exercise was done, every scored metric that was measured lies within its limit (none makes
- * up for another), at least one was, and every hazard that found no hand let go (Verdict::kCoincidence) was answered
- * rightly and in time; in a drill one must have been.
+ * up for another), at least one was, and every hazard that could be noticed (Verdict::kNotJudged) was answered rightly
+ * and in time. One that would pass in a drill without such a hazard has neither passed nor failed.
  */
 AttemptScore scoreAttempt(const AttemptOutcome& outcome,
                           const MotionMetrics& motion,

@@ -442,11 +442,11 @@ TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
     world.tick();
   ASSERT_TRUE(world.isHeldBy(Arm::kGold));
   for (int i = 0; i < 100; ++i) {
-    world.push_I = {0.29, 0.0, 0.0};
+    world.push_I = {0.49, 0.0, 0.0};
     world.tick();
     ASSERT_EQ(world.packet().surgeon_mode, 1);
   }
-  world.push_I = {0.0, 0.0, 0.31};
+  world.push_I = {0.0, 0.0, 0.51};
   world.tick();
   const std::uint32_t felt = world.packet().sequence;
   int down = 0, up = 0;
@@ -502,7 +502,7 @@ TEST_P(ReactionTo, AForceOnEitherHandLiftsThePedalEachTime) {
   for (int attempt = 1; attempt <= 3; ++attempt) {
     for (int i = 0; i < 50; ++i)
       ASSERT_TRUE(source->tick(senses).pedal) << attempt << " " << i;
-    at(senses.force.force_I, GetParam()) = {0.0, -0.31, 0.0};
+    at(senses.force.force_I, GetParam()) = {0.0, -0.51, 0.0};
     ASSERT_TRUE(source->tick(senses).pedal);
     senses.force = ForcePacket{};
     for (int i = 1; i < 10; ++i)

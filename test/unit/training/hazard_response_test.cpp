@@ -1,5 +1,6 @@
 #include "raven2_trainer/training/hazard_response.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -23,7 +24,8 @@ Speed then(double before, Tick when, double after) {
   return [=](Tick t) { return t < when ? before : after; };
 }
 
-HazardWindow makeWindow(const Speed& speed, Tick until = 4000) {
+/** Nothing is felt or seen of the robot. */
+HazardWindow makeQuietWindow(const Speed& speed, Tick until = 6000) {
   HazardWindow window;
   window.motion_scale = kScale;
   window.injection = kInjection;
@@ -49,6 +51,13 @@ HandSample& sampleAt(HazardWindow* window, Tick after) {
 void push(HazardWindow* window, Tick begin, Tick end, const Vec3& force) {
   for (Tick t = begin; t < end; ++t)
     at(sampleAt(window, t).force_I, Arm::kGold) = force;
+}
+
+/** A cue from the injection on. */
+HazardWindow makeWindow(const Speed& speed) {
+  HazardWindow window = makeQuietWindow(speed);
+  push(&window, 0, 300, {0.0, kFeltForce, 0.0});
+  return window;
 }
 
 void liftPedal(HazardWindow* window, Tick begin, Tick end) {
@@ -81,21 +90,117 @@ TEST(ResponseRule, IsThatOfTheDrill) {
 }
 
 TEST(HazardResponse, PedalUpIsExactAndRight) {
-  HazardWindow window = makeWindow(goingOn);
+  HazardWindow window = makeQuietWindow(goingOn);
   push(&window, 40, 900, {0.0, 1.0, 0.0});
-  liftPedal(&window, 437, 1500);
+  liftPedal(&window, 437, 2600);
   const HazardResponse result = judge(window);
   expectFirst(result, Response::kPedalUp, 437, 0);
   EXPECT_EQ(result.deciding.after, 437);
   EXPECT_EQ(result.verdict, Verdict::kRight);
   EXPECT_EQ(result.force_after, 40);
   EXPECT_EQ(result.cue_after, 40);
+  EXPECT_EQ(result.sense, Sense::kForce);
+}
+
+/** A force of so many newtons on one hand for so long, and a long release well behind it. */
+HazardResponse afterForce(Arm arm, double newton, Tick length, Tick recovery = 6000) {
+  HazardWindow window = makeQuietWindow(goingOn);
+  for (Tick t = 200; t < 200 + length; ++t)
+    at(sampleAt(&window, t).force_I, arm) = {0.0, newton, 0.0};
+  liftPedal(&window, 700, 6000);
+  window.recovery = kInjection + static_cast<std::size_t>(recovery);
+  return judge(window);
+}
+
+/** The same with the robot's tip so far from the model's. */
+HazardResponse afterGap(Arm arm, double gap, Tick length, bool has_robot = true) {
+  HazardWindow window = makeQuietWindow(goingOn);
+  for (Tick t = 200; t < 200 + length; ++t) {
+    at(sampleAt(&window, t).robot_B, arm) = {0.0, 0.0, gap};
+    sampleAt(&window, t).has_robot = has_robot ? 1 : 0;
+  }
+  liftPedal(&window, 700, 6000);
+  return judge(window);
+}
+
+TEST(HazardResponse, AForceThatAHandNoticesIsACue) {
+  for (const Arm arm : kArms) {
+    const HazardResponse felt = afterForce(arm, 0.5, 100);
+    EXPECT_EQ(felt.cue_after, 200);
+    EXPECT_EQ(felt.sense, Sense::kForce);
+    EXPECT_EQ(felt.verdict, Verdict::kRight);
+    EXPECT_EQ(afterForce(arm, 0.5, 1000, 250).verdict, Verdict::kRight) << "it begins in the aftermath and outlasts it";
+    for (const HazardResponse& nothing :
+         {afterForce(arm, 0.49, 2000), afterForce(arm, 3.0, 99), afterForce(arm, 3.0, 1000, 190)}) {
+      EXPECT_EQ(nothing.cue_after, -1);
+      EXPECT_EQ(nothing.sense, Sense::kNone);
+      EXPECT_EQ(nothing.verdict, Verdict::kNotJudged);
+      EXPECT_EQ(nothing.reaction.response, Response::kNone);
+    }
+  }
+}
+
+TEST(HazardResponse, ARobotThatPartsVisiblyIsACue) {
+  for (const Arm arm : kArms) {
+    const HazardResponse seen = afterGap(arm, -0.003, 100);
+    EXPECT_EQ(seen.cue_after, 300) << "three pictures later";
+    EXPECT_EQ(seen.sense, Sense::kGhost);
+    EXPECT_EQ(seen.verdict, Verdict::kRight);
+    for (const HazardResponse& nothing :
+         {afterGap(arm, 0.0029, 2000), afterGap(arm, 0.01, 99), afterGap(arm, 0.01, 2000, false)})
+      EXPECT_EQ(nothing.verdict, Verdict::kNotJudged);
+  }
+}
+
+TEST(HazardResponse, TheFirstCueCountsWhicheverSenseItIsFor) {
+  for (const Tick parted : {50, 150}) {
+    HazardWindow window = makeQuietWindow(goingOn);
+    push(&window, 200, 1000, {0.0, 1.0, 0.0});
+    for (Tick t = parted; t < 1000; ++t)
+      at(sampleAt(&window, t).robot_B, Arm::kGreen) = {0.0, 0.0, 0.01};
+    EXPECT_EQ(judge(window).cue_after, parted == 50 ? 150 : 200);
+    EXPECT_EQ(judge(window).sense, parted == 50 ? Sense::kGhost : Sense::kForce);
+  }
+}
+
+TEST(HazardResponse, AClutchIsNoAnswer) {
+  struct Case {
+    Tick usual, up;
+    bool answers;
+  };
+  for (const Case& c : {Case{0, 500, false}, Case{0, 1999, false}, Case{0, 2000, true}, Case{500, 2000, true},
+                        Case{1500, 2000, false}, Case{1500, 2999, false}, Case{1500, 3000, true}}) {
+    HazardWindow window = makeWindow(then(0.006, 0, 0.006));
+    window.usual_clutch = c.usual;
+    liftPedal(&window, 437, 437 + c.up);
+    const HazardResponse result = judge(window);
+    EXPECT_EQ(result.verdict, c.answers ? Verdict::kRight : Verdict::kNone) << c.usual << " " << c.up;
+    EXPECT_EQ(result.reaction.after, c.answers ? 437 : -1);
+  }
+}
+
+TEST(HazardResponse, ItTakesLongerToDisengageThanTwoClutches) {
+  EXPECT_EQ(disengagedFor(0), 2000);
+  EXPECT_EQ(disengagedFor(1000), 2000);
+  EXPECT_EQ(disengagedFor(1001), 2002);
+  EXPECT_EQ(disengagedFor(60000), 10000) << "or nobody could answer who has paused for long";
+}
+
+TEST(HazardResponse, WhoDisengagesBehindAClutchIsTimedFromTheSecondRelease) {
+  HazardWindow window = makeWindow(goingOn);
+  liftPedal(&window, 150, 650);
+  liftPedal(&window, 800, 6000);
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight);
+  EXPECT_EQ(judge(window).reaction.after, 800);
 }
 
 TEST(HazardResponse, RetreatBeginsWithTheFirstTickOfItsRun) {
-  const HazardResponse result = judge(makeWindow(then(0.08, 300, -0.05)));
-  expectFirst(result, Response::kRetreat, 300);
-  EXPECT_EQ(result.verdict, Verdict::kRight);
+  const HazardWindow window = makeWindow(then(0.08, 300, -0.05));
+  expectFirst(judge(window), Response::kRetreat, 300);
+  EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "every stroke ends so";
+  ResponseRule rule;
+  rule.right = {Response::kRetreat};
+  EXPECT_EQ(judge(window, rule).verdict, Verdict::kRight) << "where it is asked for";
 }
 
 TEST(HazardResponse, AShortStepBackIsNoRetreat) {
@@ -133,7 +238,9 @@ TEST(HazardResponse, WhoStandsLongAfterSlowingDidTwoThings) {
 TEST(HazardResponse, ARestBetweenStrokesIsNoResponse) {
   const Speed strokes = [](Tick t) { return t >= 250 && t < 1150 ? 0.0 : 0.08; };
   EXPECT_EQ(judge(makeWindow(strokes)).first.response, Response::kPushOn);
-  const Speed longer = [](Tick t) { return t >= 250 && t < 1300 ? 0.0 : 0.08; };
+  const Speed long_rest = [](Tick t) { return t >= 250 && t < 2200 ? 0.0 : 0.08; };
+  EXPECT_NE(judge(makeWindow(long_rest)).first.response, Response::kHoldStill);
+  const Speed longer = [](Tick t) { return t >= 250 && t < 2300 ? 0.0 : 0.08; };
   expectFirst(judge(makeWindow(longer)), Response::kHoldStill, 250);
 }
 
@@ -153,14 +260,16 @@ TEST(HazardResponse, AHandThatWasSlowCanNeitherSlowDownNorTurnBack) {
   EXPECT_EQ(result.verdict, Verdict::kNone);
 }
 
-TEST(HazardResponse, AHandThatStoodHoldsStillIfItStaysForASecondBehindTheCue) {
-  HazardWindow window = makeWindow(then(0.0, 1650, 0.008));
-  expectFirst(judge(window), Response::kHoldStill, 100, 0);  // no cue: from the injection
-  push(&window, 400, 4000, {0.0, 0.5, 0.0});
-  expectFirst(judge(window), Response::kHoldStill, 500, 0);
-  EXPECT_EQ(judge(window).verdict, Verdict::kRight);
-  push(&window, 400, 700, {0.0, 0.0, 0.0});  // 1.65 s is too soon behind a cue at 700 ms
-  EXPECT_EQ(judge(window).first.response, Response::kNone);
+TEST(HazardResponse, AHandThatStoodHoldsStillIfItStaysForTwoSecondsBehindTheCue) {
+  const auto behind = [](Tick cue) {
+    HazardWindow window = makeQuietWindow(then(0.0, 2650, 0.008));
+    push(&window, cue, 4000, {0.0, kFeltForce, 0.0});
+    return judge(window);
+  };
+  expectFirst(behind(0), Response::kHoldStill, 100, 0);
+  expectFirst(behind(400), Response::kHoldStill, 500, 0);
+  EXPECT_EQ(behind(400).verdict, Verdict::kRight);
+  EXPECT_EQ(behind(700).first.response, Response::kNone) << "1.85 s are too short";
 }
 
 TEST(HazardResponse, AHandThatWasSlowHoldsStillFromWhenItComesToStand) {
@@ -175,12 +284,12 @@ TEST(HazardResponse, AnEmergencyStopIsOne) {
 }
 
 TEST(HazardResponse, PushingOnIsWrongIfItDecidesFirst) {
-  HazardWindow window = makeWindow(goingOn);
+  HazardWindow window = makeQuietWindow(goingOn);
   push(&window, 50, 4000, {0.0, 0.5, 0.0});
   const HazardResponse result = judge(window);
   expectFirst(result, Response::kPushOn, 1550, 0);
   EXPECT_EQ(result.verdict, Verdict::kWrong);
-  liftPedal(&window, 1400, 4000);
+  liftPedal(&window, 1400, 6000);
   EXPECT_EQ(judge(window).verdict, Verdict::kRight);
 }
 
@@ -190,9 +299,9 @@ TEST(HazardResponse, AHandThatStoodPushesOnInAnyDirection) {
 }
 
 TEST(HazardResponse, ALateOneIsLate) {
-  HazardWindow window = makeWindow(then(0.006, 0, 0.006));
+  HazardWindow window = makeQuietWindow(then(0.006, 0, 0.006));
   push(&window, 500, 4000, {0.0, 0.5, 0.0});
-  liftPedal(&window, 2400, 4000);
+  liftPedal(&window, 2400, 6000);
   EXPECT_EQ(judge(window).verdict, Verdict::kRight);  // 1.9 s behind the cue
   ResponseRule rule;
   rule.within = 1.5;
@@ -203,7 +312,7 @@ TEST(HazardResponse, ALateOneIsLate) {
 TEST(HazardResponse, WhatComesSoonerThanAnybodyReactsIsACoincidence) {
   HazardWindow window = makeWindow(goingOn);
   liftPedal(&window, 60, 80);
-  liftPedal(&window, 500, 600);
+  liftPedal(&window, 500, 2600);
   const HazardResponse result = judge(window);
   expectFirst(result, Response::kPedalUp, 500, 0);
   ASSERT_EQ(result.coincidences.size(), 1u);
@@ -211,37 +320,41 @@ TEST(HazardResponse, WhatComesSoonerThanAnybodyReactsIsACoincidence) {
   EXPECT_EQ(result.coincidences[0].after, 60);
 }
 
-TEST(HazardResponse, WhoLetGoBeforeAnybodyReactsAndStaysSoCouldNotAnswer) {
-  HazardWindow window = makeWindow(goingOn);
-  liftPedal(&window, 60, 4000);
-  EXPECT_EQ(judge(window).verdict, Verdict::kCoincidence);
-  EXPECT_EQ(judge(window).deciding.after, -1);
-  liftPedal(&window, 0, 4000);
-  EXPECT_EQ(judge(window).verdict, Verdict::kCoincidence);
-  sampleAt(&window, 1500).pedal = 1;
-  EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "it went down, and up again in time";
-  for (Tick t = 1500; t < 4000; ++t)
-    sampleAt(&window, t).pedal = 1;
-  EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "whoever goes on has answered nothing";
+TEST(HazardResponse, WhoHasLetGoBeforeAnybodyReactsAnswersByStayingSo) {
+  for (const Tick begin : {-300, 0, 60}) {
+    HazardWindow window = makeWindow(goingOn);
+    liftPedal(&window, begin, 6000);
+    EXPECT_EQ(judge(window).verdict, Verdict::kRight) << begin;
+    EXPECT_EQ(judge(window).deciding.after, kQuickest) << "sooner nobody could decide it";
+    EXPECT_EQ(judge(window).coincidences.size(), begin < 0 ? 0u : 1u);
+    sampleAt(&window, 1500).pedal = 1;
+    EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "it went down, and up again in time";
+    EXPECT_EQ(judge(window).deciding.after, 1501);
+    for (Tick t = 1500; t < 6000; ++t)
+      sampleAt(&window, t).pedal = 1;
+    EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "whoever goes on has answered nothing";
+  }
 }
 
 TEST(HazardResponse, AStopThatCameBeforeAnybodyReactsLeavesNothingToAnswer) {
   HazardWindow window = makeWindow(then(0.006, 0, 0.006));
   EXPECT_EQ(judge(window).verdict, Verdict::kNone);
   sampleAt(&window, 50).stop = 1;
-  EXPECT_EQ(judge(window).verdict, Verdict::kCoincidence);
+  EXPECT_EQ(judge(window).verdict, Verdict::kNotJudged);
 }
 
 TEST(HazardResponse, AResponseThatTheRuleDoesNotNameDoesNotDecide) {
   HazardWindow window = makeWindow(then(0.08, 250, 0.012));
-  liftPedal(&window, 1400, 4000);
+  liftPedal(&window, 2400, 6000);
   ResponseRule rule;
   rule.right = {Response::kPedalUp};
+  rule.wrong = {};
+  rule.within = 3.0;
   const HazardResponse result = judge(window, rule);
   expectFirst(result, Response::kSlow, 250);
   EXPECT_EQ(result.deciding.response, Response::kPedalUp);
-  EXPECT_EQ(result.deciding.after, 1400);
-  EXPECT_EQ(result.reaction.after, 1400) << "the slowing was the work's own";
+  EXPECT_EQ(result.deciding.after, 2400);
+  EXPECT_EQ(result.reaction.after, 2400) << "the slowing was the work's own";
   rule.wrong = {Response::kSlow};
   EXPECT_EQ(judge(window, rule).verdict, Verdict::kWrong);
 }
@@ -251,12 +364,12 @@ TEST(HazardResponse, WhatTheRuleDoesNotNameIsNoReactionToACueThatCameWithIt) {
   rule.right = {Response::kPedalUp};
   rule.wrong = {};
   for (const Tick cue : {100, 200}) {
-    HazardWindow window = makeWindow(then(0.08, 250, 0.008));
+    HazardWindow window = makeQuietWindow(then(0.08, 250, 0.008));
     push(&window, cue, 4000, {0.0, 0.5, 0.0});
     const HazardResponse result = judge(window, rule);
-    expectFirst(result, Response::kSlow, 250);
     EXPECT_EQ(result.verdict, Verdict::kNone);
     EXPECT_EQ(result.reaction.response, cue == 100 ? Response::kSlow : Response::kNone) << cue;
+    EXPECT_EQ(result.coincidences.size(), cue == 100 ? 0u : 1u);
   }
 }
 
@@ -285,7 +398,7 @@ std::vector<double> pushed(const std::vector<double>& newton) {
 
 /** A force of 3 N against the motion pushes the hand back, whatever its owner does. */
 HazardWindow makePushedWindow() {
-  HazardWindow window = makeWindow(then(0.03, 0, 0.03));
+  HazardWindow window = makeQuietWindow(then(0.03, 0, 0.03));
   push(&window, 150, 4000, {-3.0, 0.0, 0.0});
   std::vector<double> newton;
   for (const HandSample& sample : window.samples)
@@ -298,9 +411,11 @@ HazardWindow makePushedWindow() {
 
 TEST(HazardResponse, WhatTheForceDidToTheHandIsNoResponse) {
   const HazardWindow window = makePushedWindow();
-  EXPECT_EQ(judge(window).first.response, Response::kRetreat);  // what it would be taken for
+  ASSERT_FALSE(judge(window).coincidences.empty());
+  EXPECT_EQ(judge(window).coincidences[0].response, Response::kRetreat);  // what it would be taken for
   const HazardResponse result = judgeResponse(window, {}, explainByForce(window.samples, makeHand()));
   expectFirst(result, Response::kPushOn, 1650, 0);
+  EXPECT_TRUE(result.coincidences.empty());
 }
 
 TEST(HazardResponse, ADeliberateRetreatUnderForceIsFoundAtItsTime) {
@@ -314,10 +429,11 @@ TEST(HazardResponse, ADeliberateRetreatUnderForceIsFoundAtItsTime) {
 }
 
 TEST(HazardResponse, MeasuresExcursionForceAndDurationUntilRecovery) {
-  HazardWindow window = makeWindow(goingOn);
+  HazardWindow window = makeQuietWindow(goingOn);
   window.recovery = kInjection + 1000;
   push(&window, 100, 1500, {0.0, 0.0, -0.2});
-  at(sampleAt(&window, 700).force_I, Arm::kGreen) = {0.0, 2.0, 0.0};
+  for (Tick t = 700; t < 820; ++t)
+    at(sampleAt(&window, t).force_I, Arm::kGreen) = {0.0, 2.0, 0.0};
   at(sampleAt(&window, 1200).force_I, Arm::kGreen) = {0.0, 3.0, 0.0};
   for (HandSample& sample : window.samples)
     at(sample.robot_B, Arm::kGreen) = at(sample.model_B, Arm::kGreen) = {0.1, 0.1, 0.1};
@@ -330,14 +446,14 @@ TEST(HazardResponse, MeasuresExcursionForceAndDurationUntilRecovery) {
   EXPECT_NEAR(result.excursion, 0.05, 1e-12);
   EXPECT_NEAR(result.error, std::hypot(0.01, 0.04), 1e-12);
   EXPECT_NEAR(result.peak_force, 2.0, 1e-12);
-  EXPECT_NEAR(result.impulse, 0.899 * 0.2 + 0.002, 1e-9);
+  EXPECT_NEAR(result.impulse, 0.780 * 0.2 + 0.120 * 2.0, 1e-9);
   EXPECT_EQ(result.force_after, 100);
   EXPECT_EQ(result.cue_after, 700);  // 0.2 N is not noticed
 }
 
 TEST(HazardResponse, OfNothingIsNothing) {
-  EXPECT_EQ(judge({}).verdict, Verdict::kNone);
-  HazardWindow window = makeWindow(goingOn, 1);
+  EXPECT_EQ(judge({}).verdict, Verdict::kNotJudged);
+  HazardWindow window = makeQuietWindow(goingOn, 1);
   EXPECT_EQ(judge(window).first.response, Response::kNone);
   window.injection = 0;
   EXPECT_EQ(judge(window).first.response, Response::kNone);
@@ -363,6 +479,7 @@ void expectSame(const HazardResponse& a, const HazardResponse& b) {
   EXPECT_EQ(a.verdict, b.verdict);
   EXPECT_EQ(a.force_after, b.force_after);
   EXPECT_EQ(a.cue_after, b.cue_after);
+  EXPECT_EQ(a.sense, b.sense);
   EXPECT_EQ(a.excursion, b.excursion);
   EXPECT_EQ(a.error, b.error);
   EXPECT_EQ(a.peak_force, b.peak_force);
@@ -371,7 +488,7 @@ void expectSame(const HazardResponse& a, const HazardResponse& b) {
 
 /** Both robots' tips go astray, one from the model, one from where it was. */
 HazardWindow makeAstrayWindow() {
-  HazardWindow window = makeWindow(then(0.08, 300, -0.05));
+  HazardWindow window = makeQuietWindow(then(0.08, 350, -0.05));
   push(&window, 100, 900, {0.0, 0.0, -0.2});
   for (Tick t = 200; t < 400; ++t) {
     at(sampleAt(&window, t).robot_B, Arm::kGold) = {0.03, 0.0, 0.0};
@@ -386,10 +503,10 @@ TEST(HazardResponse, IsTheSameOfEitherArm) {
   const HazardWindow astray = makeAstrayWindow();
   EXPECT_NEAR(judge(astray).error, 0.03, 1e-12) << "of gold";
   EXPECT_NEAR(judge(astray).excursion, 0.07, 1e-12) << "of green";
-  HazardWindow pushed_on = makeWindow(goingOn);
+  HazardWindow pushed_on = makeQuietWindow(goingOn);
   push(&pushed_on, 50, 4000, {0.0, 0.5, 0.0});
   const HazardWindow windows[] = {astray, pushed_on, makeWindow(then(0.08, 250, 0.002)),
-                                  makeWindow(then(0.0, 1650, 0.008)), makeWindow(then(0.08, 300, -0.05))};
+                                  makeWindow(then(0.0, 2650, 0.008)), makeWindow(then(0.08, 300, -0.05))};
   for (const HazardWindow& window : windows) {
     expectSame(judge(window), judge(exchanged(window)));
     EXPECT_NE(judge(window).first.response, Response::kNone) << "or there is nothing to exchange";

@@ -302,15 +302,22 @@ TEST_F(SessionScoreTest, TakesRecordsOfOtherThreadsBeforeAndBehindTheirTick) {
 
 constexpr Tick kInjection = 2000;  // session tick
 
-/** The robot's tip is 10 mm astray for 400 ms; the pedal goes up 350 ms behind that, for half a second. */
-void writeFault(session::LogWriter* writer) {
-  for (Tick k = 0; k < 9000; ++k) {
+struct MadeFault {
+  Tick clutch{};      ///< [1 ms] that a clutch took before it
+  Tick every{1};      ///< [1 ms] from one computed force to the next
+  double gap{0.010};  ///< [m] of the robot's tip from the model's
+};
+
+/** The robot's tip is astray for 400 ms; the pedal goes up 350 ms behind that, for 2.1 s. */
+void writeFault(session::LogWriter* writer, const MadeFault& made = {}) {
+  for (Tick k = 0; k < 20'000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, k < 8000 ? ExerciseStatus::kRunning : ExerciseStatus::kDone);
     record.robot.connected = 1;
     record.robot.cycle = 50000 + static_cast<std::uint64_t>(k);
     const bool acts = k >= kInjection && k < kInjection + 400;
-    if (acts) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
-    const bool is_up = k >= kInjection + 350 && k < kInjection + 850;
+    if (acts) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, made.gap, 0.0};
+    const bool is_clutching = k >= 200 && k < 200 + made.clutch;
+    const bool is_up = (k >= kInjection + 350 && k < kInjection + 2450) || is_clutching;
     record.model.pedal = is_up ? 0 : 1;
     if (k == kInjection || k == kInjection + 400) {
       FaultChangeRecord change;
@@ -324,7 +331,7 @@ void writeFault(session::LogWriter* writer) {
     HapticRecord haptic;
     haptic.haptic.tick = record.model.tick;
     if (k >= kInjection + 5 && k < kInjection + 350) at(haptic.haptic.force_I, Arm::kGold) = {0.0, 0.0, 1.5};
-    writer->write(haptic);
+    if (k % made.every == 0) writer->write(haptic);
     ContactRecord contact;
     contact.tick = record.model.tick;
     contact.b = 1;
@@ -354,11 +361,43 @@ TEST_F(SessionScoreTest, JudgesWhatWasDoneAboutAHazard) {
   EXPECT_EQ(score.attempts[0].hazards.size(), 1u);
 }
 
+TEST_F(SessionScoreTest, WhoseClutchesAreLongLetsGoForLonger) {
+  ScoreSettings settings = makeSettings();
+  settings.response.right = {Response::kPedalUp};
+  for (const Tick clutch : {1000, 1100}) {
+    begin();
+    writeFault(writer_.get(), {clutch, 1, 0.010});
+    const HazardResponse response = finish(settings).hazards.at(0).response;
+    EXPECT_EQ(response.verdict, clutch == 1000 ? Verdict::kRight : Verdict::kNone) << "2.1 s";
+  }
+}
+
+TEST_F(SessionScoreTest, AForceThatIsComputedEveryOtherTickIsFeltAllTheSame) {
+  for (const Tick every : {1, 2}) {
+    begin();
+    writeFault(writer_.get(), {0, every, 0.002});
+    const HazardResponse response = finish().hazards.at(0).response;
+    EXPECT_EQ(response.sense, Sense::kForce);
+    EXPECT_NEAR(static_cast<double>(response.cue_after), 5.0, 1.0);
+  }
+}
+
+TEST_F(SessionScoreTest, WhereNothingIsFeltTheRobotIsSeenToPart) {
+  for (const double gap : {0.0029, 0.0031}) {
+    begin();
+    writeFault(writer_.get(), {0, 100'000, gap});
+    const HazardResponse response = finish().hazards.at(0).response;
+    EXPECT_EQ(response.verdict, gap > 0.003 ? Verdict::kRight : Verdict::kNotJudged);
+    EXPECT_EQ(response.cue_after, gap > 0.003 ? kNoticed : -1);
+  }
+}
+
 /** The robot's tip is 10 mm astray for 400 ms, and the hands rest. @param[in] up when the pedal goes up. */
 void writeFaultAnsweredLate(session::LogWriter* writer, Tick up) {
   for (Tick k = 0; k < 20'000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     record.robot.connected = 1;
+    if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
     record.model.pedal = k >= up ? 0 : 1;
     if (k == kInjection || k == kInjection + 400) {
       FaultChangeRecord change;
@@ -374,12 +413,15 @@ void writeFaultAnsweredLate(session::LogWriter* writer, Tick up) {
 TEST_F(SessionScoreTest, AnswersAreLookedForAsLongAsTheyMayTake) {
   ScoreSettings settings = makeSettings();
   settings.response.right = {Response::kPedalUp};
-  for (const double within : {2.0, 8.0}) {
+  for (const double within : {2.0, 5.0, 8.0}) {
     settings.response.within = within;
     begin();
     writeFaultAnsweredLate(writer_.get(), kInjection + 7000);
     const HazardResponse response = finish(settings).hazards.at(0).response;
-    EXPECT_EQ(response.verdict, within > 7.0 ? Verdict::kRight : Verdict::kNone) << within;
+    EXPECT_EQ(response.verdict, within > 7.0   ? Verdict::kRight
+                                : within > 3.5 ? Verdict::kLate
+                                               : Verdict::kNone)
+        << within;
   }
 }
 
@@ -446,6 +488,7 @@ void writeStoppedFault(session::LogWriter* writer, bool by_request, bool by_peda
   for (Tick k = 0; k < 6000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     record.robot.connected = 1;
+    if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGold).p_BT = {0.0, 0.01, 0.0};
     if (by_pedal && k >= kInjection + 600) record.model.pedals = bit(Pedal::kStop);
     if (by_request && k == kInjection + 600) writer->write(makeStop(k));
     if (k == kInjection || k == kInjection + 400) {
@@ -549,6 +592,7 @@ TEST_F(SessionScoreTest, ThePedalThatAnswersIsTheSurgeons) {
   for (Tick k = 0; k < 6000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     record.robot.connected = 1;
+    if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
     record.model.pedal = k < kInjection + 600 ? kSurgeonsPedal : kClientsPedal;
     if (k == kInjection || k == kInjection + 400) {
       FaultChangeRecord change;

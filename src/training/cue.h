@@ -1,0 +1,20 @@
+#pragma once
+
+#include "raven2_trainer/training/hazard_response.h"
+
+namespace raven2_trainer::training {
+
+/** What a surgeon could notice of a hazard first, and when. */
+struct Cue {
+  Tick after{-1};  ///< [1 ms] from the injection; -1 nothing
+  Sense sense{Sense::kNone};
+};
+
+/**
+ * The first that begins in the aftermath and lasts for kNoticed. A force is felt from its beginning; a robot that parts
+ * is seen once it has been apart for that long. Of two at once the force. What was there before begins with the
+ * injection.
+ */
+Cue findCue(const HazardWindow& window);
+
+}  // namespace raven2_trainer::training
