@@ -1,11 +1,14 @@
-"""A session as a ROS bag: the simulator's topics at its rate, from the first pedal down, stamped with the log's own
-clock (monotonic; in lockstep the tick). Topics that the simulator has, too, have its names and types. Needs
+"""A session as a ROS bag: the simulator's topics at its rate, and the faults, from the first pedal down, stamped with the wall
+clock: the log's own (monotonic; in lockstep the tick) from when the session began. Topics that the simulator has, too, have its
+names and types. Needs
 python3-rosbag, Debian's messages and the package's own, imported when a bag is asked for."""
 
+import calendar
 import heapq
 import math
 import os
 import sys
+import time
 
 import numpy as np
 
@@ -41,13 +44,13 @@ def joint_state(message, q, dq, tau, d4):
 class Writer:
     """Messages, each with its own time; `counts` by topic."""
 
-    def __init__(self, bag):
+    def __init__(self, bag, offset):
         import rospy
 
-        self.bag, self.counts, self.time = bag, {}, rospy.Time
+        self.bag, self.counts, self.time, self._offset = bag, {}, rospy.Time, offset
 
     def put(self, topic, message, nanoseconds, frame=""):
-        stamp = self.time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
+        stamp = self.time(*divmod(nanoseconds + self._offset, 1_000_000_000))
         if hasattr(message, "header"):
             message.header.stamp, message.header.frame_id = stamp, frame
         for transform in getattr(message, "transforms", ()):
@@ -195,6 +198,34 @@ def _events(facts, messages):
         yield ("/exercise/events", message, int(model["time_ns"][facts.index(at)]))
 
 
+def _faults(facts, messages):
+    """Each row of the scenario as it begins and ends, by faults.json; at the tick in which the daemon knew it."""
+    model = facts.series.ticks["model"]
+    for injection in facts.session.faults.get("injections", []):
+        for acts, moment in ((True, injection["inject"]), (False, injection["clear"])):
+            if moment.get("tick") is None:
+                continue
+            message = messages.FaultChange()
+            message.scenario, message.acts, message.tick = injection["name"], acts, moment["tick"]
+            message.cycle = -1 if moment.get("cycle") is None else moment["cycle"]
+            message.channel = -1
+            for what in ("row", "host", "site", "variable", "arm", "channel", "kind", "value"):
+                if injection.get(what) is not None:
+                    setattr(message, what, injection[what])
+            i = min(int(np.searchsorted(model["session_tick"], moment["tick"])), len(model) - 1)
+            yield ("/faults", message, int(model["time_ns"][i]))
+
+
+def wall_clock_of(facts):
+    """[ns] The wall clock less the log's own, to a second: the session's start is told in seconds."""
+    started = facts.meta.get("start_time_utc")
+    if not started:
+        print("meta.json has no start_time_utc: the bag's stamps are the log's own clock", file=sys.stderr)
+        return 0
+    begin = calendar.timegm(time.strptime(started, "%Y-%m-%dT%H:%M:%SZ"))
+    return begin * 1_000_000_000 - int(facts.log.ticks["model"]["time_ns"][0])
+
+
 def _find_own_messages():
     """Where the environment is not set up, those of the build folder beside the scripts."""
     try:
@@ -209,12 +240,13 @@ class _Messages:
     def __init__(self):
         _find_own_messages()
         from geometry_msgs.msg import PoseStamped, TransformStamped, WrenchStamped
-        from raven2_trainer.msg import ConfigurationHash, ExerciseEventStamped, SessionConfiguration, TrainerMode
+        from raven2_trainer.msg import (ConfigurationHash, ExerciseEventStamped, FaultChange, SessionConfiguration,
+                                        TrainerMode)
         from sensor_msgs.msg import JointState, Joy
         from tf2_msgs.msg import TFMessage
 
         for kind in (PoseStamped, TransformStamped, WrenchStamped, ConfigurationHash, ExerciseEventStamped,
-                     SessionConfiguration, TrainerMode, JointState, Joy, TFMessage):
+                     FaultChange, SessionConfiguration, TrainerMode, JointState, Joy, TFMessage):
             setattr(self, kind.__name__, kind)
 
 
@@ -224,9 +256,10 @@ def write(facts, path):
 
     messages = _Messages()
     with rosbag.Bag(path, "w", compression="bz2") as bag:
-        writer = Writer(bag)
+        writer = Writer(bag, wall_clock_of(facts))
         # In order of time: a reader sorts by time, and decompresses a chunk again each time that it comes back to it.
-        parts = (part(facts, messages) for part in (_configuration, _frames, _ticks, _forces, _mode, _pedal, _events))
+        parts = (part(facts, messages) for part in (_configuration, _frames, _ticks, _forces, _mode, _pedal, _events,
+                                                    _faults))
         for message in heapq.merge(*parts, key=lambda message: message[2]):
             writer.put(*message)
     return writer.counts

@@ -1,5 +1,6 @@
 """export_session --format jigsaws and rosbag (scripts/export_dataset): read back with readers of others, compared
 with the log. The transformations here are written down anew, from core/frames.h, config/arms.yaml and raven2.md."""
+import datetime
 import json
 import math
 import os
@@ -37,7 +38,7 @@ def simulated(tmp_path_factory):
     """Five seconds of moving arms with turned masters: the scripted expert on its way to the ring."""
     output = tmp_path_factory.mktemp("export") / "a session"
     done = subprocess.run([PROGRAMS / "simulate", "--motion", "expert", "--exercise", "pick_hand_over_place",
-                           "--seconds", "5", "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)
+                           "--hazard", "sudden_jump", "--seconds", "9", "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return output
 
@@ -143,16 +144,30 @@ def test_labels_are_the_exercise_s_steps_in_frames_from_one(tmp_path):
 
 
 @pytest.fixture(scope="module", name="bag")
-def read_bag(directory, tmp_path_factory):
-    """{topic: [(message, stamp)]}."""
+def read_bag(directory, log, tmp_path_factory):
+    """{topic: [(message, stamp)]}, stamps by the log's clock."""
     rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
     path = tmp_path_factory.mktemp("bag") / "its.bag"
     export(directory, "rosbag", "--output", path)
-    found = {}
+    found, offset = {}, began(directory) - int(log.ticks["model"]["time_ns"][0])
+
+    def by_the_log(stamp):
+        return type(stamp)(0, stamp.to_nsec() - offset)
+
     with rosbag.Bag(str(path)) as bag:
         for topic, message, stamp in bag.read_messages():
-            found.setdefault(topic, []).append((message, stamp.to_nsec()))
+            assert 0 <= stamp.to_nsec() - began(directory) < 30e9, "the wall clock"
+            for stamped in [message, *getattr(message, "transforms", ())]:
+                if hasattr(stamped, "header"):
+                    stamped.header.stamp = by_the_log(stamped.header.stamp)
+            found.setdefault(topic, []).append((message, by_the_log(stamp).to_nsec()))
     return found
+
+
+def began(directory):
+    """[ns] since 1970."""
+    start = json.loads((directory / "meta.json").read_text())["start_time_utc"]
+    return int(datetime.datetime.strptime(start, "%Y-%m-%dT%H:%M:%S%z").timestamp()) * 1_000_000_000
 
 
 def stamps(entries):
@@ -235,6 +250,20 @@ def test_changes_of_pedal_and_mode_and_events_are_told(bag, ticks, log, director
         assert message.value == event["value"] and message.force == event["force"]
 
 
+@built
+def test_a_bag_has_the_faults_as_they_begin_and_end(bag, ticks, directory):
+    (injection,) = json.loads((directory / "faults.json").read_text())["injections"]
+    begin, end = (m for m, _ in bag["/faults"])
+    for message, when, acts in ((begin, injection["inject"], True), (end, injection["clear"], False)):
+        assert (message.scenario, message.row, message.acts, message.host) == ("sudden_jump", 0, acts, "robot")
+        assert (message.site, message.variable, message.arm, message.kind, message.value) == (
+            "put_usb_packet", "dac", "gold", "stuck_at", 800.0)
+        assert (message.channel, message.tick, message.cycle) == (0, when["tick"], when["cycle"])
+        (at,) = ticks[ticks["session_tick"] == when["tick"]]
+        assert message.header.stamp.to_nsec() == at["time_ns"]
+    assert end.tick - begin.tick == 300
+
+
 def daemon_types():
     """{topic: type} of what the daemon's code advertises by name; its own messages are named without the package."""
     found = {}
@@ -248,7 +277,7 @@ def daemon_types():
 def test_topics_that_the_daemon_has_too_have_its_names_and_types(bag):
     published = daemon_types()
     assert published["/mode"] == "raven2_trainer/TrainerMode" and published["/tf_static"] == "tf2_msgs/TFMessage"
-    own = {"/model/gold/measured_cp", "/model/green/measured_cp", "/console/pedal"}
+    own = {"/model/gold/measured_cp", "/model/green/measured_cp", "/console/pedal", "/faults"}
     assert set(bag) - own <= set(published), "a topic by a name that nobody listens to"
     for topic in set(bag) - own:
         assert {m._type for m, _ in bag[topic]} == {published[topic]}, topic
