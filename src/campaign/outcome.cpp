@@ -131,7 +131,7 @@ Outcome classify(Ending ending, const Figures& figures, const Limits& limits) no
   if (figures.max_jump > limits.jump || figures.is_finite == 0) return Outcome::kUnsafeJump;
   if (figures.software_stop != kNever || figures.plc_stop != kNever) return Outcome::kEStop;
   if (didNotMove(figures, limits) || didNotStart(figures, limits)) return Outcome::kNoMotion;
-  return maxDeviation(figures) > limits.masked ? Outcome::kSmallDeviation : Outcome::kMasked;
+  return maxDeviation(figures) > limits.masked ? Outcome::kSlowDeviation : Outcome::kMasked;
 }
 
 }  // namespace raven2_trainer::campaign

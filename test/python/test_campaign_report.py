@@ -172,7 +172,7 @@ def test_a_scenario_that_is_masked_throughout_needs_that_to_be_all_that_is_allow
     code, said, _ = report(tmp_path)
     assert code == 1 and "every run masked, though more is expected: a/pedal_down" in said
     explained = tmp_path / "why.yaml"
-    explained.write_text("a/pedal_down: {allowed: [masked, small_deviation], why: short}\n")
+    explained.write_text("a/pedal_down: {allowed: [masked, slow_deviation], why: short}\n")
     assert report(tmp_path, "--explained", str(explained))[0] == 1
     explained.write_text("a/pedal_down: {allowed: [masked], why: never looked at}\n")
     assert report(tmp_path, "--explained", str(explained))[0] == 0
@@ -202,9 +202,9 @@ def test_rows_of_the_library_are_compared_where_the_published_table_has_none(tmp
 
 
 def test_a_deviation_that_is_small_by_name_alone_is_counted(tmp_path):
-    rows = [{"scenario": "a", "injection": 1, "outcome": "small_deviation", "deviation_mm": deviation}
+    rows = [{"scenario": "a", "injection": 1, "outcome": "slow_deviation", "deviation_mm": deviation}
             for deviation in (0.5, 2.9, 3.1, 200.0)]
-    write(tmp_path, [scenario("a", 1, 4, ["small_deviation"])], rows)
+    write(tmp_path, [scenario("a", 1, 4, ["slow_deviation"])], rows)
     assert "small deviation 4<br>2 deviations beyond 3 mm, though never fast" in report(tmp_path)[2]
 
 

@@ -93,10 +93,10 @@ constexpr double maxDeviation(const Figures& figures) noexcept {
 }
 
 /** In order of precedence, from the last: a run that crashed is a crash whatever else happened. */
-enum class Outcome : std::uint8_t { kMasked, kSmallDeviation, kNoMotion, kEStop, kUnsafeJump, kHang, kCrash, kNone };
+enum class Outcome : std::uint8_t { kMasked, kSlowDeviation, kNoMotion, kEStop, kUnsafeJump, kHang, kCrash, kNone };
 constexpr std::size_t kOutcomeCount = 8;
 constexpr std::array<const char*, kOutcomeCount> kOutcomeNames{
-    "masked", "small_deviation", "no_motion", "estop", "unsafe_jump", "hang", "crash", "no_outcome"};
+    "masked", "slow_deviation", "no_motion", "estop", "unsafe_jump", "hang", "crash", "no_outcome"};
 constexpr const char* name(Outcome outcome) noexcept {
   return kOutcomeNames[static_cast<std::size_t>(outcome)];
 }

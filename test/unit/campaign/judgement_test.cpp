@@ -82,7 +82,7 @@ TEST_F(Judging, AnOutcomeThatWasNotPublishedNeedsAnExplanation) {
 TEST_F(Judging, AScenarioOfWhichEveryRunIsMaskedDoesNothingUnlessThatIsAllThatIsAllowed) {
   for (const std::uint32_t run : {1, 2, 3})
     set(run, {Ending::kComplete, acted()});
-  const Explanations wide{{"jumps/pedal_down", {{"masked", "small_deviation"}, "too short to be seen"}}};
+  const Explanations wide{{"jumps/pedal_down", {{"masked", "slow_deviation"}, "too short to be seen"}}};
   EXPECT_EQ(inWords(judged(wide)), "every run masked, though more is expected: jumps/pedal_down\n");
   EXPECT_FALSE(judged(wide).isGood());
   EXPECT_TRUE(judged({{"jumps/pedal_down", {{"masked"}, "a weak motor"}}}).isGood());
@@ -91,7 +91,7 @@ TEST_F(Judging, AScenarioOfWhichEveryRunIsMaskedDoesNothingUnlessThatIsAllThatIs
 }
 
 TEST_F(Judging, AScenarioOfWhichAnyOneRunIsMaskedDoesSomething) {
-  const Explanations wide{{"jumps/pedal_down", {{"masked", "small_deviation"}, "too short to be seen"}}};
+  const Explanations wide{{"jumps/pedal_down", {{"masked", "slow_deviation"}, "too short to be seen"}}};
   for (const std::uint32_t run : {1, 2, 3}) {
     set(run, {Ending::kComplete, acted()});
     EXPECT_EQ(inWords(judged(wide)), "") << run;

@@ -67,8 +67,8 @@ TEST(Classify, ADeviationIsSmallFromJustOverTheMaskedOne) {
     return outcomeOf([by](int since, Sample* s) { s->p_BT[1][2] += std::min(1e-5 * since, by); });
   };
   EXPECT_EQ(shifted(0.999e-4), Outcome::kMasked);
-  EXPECT_EQ(shifted(1.001e-4), Outcome::kSmallDeviation);
-  EXPECT_EQ(shifted(0.02), Outcome::kSmallDeviation) << "far, but never fast: 10 mm/s against the golden run";
+  EXPECT_EQ(shifted(1.001e-4), Outcome::kSlowDeviation);
+  EXPECT_EQ(shifted(0.02), Outcome::kSlowDeviation) << "far, but never fast: 10 mm/s against the golden run";
 }
 
 TEST(Classify, AJumpIsMoreThanOneMillimetreInTwoTicks) {
@@ -77,12 +77,12 @@ TEST(Classify, AJumpIsMoreThanOneMillimetreInTwoTicks) {
   };
   EXPECT_EQ(stepped(0.0011, 0.0011), Outcome::kUnsafeJump) << "in one tick";
   EXPECT_EQ(stepped(0.0006, 0.0011), Outcome::kUnsafeJump) << "in two";
-  EXPECT_EQ(stepped(0.0005, 0.00099), Outcome::kSmallDeviation);
+  EXPECT_EQ(stepped(0.0005, 0.00099), Outcome::kSlowDeviation);
 }
 
 TEST(Classify, AsManyMillimetresInThreeTicksAreNoJump) {
   EXPECT_EQ(outcomeOf([](int since, Sample* s) { s->p_BT[0][1] += 0.0004 * std::min(since, 3); }),
-            Outcome::kSmallDeviation);
+            Outcome::kSlowDeviation);
 }
 
 TEST(Comparison, TheJumpIsTimedFromTheInjection) {
@@ -139,7 +139,7 @@ TEST(Classify, ARobotThatHomesAndNeverStartsDidNotMove) {
   EXPECT_EQ(outcome(stuck), Outcome::kNoMotion) << "though its tips homed, 4 mm each";
   EXPECT_EQ(outcome(homed(RunLevel::kPedalUp, RunLevel::kPedalDown)), Outcome::kNoMotion) << "the PLC has the brakes";
   EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalUp)), Outcome::kNoMotion);
-  EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalDown)), Outcome::kSmallDeviation) << "it started";
+  EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalDown)), Outcome::kSlowDeviation) << "it started";
 }
 
 TEST(Classify, ARobotThatRunsAwayInsteadOfStartingMoved) {
@@ -148,7 +148,7 @@ TEST(Classify, ARobotThatRunsAwayInsteadOfStartingMoved) {
     s->plc = s->software = RunLevel::kInit;
   });
   EXPECT_EQ(figures.started, 0);
-  EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kSmallDeviation);
+  EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kSlowDeviation);
 }
 
 TEST(Classify, ARunThatEndsBeforeItsGoldenOneStartsIsNotHeldToIt) {
@@ -172,7 +172,7 @@ TEST(Classify, AnArmThatStaysWhereItWasDidNotMove) {
     });
   };
   EXPECT_EQ(coasting(0.00099), Outcome::kNoMotion);
-  EXPECT_EQ(coasting(0.00101), Outcome::kSmallDeviation);
+  EXPECT_EQ(coasting(0.00101), Outcome::kSlowDeviation);
 }
 
 TEST(Classify, WhereOneArmStandsAndTheOtherGoesAstrayTheRobotMoved) {
@@ -184,7 +184,7 @@ TEST(Classify, WhereOneArmStandsAndTheOtherGoesAstrayTheRobotMoved) {
     });
   };
   EXPECT_EQ(astray(0.99e-4), Outcome::kNoMotion);
-  EXPECT_EQ(astray(1.01e-4), Outcome::kSmallDeviation);
+  EXPECT_EQ(astray(1.01e-4), Outcome::kSlowDeviation);
 }
 
 TEST(Classify, AnArmThatHadLittleToDoMayStandToo) {
@@ -346,13 +346,13 @@ TEST_P(EitherTip, ThatRunsAwayInsteadOfStartingMoved) {
     s->plc = s->software = RunLevel::kInit;
   });
   EXPECT_EQ(figures.started, 0);
-  EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kSmallDeviation);
+  EXPECT_EQ(classify(Ending::kComplete, figures, kLimits), Outcome::kSlowDeviation);
 }
 
 TEST_P(EitherTip, ThatStaysIsNoMotionIfItsOwnGoldenOneWentFar) {
   const auto stays = [&](int, Sample* s) { s->p_BT[arm()] = goldenAt(0).p_BT[arm()]; };
   EXPECT_EQ(outcomeWith(1.0, 0.0, stays), Outcome::kNoMotion) << "8 mm, the other one rests";
-  EXPECT_EQ(outcomeWith(0.3, 1.0, stays), Outcome::kSmallDeviation) << "2.4 mm: moved is 3, whatever the other did";
+  EXPECT_EQ(outcomeWith(0.3, 1.0, stays), Outcome::kSlowDeviation) << "2.4 mm: moved is 3, whatever the other did";
 }
 
 TEST_P(EitherTip, ThatStaysIsNoMotionOnlyWhileTheOtherIsWithItsGoldenOne) {
@@ -363,7 +363,7 @@ TEST_P(EitherTip, ThatStaysIsNoMotionOnlyWhileTheOtherIsWithItsGoldenOne) {
     };
   };
   EXPECT_EQ(outcomeWith(1.0, 1.0, astray(0.99e-4)), Outcome::kNoMotion);
-  EXPECT_EQ(outcomeWith(1.0, 1.0, astray(1.01e-4)), Outcome::kSmallDeviation);
+  EXPECT_EQ(outcomeWith(1.0, 1.0, astray(1.01e-4)), Outcome::kSlowDeviation);
 }
 
 TEST_P(EitherTip, HasAForceOfItsOwnGoldenOneToCompareWith) {
