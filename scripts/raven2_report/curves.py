@@ -8,9 +8,11 @@ from raven2_report.facts import MAX_FILE, load_score, load_small
 from raven2_report.scorecard import judged
 from raven2_report.text import esc, is_number, table, words
 
-MOST_METRICS = 12
-MARKS = {True: ("circle", drawing.GOOD), False: ("cross", drawing.BAD), None: ("square", drawing.SOFT)}
-FIRST = ("time", "path", "economy", "sparc", "wire_touches", "collisions", "drops", "peak_force", "idle", "clutches",
+ANSWER = "hazard_response"
+FIRST = ("time", ANSWER)  # of all curves
+SHAPES = {True: "circle", False: "cross", None: "square"}  # of an attempt, by what it was judged
+COLOURS = {True: drawing.GOOD, False: drawing.BAD, None: drawing.SOFT}  # of a figure, by its limit
+USUAL = ("path", "economy", "sparc", "wire_touches", "collisions", "drops", "peak_force", "idle", "clutches",
          "out_of_view", "bimanual")  # shown where nothing is judged
 
 
@@ -22,20 +24,35 @@ class Point:
         self.metrics = {name: value for name, value in metrics.items() if is_number(value)}
 
 
-def _values(metrics):
-    return {name: m.get("value") for name, m in metrics.items() if isinstance(m, dict)}
+def _values(attempt):
+    """Also the time from the cue to the right answer, as training/score.h has it (`firstAnswer`)."""
+    values = {name: m.get("value") for name, m in attempt["metrics"].items() if isinstance(m, dict)}
+    for hazard in attempt.get("hazards", []):
+        answer = hazard.get("deciding") if isinstance(hazard, dict) else None
+        if isinstance(answer, dict) and hazard.get("verdict") in ("right", "late") and is_number(hazard.get("cue_after_ms")):
+            values[ANSWER] = 0.001 * (answer["after_ms"] - hazard["cue_after_ms"])
+            break
+    return values
 
 
 def points_of_session(directory, task):
-    """Attempts of a scored session at that task (exercise, drill, trainee); None if it is another one or unscored."""
+    """(attempts, "") of a scored session at that task (exercise, drill, trainee); (None, why not) of another one."""
     score, _ = load_score(directory)
-    if not score or _task(score) != task:
-        return None
+    why = _difference(_task(score), task) if score else "no score"
+    if why:
+        return None, why
     meta = load_small(os.path.join(directory, "meta.json"), json.load)
     start = str(meta.get("start_time_utc", "")) if isinstance(meta, dict) else ""
     name = os.path.basename(os.path.abspath(directory))
-    return [Point(name, start, str(a.get("status", "")), a.get("passed"), _values(a["metrics"]))
-            for a in score["attempts"]]
+    return [Point(name, start, str(a.get("status", "")), a.get("passed"), _values(a)) for a in score["attempts"]], ""
+
+
+def _difference(its, ours):
+    """What makes it another task, the weightiest first; empty: it is the same."""
+    for what, one, other in zip(("exercise", "drill", "trainee"), its, ours):
+        if one != other:
+            return f"another {what}, {words(one)}" if one else f"no {what}"
+    return ""
 
 
 def _task(entry):
@@ -56,20 +73,20 @@ def points_of_index(path, task):
 
 
 def collect(facts, others):
-    """Attempts in order of time, and the names of directories left out: other tasks, or no score.
+    """Attempts in order of time, and the directories left out: name to reason.
 
     Of the directories given and, if the session has a trainee, of the index.json beside it."""
     if not facts.score:
-        return [], [os.path.basename(os.path.abspath(d)) for d in others]
+        return [], {os.path.basename(os.path.abspath(d)): "the session that is told has no score" for d in others}
     task = _task(facts.score)
     parent = os.path.dirname(os.path.abspath(facts.session.directory))
     found = points_of_index(os.path.join(parent, "index.json"), task) if task[2] and task[0] else {}
-    left_out = []
+    left_out = {}
     for directory in [*others, facts.session.directory]:
-        points = points_of_session(directory, task)
+        points, why = points_of_session(directory, task)
         name = os.path.basename(os.path.abspath(directory))
         if points is None:
-            left_out.append(name)
+            left_out[name] = why
         else:
             found[name] = points
     order = sorted(found.values(), key=lambda points: (points[0].start, points[0].session) if points else ("", ""))
@@ -91,25 +108,27 @@ def section(facts, others):
                      "sessions, and "
                      "the trainee's <code>index.json</code> is read where there is one.</p>")
     if left_out:
-        parts.append('<p class="sub">Left out, because they are another task or have no score: '
-                     f'{esc(", ".join(left_out))}.</p>')
+        parts.append(f'<p class="sub">Left out: {esc("; ".join(f"{name} ({why})" for name, why in left_out.items()))}.</p>')
     return "".join(parts)
 
 
 def _names(facts, points):
-    """Judged metrics, those out of the band first; else the usual ones that were measured."""
-    names = [name for name, _ in judged(facts)] or [n for n in FIRST if any(n in p.metrics for p in points)]
-    return names[:MOST_METRICS]
+    """All judged metrics, time and the answer to the hazard first, then those out of the band; where nothing is judged the usual
+    ones that were measured."""
+    names = [name for name, _ in judged(facts)] or [n for n in USUAL if any(n in p.metrics for p in points)]
+    first = [name for name in FIRST if any(name in p.metrics for p in points)]
+    return first + [name for name in names if name not in first]
 
 
 def _key():
-    entries = [("passed", drawing.GOOD, "circle"), ("not passed", drawing.BAD, "cross"),
-               ("not judged", drawing.SOFT, "square"), ("within the band", "#d9dee4", "area")]
+    entries = [("attempt passed", drawing.SOFT, "circle"), ("attempt not passed", drawing.SOFT, "cross"),
+               ("not judged", drawing.SOFT, "square"), ("green: within the limit", drawing.GOOD, "area"),
+               ("red: beyond it", drawing.BAD, "area"), ("what passes", "#d9dee4", "area")]
     return drawing.svg(1000, 24, drawing.legend(4, 16, entries, 12.5), "Legend", "key")
 
 
 def _small(facts, name, points):
-    metric = facts.attempt["metrics"].get(name, {})
+    metric = _answer_metric(facts) if name == ANSWER else facts.attempt["metrics"].get(name, {})
     values = [(i, p.metrics[name], p) for i, p in enumerate(points, 1) if name in p.metrics]
     limit = metric.get("limit")
     numbers = [v for _, v, _ in values] + ([limit] if is_number(limit) else [])
@@ -127,11 +146,20 @@ def _small(facts, name, points):
     parts.append(panel.curve([i for i, _, _ in values], [v for _, v, _ in values], drawing.SOFT, 1.3))
     for i, value, point in values:
         good = _within(metric, value) if is_number(limit) else point.passed
-        shape, colour = MARKS.get(good, MARKS[None])
-        parts.append(drawing.mark(panel.to_x(i), panel.to_y(value), shape, colour,
+        parts.append(drawing.mark(panel.to_x(i), panel.to_y(value), SHAPES.get(point.passed, "square"),
+                                  COLOURS.get(good, drawing.SOFT),
                                   f"{point.session}: {metric_words.figure(name, metric, value)}", 4.5))
+    for i, point in enumerate(points, 1):  # that failed before there was anything to measure
+        if point.passed is False and name not in point.metrics:
+            parts.append(drawing.mark(panel.to_x(i), panel.y + panel.height, "cross", drawing.BAD,
+                                      f"{point.session}: not passed, not measured", 4.5))
     parts.append(panel.x_axis("attempt", min(len(points), 6), 11, lambda v: f"{v:g}" if float(v).is_integer() else ""))
     return f"<figure>{drawing.svg(320, 190, ''.join(parts), f'{words(name)} over the attempts')}</figure>"
+
+
+def _answer_metric(facts):
+    within = (facts.score.get("response_rule") or {}).get("within_s")
+    return {"unit": "s", "better": "lower", **({"limit": within} if is_number(within) else {})}
 
 
 def _within(metric, value):

@@ -10,6 +10,7 @@ class Words:
         self.title, self.meaning, self.advice, self.digits, self.said = title, meaning, advice, digits, said
 
 
+ANSWER = Words("Answer to the hazard", "from the cue to the answer that was right", "", 2)  # a curve, and no metric
 WORDS = {
     "time": Words("Time", "from the exercise's beginning to its end, without pauses",
                   "Plan the next grip while the hand still moves; do without detours."),
@@ -101,7 +102,7 @@ def response(name):
 
 def words_of(name):
     """Also of a metric that this program does not know."""
-    known = WORDS.get(name)
+    known = ANSWER if name == "hazard_response" else WORDS.get(name)
     return known if known else Words(str(name).replace("_", " ").capitalize(), "", "", 2)
 
 

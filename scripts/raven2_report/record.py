@@ -64,7 +64,7 @@ def build(facts, others):
         "curve": [{"session": p.session, "start_time_utc": p.start, "status": p.status, "passed": p.passed,
                    "metrics": p.metrics}
                   for p in points],
-        "left_out": left_out,
+        "left_out": list(left_out),
     }
 
 

@@ -92,6 +92,7 @@ training::IndexAttempt describeBriefly(const training::AttemptScore& attempt) {
   for (const training::MetricScore& metric : attempt.metrics) {
     if (metric.metric.value) brief.metrics[metric.metric.name] = *metric.metric.value;
   }
+  if (const auto answer = training::firstAnswer(attempt.hazards)) brief.metrics[training::kHazardMetric] = *answer;
   return brief;
 }
 

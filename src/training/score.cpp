@@ -229,6 +229,14 @@ void conclude(AttemptScore* score) {
 
 }  // namespace
 
+std::optional<double> firstAnswer(const std::vector<HazardScore>& hazards) {
+  for (const HazardScore& hazard : hazards) {
+    const HazardResponse& r = hazard.response;
+    if (r.verdict == Verdict::kRight || r.verdict == Verdict::kLate) return toSeconds(r.deciding.after - r.cue_after);
+  }
+  return std::nullopt;
+}
+
 std::vector<Metric> listMetrics(const MotionMetrics& motion, const AttemptOutcome& outcome, const Economy& economy) {
   std::vector<Metric> metrics;
   listEfficiency(motion, economy, &metrics);

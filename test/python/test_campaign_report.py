@@ -201,11 +201,11 @@ def test_rows_of_the_library_are_compared_where_the_published_table_has_none(tmp
     assert verdicts(page) == ["UNEXPLAINED"] and "row 1" in page and "1 of 2" in page
 
 
-def test_a_deviation_that_is_small_by_name_alone_is_counted(tmp_path):
+def test_a_slow_deviation_that_goes_far_is_counted(tmp_path):
     rows = [{"scenario": "a", "injection": 1, "outcome": "slow_deviation", "deviation_mm": deviation}
             for deviation in (0.5, 2.9, 3.1, 200.0)]
     write(tmp_path, [scenario("a", 1, 4, ["slow_deviation"])], rows)
-    assert "small deviation 4<br>2 deviations beyond 3 mm, though never fast" in report(tmp_path)[2]
+    assert "slow deviation 4<br>2 deviations beyond 3 mm, though never fast" in report(tmp_path)[2]
 
 
 def test_what_is_no_campaign_is_refused(tmp_path):

@@ -312,11 +312,42 @@ def test_several_sessions_make_a_learning_curve_in_order_of_time(tmp_path):
 
 
 def test_another_exercise_is_left_out_and_named(tmp_path):
-    first, second, third = series_of_sessions(tmp_path)
-    other = made.score(exercise="peg_transfer")
-    (first / "score.json").write_text(json.dumps(other))
-    _, record, _ = report(first, second, third)
-    assert [p["session"] for p in record["curve"]] == ["day1", "day2"] and record["left_out"] == ["day0"]
+    for what, other, why in (("a", made.score(exercise="peg_transfer"), "another exercise, peg transfer"),
+                             ("b", {**made.score(), "trainee": "ben"}, "another trainee, ben"),
+                             ("c", {**made.score(), "drill": None}, "no drill")):
+        first, second, third = series_of_sessions(tmp_path / what)
+        (first / "score.json").write_text(json.dumps(other))
+        page, record, _ = report(first, second, third)
+        assert [p["session"] for p in record["curve"]] == ["day1", "day2"] and record["left_out"] == ["day0"]
+        assert f"Left out: day0 ({why})." in page
+
+
+def curve_of(page):
+    shown = page[page.index('id="curve"'):page.index('id="engineering"')]
+    return re.findall(r'aria-label="([^"]+) over the attempts"', shown), shown
+
+
+def test_a_curve_has_all_that_is_judged_time_and_the_answer_to_the_hazard_first(tmp_path):
+    values = {f"metric_{i:02d}": made.metric(1.0, 1.0, 0.1, 1.2) for i in range(15)} | {"time": made.metric(2.0, 2.0, 0.1, 2.5)}
+    folders = [made.make(tmp_path / f"day{i}", made.score(True, values=values, hazards=[made.hazard(after=200 + 100 * i)]),
+                         f"2026-01-0{i + 1}T10:00:00Z") for i in range(2)]
+    names, shown = curve_of(report(*folders)[0])
+    assert names[:2] == ["time", "hazard response"] and len(names) == 17
+    assert "day0: 0.19 s" in shown and "day1: 0.29 s" in shown, "from the cue, 12 ms behind the injection"
+
+
+def test_attempts_that_failed_look_failed_whatever_their_figures(tmp_path):
+    values = {"time": made.metric(2.0, 2.0, 0.1, 2.5)}
+    broken = made.score(False, status="failed", failure="broke_off", values={"time": made.metric(None, 2.0, 0.1, None)})
+    scores = [broken, broken, made.score(False, values=values), made.score(True, values=values)]
+    folders = [made.make(tmp_path / f"day{i}", score, f"2026-01-0{i + 1}T10:00:00Z") for i, score in enumerate(scores)]
+    _, shown = curve_of(report(*folders)[0])
+    figure = shown[shown.index('aria-label="time over the attempts"'):].split("</figure>")[0]
+    assert re.findall(r"<title>(day\d: [^<]*)</title>", figure).count("day0: not passed, not measured") == 1
+    assert figure.count("not passed, not measured") == 2
+    shapes = {day: "circle" if "A" in path else "cross"
+              for path, day in re.findall(r'<path d="([^"]*)"[^>]*><title>(day\d): 2.0 s</title>', figure)}
+    assert shapes == {"day2": "cross", "day3": "circle"}
 
 
 def test_the_trainee_s_index_makes_the_curve_without_asking(tmp_path):

@@ -77,7 +77,10 @@ struct AttemptScore {
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
 };
 
-constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve
+constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::improve, and in index.json
+
+/** [s] From the cue to the answer, of the first hazard that was answered rightly, late or not; nothing: none was. */
+std::optional<double> firstAnswer(const std::vector<HazardScore>& hazards);
 
 /**
  * An attempt passes if the exercise was done, every scored metric that was measured lies within its limit (none makes

@@ -257,6 +257,19 @@ TEST(Score, AHazardThatIsNotAnsweredRightlyFailsAndComesFirst) {
   }
 }
 
+TEST(Score, TheFirstRightAnswerIsTimedFromItsCue) {
+  std::vector<HazardScore> hazards;
+  for (const Verdict verdict : {Verdict::kNotJudged, Verdict::kWrong, Verdict::kLate, Verdict::kRight}) {
+    hazards.push_back(makeHazard(verdict));
+    hazards.back().response.cue_after = 100;
+    hazards.back().response.deciding = {Response::kPedalUp, 500 + 1000 * static_cast<Tick>(verdict)};
+  }
+  EXPECT_EQ(firstAnswer({}), std::nullopt);
+  EXPECT_EQ(firstAnswer({hazards[0], hazards[1]}), std::nullopt);
+  EXPECT_NEAR(firstAnswer(hazards).value(), 2.4, 1e-12);
+  EXPECT_NEAR(firstAnswer({hazards[3]}).value(), 1.4, 1e-12);
+}
+
 TEST(Score, AHazardThatNobodyCouldNoticeNeitherPassesNorFails) {
   const Band band = makeBand();
   AttemptOutcome outcome = makeOutcome();
