@@ -1,6 +1,7 @@
 // The daemon on the surgeon's console host: nominal model, haptic cue, relay, faults, planner, pictures, record, ROS.
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <string>
 
 #include "apps/common/command_line.h"
@@ -63,6 +64,7 @@ int run(const apps::CommonOptions& common,
   Simulator simulator(config, options);
   ros_bridge::RosBridge bridge(&simulator);
   ros_bridge::Supervisor ros(argc, argv, kNode, &bridge);
+  std::fprintf(stderr, "session: %s\n", apps::describeSession(config, options.motion).c_str());
   ros.start();
   simulator.start();
   const bool good = watch(simulator, options.duration);

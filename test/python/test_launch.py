@@ -1,4 +1,4 @@
-"""launch/training.launch: what its arguments make of the programs' command lines. Nothing is started."""
+"""training.launch and hardware.launch: what their arguments make of the programs' command lines. Nothing is started."""
 
 import os
 
@@ -7,6 +7,7 @@ import pytest
 roslaunch_config = pytest.importorskip("roslaunch.config")
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "launch", "training.launch")
+HARDWARE = os.path.join(os.path.dirname(LAUNCH), "hardware.launch")
 
 
 @pytest.fixture(autouse=True)
@@ -16,12 +17,17 @@ def fixture_package(monkeypatch):
     monkeypatch.setenv("HOME", "/nowhere")
 
 
-def options(*arguments):
+def options(*arguments, more=()):
     """Of each node: {option: value}."""
-    loaded = roslaunch_config.load_config_default([(LAUNCH, list(arguments))], None, verbose=False)
+    seen = nodes(LAUNCH, *arguments)
+    assert set(seen) == {"virtual_raven", "master_console", "simulator", *more}
+    return seen
+
+
+def nodes(launch, *arguments):
+    loaded = roslaunch_config.load_config_default([(launch, list(arguments))], None, verbose=False)
     assert not loaded.config_errors
-    words = {node.type: node.args.split() for node in loaded.nodes}
-    assert set(words) == {"virtual_raven", "master_console", "simulator"}
+    words = {node.type: [word for word in node.args.split() if word != "--strict"] for node in loaded.nodes}
     return {name: dict(zip(w[::2], w[1::2])) for name, w in words.items()}
 
 
@@ -145,3 +151,38 @@ def test_rviz_shows_model_and_robot_by_the_prefixes_of_their_frames():
     robots = [shown for shown in displays() if shown["Class"] == "rviz/RobotModel"]
     assert [shown["TF Prefix"] for shown in robots] == ["model", "robot"]
     assert robots[1]["Alpha"] < 0.5 < robots[0]["Alpha"]
+
+
+@pytest.mark.parametrize("trainee", ["tim", "007", "1e3"])
+def test_trainee_and_curriculum_reach_all_programs(trainee):
+    for seen in (options(f"trainee:={trainee}", "curriculum:=frs_basics", "exercise:=peg_transfer"),
+                 nodes(HARDWARE, "robot_host:=10.0.0.2", f"trainee:={trainee}", "curriculum:=frs_basics")):
+        assert all((of["--trainee"], of["--curriculum"]) == (trainee, "frs_basics") for of in seen.values()), seen
+    assert all("--trainee" not in of and "--curriculum" not in of for of in options().values())
+
+
+def test_scripted_hands_react_if_asked_to():
+    assert options("reaction:=400")["master_console"]["--reaction"] == "400"
+    assert options()["master_console"]["--reaction"] == "none"
+    assert nodes(HARDWARE, "robot_host:=10.0.0.2", "console:=true", "reaction:=250")["master_console"]["--reaction"] == "250"
+    assert "--reaction" not in options("master:=omni_pair", "reaction:=400")["master_console"]
+
+
+def test_a_bad_link_stands_between_console_and_daemon():
+    seen = options("impair:=net_delay_2", "motion:=expert", "master_port:=4000", more=["impair"])
+    assert (seen["simulator"]["--master-port"], seen["simulator"]["--force-port"]) == ("4000", "36001")
+    console = seen["master_console"]
+    assert [console[f"--{which}-port"] for which in ("master", "force", "sight")] == ["26020", "26021", "26022"]
+    assert seen["impair"]["--profile"] == "net_delay_2"
+    assert seen["simulator"]["--motion-label"] == "expert-over-net_delay_2"
+    (links,) = [node.args for node in roslaunch_config.load_config_default(
+        [(LAUNCH, ["impair:=net_delay_2", "master_port:=4000"])], None, verbose=False).nodes if node.type == "impair"]
+    for link in ("26020:127.0.0.1:4000", "36001:127.0.0.1:26021", "26002:127.0.0.1:26022"):
+        assert f"--udp {link}" in links
+    assert "impair" not in options()
+
+
+def test_a_real_robot_has_its_drill_only_if_asked_for():
+    assert nodes(HARDWARE, "robot_host:=10.0.0.2")["simulator"]["--drill"] == "none"
+    seen = nodes(HARDWARE, "robot_host:=10.0.0.2", "exercise:=peg_transfer", "drill:=own")["simulator"]
+    assert chosen(seen) == ["peg_transfer", "own", "none"]

@@ -106,6 +106,14 @@ void tellStatus(CLI::App* app) {
 /** Exit status for a table that is wrong, so that a script can tell it from a program that failed. */
 constexpr int kBadTable = 2;
 
+std::string describeSession(const TrainerConfig& config, const std::string& driver) {
+  const bool is_free = config.exercise_name == "none";
+  const std::string what = is_free ? "free session, hazard " + config.hazard
+                                   : "exercise " + config.exercise_name + ", drill " + config.drill;
+  return what + ", trainee " + (config.trainee.empty() ? "none" : config.trainee) + ", driver " +
+         (driver.empty() ? "not named" : driver);
+}
+
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {
   app->set_version_flag("--version", version());
   tellStatus(app);

@@ -28,6 +28,9 @@ struct CommonOptions {
   TrainerConfig load(const config::Overrides& overrides = {}) const;
 };
 
+/** What a session is, for its first line: `exercise peg_transfer, drill sudden_jump, trainee tim, driver expert`. */
+std::string describeSession(const TrainerConfig& config, const std::string& driver);
+
 /**
  * Runs a program: parses the arguments (ROS remappings NAME:=VALUE are left out), calls `body`, turns every exception
  * into one line on stderr. @return the exit code: that of body, 1 after an exception, CLI11's for --help and bad

@@ -92,6 +92,16 @@ TEST(RunProgram, TheStatusSaysHowItEnded) {
   EXPECT_EQ(run({}, []() -> int { throw CsvException("stdin:1: no"); }), 2);
 }
 
+TEST(DescribeSession, TellsWhatWasAskedForAndWhatWasNot) {
+  TrainerConfig config;
+  config.hazard = "sudden_jump";
+  EXPECT_EQ(describeSession(config, ""), "free session, hazard sudden_jump, trainee none, driver not named");
+  config.exercise_name = "peg_transfer";
+  config.drill = "master_sluggish";
+  config.trainee = "tim";
+  EXPECT_EQ(describeSession(config, "expert"), "exercise peg_transfer, drill master_sluggish, trainee tim, driver expert");
+}
+
 TEST(RunProgram, WrongArgumentsAndHelpDoNotRunIt) {
   bool has_run = false;
   const auto body = [&] { return has_run = true, 0; };
