@@ -115,10 +115,12 @@ class Details:
         for key, title in (("master_to_daemon", "Console to simulator"), ("daemon_to_robot", "Simulator to robot"),
                            ("robot_to_daemon", "Robot to simulator"), ("daemon_to_console", "Simulator to console")):
             link = packets[key]
-            reasons = link.get("rejected", {})
+            reasons = link.get("rejected") or {}
             refused = sum(reasons.values())
             received, applied = link.get("received"), link.get("applied")
             adds_up = "" if received is None else ("✓" if received == applied + refused else "does not add up")
+            if received is None and "received" in link:
+                adds_up = "not reported by this robot"
             unsent = link["failed"] + link["dropped"] if "failed" in link else None
             rows.append([title, number(link.get("sent")), number(unsent), number(received), number(applied),
                          number(refused) if received is not None else "–", adds_up, number(link.get("used")),

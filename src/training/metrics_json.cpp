@@ -38,7 +38,18 @@ Json describeFaulted(const FaultedPackets& packets) {
   return {{"lost", packets.lost}, {"added", packets.added}, {"held", packets.held}};
 }
 
+/** A real Raven's control software counts no packets: what its state bridge tells is all noughts. */
+bool isRelayReported(const SessionCounts& counts) {
+  return counts.relay.received > 0 || counts.relay_sent == 0 || counts.robot_state.applied == 0;
+}
+
+Json addUp(const SessionCounts& counts) {
+  if (!addsUp(counts)) return false;
+  return isRelayReported(counts) ? Json(true) : Json(nullptr);
+}
+
 Json describePackets(const SessionCounts& counts) {
+  const bool is_reported = isRelayReported(counts);
   return {{"master_to_daemon",
            {{"received", counts.master.received},
             {"applied", counts.master.applied},
@@ -54,9 +65,9 @@ Json describePackets(const SessionCounts& counts) {
             {"dropped", ring(counts, RingId::kRelayPackets).dropped},
             {"faults", describeFaulted(counts.relay_faults)},
             {"network", describeFaulted(counts.relay_network)},
-            {"received", counts.relay.received},
-            {"applied", counts.relay.applied},
-            {"rejected", describeRejected(counts.relay)}}},
+            {"received", is_reported ? Json(counts.relay.received) : Json(nullptr)},
+            {"applied", is_reported ? Json(counts.relay.applied) : Json(nullptr)},
+            {"rejected", is_reported ? describeRejected(counts.relay) : Json(nullptr)}}},
           {"robot_to_daemon",
            {{"received", counts.robot_state.received},
             {"applied", counts.robot_state.applied},
@@ -230,7 +241,7 @@ void writeMetrics(const std::string& path, const SessionMetrics& metrics) {
               {{"physics", onTimeRatio(counts, LoopId::kPhysics)}, {"haptic", onTimeRatio(counts, LoopId::kHaptic)}}},
              {"packets", describePackets(counts)},
              {"queues", describeQueues(counts)},
-             {"counters_add_up", metrics.complete ? Json(addsUp(counts)) : Json(nullptr)},
+             {"counters_add_up", metrics.complete ? addUp(counts) : Json(nullptr)},
              {"model_robot_error_mm", describeError(metrics.error)},
              {"faults", describeFaults(metrics)},
              {"haptic", describeHaptic(metrics)},

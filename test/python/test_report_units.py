@@ -258,6 +258,13 @@ def test_the_packets_are_those_of_their_link():
         ["404", "11", "–", "–", "–", "", "–", ""]]
 
 
+def test_what_a_robot_does_not_report_is_said_so():
+    unknown = {"received": None, "applied": None, "rejected": None}
+    packets = {**METRICS["packets"], "daemon_to_robot": {**METRICS["packets"]["daemon_to_robot"], **unknown}}
+    row = cells(engineering(metrics={**METRICS, "packets": packets}).packet_table())[2]
+    assert row[1:9] == ["209", "7", "–", "–", "–", "not reported by this robot", "–", ""]
+
+
 def test_the_story_tells_millimetres_newtons_and_seconds():
     facts = SimpleNamespace(duration=12.5, faults=FAULTS, emergency_stop=lambda: 4.25)
     assert verdict.story(facts) == (

@@ -735,6 +735,36 @@ TEST(ComputeMetrics, ReadsALogAsItWasFed) {
   EXPECT_THROW(computeMetrics(scratchPath("missing.rlog")), SessionException);
 }
 
+/** packets.daemon_to_robot and counters_add_up of a session that added up, changed. */
+nlohmann::json relayOf(const std::function<void(SessionCounts*)>& change) {
+  SessionMetrics result = makeResult();
+  result.complete = true;
+  result.counts = SessionCounts{};
+  result.counts.relay_sent = 88;
+  result.counts.rings[static_cast<std::size_t>(RingId::kRelayPackets)] = {88, 88, 0};
+  result.counts.robot_state.received = result.counts.robot_state.applied = 50;
+  change(&result.counts);
+  writeMetrics(scratchPath("relay.json"), result);
+  const auto json = readJson(scratchPath("relay.json"));
+  return {{"link", json.at("packets").at("daemon_to_robot")}, {"adds_up", json.at("counters_add_up")}};
+}
+
+TEST(MetricsFile, WhatARobotDoesNotReportIsUnknownAndNotNought) {
+  const auto real = relayOf([](SessionCounts*) {});
+  for (const char* key : {"received", "applied", "rejected"})
+    EXPECT_TRUE(real.at("link").at(key).is_null()) << key;
+  EXPECT_EQ(real.at("link").at("sent"), 88);
+  EXPECT_TRUE(real.at("adds_up").is_null());
+  const auto broken = relayOf([](SessionCounts* counts) { counts->robot_state.received = 51; });
+  EXPECT_EQ(broken.at("adds_up"), false) << "what is known does not add up";
+  const auto emulated = relayOf([](SessionCounts* counts) { counts->relay.received = counts->relay.applied = 87; });
+  EXPECT_EQ(emulated.at("link").at("received"), 87);
+  EXPECT_EQ(emulated.at("adds_up"), true);
+  const auto alone = relayOf([](SessionCounts* counts) { counts->robot_state = {}; });
+  EXPECT_EQ(alone.at("link").at("received"), 0) << "there was no robot to ask";
+  EXPECT_EQ(alone.at("adds_up"), true);
+}
+
 TEST(MetricsFile, HasNoErrorOfARobotThatHeldStill) {
   SessionMetrics result = makeResult();
   result.executions[0].report.on_robot = 0;
