@@ -6,9 +6,11 @@ import os
 import numpy as np
 import yaml
 
+from raven2_figures import runs
 from raven2_report import metric_words
 from raven2_report.text import is_number, words
 
+FELT = 0.5  # [N] that a hand notices (core/perception.h)
 MAX_FILE = 2 * 1024 * 1024  # bytes, of a configuration's copy or of score.json
 ARM_LINKS = ("link1", "link2", "link3", "instrument_shaft", "wrist", "grasper1", "grasper2")  # core/exercise.h
 PHASES = {  # mode: words, family
@@ -109,6 +111,7 @@ class Facts:
             {"name": name, "first_tick": round(a * 1000), "last_tick": round(b * 1000)}
             for a, b, name in series.fault_windows]
         self.hazards = self._hazards()
+        self.deviations = self._deviations()
 
     # ---- clocks ---------------------------------------------------------------------------------------------
 
@@ -214,6 +217,40 @@ class Facts:
         last = fault.get("last_tick")
         return {"name": str(name), "at_s": tick / 1000.0 if is_number(tick) else 0.0,
                 "end_s": (last + 1) / 1000.0 if is_number(last) else None, "fault": fault, "judged": judged}
+
+    def _deviations(self):
+        """Where model and robot parted, the hand felt it, and no known fault was at work: [{at_s, end_s, arm, error_mm,
+        force_N}]. Of a fault that was injected beyond the session's own means this is all that the session knows."""
+        series = self.series
+        error = np.nan_to_num(series.error_mm)
+        found = []
+        for first, last in self._partings(error.max(axis=1) >= series.tolerance_mm if len(error) else np.zeros(0, bool)):
+            at, end = float(series.t[first]), float(series.t[last]) + 0.001
+            felt = (series.force_t >= at) & (series.force_t <= end)
+            force = float(np.nanmax(series.force[felt])) if felt.any() else 0.0
+            if force >= FELT and not any(self._is_of(hazard, at) for hazard in self.hazards):
+                arm = int(np.argmax(error[first:last + 1].max(axis=0)))
+                found.append({"at_s": at, "end_s": end, "arm": ("gold", "green")[arm],
+                              "error_mm": float(error[first:last + 1].max()), "force_N": force})
+        return found
+
+    @staticmethod
+    def _partings(apart):
+        """(first, last) of what is less than half a second apart."""
+        found = []
+        for first, last in runs(apart):
+            if found and first - found[-1][1] < 500:
+                found[-1][1] = last
+            else:
+                found.append([first, last])
+        return found
+
+    @staticmethod
+    def _is_of(hazard, at):
+        """Whether what begins then belongs to that hazard: to the end of its aftermath, and half a second."""
+        over = hazard["fault"].get("end_tick")
+        end = max(hazard["end_s"] or hazard["at_s"], over / 1000.0 if is_number(over) else 0.0)
+        return hazard["at_s"] - 0.1 <= at <= end + 0.5
 
     def reaction(self, hazard):
         """(s after the injection, response) of the deliberate reaction, or (None, None)."""

@@ -13,7 +13,7 @@ HEIGHT, GAP, ROW = 104, 30, 17.0  # of a panel, between panels, of a row of name
 
 def section(facts):
     if not facts.hazards:
-        return "<p>No fault acted on the robot.</p>"
+        return _unexplained(facts) or "<p>No fault acted on the robot.</p>"
     parts, told = [_table(facts)], set()
     for i, hazard in enumerate(facts.hazards[:MOST], 1):
         parts.append(f'<div class="hazard"><h3>Hazard {i}: {esc(words(hazard["name"]))} <small>'
@@ -21,7 +21,17 @@ def section(facts):
                      f"{_said(facts, hazard, told)}{_figure(facts, hazard, i)}</div>")
     if len(facts.hazards) > MOST:
         parts.append(f'<p class="sub">{len(facts.hazards) - MOST} more are in the table above.</p>')
-    return "".join(parts)
+    return "".join(parts) + _unexplained(facts)
+
+
+def _unexplained(facts):
+    if not facts.deviations:
+        return ""
+    rows = [[number(d["at_s"], 3, "s"), number(1000 * (d["end_s"] - d["at_s"]), 0, "ms"), d["arm"],
+             number(d["error_mm"], 2, "mm"), number(d["force_N"], 2, "N")] for d in facts.deviations]
+    return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, the hand felt it, and this session knows of no fault "
+            "then. A fault that was injected by other means, as by the library at the USB boundary, looks so.</p>"
+            + table(["Began", "Lasted", "Arm", "Largest tip error", "Strongest force"], rows, {0, 1, 3, 4}))
 
 
 # ---- words ------------------------------------------------------------------------------------------------------

@@ -60,7 +60,7 @@ def build(facts, others):
         "steps": facts.steps,
         "mistakes": [{"at_s": e["at_s"], "kind": e["mistake"], "what": facts.mistake_text(e)}
                      for e in facts.mistakes()],
-        "hazards": [_hazard(facts, h) for h in facts.hazards], "moments": facts.moments(),
+        "hazards": [_hazard(facts, h) for h in facts.hazards], "deviations": facts.deviations, "moments": facts.moments(),
         "curve": [{"session": p.session, "start_time_utc": p.start, "status": p.status, "passed": p.passed,
                    "metrics": p.metrics}
                   for p in points],

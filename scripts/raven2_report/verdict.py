@@ -123,7 +123,9 @@ def story(facts):
     faults = facts.faults
     parts = [f"A session of {number(facts.duration, 0, 's')}"]
     if not faults:
-        parts.append("without any injected fault")
+        count = len(facts.deviations)
+        parts.append("without any known fault, in which the robot left its model "
+                     f"{_times(count)} for an unknown cause" if count else "without any injected fault")
     else:
         names = " and ".join(sorted({f"“{words(f['name'])}”" for f in faults}))
         parts.append(f"in which the hazard {names} was injected into the robot {_times(len(faults))}")

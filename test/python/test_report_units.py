@@ -116,7 +116,7 @@ def record_facts(facts):
     return SimpleNamespace(**{**vars(facts), "score": {}, "name": "s", "meta": {}, "duration": 1.0, "header": {
         "hazard": "none", "seed": 1, "motion": ""}, "training": {"exercise": "x", "drill": "none", "trainee": "",
                                                                "curriculum": "none"}, "phases": [], "steps": [],
-        "mistakes": lambda: [], "hazards": [], "faults": [], "moments": lambda: [], "series": series,
+        "mistakes": lambda: [], "hazards": [], "deviations": [], "faults": [], "moments": lambda: [], "series": series,
         "emergency_stop": lambda: None, "session": SimpleNamespace(directory=".")})
 
 
@@ -266,11 +266,44 @@ def test_what_a_robot_does_not_report_is_said_so():
 
 
 def test_the_story_tells_millimetres_newtons_and_seconds():
-    facts = SimpleNamespace(duration=12.5, faults=FAULTS, emergency_stop=lambda: 4.25)
+    facts = SimpleNamespace(duration=12.5, faults=FAULTS, deviations=[], emergency_stop=lambda: 4.25)
     assert verdict.story(facts) == (
         "A session of 12 s in which the hazard “sudden jump” was injected into the robot twice: the instrument's tip "
         "left the path that the surgeon's hand gave it by up to 10.1 mm, and each time the surgeon was warned through "
         "the hand controller, with up to 2.2 N. The robot's emergency stop acted after 4.2 s.")
+
+
+def parted_facts(hazards, force=1.26, error=8.37, arm=1):
+    """A robot that leaves its model twice within half a second, and once more."""
+    t = np.arange(10000) / 1000.0
+    series = SimpleNamespace(t=t, error_mm=np.full((len(t), 2), 0.4), tolerance_mm=3.0, force_t=t, force=np.zeros((len(t), 2)))
+    for first, last in ((2000, 2200), (2600, 2700), (7000, 7010)):
+        series.error_mm[first:last, arm] = error
+        series.force[first:last, arm] = force
+    facts = SimpleNamespace(series=series, hazards=hazards, _partings=Facts._partings, _is_of=Facts._is_of)
+    return Facts._deviations(facts)
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_what_no_known_fault_explains_is_a_deviation(arm):
+    found = parted_facts([], arm=arm)
+    assert [(round(d["at_s"], 3), round(d["end_s"], 3), d["arm"], d["error_mm"], d["force_N"]) for d in found] == [
+        (2.0, 2.7, ("gold", "green")[arm], 8.37, 1.26), (7.0, 7.01, ("gold", "green")[arm], 8.37, 1.26)]
+    assert parted_facts([], force=0.49) == [] and parted_facts([], error=2.9) == []
+
+
+def test_a_hazard_explains_what_comes_until_half_a_second_behind_its_aftermath():
+    hazard = {"name": "x", "at_s": 1.9, "end_s": 2.0, "fault": {}, "judged": {}}
+    assert [d["at_s"] for d in parted_facts([hazard])] == [7.0]
+    assert [d["at_s"] for d in parted_facts([{**hazard, "end_s": None, "at_s": 1.4}])] == [2.0, 7.0]
+    assert parted_facts([{**hazard, "fault": {"end_tick": 6600}}]) == []
+
+
+def test_deviations_of_unknown_cause_stand_on_the_page():
+    facts = SimpleNamespace(hazards=[], deviations=parted_facts([]), duration=10.0, faults=[], emergency_stop=lambda: None)
+    page = hazard_page.section(facts)
+    assert "No fault acted" not in page and cells(page)[1] == ["2.000 s", "700 ms", "green", "8.37 mm", "1.26 N"]
+    assert "left its model twice for an unknown cause" in verdict.story(facts)
 
 
 # ---- the log ----------------------------------------------------------------------------------------------------
