@@ -113,6 +113,7 @@ void PhysicsLoop::readInputs(std::int64_t now_ns) noexcept {
   state_.robot_fresh = has_robot && age <= stale_ns_ ? 1 : 0;
   robot_silent_ = age > lost_ns_;
   if (isRobotLost()) linked_ = false;
+  listenToRobot();
   drainCommands();
 }
 
@@ -362,8 +363,8 @@ void PhysicsLoop::relay() noexcept {
   RelayPacket packet;  // a robot whose state no longer reaches us is told pedal-up: its last word must not be "down"
   packet.tick = state_.tick + 1;
   packet.command.sequence = ++relay_sequence_;
-  packet.command.pedal = linked_ ? 1 : 0;
-  if (linked_) {
+  packet.command.pedal = isRobotLed() ? 1 : 0;
+  if (isRobotLed()) {
     packet.command.dp_I = increments_.dp_I;
     packet.command.dq_I = increments_.dq_I;
     packet.command.dgrasp = increments_.dgrasp;
@@ -408,7 +409,7 @@ void PhysicsLoop::corruptConsole() noexcept {
 void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   ++state_.tick;
   state_.time_ns = now_ns;
-  state_.linked = linked_ ? 1 : 0;
+  state_.linked = isRobotLed() ? 1 : 0;
   state_.planning = trial_.overlay(desk_.state());
   state_.guide_plan = desk_.guidePlan();
   corruptConsole();

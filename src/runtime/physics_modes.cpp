@@ -16,6 +16,8 @@ using control::Event;
 // away than this (first seen, homing) is another matter: the model is put there. Shoulder to wrist.
 constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  // [rad, m]
 
+constexpr std::uint64_t kDeafCycles = 250;  // [1 ms] ours: no packet is that late on a robot's own network
+
 constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
 
 bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
@@ -128,6 +130,7 @@ void PhysicsLoop::enter(Mode next) noexcept {
   if (before == Mode::kReplaying) standAgain();
   const bool moves_robot = next == Mode::kTeleoperating || (next == Mode::kExecuting && movesRobot());
   linked_ = moves_robot && robotJoins();
+  is_unheard_ = false;
   if (linked_) joinRobot();
   placeForPlanning(before, next);
   const bool begins_alone = (next == Mode::kTeleoperating || next == Mode::kExecuting) && !linked_;
@@ -154,9 +157,25 @@ bool PhysicsLoop::robotJoins() const noexcept {
   return isRobotThere() && state_.engaged != 0;
 }
 
+/** Packets go to the robot in every tick, also with the pedal up. */
+bool PhysicsLoop::isRobotDeaf() const noexcept {
+  return tells_sequence_ && robot_.cycle - heard_cycle_ > kDeafCycles;
+}
+
+void PhysicsLoop::listenToRobot() noexcept {
+  const bool is_new = robot_.cycle < heard_cycle_;
+  const bool has_changed = robot_.last_sequence != heard_sequence_;
+  tells_sequence_ = !is_new && (tells_sequence_ || (has_changed && heard_cycle_ > 0));
+  if (is_new || has_changed) {
+    heard_sequence_ = robot_.last_sequence;
+    heard_cycle_ = robot_.cycle;
+  }
+  if (linked_ && robot_.runlevel != RunLevel::kPedalDown && isRobotDeaf()) is_unheard_ = true;
+}
+
 /** Both sides must apply the same increments: the robot does so from the cycle in which it reports PEDAL_DN. */
 bool PhysicsLoop::robotApplies() const noexcept {
-  return !linked_ || robot_.runlevel == RunLevel::kPedalDown;
+  return !linked_ || (robot_.runlevel == RunLevel::kPedalDown && !is_unheard_);
 }
 
 // ---- requests ----------------------------------------------------------------------------------------------------

@@ -167,6 +167,8 @@ class Rig {
   raven::ControlSoftware software;
   plant::Plant plant;
   bool robot_connected{true};  ///< false: the robot's frames are lost, ours do not reach it
+  bool robot_hears{true};      ///< false: ours do not reach it, its frames come all the same
+  bool tells_sequence{true};   ///< false: its frames have no last sequence
   std::uint64_t relayed{0}, forces_taken{0};
   std::function<void()> record;  ///< what a recorder does after each tick; without one the records are thrown away
   RelayPacket last_relay{};
@@ -178,7 +180,7 @@ class Rig {
       last_relay = packet;
       ++relayed;
       const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(packet.command));
-      if (robot_connected) software.receive(bytes.data(), bytes.size());
+      if (robot_connected && robot_hears) software.receive(bytes.data(), bytes.size());
     }
     plant.step(software.cycle(plant.read()));
     FaultPlan plan;
@@ -191,6 +193,7 @@ class Rig {
     if (!robot_connected) return;
     RobotState state = software.state();
     state.time_ns = now_ns;
+    if (!tells_sequence) state.last_sequence = 0;
     link.receive(buffer.data(), wire::encodeState(++frame_sequence, state, buffer.data()), now_ns);
   }
 

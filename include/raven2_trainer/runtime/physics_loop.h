@@ -30,9 +30,11 @@ namespace raven2_trainer::runtime {
  *
  * Linking model and robot: while the pedal is up and the robot's state is fresh, the model's controllers bring it to
  * the robot's joints (what the jaws hold stays held); at pedal down it is put exactly there, and both start from one
- * pose. Increments count for neither until the robot reports PEDAL_DN, so that both apply the same ones. If the robot's
- * link is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next
- * pedal-down: it never moves, nor does the cue act, without a new start from a common pose.
+ * pose. Increments count for neither until the robot reports PEDAL_DN, so that both apply the same ones. A robot that
+ * hears no packets (the last sequence that it reports stands still) and is not in PEDAL_DN is sent pedal-up until the
+ * surgeon's next pedal-down: a press that it did not hear does not engage it when it hears again. If the robot's link
+ * is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next pedal-down: it
+ * never moves, nor does the cue act, without a new start from a common pose.
  *
  * Planning and executing (PlanDesk keeps what is asked): while a goal is chosen the world stands still but for the arm
  * that is moved, kinematically; what the jaws hold stays where it is, and the arm comes back to it. A plan is executed
@@ -120,6 +122,9 @@ class PhysicsLoop {
   void rebaseArms() noexcept;
   void raise(control::Event event) noexcept;
   PlanningAnswer ask(control::Event event) noexcept;
+  void listenToRobot() noexcept;
+  bool isRobotDeaf() const noexcept;
+  bool isRobotLed() const noexcept { return linked_ && !is_unheard_; }
   bool robotApplies() const noexcept;
   bool robotJoins() const noexcept;
   bool isRobotThere() const noexcept { return state_.robot_fresh != 0 && robot_ready_; }
@@ -227,12 +232,16 @@ class PhysicsLoop {
   bool robot_took_{false};     ///< kExecuting: the robot was sent a piece of the path
   PerArm<bool> collisions_{};  ///< as configured and asked for
   bool pedal_{false}, pedal_before_{false};
-  bool is_clients_{false};   ///< the newest command was a CRTK client's pedal-down
-  Tick silent_ticks_{0};     ///< since the last master command
-  bool robot_ready_{false};  ///< homed was seen
-  bool robot_there_{false};  ///< it was ready and heard in the tick before
-  bool robot_silent_{true};  ///< its newest state is older than lost_ns_
-  bool linked_{false};       ///< model and robot started from a common pose and nothing came between
+  bool is_clients_{false};           ///< the newest command was a CRTK client's pedal-down
+  Tick silent_ticks_{0};             ///< since the last master command
+  bool robot_ready_{false};          ///< homed was seen
+  bool robot_there_{false};          ///< it was ready and heard in the tick before
+  bool robot_silent_{true};          ///< its newest state is older than lost_ns_
+  bool linked_{false};               ///< model and robot started from a common pose and nothing came between
+  bool is_unheard_{false};           ///< linked, and the robot was deaf to it: until the next pedal-down
+  bool tells_sequence_{false};       ///< the last sequence that this robot reports has changed once: some report none
+  std::uint32_t heard_sequence_{0};  ///< the newest that it reported
+  std::uint64_t heard_cycle_{0};     ///< its cycle in which it did first
   bool plan_scheduled_{false};
   bool stopped_by_robot_{false};
   bool stop_asked_{false};            ///< by request or pedal

@@ -43,8 +43,9 @@ TEST(CommonOptions, ZeroIsAValueAndNothingIsTheConfigurations) {
 }
 
 TEST(CommonOptions, WhatIsOutOfRangeIsRefusedBeforeAnythingIsRead) {
-  for (const char* bad : {"--master-port 65536", "--master-port -1", "--robot-port 0", "--force-port 0",
-                          "--sight-port 0", "--state-port 65536", "--seed -1", "--seed 9007199254740993", "--arm-contacts maybe"})
+  for (const char* bad :
+       {"--master-port 65536", "--master-port -1", "--robot-port 0", "--force-port 0", "--sight-port 0",
+        "--state-port 65536", "--seed -1", "--seed 9007199254740993", "--arm-contacts maybe"})
     EXPECT_THROW(parsed(bad), CLI::ParseError) << bad;
 }
 
@@ -99,16 +100,26 @@ TEST(DescribeSession, TellsWhatWasAskedForAndWhatWasNot) {
   config.exercise_name = "peg_transfer";
   config.drill = "master_sluggish";
   config.trainee = "tim";
-  EXPECT_EQ(describeSession(config, "expert"), "exercise peg_transfer, drill master_sluggish, trainee tim, driver expert");
+  EXPECT_EQ(describeSession(config, "expert"),
+            "exercise peg_transfer, drill master_sluggish, trainee tim, driver expert");
 }
 
 TEST(RunProgram, WrongArgumentsAndHelpDoNotRunIt) {
   bool has_run = false;
   const auto body = [&] { return has_run = true, 0; };
-  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
-           {"--no-such"}, {"--value", "2"}, {"--value", "x"}, {"--value", "nan"}, {"--value=nan"}, {"--value=-NaN"},
-           {"--value", "NAN"}, {"--value", "-nan"}, {"--value=+nan"}, {"--value", "nan(1)"},
-           {"--list", "0.1,nan"}, {"--list=nan,0.1"}, {"--list", "0.1", "-nan"}})
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{{"--no-such"},
+                                                                                     {"--value", "2"},
+                                                                                     {"--value", "x"},
+                                                                                     {"--value", "nan"},
+                                                                                     {"--value=nan"},
+                                                                                     {"--value=-NaN"},
+                                                                                     {"--value", "NAN"},
+                                                                                     {"--value", "-nan"},
+                                                                                     {"--value=+nan"},
+                                                                                     {"--value", "nan(1)"},
+                                                                                     {"--list", "0.1,nan"},
+                                                                                     {"--list=nan,0.1"},
+                                                                                     {"--list", "0.1", "-nan"}})
     EXPECT_GT(run(wrong, body), 100) << wrong.back();
   EXPECT_EQ(run({"--help"}, body), 0);
   EXPECT_EQ(run({"--version"}, body), 0);

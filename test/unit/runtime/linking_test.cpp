@@ -108,6 +108,58 @@ TEST_F(Linking, AReturningRobotIsNotMovedNorFeltBeforeTheNextPedalDown) {
   EXPECT_EQ(rig->model().linked, 1);
 }
 
+class DeafRobot : public Linking {
+ protected:
+  /** The robot hears nothing for so long, with these presses in it; then it hears again. */
+  void run(int before, int held, int after) {
+    rest(true, 100);
+    rest(false, 100);
+    rig->robot_hears = false;
+    rest(false, before);
+    rest(true, held);
+    EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "or it is not deaf";
+    rig->robot_hears = true;
+    for (int i = 0; i < after; ++i) {
+      rig->tick(true, {20e-6, 0.0, 0.0});
+      ASSERT_EQ(rig->last_relay.command.pedal, 0) << i;
+      ASSERT_EQ(rig->model().linked, 0) << i;
+    }
+  }
+};
+
+TEST_F(DeafRobot, IsNotEngagedByAPressThatItDidNotHear) {
+  run(300, 1500, 500);
+  rest(false, 200);
+  rest(true, 100);
+  EXPECT_EQ(rig->model().linked, 1) << "a new press";
+  EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalDown);
+}
+
+TEST_F(DeafRobot, IsNotEngagedByAPressOfTheLastMoment) {
+  run(300, 20, 500);
+}
+
+TEST_F(DeafRobot, ThatLetGoByItselfIsNotEngagedByAPedalThatStayedDown) {
+  rest(true, 100);
+  rig->robot_hears = false;
+  for (int i = 0; i < 8000 && rig->robot().runlevel == RunLevel::kPedalDown; ++i)
+    rig->tick(true);
+  ASSERT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "it takes the pedal as released";
+  rig->robot_hears = true;
+  rest(true, 500);
+  EXPECT_EQ(rig->model().linked, 0);
+  EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp);
+}
+
+TEST_F(DeafRobot, IsNoneWhoReportsNoSequence) {
+  rig = std::make_unique<Rig>(configuration());
+  rig->tells_sequence = false;
+  ASSERT_TRUE(rig->home());
+  rest(false, 1000);
+  rest(true, 100);
+  EXPECT_EQ(rig->model().linked, 1);
+}
+
 TEST_F(Linking, ARobotThatStartsAnewIsNotLinkedBeforeItIsHomed) {
   // GIVEN a robot that restarts behind the daemon's back: its E-STOP is never seen, its first frame says INIT
   RobotState anew;
