@@ -16,7 +16,7 @@ using control::Event;
 // away than this (first seen, homing) is another matter: the model is put there. Shoulder to wrist.
 constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  // [rad, m]
 
-constexpr std::uint64_t kDeafCycles = 250;  // [1 ms] ours: no packet is that late on a robot's own network
+constexpr std::uint64_t kDeafCycles = 1000;  // [1 ms] ours: twice the mean of net_delay_3
 
 constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
 

@@ -128,7 +128,7 @@ class DeafRobot : public Linking {
 };
 
 TEST_F(DeafRobot, IsNotEngagedByAPressThatItDidNotHear) {
-  run(300, 1500, 500);
+  run(300, 2000, 500);
   rest(false, 200);
   rest(true, 100);
   EXPECT_EQ(rig->model().linked, 1) << "a new press";
@@ -136,7 +136,7 @@ TEST_F(DeafRobot, IsNotEngagedByAPressThatItDidNotHear) {
 }
 
 TEST_F(DeafRobot, IsNotEngagedByAPressOfTheLastMoment) {
-  run(300, 20, 500);
+  run(1100, 20, 500);
 }
 
 TEST_F(DeafRobot, ThatLetGoByItselfIsNotEngagedByAPedalThatStayedDown) {
