@@ -24,7 +24,7 @@ Tick findRun(const HazardWindow& window, Is is) {
   Tick length = 0;
   for (std::size_t k = window.injection; k < window.samples.size(); ++k) {
     length = is(window.samples[k]) ? length + 1 : 0;
-    if (length == 0 && k >= window.recovery) return -1;
+    if (length <= 1 && k >= window.recovery) return -1;  // none, or it begins too late
     if (length == kNoticed) return static_cast<Tick>(k - window.injection) + 1 - kNoticed;
   }
   return -1;

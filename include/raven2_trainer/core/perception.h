@@ -6,11 +6,16 @@
 
 namespace raven2_trainer {
 
-constexpr double kFeltForce = 0.5;  ///< [N] on a hand; ours: what the force cue begins with (haptics.yaml), and a sixth
-                                    ///< of an Omni's 3.3 N
-constexpr double kSeenGap = 0.003;  ///< [m] between the tips of model and robot; ours: below it the cue is silent, too
-constexpr Tick kNoticed = 100;      ///< [ms] that either has to last; ours: three pictures of the tools
-constexpr Tick kQuickest =
-    100;  ///< [ms] from a cue to the soonest answer: below it athletics calls a start a false one
+/** [N] on a hand. Ours: what the force cue begins with (config/haptics.yaml), a sixth of an Omni's 3.3 N. */
+constexpr double kFeltForce = 0.5;
+
+/** [m] between the tips of model and robot. Ours: the tolerance below which the force cue is silent. */
+constexpr double kSeenGap = 0.003;
+
+/** [ms] that either has to last. Ours: three pictures at 30 Hz. */
+constexpr Tick kNoticed = 100;
+
+/** [ms] from a cue to the soonest answer. Athletics calls what is sooner a false start. */
+constexpr Tick kQuickest = 100;
 
 }  // namespace raven2_trainer

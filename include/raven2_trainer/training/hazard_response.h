@@ -37,7 +37,7 @@ enum class Verdict : std::uint8_t {
   kRight,  ///< a right one, in time
   kLate,   ///< a right one, too late, but in twice the time
   kWrong,
-  kNotJudged,  ///< there was nothing to notice
+  kNotJudged,  ///< nothing to notice, or a stop was asked for before anybody could answer
 };
 constexpr std::array<const char*, 5> kVerdictNames{"none", "right", "late", "wrong", "not_judged"};
 
@@ -62,7 +62,7 @@ struct HandSample {
   PerArm<Vec3> model_B{}, robot_B{};  ///< [m] tips
 };
 
-/** Samples without a gap: kLead before the injection or more, until recovery and watchOf() behind the injection. */
+/** Samples without a gap: from kLead before the injection or earlier to watchOf() behind the recovery. */
 struct HazardWindow {
   std::vector<HandSample> samples;
   std::size_t injection{};   ///< index of the first sample that the fault acts in
@@ -108,21 +108,28 @@ constexpr Tick kLongestHabit = 5000;    ///< [1 ms] no clutch is held to be long
 /** [1 ms] For how long the pedal must stay up: twice the surgeon's usual clutch, kCarriedThrough at the least. */
 Tick disengagedFor(Tick usual_clutch) noexcept;
 
-/** [1 ms] Behind a cue until any answer to it can be told. */
+/** [1 ms] Behind the recovery, or a cue, until any answer is known: as late as it may begin and as long as it must
+ * last. */
 Tick watchOf(const ResponseRule& rule) noexcept;
 
 /**
  * Judges one hazard: responses in all samples, figures until recovery.
- * The cue is the first in the aftermath of what lasts for kNoticed: a force of kFeltForce on either hand, or tips of
- * model and robot kSeenGap apart. Without one nothing is judged. kPedalUp: the pedal goes up and stays so for
- * disengagedFor(), or to the window's end; where it was up already when anybody could react, and stays up, it is told
- * from then on. kStop: one is asked for. The others are the start of a run of samples with the pedal down in which, of
- * a hand's velocity w less what the force explains, u its mean over the 200 ms before the injection, if |u| >= 10 mm/s:
- * kRetreat w u / |u| <= -10 mm/s for 30 ms. Of the faster of both hands: kSlow |w| <= max(|u| / 5, 5 mm/s) for
- * kCarriedThrough; kHoldStill the same and |w| <= 5 mm/s for that long beginning 150 ms later at the latest; where no
- * hand was that fast |w| <= 5 mm/s for that long from kQuickest behind the cue on, or later. kPushOn: 1.5 s behind the
- * cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along u (anywhere, if it had
- * stood).
+ *
+ * The cue is the first that begins in the aftermath and lasts for kNoticed: a force of kFeltForce on either hand, or
+ * tips of model and robot kSeenGap apart. Without one nothing is judged. What comes sooner than kQuickest behind it is
+ * no answer.
+ *
+ * kPedalUp: the pedal goes up and stays up for disengagedFor(), or to the window's end. Where it was up already when
+ * anybody could react, and stays up, it counts from then on. kStop: one is asked for.
+ *
+ * The others are the start of a run of samples with the pedal down. w is a hand's velocity less what the force
+ * explains, u its mean over the 200 ms before the injection.
+ * - kRetreat: w u / |u| <= -10 mm/s for 30 ms, if |u| >= 10 mm/s.
+ * - kSlow: |w| of the faster hand <= max(|u| / 5, 5 mm/s) for kCarriedThrough, if |u| >= 10 mm/s.
+ * - kHoldStill: the same, and |w| <= 5 mm/s for that long beginning 150 ms later at the latest. Where no hand was as
+ * fast as 10 mm/s: |w| <= 5 mm/s for that long, from kQuickest behind the cue on or later.
+ * - kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along
+ * u (anywhere, if it had stood).
  */
 HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained);
 
