@@ -199,8 +199,8 @@ def _events(facts, messages):
 
 
 def _faults(facts, messages):
-    """Each row of the scenario as it begins and ends, by faults.json; at the tick in which the daemon knew it."""
-    model = facts.series.ticks["model"]
+    """Each row of the scenario as it begins and ends, by faults.json, in order of time; at the tick in which the daemon knew it."""
+    model, found = facts.series.ticks["model"], []
     for injection in facts.session.faults.get("injections", []):
         for acts, moment in ((True, injection["inject"]), (False, injection["clear"])):
             if moment.get("tick") is None:
@@ -213,7 +213,8 @@ def _faults(facts, messages):
                 if injection.get(what) is not None:
                     setattr(message, what, injection[what])
             i = min(int(np.searchsorted(model["session_tick"], moment["tick"])), len(model) - 1)
-            yield ("/faults", message, int(model["time_ns"][i]))
+            found.append(("/faults", message, int(model["time_ns"][i])))
+    return sorted(found, key=lambda change: change[2])
 
 
 def wall_clock_of(facts):

@@ -29,7 +29,9 @@ def _values(attempt):
     values = {name: m.get("value") for name, m in attempt["metrics"].items() if isinstance(m, dict)}
     for hazard in attempt.get("hazards", []):
         answer = hazard.get("deciding") if isinstance(hazard, dict) else None
-        if isinstance(answer, dict) and hazard.get("verdict") in ("right", "late") and is_number(hazard.get("cue_after_ms")):
+        if not isinstance(answer, dict) or hazard.get("verdict") not in ("right", "late"):
+            continue
+        if is_number(answer.get("after_ms")) and is_number(hazard.get("cue_after_ms")):
             values[ANSWER] = 0.001 * (answer["after_ms"] - hazard["cue_after_ms"])
             break
     return values

@@ -42,7 +42,8 @@ ServoStand PhysicsLoop::servoStand() const noexcept {
   stand.robot_ready = robot_ready_;
   stand.is_healthy = world_.healthy();
   stand.stop_asked = stop_asked_;
-  stand.linked = linked_;
+  stand.linked = isRobotLed();
+  stand.is_unheard = is_unheard_;
   stand.applies = robotApplies();
   stand.keeps_back = !master_stream_.isEmpty();
   stand.pedal_down = pedal_;

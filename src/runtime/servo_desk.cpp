@@ -128,7 +128,7 @@ bool ServoDesk::hasLostPedal(const ServoStand& stand) const noexcept {
   const bool has_parted = is_joined_ && !stand.linked && stand.mode != Mode::kCameraMoving;
   const bool is_refused = stand_.applies && !stand.applies && stand_.mode != Mode::kCameraMoving;
   const bool has_come = !is_joined_ && !stand.linked && isReady(stand) && !isReady(stand_);
-  return !isHeld(stand.mode) || has_parted || is_refused || has_come;
+  return !isHeld(stand.mode) || has_parted || is_refused || has_come || stand.is_unheard;
 }
 
 void ServoDesk::letGo(OperatingState state) noexcept {

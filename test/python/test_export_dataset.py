@@ -8,6 +8,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import types
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import report_session as made  # noqa: E402
 
 import raven2_session  # noqa: E402  (found beside raven2_report)
-from raven2_exports import jigsaws  # noqa: E402
+from raven2_exports import bag as bag_export, jigsaws  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", made.ROOT / "build")) / "devel/lib/raven2_trainer"
 built = pytest.mark.skipif(not (PROGRAMS / "simulate").exists() or not (PROGRAMS / "export_session").exists(),
@@ -262,6 +263,20 @@ def test_a_bag_has_the_faults_as_they_begin_and_end(bag, ticks, directory):
         (at,) = ticks[ticks["session_tick"] == when["tick"]]
         assert message.header.stamp.to_nsec() == at["time_ns"]
     assert end.tick - begin.tick == 300
+
+
+def test_faults_of_several_rows_come_in_order_of_time():
+    def row(number, begin, end):
+        return {"name": "x", "row": number, "inject": {"tick": begin, "cycle": None}, "clear": {"tick": end, "cycle": 7}}
+
+    model = np.zeros(50, [("session_tick", "i8"), ("time_ns", "i8")])
+    model["session_tick"], model["time_ns"] = np.arange(50), 1000 * np.arange(50)
+    facts = types.SimpleNamespace(series=types.SimpleNamespace(ticks={"model": model}), session=types.SimpleNamespace(
+        faults={"injections": [row(0, 10, 40), row(1, 20, 30), row(2, 20, None)]}))
+    found = list(bag_export._faults(facts, types.SimpleNamespace(FaultChange=types.SimpleNamespace)))
+    assert [(m.row, m.acts, t) for _, m, t in found] == [(0, True, 10000), (1, True, 20000), (2, True, 20000),
+                                                         (1, False, 30000), (0, False, 40000)]
+    assert [m.cycle for _, m, _ in found] == [-1, -1, -1, 7, 7]
 
 
 def daemon_types():

@@ -21,6 +21,7 @@ struct ServoStand {
   bool is_healthy{};   ///< the model has not broken down
   bool stop_asked{};   ///< by request or pedal
   bool linked{};       ///< model and robot move from a common pose
+  bool is_unheard{};   ///< the robot did not hear the pedal-down: it takes another one
   bool applies{};      ///< whoever shall move takes increments
   bool keeps_back{};   ///< a fault holds commands on their way to the mapping
   bool pedal_down{};   ///< as the loop has taken commands so far

@@ -582,6 +582,21 @@ TEST_F(ServoDeskTest, ARobotThatGoesAwayPausesAndResumingDoesNotLeap) {
   EXPECT_LT(apart(tip(), before), 0.5e-3);
 }
 
+TEST_F(ServoDeskTest, ARobotThatDoesNotHearTheClientsPedalPausesItAndResumingEngagesIt) {
+  together();
+  rig->robot_hears = false;
+  c->rest(1200);
+  c->send(StateCommand::kEnable);
+  c->rest(100);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+  rig->robot_hears = true;
+  c->rest(500);
+  EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "not by itself";
+  ASSERT_TRUE(c->enable());
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+  EXPECT_EQ(rig->model().linked, 1);
+}
+
 TEST_F(ServoDeskTest, ARobotThatComesWhileTheModelMovesAlonePausesAndIsJoinedByResuming) {
   together();
   rig->robot_connected = false;
