@@ -72,18 +72,18 @@ class Scene:
             self.materials[name] = MATERIALS[name]
         return name
 
-    def fixed(self, name, looks, shapes, position=(0, 0, 0), inertial=None):
-        self.links.append((name, 'fixed', inertial, looks, shapes, position))
+    def fixed(self, name, material, looks, shapes, position=(0, 0, 0), inertial=None):
+        self.links.append((name, 'fixed', inertial, looks, shapes, material, position))
 
-    def free(self, name, inertial, looks, shapes, position):
-        self.links.append((name, 'floating', inertial, looks, shapes, position))
+    def free(self, name, material, inertial, looks, shapes, position):
+        self.links.append((name, 'floating', inertial, looks, shapes, material, position))
         self.bodies += 1
 
     def urdf(self):
         doc = u.Document(self.name, self.materials)
         doc.link('world')
-        for name, kind, inertial, looks, shapes, position in self.links:
-            doc.link(name, inertial, looks, shapes)
+        for name, kind, inertial, looks, shapes, material, position in self.links:
+            doc.link(name, inertial, looks, shapes, material)
             doc.joint(name + '_joint', kind, 'world', name, position)
         return doc.text()
 
@@ -93,10 +93,10 @@ def plate(scene, part):
     size = (p['table_length'], p['table_width'], p['table_thickness'])
     scene.mesh('table', m.box(size, 0.003))
     scene.mesh('plate', m.cylinder(p['radius'], -p['thickness'], 0.0, 64, 0.0015))
-    scene.fixed('table', [u.Visual('table', 'table_top')], [u.box_shape(size, (0, 0, 0))],
+    scene.fixed('table', 'plate', [u.Visual('table', 'table_top')], [u.box_shape(size, (0, 0, 0))],
                 (0, 0, -p['thickness'] - p['table_thickness'] / 2))
     edge = 2 * p['radius']
-    scene.fixed('base_plate', [u.Visual('plate', 'plate')], [u.box_shape((edge, edge, 0.020), (0, 0, -0.010))])
+    scene.fixed('base_plate', 'plate', [u.Visual('plate', 'plate')], [u.box_shape((edge, edge, 0.020), (0, 0, -0.010))])
     scene.tissue.append('base_plate')
 
 
@@ -107,8 +107,8 @@ def dome(scene, part):
                                         64))
     for name, body in s.lid_meshes(d).items():
         scene.mesh(name, body)
-    scene.fixed('dome_wall', [u.Visual('dome_wall', 'skin')], s.wall_panels(d))
-    scene.fixed('dome_lid', [u.Visual('lid_skin', 'skin'), u.Visual('lid_inside', 'flesh')], s.lid_panels(d))
+    scene.fixed('dome_wall', 'skin', [u.Visual('dome_wall', 'skin')], s.wall_panels(d))
+    scene.fixed('dome_lid', 'skin', [u.Visual('lid_skin', 'skin'), u.Visual('lid_inside', 'flesh')], s.lid_panels(d))
     scene.tissue += ['dome_wall', 'dome_lid']
 
 
@@ -118,8 +118,8 @@ def tower(scene, part):
     look = part.take('mesh', 'tower')
     scene.mesh(look, body)
     inertial = m.mass_properties(body, scene.d['inertia']['plastic_density']) if breaks else None
-    scene.fixed(name, [u.Visual(look, scene.colour(part.take('colour')))], s.tower_shapes(part.sizes), (*at, 0.0),
-                inertial)
+    scene.fixed(name, 'post', [u.Visual(look, scene.colour(part.take('colour')))], s.tower_shapes(part.sizes),
+                (*at, 0.0), inertial)
     scene.pegs[short(name)] = {'link': name, 'base_W': [*at, 0.0], 'height': part.sizes['height'],
                                'radius': part.sizes['radius']}
     if breaks:
@@ -132,7 +132,7 @@ def strand(scene, part, path, looks_like):
     name, radius = part.take('name'), part.sizes['radius']
     line = s.by_length(path, 15)
     scene.mesh(looks_like or name, s.strand_mesh(path, radius, part.sizes.get('knob_radius')))
-    scene.fixed(name, [u.Visual(looks_like or name, 'wire')], u.capsule_chain(line, radius))
+    scene.fixed(name, 'wire', [u.Visual(looks_like or name, 'wire')], u.capsule_chain(line, radius))
     scene.wires[short(name)] = {'link': name, 'radius': radius, 'line_W': line}
 
 
@@ -148,14 +148,14 @@ def rail(scene, part):
 
 def stand(scene, part):
     scene.mesh('stand', s.stand_mesh(part.sizes))
-    scene.fixed(part.take('name'), [u.Visual('stand', 'stand')],
+    scene.fixed(part.take('name'), 'post', [u.Visual('stand', 'stand')],
                 [u.box_shape_between(a, b) for a, b in s.stand_boxes(part.sizes)], (*part.take('at'), 0.0))
 
 
 def ring(scene, part, look, body, shapes, role):
     name = part.take('name')
     scene.mesh(look, body)
-    scene.free(name, m.mass_properties(body, scene.d['inertia']['plastic_density']),
+    scene.free(name, 'ring', m.mass_properties(body, scene.d['inertia']['plastic_density']),
                [u.Visual(look, scene.colour(part.take('colour')))], shapes, part.take('at'))
     scene.objects[name] = {'link': name, **role, 'bar_radius': part.sizes['bar_radius']}
 
@@ -182,7 +182,7 @@ def peg_board(scene, part):
     scene.mesh('peg_board', slab)
     scene.mesh('peg', s.tower_mesh({'height': b['peg_height'], 'radius': b['peg_radius'],
                                     'foot_radius': b['peg_radius'] + 0.0005}, 0.25))
-    scene.fixed('board', [u.Visual('peg_board', scene.colour('board'))],
+    scene.fixed('board', 'plate', [u.Visual('peg_board', scene.colour('board'))],
                 [u.box_shape((high[0] - low[0], high[1] - low[1], b['thickness']), (0, 0, 0))], middle)
     scene.tissue.append('board')
     for side, sign in (('left', 1), ('right', -1)):
@@ -192,7 +192,7 @@ def peg_board(scene, part):
 
 def peg(scene, b, name, base):
     r = b['peg_radius']
-    scene.fixed(name, [u.Visual('peg', scene.colour('peg'))],
+    scene.fixed(name, 'post', [u.Visual('peg', scene.colour('peg'))],
                 [u.capsule((0, 0, r), (0, 0, b['peg_height'] - r), r)], base)
     scene.pegs[short(name)] = {'link': name, 'base_W': base, 'height': b['peg_height'], 'radius': r}
 

@@ -85,7 +85,8 @@ class Document:
         for material, colour in materials.items():
             self.lines.append(f'  <material name="{material}"><color rgba="{numbers(colour)}"/></material>')
 
-    def link(self, name, inertial=None, visuals=(), collisions=()):
+    def link(self, name, inertial=None, visuals=(), collisions=(), material=''):
+        """`material`: of config/model.yaml, how its surface gives way."""
         if not inertial and not visuals and not collisions:
             self.lines.append(f'  <link name="{name}"/>')
             return
@@ -96,8 +97,9 @@ class Document:
             self.lines.append(f'    <visual>{origin(v.offset, v.rotation)}<geometry>'
                               f'<mesh filename="package://raven2_trainer/meshes/{v.mesh}.stl"/></geometry>'
                               f'<material name="{v.material}"/></visual>')
+        named = f' name="{material}"' if material else ''
         for s in collisions:
-            self.lines.append(f'    <collision>{origin(s.centre, s.rotation)}<geometry>{s.element}</geometry>'
+            self.lines.append(f'    <collision{named}>{origin(s.centre, s.rotation)}<geometry>{s.element}</geometry>'
                               '</collision>')
         self.lines.append('  </link>')
 

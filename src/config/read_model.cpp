@@ -1,6 +1,29 @@
 #include "config/readers.h"
+#include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
+
+namespace {
+
+constexpr double kStiffest = 1e8;    // [N/m]
+constexpr double kMostDamped = 1e6;  // [Ns/m]
+constexpr const char* kArmMaterial = "tool";
+
+/** The arms' material comes first, whatever the order in the file. */
+void readMaterials(Section& root, ModelConfig* c) {
+  Section entries = root.section("materials");
+  for (const std::string& name : entries.keys()) {
+    Section entry = entries.section(name);
+    const ContactMaterial material{name, entry.number("stiffness", 100, kStiffest),
+                                   entry.number("damping", 0, kMostDamped)};
+    entry.finish();
+    c->materials.insert(name == kArmMaterial ? c->materials.begin() : c->materials.end(), material);
+  }
+  if (c->materials.empty() || c->materials.front().name != kArmMaterial)
+    throw ConfigException(root.where("materials") + " has no '" + kArmMaterial + "', the arms' material");
+}
+
+}  // namespace
 
 void readModel(Section& root, ModelConfig* c) {
   Section gains = root.section("gains");
@@ -22,8 +45,11 @@ void readModel(Section& root, ModelConfig* c) {
   c->cfm = root.number("cfm", 0, 1);
   c->contact_mu = root.number("contact_mu", 0, 10);
   c->jaw_mu = root.number("jaw_mu", 0, 10);
-  c->contact_erp = root.number("contact_erp", 0, 1);
-  c->contact_cfm = root.number("contact_cfm", 0, 1);
+  readMaterials(root, c);
+  Section give = root.section("arm_give");
+  c->arm_give = {give.number("stiffness", 100, kStiffest), give.number("damping", 0, kMostDamped),
+                 give.number("travel", 0, 0.01)};
+  give.finish();
   Section arm_contacts = root.section("arm_contacts");
   for (const Arm arm : kArms)
     at(c->arm_contacts, arm) = arm_contacts.boolean(name(arm));

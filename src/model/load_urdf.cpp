@@ -230,6 +230,7 @@ class Loader {
   void readCollision(const urdf::Collision& source, Link* link) {
     if (!source.geometry) fail(what_ + ": collision without geometry");
     CollisionShape shape;
+    shape.material = source.name;
     shape.X_LS = readPose(source.origin);
     switch (source.geometry->type) {
       case urdf::Geometry::BOX:

@@ -20,11 +20,12 @@ constexpr double kSlip = 1.0e-8;
 // about the line through the two. [m]
 constexpr double kTeeth = 3.0e-4;
 
-dSurfaceParameters surface(const ModelConfig& config) noexcept {
+// What cannot give way parts at most this fast: a ring that two jaws overlap weighs a gram. [m/s]
+constexpr double kPartingSpeed = 0.5;
+
+dSurfaceParameters surface() noexcept {
   dSurfaceParameters result{};
-  result.mode = dContactSoftERP | dContactSoftCFM | dContactSlip1 | dContactSlip2 | dContactMotionN;
-  result.soft_erp = config.contact_erp;
-  result.soft_cfm = config.contact_cfm;
+  result.mode = dContactSoftCFM | dContactSlip1 | dContactSlip2 | dContactMotionN;
   result.slip1 = result.slip2 = kSlip;
   return result;
 }
@@ -69,11 +70,14 @@ bool isBefore(const ContactSet::Pair* a, const ContactSet::Pair* b) noexcept {
 
 }  // namespace
 
-Collider::Collider(dWorldID world, const ModelConfig& config)
+Collider::Collider(dWorldID world, const ModelConfig& config, double step)
     : world_(world),
+      step_(step),
       mu_(config.contact_mu),
       jaw_mu_(config.jaw_mu),
-      surface_(surface(config)),
+      materials_(config.materials),
+      give_(config.arm_give),
+      surface_(surface()),
       joints_(dJointGroupCreate(0)),
       enabled_(config.arm_contacts) {
   // The group's memory grows to the largest number of contacts and stays: grow it here, not in the loop.
@@ -122,9 +126,18 @@ std::vector<Collider::Shape> Collider::createShapes(const model::Link& link,
   return shapes;
 }
 
+/** By the name of its shapes in the URDF (RavenWorld has checked it); without one, the first. */
+const ContactMaterial* Collider::materialOf(const model::Link& link) const {
+  const std::string& wanted = link.collisions.front().material;
+  const auto found = std::find_if(materials_.begin(), materials_.end(),
+                                  [&](const ContactMaterial& material) { return material.name == wanted; });
+  return found == materials_.end() ? &materials_.front() : &*found;
+}
+
 void Collider::addGroup(Group group, const model::Link& link, const Pose& X_OL, const Vector3& com) {
   group.shapes = createShapes(link, X_OL, com, group.body);
   if (group.shapes.empty()) return;
+  group.material = materialOf(link);
   updateBounds(&group);
   groups_.push_back(std::make_unique<Group>(std::move(group)));
   Group* added = groups_.back().get();
@@ -342,26 +355,51 @@ void Collider::collide(dGeomID a, dGeomID b) {
     found_.add(groupOf(a).id, groupOf(b).id, points[i]);
 }
 
+/** An arm gives way where it presses on what stands or on another arm, and so does one that holds a free body to it;
+ * what lies between two jaws, or loose, meets the surfaces alone. */
+ContactLaw Collider::lawOf(const Group& a, const Group& b) const noexcept {
+  const auto stands = [](const Group& group) { return group.body == nullptr; };
+  const int arms = (a.arm >= 0 ? 1 : 0) + (b.arm >= 0 ? 1 : 0);
+  if (stands(a) || stands(b)) return {*a.material, *b.material, give_, 1};
+  if (arms == 2) return {*a.material, *b.material, give_, 2};
+  return {*a.material, *b.material};
+}
+
 void Collider::createJoints(const ContactSet::Pair& pair) {
   const bool jaw = groupOf(pair.points[0].g1).is_jaw || groupOf(pair.points[0].g2).is_jaw;
   const double normal = forces_.addPair(pair.first, pair.second);
   const double limit = (jaw ? jaw_mu_ : mu_) * normal / static_cast<double>(pair.count);
-  for (std::size_t i = 0; i < pair.count; ++i)
-    createJoint(pair.points[i], limit);
+  const ContactLaw law = lawOf(groupOf(pair.points[0].g1), groupOf(pair.points[0].g2));
+  double deepest = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < pair.count; ++i) {
+    deepest = std::max(deepest, pair.points[i].depth);
+    sum += std::max(0.0, pair.points[i].depth);
+  }
+  for (std::size_t i = 0; i < pair.count; ++i) {
+    const double depth = pair.points[i].depth;
+    const double share = sum > 0.0 && depth > 0.0 ? depth / sum : 1.0 / static_cast<double>(pair.count);
+    createJoint(pair.points[i], law.gives() ? deepest : depth, law.gives() ? share : 1.0, law, limit);
+  }
 }
 
-void Collider::createJoint(const dContactGeom& point, double limit) {
+void Collider::createJoint(const dContactGeom& point, double depth, double share, const ContactLaw& law, double limit) {
   const Group &into = groupOf(point.g1), &from = groupOf(point.g2);
+  const double pressed = std::max(0.0, depth);
+  const double resistance = share * (law.stiffness(pressed) * step_ + law.damping(pressed));
   dContact contact{};
   contact.geom = point;
+  contact.geom.depth = 0.0;
   contact.surface = surface_;
   contact.surface.mu = limit;
-  contact.surface.motionN = std::min(0.0, point.depth) / kTickSeconds;  // a gap may close within the step, no faster
-  contact.geom.depth = std::max(0.0, point.depth);
+  contact.surface.soft_cfm = 1.0 / resistance;
+  contact.surface.motionN = point.depth > 0.0 ? share * law.force(pressed) / resistance : point.depth / step_;
+  if (!law.gives()) contact.surface.motionN = std::min(contact.surface.motionN, kPartingSpeed);
   const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
   dJointAttach(joint, into.body, from.body);
   const int first_body = into.body != nullptr ? into.id : from.id;  // ODE turns a joint round that begins with none
-  forces_.add(joint, contact.geom, into.id < from.id, first_body == std::min(into.id, from.id));
+  dContactGeom reported = point;
+  reported.depth = std::max(0.0, point.depth);
+  forces_.add(joint, reported, into.id < from.id, first_body == std::min(into.id, from.id));
 }
 
 const Collider::Group& Collider::groupOf(dGeomID geom) noexcept {

@@ -8,6 +8,7 @@
 
 #include "physics/bodies.h"
 #include "physics/contact_forces.h"
+#include "physics/contact_law.h"
 #include "physics/contact_set.h"
 #include "physics/ode_handles.h"
 #include "physics/parked_contacts.h"
@@ -33,7 +34,8 @@ struct Wrench {
  */
 class Collider {
  public:
-  Collider(dWorldID world, const ModelConfig& config);
+  /** @param[in] step [s] that the contacts of one createContacts() serve */
+  Collider(dWorldID world, const ModelConfig& config, double step);
   Collider(const Collider&) = delete;
   Collider& operator=(const Collider&) = delete;
 
@@ -97,6 +99,7 @@ class Collider {
     int id{};     // of its body; orders and tells apart the pairs of a contact
     int arm{-1};  // index of Arm, -1: scene
     bool is_jaw{false};
+    const ContactMaterial* material{nullptr};
     dBodyID body{nullptr};  // null: fixed
     std::vector<Shape> shapes;
     Bounds bounds{};
@@ -116,6 +119,7 @@ class Collider {
   std::vector<Shape> createShapes(const model::Link& link, const Pose& X_OL, const Vector3& com, dBodyID body);
   static void updateBounds(Group* group) noexcept;
   void addGroup(Group group, const model::Link& link, const Pose& X_OL, const Vector3& com);
+  const ContactMaterial* materialOf(const model::Link& link) const;
   bool isEnabled(const Group& group) const noexcept;
   static const Group& groupOf(dGeomID geom) noexcept;
   /** Null for a body without shapes. */
@@ -123,10 +127,14 @@ class Collider {
   void collide(const Group& a, const Group& b);
   void collide(dGeomID a, dGeomID b);
   void createJoints(const ContactSet::Pair& pair);
-  void createJoint(const dContactGeom& point, double limit);
+  ContactLaw lawOf(const Group& a, const Group& b) const noexcept;
+  void createJoint(const dContactGeom& point, double depth, double share, const ContactLaw& law, double limit);
 
   dWorldID world_;
+  double step_;
   double mu_, jaw_mu_;
+  std::vector<ContactMaterial> materials_;
+  ArmGive give_;
   dSurfaceParameters surface_{};
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<std::pair<Group*, Group*>> pairs_;

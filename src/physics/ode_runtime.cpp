@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cstdarg>
 #include <cstdio>
 #include <mutex>
@@ -29,9 +30,14 @@ void onDebug(int number, const char* format, va_list arguments) {
   raise("internal error", number, format, arguments);
 }
 
-/** Messages are warnings ("LCP internal error, s <= 0"): the solver goes on with a usable answer, and a state that is
- *  not finite is caught after the step. Without a handler each would be written to stderr from the 1 kHz loop. */
-void onMessage(int, const char*, va_list) {}
+std::atomic<std::uint64_t> warnings{0};
+
+/** Messages are warnings ("LCP internal error, s <= 0"): the solver gave up, and some contacts of that step have no
+ * force. A state that is not finite is caught after the step. Without a handler each would be written to stderr from
+ * the 1 kHz loop. */
+void onMessage(int, const char*, va_list) {
+  warnings.fetch_add(1, std::memory_order_relaxed);
+}
 
 void initialise() {
   if (dInitODE2(0) == 0) throw ModelException("ODE: dInitODE2 failed");
@@ -46,6 +52,10 @@ void initialiseOde() {
   static std::once_flag once;
   std::call_once(once, initialise);
   attachOdeToThread();
+}
+
+std::uint64_t solverWarnings() noexcept {
+  return warnings.load(std::memory_order_relaxed);
 }
 
 void attachOdeToThread() {

@@ -20,10 +20,6 @@
 namespace raven2_trainer::physics {
 namespace {
 
-// Depth at which a resting body stays: contacts last from step to step instead of coming and going. [m]
-constexpr double kContactLayer = 1.0e-4;
-// Bodies that overlap (after setJointState) are parted at most this fast. [m/s]
-constexpr double kPartingSpeed = 0.5;
 constexpr unsigned long kSeed = 1;
 // As many contacts as are kept (48 pairs of 4 points with friction) and the joints are some 680 rows, and two matrices
 // of that size 7 MiB. Ten minutes with a hazard every 8 s came to 0.2 MiB. [bytes]
@@ -33,22 +29,26 @@ bool isFinite(const dReal* values, int count) noexcept {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
-/** The same springs and dampers of contacts for steps shorter than a tick: with k h = erp / cfm and d = (1 - erp) / cfm
- *  of a tick, cfm = 1 / (k h + d) and erp = k h cfm. */
-ModelConfig forSubSteps(ModelConfig config) {
-  const double spring = config.contact_erp / config.sub_steps;
-  const double total = spring + 1.0 - config.contact_erp;
-  config.contact_cfm /= total;
-  config.contact_erp = spring / total;
-  return config;
-}
-
 /** ODE collides meshes incompletely, and not at all from two threads (performance.md section 0). */
 void checkShapes(const model::Description& description, const model::Link& link) {
   const auto is_mesh = [](const model::CollisionShape& shape) { return shape.kind == model::ShapeKind::kMesh; };
   if (link.collisions.empty() || !std::all_of(link.collisions.begin(), link.collisions.end(), is_mesh)) return;
   throw ModelException(description.file + ":" + std::to_string(link.line) + ": link " + link.name +
                        " collides by a mesh only, expected at least one box, cylinder or sphere");
+}
+
+void checkMaterials(const model::Description& description, const model::Link& link, const ModelConfig& config) {
+  std::string known;
+  for (const ContactMaterial& material : config.materials)
+    known += (known.empty() ? "" : ", ") + material.name;
+  for (const model::CollisionShape& shape : link.collisions) {
+    const bool is_known = std::any_of(config.materials.begin(), config.materials.end(),
+                                      [&](const ContactMaterial& material) { return material.name == shape.material; });
+    if (shape.material.empty() || is_known) continue;
+    throw ModelException(description.file + ":" + std::to_string(link.line) + ": link " + link.name +
+                         ": <collision name=\"" + shape.material +
+                         "\">: expected a material of config/model.yaml: " + known);
+  }
 }
 
 }  // namespace
@@ -96,12 +96,12 @@ RavenWorld::Impl::Impl(const model::RavenModel& raven, const model::SceneModel& 
       carriers(findCarriers(raven.description)),
       arms{ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGold, config, step_time),
            ArmBodies(world.get(), raven, carriers, fixedPoses(raven), Arm::kGreen, config, step_time)},
-      collider(world.get(), forSubSteps(config)) {
-  dWorldSetContactSurfaceLayer(world.get(), kContactLayer);
-  dWorldSetContactMaxCorrectingVel(world.get(), kPartingSpeed);
+      collider(world.get(), config, step_time) {
   dRandSetSeed(kSeed);
   addArmShapes(raven);
   addJawStops(raven, config);
+  for (const model::Link& link : scene.description.links)
+    checkMaterials(scene.description, link, config);
   addScene(scene);
 }
 
@@ -210,13 +210,13 @@ void RavenWorld::Impl::addFreeBody(const model::SceneModel& scene, int link) {
   }
 }
 
-/** The contacts of a tick serve all its sub-steps: finding them costs more than the sub-steps do. */
 void RavenWorld::Impl::step(const PerArm<JointArray>& tau) {
-  collider.createContacts();
   bool finite = true;
-  for (int i = 0; i < sub_steps && finite; ++i)
+  for (int i = 0; i < sub_steps && finite; ++i) {
+    collider.createContacts();
     finite = subStep(tau);
-  collider.removeContacts();
+    collider.removeContacts();
+  }
   if (!finite) {
     freeze();
     return;

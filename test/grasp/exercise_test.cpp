@@ -44,12 +44,6 @@ class Examination {
   double nearest_target{1.0};  ///< [m]
 
  private:
-  static TrainerConfig trainerConfig() {
-    physics::initialiseOde();
-    physics::attachOdeToThread();
-    return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
-  }
-
   void observe(const Hands& h) {
     ring.observe(h);
     model_.tick = h.ticks();

@@ -17,6 +17,12 @@
 
 namespace raven2_trainer::testing {
 
+inline TrainerConfig trainerConfig() {
+  physics::initialiseOde();
+  physics::attachOdeToThread();
+  return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+}
+
 /** Shaking of a hand as the model's tool feels it: one sine an axis. */
 struct Tremor {
   double amplitude{0.0};                       ///< [m]
@@ -81,6 +87,9 @@ class Hands {
   }
   void moveTo(Arm arm, const Pose& X_WT, double speed) { move(arm, {X_WT, at(wishes_, arm).opening}, speed); }
   void open(Arm arm, double opening) { move(arm, {at(wishes_, arm).X_WT, opening}, 1.0); }
+
+  /** Wants the tool there from the next tick on. */
+  void place(Arm arm, const Wish& wish) { at(wishes_, arm) = wish; }
 
   void hold(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / kTickSeconds); ++i)

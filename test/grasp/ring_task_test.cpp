@@ -13,12 +13,6 @@
 namespace raven2_trainer::testing {
 namespace {
 
-TrainerConfig trainerConfig() {
-  physics::initialiseOde();
-  physics::attachOdeToThread();
-  return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
-}
-
 TrainerConfig slipperyConfig() {
   TrainerConfig config = trainerConfig();
   config.model.contact_mu = config.model.jaw_mu = 0.005;
@@ -62,7 +56,7 @@ TEST_P(RingTaskSeeds, FromTheStandThroughTheAirHandedOverOntoATower) {
   EXPECT_GT(judge.bothSeconds(), 0.2);
   EXPECT_TRUE(judge.holdsAlone(Arm::kGreen));
   EXPECT_EQ(judge.looseSeconds(), 0.0) << "it must not have flown in between";
-  EXPECT_LT(judge.deepest(), 3e-4);
+  EXPECT_LT(judge.deepest(), 5e-4) << "the stand gives way, too";
   attempt.task.putOver(kTower);
   EXPECT_TRUE(judge.isAround(kTower, kTowerHeight));
   EXPECT_TRUE(judge.free());
@@ -195,14 +189,16 @@ TEST_P(RestingRing, NeitherCreepsNorSinksInAMinute) {
   hands.hold(2.0);
   judge.forgetDepth();
   const Pose before = hands.ring();
+  const std::uint64_t warnings = physics::solverWarnings();
   double fastest = 0.0;
   for (int i = 0; i < watchedTicks(); ++i) {
     hands.tick();
     fastest = std::max(fastest, judge.speed());
   }
-  EXPECT_LT(fastest, 1e-3);
-  EXPECT_LT(judge.deepest(), 3e-4);
-  EXPECT_LT((hands.ring().p - before.p).norm(), creep(1e-4));
+  EXPECT_LT(fastest, 1e-5);
+  EXPECT_LT(judge.deepest(), 1.2e-4);
+  EXPECT_LT((hands.ring().p - before.p).norm(), creep(1e-7));
+  EXPECT_EQ(physics::solverWarnings(), warnings);
   std::printf("  %s: at most %.5f mm/s, %.0f um deep, moved %.1f um in %d s\n", GetParam().name, 1e3 * fastest,
               1e6 * judge.deepest(), 1e6 * (hands.ring().p - before.p).norm(), watchedTicks() / 1000);
 }

@@ -18,9 +18,10 @@ enum class ShapeKind : std::uint8_t { kBox, kCapsule, kSphere, kMesh };
 
 struct CollisionShape {
   ShapeKind kind{ShapeKind::kBox};
-  Pose X_LS;              ///< shape in its link
-  Vector3 size{0, 0, 0};  ///< [m] box: edges; capsule: radius, length of the straight part along z, -; sphere: radius
-  int mesh{-1};           ///< index in Description::meshes, kMesh only
+  Pose X_LS;               ///< shape in its link
+  Vector3 size{0, 0, 0};   ///< [m] box: edges; capsule: radius, length of the straight part along z, -; sphere: radius
+  int mesh{-1};            ///< index in Description::meshes, kMesh only
+  std::string material{};  ///< the URDF's name of the shape: one of ModelConfig::materials; empty: the first
 };
 
 struct VisualShape {

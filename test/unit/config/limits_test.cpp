@@ -54,11 +54,14 @@ const std::vector<Documented> kElsewhere{
     {"arms/(limits/m..|home)", {-10.0, 10.0}},
     {"arms/rcm_W/.*", {-1.0, 1.0}},
     {"model/gains/.*", {0.0, 1e6}},
+    {"model/(materials/.*|arm_give)/stiffness", {100.0, 1e8}},
+    {"model/(materials/.*|arm_give)/damping", {0.0, 1e6}},
+    {"model/arm_give/travel", {0.0, 0.01}},
     {"haptics/min_force|haptics/(guidance|edge)/max_force", {0.0, 3.3}},  // max_force
     {"haptics/max_slew", {25.0 * 3.3, 10000.0}},
     {"haptics/passivity/bank", {0.02, 10.0}},      // budget
     {"haptics/edge/margin", {0.001, 0.07 / 2.0}},  // half the shortest edge
-    {"network/reconnect_max", {0.1, 60.0}},  // reconnect_min
+    {"network/reconnect_max", {0.1, 60.0}},        // reconnect_min
     {"network/stale_after", {0.002, 0.044 - 3.3 / 140.0}},
     {"network/joy/(planning|simulation|trial|view|camera|tool_change|stop)", {-1.0, 127.0}},
     {"runtime/.*/priority", {0.0, 99.0}},
@@ -94,8 +97,9 @@ const std::vector<Documented> kElsewhere{
 };
 
 /** Joints are read in a loop: the first and the last one, and of both arms one, stand for all. */
-const std::regex kAlike("(axes|gains)/(elbow|insertion|tool_rotation|wrist|grasp1)/.*|gold/(elbow|insertion)/.*|"
-                        "green/(shoulder|elbow)/.*|training_levels/advanced/.*");
+const std::regex kAlike(
+    "(axes|gains)/(elbow|insertion|tool_rotation|wrist|grasp1)/.*|gold/(elbow|insertion)/.*|"
+    "green/(shoulder|elbow)/.*|training_levels/advanced/.*");
 
 bool isNumber(const YAML::Node& node) {
   double value = 0.0;

@@ -4,6 +4,7 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_scene.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "test_drive.h"
 
@@ -51,6 +52,27 @@ TEST_P(ShippedScenes, StayAsTheyAre) {
   EXPECT_GE(list.count, scene_.free_bodies.size());
   for (const Arm arm : kArms)
     EXPECT_EQ(world_->contacts(arm), 0U);
+}
+
+TEST_P(ShippedScenes, SayOfWhichMaterialEachLinkIs) {
+  for (const model::Link& link : scene_.description.links) {
+    for (const model::CollisionShape& shape : link.collisions)
+      EXPECT_FALSE(shape.material.empty()) << link.name;
+  }
+}
+
+TEST_P(ShippedScenes, AreRefusedIfAMaterialIsUnknown) {
+  model::Link& link = scene_.description.links.back();
+  ASSERT_FALSE(link.collisions.empty());
+  link.collisions.back().material = "cheese";
+  try {
+    RavenWorld(model::loadRavenModel(config_), scene_, config_.model);
+    FAIL() << "taken";
+  } catch (const ModelException& e) {
+    EXPECT_NE(std::string(e.what()).find(":" + std::to_string(link.line) + ": link " + link.name), std::string::npos)
+        << e.what();
+    EXPECT_NE(std::string(e.what()).find("tool, ring, post, wire, plate, skin"), std::string::npos) << e.what();
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedScenes, ::testing::Values("frs_trainer", "frs_rings", "frs_loops", "peg_board"));

@@ -65,8 +65,8 @@ inline ModelConfig modelConfig() {
   config.cfm = 0.0;
   config.contact_mu = 0.8;
   config.jaw_mu = 0.8;
-  config.contact_erp = 0.2;
-  config.contact_cfm = 1.0e-5;
+  config.materials = {{"tool", 4.0e7, 1.6e5}};  // hard, so that weights stand where they are put
+  config.arm_give = {1.0e3, 0.0, 0.0};
   config.arm_contacts.fill(true);
   return config;
 }
