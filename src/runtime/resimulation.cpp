@@ -35,10 +35,19 @@ std::string nameOf(const ExerciseRecord& record) {
   return kExerciseEventNames[static_cast<std::size_t>(record.event.kind)];
 }
 
+void checkModelVersion(const session::SessionPaths& paths, int recorded) {
+  if (recorded == kModelVersion) return;
+  throw SessionException(paths.directory + ": recorded with version " + std::to_string(recorded) +
+                         " of the nominal model, this program has version " + std::to_string(kModelVersion) +
+                         ", whose contacts are others (doc/model.md, Versions): the session can be read, exported and "
+                         "rendered, but not simulated or scored again");
+}
+
 }  // namespace
 
 TrainerConfig sessionConfig(const session::SessionPaths& paths) {
   const session::LogHeader header = session::readLogHeader(paths.log());
+  checkModelVersion(paths, header.model_version);
   const config::TrainingNames training{header.exercise, header.drill, header.trainee, header.curriculum};
   TrainerConfig config = config::loadTrainerConfig(session::checkConfiguration(paths, header), training);
   config::faultId(config, header.hazard);

@@ -105,6 +105,7 @@ std::string headerToJson(const LogHeader& header) {
                   {"object_names", header.object_names},
                   {"d4", header.d4},
                   {"tolerance", header.tolerance},
+                  {"model_version", header.model_version},
                   {"arm_contacts", header.arm_contacts},
                   {"body_names", header.body_names},
                   {"configuration", describeConfiguration(header)},
@@ -148,6 +149,7 @@ LogHeader headerFromJson(const std::string& text) {
   json.at("object_names").get_to(header.object_names);
   json.at("d4").get_to(header.d4);
   json.at("tolerance").get_to(header.tolerance);
+  header.model_version = json.value("model_version", 1);  // logs of version 1 do not say it
   json.at("arm_contacts").get_to(header.arm_contacts);
   json.at("body_names").get_to(header.body_names);
   for (const Json& file : json.at("configuration"))

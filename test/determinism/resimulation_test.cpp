@@ -670,5 +670,20 @@ TEST_F(ResimulationTest, FindsTheConfigurationInTheSessionItself) {
   EXPECT_THROW(sessionConfig(own), SessionException);
 }
 
+TEST_F(ResimulationTest, OfASessionOfAnotherModelIsRefusedInASentence) {
+  const session::SessionPaths old = session::createSessionDirectory((folder / "old").string());
+  session::LogHeader header;
+  header.model_version = 1;
+  session::LogWriter(old.log(), header).finish({});
+  try {
+    sessionConfig(old);
+    FAIL() << "taken";
+  } catch (const SessionException& e) {
+    EXPECT_NE(std::string(e.what()).find("recorded with version 1 of the nominal model, this program has version 2"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::runtime

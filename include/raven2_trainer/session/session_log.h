@@ -51,6 +51,7 @@ struct LogHeader {
   std::string motion;                                ///< as the console was started (runtime/motion.h); "" unknown
   double d4{};                                       ///< [m] for conversions of joint coordinates
   double tolerance{};                                ///< [m] of the haptic cue
+  int model_version{1};                              ///< kModelVersion of the program that recorded
   PerArm<bool> arm_contacts{};                       ///< the model's arm meets the scene, at the start
   std::vector<std::string> body_names;               ///< by the numbers of contact records
   std::vector<ConfigurationFile> configuration;      ///< copies beside the log, the root file first; empty: none

@@ -141,6 +141,7 @@ TEST(SessionLog, GivesBackItsHeader) {
   header.motion = "recording:teleop.csv";
   header.d4 = -0.47;
   header.tolerance = 0.1 + 0.2;  // not a short decimal
+  header.model_version = 7;
   header.arm_contacts = {true, false};
   header.body_names = {"link1_L", "ring"};
   header.exercise = "peg_transfer";
@@ -164,6 +165,7 @@ TEST(SessionLog, GivesBackItsHeader) {
     EXPECT_EQ(got.motion, header.motion);
     EXPECT_EQ(got.d4, header.d4);
     EXPECT_EQ(got.tolerance, header.tolerance);
+    EXPECT_EQ(got.model_version, header.model_version);
     EXPECT_EQ(got.arm_contacts, header.arm_contacts);
     EXPECT_EQ(got.body_names, header.body_names);
     EXPECT_EQ(got.exercise, header.exercise);
