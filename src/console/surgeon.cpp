@@ -78,10 +78,18 @@ void Surgeon::see(const Senses& senses) {
   runlevel_ = senses.force.runlevel;
   if (!senses.sight || (sight_ && senses.sight->sequence == sight_->sequence)) return;
   sight_ = senses.sight;
+  giveUpWhatHasFailed();
   for (const Arm arm : kArms)
     followJoints(arm);
   for (std::uint8_t object = 0; object < roles_.objects.size(); ++object)
     followRing(object);
+}
+
+/** Of an attempt that was open while these hands were at work: what failed before is not theirs. */
+void Surgeon::giveUpWhatHasFailed() {
+  const ExerciseStatus status = sight_->exercise;
+  if (status == ExerciseStatus::kWaiting || status == ExerciseStatus::kRunning) saw_open_attempt_ = true;
+  if (status == ExerciseStatus::kFailed && saw_open_attempt_) finish();
 }
 
 /** What the joints must be that put the tool where it is seen. */

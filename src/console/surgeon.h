@@ -104,6 +104,7 @@ class Surgeon : public MotionSource {
 
  private:
   void see(const Senses& senses);
+  void giveUpWhatHasFailed();
   void followJoints(Arm arm);
   void followRing(std::uint8_t object);
   Tick next();
@@ -119,7 +120,7 @@ class Surgeon : public MotionSource {
   std::uint32_t sequence_{0}, pedals_{0};
   std::uint8_t runlevel_{0};
   Tick now_{0}, free_at_{0};
-  bool pedal_{false}, finished_{false};
+  bool pedal_{false}, finished_{false}, saw_open_attempt_{false};
 };
 
 }  // namespace raven2_trainer::console

@@ -120,7 +120,8 @@ void addExercise(const Snapshot& snapshot, std::uint32_t steps, std::vector<std:
   const ModelState& model = snapshot.model;
   if (model.exercise.status == ExerciseStatus::kNone) return;
   lines->push_back("exercise  " + attemptText(model.exercise, steps) + verdictText(snapshot));
-  lines->push_back(format("          %.1f s, ", timeOf(model)) + mistakesText(model.exercise));
+  const std::string time = model.exercise.began < 0 ? "not begun" : format("%.1f s", timeOf(model));
+  lines->push_back("          " + time + ", " + mistakesText(model.exercise));
 }
 
 /** What a fault of the video leaves of the trainee's picture. */
@@ -135,6 +136,13 @@ std::string pictureText(const DaemonFaults& faults) {
     default:
       return faults.picture_delay_ms > 0 ? format("picture %u ms late", faults.picture_delay_ms) : "";
   }
+}
+
+/** Of an attempt that ended badly. */
+std::string failureText(const ExerciseState& exercise) {
+  if (exercise.status != ExerciseStatus::kFailed) return "";
+  const auto failure = static_cast<std::size_t>(exercise.failure);
+  return "ATTEMPT FAILED: " + (failure < kExerciseFailureCount ? words(kExerciseFailureNames[failure]) : "?");
 }
 
 std::string bannerText(const Snapshot& snapshot) {
@@ -162,6 +170,7 @@ Overlay describe(const Snapshot& snapshot, const SceneOptions& options) {
     at(overlay.force, arm) = norm(at(snapshot.haptic.force_B, arm));
   overlay.max_force = options.haptics.max_force;
   if (shown.has(OverlayKind::kHazard)) overlay.banner = bannerText(snapshot);
+  if (shown.has(OverlayKind::kTimer) && overlay.banner.empty()) overlay.banner = failureText(snapshot.model.exercise);
   return overlay;
 }
 

@@ -24,6 +24,7 @@ Sight sightOf(const ModelState& model,
   sight.mode = model.mode;
   sight.runlevel = robot.frame > 0 ? robot.runlevel : RunLevel::kEStop;
   sight.linked = model.linked;
+  sight.exercise = model.exercise.status;
   sight.step = model.exercise.step;
   for (std::size_t body = free_bodies; body < kMaxSceneBodies; ++body) {
     const bool is_off = (model.exercise.bodies[body] & kBodyBrokenOff) != 0;

@@ -75,15 +75,15 @@ bool getStatus(ByteReader& in, Sight* sight) noexcept {
   const auto mode = in.get<std::uint8_t>();
   const auto runlevel = in.get<std::uint8_t>();
   sight->linked = in.get<std::uint8_t>();
-  const auto reserved = in.get<std::uint8_t>();
+  const auto exercise = in.get<std::uint8_t>();
   sight->broken = in.get<std::uint16_t>();
-  const auto reserved_too = in.get<std::uint16_t>();
+  const auto reserved = in.get<std::uint16_t>();
   sight->step = in.get<std::uint32_t>();
-  if (mode >= kModeCount || runlevel >= kRunLevelNames.size()) return false;
+  if (mode >= kModeCount || runlevel >= kRunLevelNames.size() || exercise >= kExerciseStatusCount) return false;
   sight->mode = static_cast<Mode>(mode);
   sight->runlevel = static_cast<RunLevel>(runlevel);
-  return sight->tick >= 0 && sight->linked <= 1 && reserved == 0 && reserved_too == 0 &&
-         sight->broken >> kMaxSceneBodies == 0;
+  sight->exercise = static_cast<ExerciseStatus>(exercise);
+  return sight->tick >= 0 && sight->linked <= 1 && reserved == 0 && sight->broken >> kMaxSceneBodies == 0;
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ SightBytes encodeSight(const Sight& sight) noexcept {
   out.put(static_cast<std::uint8_t>(sight.mode));
   out.put(static_cast<std::uint8_t>(sight.runlevel));
   out.put(sight.linked);
-  out.put(std::uint8_t{0});
+  out.put(static_cast<std::uint8_t>(sight.exercise));
   out.put(sight.broken);
   out.put(std::uint16_t{0});
   out.put(sight.step);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/core/state.h"
 
@@ -16,8 +17,9 @@ struct Sight {
   Mode mode{};
   RunLevel runlevel{};
   std::uint8_t linked{};
-  std::uint16_t broken{};  ///< bit i: breakable i is off its foot
-  std::uint32_t step{};    ///< ExerciseState::step
+  ExerciseStatus exercise{};  ///< of the newest attempt
+  std::uint16_t broken{};     ///< bit i: breakable i is off its foot
+  std::uint32_t step{};       ///< ExerciseState::step
   PerArm<RigidPose> tool_W{};
   PerArm<double> opening{};  ///< [rad] of the jaws
   std::array<RigidPose, kMaxSceneBodies> bodies_W{};

@@ -117,6 +117,24 @@ TEST_F(ExpertTest, GivesUpInTheEnd) {
   EXPECT_EQ(told("close"), Skill{}.tries) << "as many times as it tries";
 }
 
+TEST_F(ExpertTest, StopsWhenTheAttemptHasFailed) {
+  FakeWorld& world = start(wholeTask());
+  world.exercise = ExerciseStatus::kWaiting;
+  world.run(3.0);
+  ASSERT_FALSE(world.finished());
+  world.exercise = ExerciseStatus::kFailed;
+  world.run(0.1);
+  EXPECT_TRUE(world.finished());
+  EXPECT_EQ(world.packet().surgeon_mode, 0) << "pedal up";
+}
+
+TEST_F(ExpertTest, TakesNoNoticeOfAnAttemptThatHadFailedBefore) {
+  FakeWorld& world = start(wholeTask());
+  world.exercise = ExerciseStatus::kFailed;
+  world.run(3.0);
+  EXPECT_FALSE(world.finished());
+}
+
 TEST_F(ExpertTest, KeepsThePedalUpAsLongAsItSeesNothing) {
   FakeWorld& world = start(wholeTask());
   world.is_blind = true;

@@ -76,6 +76,7 @@ class FakeWorld {
       tick();
   }
 
+  ExerciseStatus exercise{ExerciseStatus::kNone};  ///< as it is seen
   bool finished() const { return console_.finished(); }
   const Pose& ring() const { return ring_; }
   bool isHeldBy(Arm arm) const { return at(X_TR_, arm).has_value(); }
@@ -183,6 +184,7 @@ class FakeWorld {
     Sight sight;
     sight.sequence = ++pictures_;
     sight.tick = now_;
+    sight.exercise = exercise;
     for (const Arm arm : kArms) {
       at(sight.tool_W, arm) = toArray(tool(arm));
       // what is between the jaws keeps them apart: a bar of 4 mm, 7.5 mm from the pivot

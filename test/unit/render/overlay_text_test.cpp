@@ -113,12 +113,20 @@ TEST(OverlayText, TheTimerTellsStepTimeMistakesAndHowItEnded) {
   s.verdict.passed = false;
   s.verdict.composite = 0.857;
   EXPECT_TRUE(hasLine(describe(s, options), "exercise", "done, not passed, score 86 %"));
+  EXPECT_EQ(describe(s, options).banner, "") << "done is no failure";
   s.model.exercise.status = ExerciseStatus::kRunning;
   EXPECT_FALSE(hasLine(describe(s, options), "exercise", "score")) << "not before the end";
   s.verdict = {};
   s.model.exercise.status = ExerciseStatus::kFailed;
   s.model.exercise.failure = ExerciseFailure::kTimeLimit;
   EXPECT_TRUE(hasLine(describe(s, options), "exercise", "failed: time limit"));
+  EXPECT_EQ(describe(s, options).banner, "ATTEMPT FAILED: time limit");
+  s.fault = "sudden_jump";
+  EXPECT_NE(describe(s, options).banner.find("sudden_jump"), std::string::npos)
+      << "a fault that still acts comes first";
+  s.fault.clear();
+  s.model.exercise.began = -1;
+  EXPECT_TRUE(hasLine(describe(s, options), "  ", "not begun, 1 mistake"));
   s.model.exercise.status = static_cast<ExerciseStatus>(99);
   s.model.exercise.began = -(std::int64_t{1} << 62);
   EXPECT_TRUE(hasLine(describe(s, options), "exercise", "?"));

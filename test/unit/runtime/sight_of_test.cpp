@@ -42,12 +42,14 @@ TEST(SightOf, TellsWhichPartsAreBrokenOff) {
   state.exercise.bodies[2] = kBodyBrokenOff;
   state.exercise.bodies[5] = kBodyBrokenOff | kHeldByGold;
   state.exercise.step = 3;
+  state.exercise.status = ExerciseStatus::kRunning;
   RobotState robot;
   robot.frame = 1;
   robot.runlevel = RunLevel::kPedalDown;
   const Sight sight = sightOf(state, robot, ArmsConfig{}, 2, 1);
   EXPECT_EQ(sight.broken, 1u | 8u);
   EXPECT_EQ(sight.step, 3u);
+  EXPECT_EQ(sight.exercise, ExerciseStatus::kRunning);
   EXPECT_EQ(sight.runlevel, RunLevel::kPedalDown);
 }
 

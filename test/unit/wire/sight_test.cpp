@@ -18,14 +18,14 @@ using Bytes = std::vector<std::uint8_t>;
 // x = pose(1, [0, .6, 0, .8]) + pose(2, [0, 0, 0, 1]) + [.25, -.5]
 // for i in range(12): x += pose(3 + i, [.5, -.5, .5, -.5] if i % 2 else [0, 0, 0, 1])
 // x += [.125, 0, .25, 0, 0, .03125, 0, 0, 1]
-// h = struct.pack('<4sHHIqBBBBHHI109d', b'RV2E', 1, 908, 7, 0x0102030405, 12, 3, 1, 0, 0x0801, 0, 42, *x)
+// h = struct.pack('<4sHHIqBBBBHHI109d', b'RV2E', 1, 908, 7, 0x0102030405, 12, 3, 1, 4, 0x0801, 0, 42, *x)
 // h + struct.pack('<I', zlib.crc32(h)): its beginning and its end, whose CRC stands for all between
 const char* const kBegin =
-    "5256324501008c030700000005040302010000000c030100010800002a000000000000000000c03f000000000000d0bf000000000000e03f"
+    "5256324501008c030700000005040302010000000c030104010800002a000000000000000000c03f000000000000d0bf000000000000e03f"
     "00000000";
 const char* const kEnd =
     "0000e0bf000000000000c03f0000000000000000000000000000d03f00000000000000000000000000000000000000000000a03f"
-    "00000000000000000000000000000000000000000000f03fbaae57e9";
+    "00000000000000000000000000000000000000000000f03f6f6e58e3";
 
 Sight vectorSight() {
   Sight sight;
@@ -34,6 +34,7 @@ Sight vectorSight() {
   sight.mode = Mode::kTrial;
   sight.runlevel = RunLevel::kPedalDown;
   sight.linked = 1;
+  sight.exercise = ExerciseStatus::kFailed;
   sight.broken = 0x0801;
   sight.step = 42;
   const auto place = [](double i) { return Vec3{0.125 * i, -0.25 * i, 0.5 * i}; };
@@ -90,6 +91,7 @@ TEST(Sight, IsReadAsItWasWritten) {
   EXPECT_EQ(sight.mode, Mode::kTrial);
   EXPECT_EQ(sight.runlevel, RunLevel::kPedalDown);
   EXPECT_EQ(sight.linked, 1);
+  EXPECT_EQ(sight.exercise, ExerciseStatus::kFailed);
   EXPECT_EQ(sight.broken, 0x0801);
   EXPECT_EQ(sight.step, 42U);
   EXPECT_EQ(sight.tool_W[0].q, (Quat{0.0, 0.6, 0.0, 0.8}));
@@ -131,7 +133,7 @@ TEST(Sight, OfAnotherVersionMagicOrLengthIsRefused) {
 }
 
 TEST(Sight, WithAValueThatCannotBeIsRefused) {
-  for (const std::size_t offset : {20, 21, 22, 23, 26}) {  // mode, run level, linked, reserved twice
+  for (const std::size_t offset : {20, 21, 22, 23, 26}) {  // mode, run level, linked, exercise, reserved
     Bytes bytes = encoded(vectorSight());
     bytes[offset] = 200;
     EXPECT_EQ(decode(sealed(bytes)), Reject::kOutOfRange) << offset;
@@ -148,9 +150,9 @@ TEST(Sight, WithAValueThatCannotBeIsRefused) {
 
 TEST(Sight, WithAPlaceFartherThanAThousandKilometresIsRefusedWhateverItIsOf) {
   const std::function<Vec3&(Sight&)> places[] = {
-      [](Sight& s) -> Vec3& { return s.tool_W[0].p; },     [](Sight& s) -> Vec3& { return s.tool_W[1].p; },
-      [](Sight& s) -> Vec3& { return s.bodies_W[0].p; },   [](Sight& s) -> Vec3& { return s.bodies_W[11].p; },
-      [](Sight& s) -> Vec3& { return s.camera.eye_W; },    [](Sight& s) -> Vec3& { return s.camera.target_W; },
+      [](Sight& s) -> Vec3& { return s.tool_W[0].p; },   [](Sight& s) -> Vec3& { return s.tool_W[1].p; },
+      [](Sight& s) -> Vec3& { return s.bodies_W[0].p; }, [](Sight& s) -> Vec3& { return s.bodies_W[11].p; },
+      [](Sight& s) -> Vec3& { return s.camera.eye_W; },  [](Sight& s) -> Vec3& { return s.camera.target_W; },
       [](Sight& s) -> Vec3& { return s.camera.up_W; },
   };
   for (const auto& place : places) {
