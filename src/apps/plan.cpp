@@ -12,6 +12,7 @@
 #include "apps/common/run_script.h"
 #include "apps/common/study_bar.h"
 #include "raven2_trainer/config/load_problem.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/runtime/plan_files.h"
 #include "raven2_trainer/runtime/plan_study.h"
@@ -104,7 +105,7 @@ int plan(Options options) {
   check(options);
   const TrainerConfig config = options.common.load();
   const PlanProblem problem =
-      config::findProblem(apps::shareFolder() + "/config/problems", options.problem, config.arms.geometry);
+      config::findProblem(config::shareFolder() + "/config/problems", options.problem, config.arms.geometry);
   const bool over_time = !options.choice.times.empty();
   runtime::PlanStudyOptions study_options;
   study_options.cases =

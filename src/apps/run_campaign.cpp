@@ -12,6 +12,7 @@
 #include "apps/common/paths.h"
 #include "raven2_trainer/campaign/judgement.h"
 #include "raven2_trainer/campaign/run_campaign.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/physics/raven_world.h"
@@ -33,7 +34,7 @@ struct Options {
 /** A file, or the name of one in config/campaigns. */
 std::string campaignFile(const std::string& name) {
   if (name.find('/') != std::string::npos || name.find(".yaml") != std::string::npos) return name;
-  return apps::shareFolder() + "/config/campaigns/" + name + ".yaml";
+  return config::shareFolder() + "/config/campaigns/" + name + ".yaml";
 }
 
 constexpr int kLockWait = 120;  // [s] leases of network file systems are shorter

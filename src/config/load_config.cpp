@@ -9,6 +9,7 @@
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/load_scenario.h"
 #include "raven2_trainer/config/section.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -120,8 +121,8 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   read("detector", &c.detector, readDetector);
   readImpairments(file("impairments"), &c);
   c.scenarios = readScenarios(file("faults"), &c);
-  c.robot_urdf = file("robot_urdf");
-  c.scene_urdf = file("scene_urdf");
+  c.robot_urdf = neighbour(folder.string(), root.text("robot_urdf"), "config");
+  c.scene_urdf = neighbour(folder.string(), root.text("scene_urdf"), "config");
   c.exercises = file("exercises");
   c.scenes = file("scenes");
   c.curricula = file("curricula");

@@ -5,6 +5,7 @@
 
 #include "config/names.h"
 #include "raven2_trainer/config/section.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -114,12 +115,11 @@ void readPoints(Section& root, SceneRoles* roles) {
 }
 
 std::string readUrdf(Section& root) {
-  const fs::path urdf = fs::absolute(root.file()).parent_path() / root.text("urdf");
+  const std::string folder = fs::absolute(root.file()).parent_path().string();
+  const std::string urdf = neighbour(folder, root.text("urdf"), "config/scenes");
   std::error_code error;
-  if (!fs::is_regular_file(urdf, error)) {
-    throw ConfigException(root.where("urdf") + ": there is no file " + urdf.lexically_normal().string());
-  }
-  return urdf.lexically_normal().string();
+  if (!fs::is_regular_file(urdf, error)) throw ConfigException(root.where("urdf") + ": there is no file " + urdf);
+  return urdf;
 }
 
 }  // namespace

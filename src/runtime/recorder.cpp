@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/session/configuration_copy.h"
@@ -98,9 +99,11 @@ session::LogHeader logHeader(const TrainerConfig& config,
   header.motion = motion;
   header.d4 = config.arms.geometry.d4;
   header.tolerance = config.haptics.tolerance;
+  header.model_version = kModelVersion;
   header.arm_contacts = config.model.arm_contacts;
   header.body_names = body_names;
-  header.configuration = session::copyConfiguration(paths, configurationFiles(config), config.overridden);
+  header.configuration =
+      session::copyConfiguration(paths, configurationFiles(config), config.overridden, config::shareFolder());
   return header;
 }
 

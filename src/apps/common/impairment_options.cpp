@@ -6,6 +6,7 @@
 
 #include "apps/common/paths.h"
 #include "raven2_trainer/config/load_impairment.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::apps {
@@ -63,7 +64,7 @@ std::int64_t seconds(const char* option, double value) {
 }  // namespace
 
 Impairment impairmentByName(const std::string& name) {
-  return config::findImpairment(shareFolder() + "/config/impairments", name);
+  return config::findImpairment(config::shareFolder() + "/config/impairments", name);
 }
 
 void ImpairmentOptions::add(CLI::App* app) {

@@ -5,6 +5,7 @@
 #include "apps/common/paths.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/config/load_master.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/console/device_hands.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/ros/master_devices.h"
@@ -67,7 +68,7 @@ PerArm<double> jawsAtHome(const TrainerConfig& config) {
 }  // namespace
 
 int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char** argv) {
-  MasterConfig master = config::findMaster(shareFolder() + "/config/masters", options.master);
+  MasterConfig master = config::findMaster(config::shareFolder() + "/config/masters", options.master);
   if (options.scale > 0.0) master.scale = options.scale;
   const std::string of_scale = wordsOfScale(master, config.console.scale);
   if (!of_scale.empty()) std::fprintf(stderr, "%s\n", of_scale.c_str());

@@ -9,6 +9,7 @@
 #include <regex>
 #include <sstream>
 
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -69,6 +70,28 @@ TEST_F(LoadConfig, ThePackagedFilesAreGood) {
   EXPECT_DOUBLE_EQ(config.haptics.tolerance, 0.003);
   EXPECT_EQ(config.network.robot_port, 36000);
   EXPECT_EQ(config.scenarios.at(2).name, "sudden_jump");
+}
+
+TEST_F(LoadConfig, ACopyAloneTakesRobotAndScenesFromThePackage) {
+  ASSERT_FALSE(fs::exists(folder_ / "../urdf"));
+  own(folder_ / "scenes");
+  const std::string urdf = RAVEN2_TRAINER_SOURCE_DIR "/urdf/";
+  const TrainerConfig config = loadTrainerConfig(root(), {"peg_transfer", "none", "", "none"});
+  EXPECT_EQ(config.robot_urdf, urdf + "raven2.urdf");
+  EXPECT_EQ(config.scene_urdf, urdf + "peg_board.urdf");
+  EXPECT_EQ(config.roles.file, (folder_ / "scenes/peg_board.yaml").string());
+}
+
+TEST_F(LoadConfig, ANeighbourOfTheCopyComesBeforeThePackages) {
+  const std::string own_folder = (folder_ / "mine/config").string();
+  fs::create_directories(folder_ / "mine/config");
+  fs::create_directories(folder_ / "mine/urdf");
+  std::ofstream(folder_ / "mine/urdf/raven2.urdf") << "mine";
+  EXPECT_EQ(neighbour(own_folder, "../urdf/raven2.urdf", "config"), (folder_ / "mine/urdf/raven2.urdf").string());
+  EXPECT_EQ(neighbour(own_folder, "../urdf/peg_board.urdf", "config"),
+            RAVEN2_TRAINER_SOURCE_DIR "/urdf/peg_board.urdf");
+  EXPECT_EQ(neighbour(own_folder, "../urdf/none.urdf", "config"), (folder_ / "mine/urdf/none.urdf").string());
+  EXPECT_EQ(neighbour(own_folder, "arms.yaml", "config"), own_folder + "/arms.yaml") << "only what lies outside";
 }
 
 TEST_F(LoadConfig, ScenariosComeInTheOrderOfTheirNumbersAndTheUsersOwnLast) {
@@ -137,6 +160,15 @@ TEST_F(LoadConfig, AKeyGivenTwiceIsRefusedWithItsLine) {
 TEST_F(LoadConfig, AMissingKeyIsRefused) {
   replace("haptics.yaml", "tolerance: .*", "");
   EXPECT_NE(message().find("tolerance is missing"), std::string::npos) << message();
+}
+
+TEST_F(LoadConfig, TheArmsMaterialComesFirstAndMustBeThere) {
+  replace("model.yaml", "\n  tool:", "\n  zinc: {stiffness: 200, damping: 1}\n  tool:");
+  const ModelConfig model = loadTrainerConfig(root()).model;
+  EXPECT_EQ(model.materials.at(0).name, "tool");
+  EXPECT_EQ(model.materials.at(1).name, "zinc");
+  replace("model.yaml", "\n  tool:", "\n  steel:");
+  EXPECT_NE(message().find("has no 'tool'"), std::string::npos) << message();
 }
 
 TEST_F(LoadConfig, AValueOutOfRangeIsRefusedWithTheRange) {

@@ -51,6 +51,23 @@ class ConfigurationCopy : public ::testing::Test {
   LogHeader header;
 };
 
+TEST_F(ConfigurationCopy, PutsWhatIsBorrowedFromThePackageBesideTheConfiguration) {
+  write("home/mine/trainer.yaml", "names ../urdf/robot.urdf, which is not there");
+  write("home/mine/faults/a.yaml", "mine");
+  write("share/urdf/robot.urdf", "the package's");
+  const std::string home = (folder / "home").string(), share = (folder / "share").string();
+  const SessionPaths other = createSessionDirectory((folder / "other").string());
+  const auto copies = copyConfiguration(
+      other,
+      {home + "/mine/trainer.yaml", home + "/mine/faults/a.yaml", share + "/urdf/robot.urdf", share + "/meshes/a.stl"},
+      {}, share);
+  ASSERT_EQ(copies.size(), 4U);
+  EXPECT_EQ(copies[0].path, "configuration/mine/trainer.yaml");
+  EXPECT_EQ(copies[1].path, "configuration/mine/faults/a.yaml");
+  EXPECT_EQ(copies[2].path, "configuration/urdf/robot.urdf");
+  EXPECT_EQ(copies[3].path, "configuration/meshes/a.stl");
+}
+
 TEST_F(ConfigurationCopy, KeepsEachFileAtItsPlaceRelativeToTheOthers) {
   ASSERT_EQ(header.configuration.size(), 3U) << "one given twice is copied once";
   EXPECT_EQ(header.configuration[0].path, "configuration/config/trainer.yaml");

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+namespace raven2_trainer::config {
+
+/**
+ * Folder with the package's config/, urdf/ and meshes/: $RAVEN2_TRAINER_SHARE if set; else share/raven2_trainer beside
+ * the program's lib folder (installed); else the source tree it was built from (devel space).
+ * @throw ConfigException if none of them has a config/trainer.yaml.
+ */
+std::string shareFolder();
+
+/**
+ * A file that a configuration names relative to `folder`. Where it is not there and leads out of the configuration
+ * (../urdf/...), the package's: a copied config/ needs no copy of urdf/ and meshes/ beside it.
+ * @param[in] place What `folder` is in the package: config, config/scenes.
+ * @return absolute path; below `folder` if the package has no such file either.
+ */
+std::string neighbour(const std::string& folder, const std::string& file, const std::string& place);
+
+}  // namespace raven2_trainer::config
