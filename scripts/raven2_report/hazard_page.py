@@ -30,7 +30,8 @@ def _unexplained(facts):
     rows = [[number(d["at_s"], 3, "s"), number(1000 * (d["end_s"] - d["at_s"]), 0, "ms"), d["arm"],
              number(d["error_mm"], 2, "mm"), number(d["force_N"], 2, "N")] for d in facts.deviations]
     return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, the hand felt it, and this session knows of no fault "
-            "then. A fault that was injected by other means, as by the library at the USB boundary, looks so.</p>"
+            "then. A fault that was injected by other means, as by the library at the USB boundary, looks so; "
+            "<code>merge_truth DIR FILE</code> brings in what that library wrote.</p>"
             + table(["Began", "Lasted", "Arm", "Largest tip error", "Strongest force"], rows, {0, 1, 3, 4}))
 
 

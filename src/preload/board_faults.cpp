@@ -35,7 +35,7 @@ void BoardFaults::beginCycle(std::int64_t now_ns) noexcept {
   history_.append(run_level_);
   countPackets();
   engine_.beginCycle({run_level_ == kPedalDown, run_level_, {}});
-  log_.note(&engine_, history_.begun(), now_ns);
+  log_.note(&engine_, history_.begun(), now_ns, history_.newestCommand());
   boards_read_ = engine_.applyInt(FaultVariable::kGetBoardCount, Arm::kGold, 0, kBoards);
   boards_written_ = engine_.applyInt(FaultVariable::kPutBoardCount, Arm::kGold, 0, kBoards);
 }

@@ -10,7 +10,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json momentOf(const LoggedChange& logged) {
-  return {{"cycle", logged.change.cycle}, {"time_ns", logged.time_ns}};
+  return {{"cycle", logged.change.cycle}, {"time_ns", logged.time_ns}, {"command", logged.command}};
 }
 
 /** The names are those of faults.json. */
@@ -58,7 +58,10 @@ std::string describeTruth(const Order& order, const Truth& truth) {
                   {{"cycle",
                     "the program's control cycles, counted from 1: each begins with the first read of a board behind a "
                     "write to one"},
-                   {"time_ns", "ns since 1970, clock of the robot's computer"}}},
+                   {"time_ns", "ns since 1970, clock of the robot's computer"},
+                   {"command", "sequence number of the newest packet of the surgeon's that had come; 0 none"},
+                   {"monotonic_offset_ns", "time_ns less this is CLOCK_MONOTONIC of the robot's computer, in ns"}}},
+                 {"monotonic_offset_ns", truth.monotonic_offset_ns},
                  {"cycles", truth.cycles},
                  {"packets", truth.packets},
                  {"injections", injections},

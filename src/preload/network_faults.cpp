@@ -13,7 +13,7 @@ void NetworkFaults::catchUp(std::int64_t now_ns) noexcept {
     const std::uint8_t level = history_.runLevel(cycles_);
     ++cycles_;
     engine_.beginCycle({level == kPedalDown, level, {}});
-    log_.note(&engine_, cycles_, now_ns);
+    log_.note(&engine_, cycles_, now_ns, history_.newestCommand());
   }
 }
 
@@ -21,9 +21,9 @@ void NetworkFaults::offer(const wire::ItpBytes& bytes, std::int64_t now_ns) noex
   catchUp(now_ns);
   wire::ItpPacket packet;
   wire::decodeItp(bytes.data(), bytes.size(), &packet);  // of the right size, so it succeeds
-  history_.countPacket(packet.surgeon_mode != 0);
+  history_.countPacket(packet.surgeon_mode != 0, packet.sequence);
   engine_.beginPacket(packet.surgeon_mode != 0);
-  log_.note(&engine_, cycles_, now_ns);
+  log_.note(&engine_, cycles_, now_ns, history_.newestCommand());
   const bool passes = cycles_ == 0 || (!engine_.isArmed() && held_.isEmpty());  // before the first cycle nothing acts
   if (passes) {
     held_.pass(packet);

@@ -9,6 +9,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/metric_names.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/runtime/merge_truth.h"
 #include "raven2_trainer/runtime/reference_paths.h"
 #include "raven2_trainer/runtime/resimulation.h"
 #include "raven2_trainer/session/recovery.h"
@@ -281,6 +282,7 @@ bool lacksScore(const session::SessionPaths& paths) noexcept {
 }
 
 bool finishSession(const session::SessionPaths& paths, const std::function<bool()>& cancelled) noexcept {
+  mergeTruthIfThere(paths);
   try {
     if (session::readLogHeader(paths.log()).exercise == "none") return true;
     ScoringOptions options;

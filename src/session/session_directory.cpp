@@ -110,6 +110,7 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
             {"hazard", config.hazard},
             {"build", meta.build},
             {"config_files", describeFiles(config)}};
+  if (!meta.usb_truth.empty()) json["usb_faults_truth"] = meta.usb_truth;
   if (!config.robot_urdf.empty()) json["robot_urdf"] = describeFile(config, config.robot_urdf);
   if (!config.scene_urdf.empty()) json["scene_urdf"] = describeFile(config, config.scene_urdf);
   const std::string draft = paths.meta() + ".part";  // renamed: on a full disk the one from the start stays
@@ -131,11 +132,24 @@ std::map<std::string, std::string> readBuild(const SessionPaths& paths) {
   return build;
 }
 
-std::string readStartTime(const SessionPaths& paths) {
+namespace {
+
+/** A text of meta.json; empty if there is none. */
+std::string readText(const SessionPaths& paths, const char* key) {
   std::ifstream file(paths.meta());
   const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object() || !json.contains("start_time_utc") || !json["start_time_utc"].is_string()) return "";
-  return json["start_time_utc"];
+  if (!json.is_object() || !json.contains(key) || !json[key].is_string()) return "";
+  return json[key];
+}
+
+}  // namespace
+
+std::string readStartTime(const SessionPaths& paths) {
+  return readText(paths, "start_time_utc");
+}
+
+std::string readUsbTruthFile(const SessionPaths& paths) {
+  return readText(paths, "usb_faults_truth");
 }
 
 std::string fileHash(const std::string& path) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "raven2_trainer/core/vec3.h"
+#include "raven2_trainer/session/session_directory.h"
+#include "raven2_trainer/training/usb_truth.h"
 
 namespace raven2_trainer::training {
 
@@ -66,8 +69,10 @@ void MetricsAccumulator::add(const FaultRecord& record) {
   plans_.push_back(record);
 }
 
+/** In order of their ticks: those of a merged ground truth come before the log's. */
 void MetricsAccumulator::add(const FaultChangeRecord& record) {
-  changes_.push_back(record);
+  const auto is_before = [](Tick tick, const FaultChangeRecord& other) { return tick < other.tick; };
+  changes_.insert(std::upper_bound(changes_.begin(), changes_.end(), record.tick, is_before), record);
 }
 
 void MetricsAccumulator::followChanges(const TickRecord& record) {
@@ -320,6 +325,12 @@ SessionMetrics MetricsAccumulator::result() const {
 
 SessionMetrics computeMetrics(const std::string& log_path, const std::function<void()>& on_tick) {
   MetricsAccumulator accumulator(session::readLogHeader(log_path));
+  const std::filesystem::path folder = std::filesystem::path(log_path).parent_path();
+  if (const auto truth = loadUsbTruth(session::SessionPaths{folder.string()}.usbTruth())) {
+    accumulator.add(truth->rows);
+    for (const FaultChangeRecord& change : truth->changes)
+      accumulator.add(change);
+  }
   session::LogVisitor visitor;
   visitor.tick = [&](const TickRecord& record) {
     if (on_tick) on_tick();

@@ -12,7 +12,8 @@ namespace raven2_trainer::preload {
 /** Beginning or end of a fault, on the boards' clock and the computer's. */
 struct LoggedChange {
   FaultChange change{};
-  std::int64_t time_ns{};  ///< [ns] whatever clock the caller reads
+  std::int64_t time_ns{};   ///< [ns] whatever clock the caller reads
+  std::uint32_t command{};  ///< number of the newest packet that had come; 0 none
 };
 
 /** Room for all beginnings and ends of one thread's faults: one writer, read at the end. Real-time safe after
@@ -23,11 +24,12 @@ class ChangeLog {
   explicit ChangeLog(std::size_t room = 65536) : changes_(room) {}
 
   /** Everything that the engine has not told yet; it is in its cycle `cycle`, counted from 1. */
-  void note(faults::FaultEngine* engine, std::uint64_t cycle, std::int64_t time_ns) noexcept {
+  void note(faults::FaultEngine* engine, std::uint64_t cycle, std::int64_t time_ns, std::uint32_t command) noexcept {
     LoggedChange next;
     while (engine->nextChange(&next.change)) {
       next.change.cycle = cycle;
       next.time_ns = time_ns;
+      next.command = command;
       const std::size_t count = count_.load(std::memory_order_relaxed);
       if (count == changes_.size()) {
         lost_.fetch_add(1, std::memory_order_relaxed);

@@ -28,17 +28,21 @@ class CycleHistory {
   }
 
   /** Network thread: a packet came. */
-  void countPacket(bool pedal_down) noexcept {
+  void countPacket(bool pedal_down, std::uint32_t sequence) noexcept {
+    newest_command_.store(sequence, std::memory_order_relaxed);
     const std::uint64_t number = packets_.load(std::memory_order_relaxed);
     if (number > 0 || pedal_down) packets_.store(number + 1, std::memory_order_release);
   }
   /** Packets from the first with the pedal down on. Any thread. */
   std::uint64_t packets() const noexcept { return packets_.load(std::memory_order_acquire); }
+  /** Sequence number of the newest packet; 0 before the first. Any thread. */
+  std::uint32_t newestCommand() const noexcept { return newest_command_.load(std::memory_order_relaxed); }
 
  private:
   std::array<std::atomic<std::uint8_t>, kKept> levels_{};
   std::atomic<std::uint64_t> begun_{0};
   std::atomic<std::uint64_t> packets_{0};
+  std::atomic<std::uint32_t> newest_command_{0};
 };
 
 }  // namespace raven2_trainer::preload

@@ -12,8 +12,9 @@ namespace raven2_trainer::preload {
 struct Truth {
   const ChangeLog& boards;
   const ChangeLog& network;
-  std::uint64_t cycles{};   ///< begun
-  std::uint64_t packets{};  ///< from the first with the pedal down on
+  std::uint64_t cycles{};              ///< begun
+  std::uint64_t packets{};             ///< from the first with the pedal down on
+  std::int64_t monotonic_offset_ns{};  ///< [ns] of the log's clock above CLOCK_MONOTONIC
 };
 
 /** As `injections` of a session's faults.json, one entry each time a row began to act. JSON text. */

@@ -18,6 +18,7 @@ struct SessionPaths {
   std::string metrics() const { return directory + "/metrics.json"; }
   std::string meta() const { return directory + "/meta.json"; }
   std::string faults() const { return directory + "/faults.json"; }
+  std::string usbTruth() const { return directory + "/usb_truth.json"; }  ///< training/usb_truth.h
   std::string score() const { return directory + "/score.json"; }
   std::string video() const { return directory + "/video.mp4"; }
   std::string report() const { return directory + "/report.html"; }
@@ -46,6 +47,7 @@ struct SessionMeta {
   std::string motion;
   std::map<std::string, std::string> build{};     ///< what decides over the bits beside the inputs, by name
   std::string ingest{};                           ///< what was taken for ITP and from whom, in words; empty in lockstep
+  std::string usb_truth{};                        ///< what RAVEN2_USB_FAULTS_TRUTH named; empty: it was not set
   std::string flight_recorder{"none: lockstep"};  ///< file of the record queues while the session runs, or "none: WHY"
 };
 
@@ -55,6 +57,9 @@ void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const Trainer
 
 /** SessionMeta::build of a session; empty if there is no readable meta.json or nothing in it about the build. */
 std::map<std::string, std::string> readBuild(const SessionPaths& paths);
+
+/** SessionMeta::usb_truth of a session; empty if there is no readable meta.json. */
+std::string readUsbTruthFile(const SessionPaths& paths);
 
 /** SessionMeta::start_time_utc of a session; empty if there is no readable meta.json. */
 std::string readStartTime(const SessionPaths& paths);

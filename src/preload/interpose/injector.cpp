@@ -118,9 +118,9 @@ void replace(Arm arm, int from, int to) noexcept {
   at(board_descriptors, arm).compare_exchange_strong(from, to, std::memory_order_acq_rel);
 }
 
-std::int64_t nowNs() noexcept {
+std::int64_t nowNs(clockid_t clock = CLOCK_REALTIME) noexcept {
   timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
+  clock_gettime(clock, &now);
   return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
 }
 
@@ -158,8 +158,8 @@ void writeTruth(const Injector& made) {
   std::FILE* file = std::fopen(made.truth_path.c_str(), "w");
   bool is_written = file != nullptr;
   if (is_written) {
-    const std::string text = describeTruth(
-        made.order, {made.boards.log(), made.network.log(), made.history.begun(), made.history.packets()});
+    const std::string text = describeTruth(made.order, {made.boards.log(), made.network.log(), made.history.begun(),
+                                                        made.history.packets(), nowNs() - nowNs(CLOCK_MONOTONIC)});
     is_written = std::fputs(text.c_str(), file) >= 0;
     is_written = std::fclose(file) == 0 && is_written;
   }

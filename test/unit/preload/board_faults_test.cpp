@@ -296,10 +296,10 @@ TEST(NetworkFaults, APacketBeforeTheFirstCycleCanBeRepeated) {
 TEST(CycleHistory, CountsPacketsFromTheFirstPedalDownOn) {
   CycleHistory history;
   for (int k = 0; k < 3; ++k)
-    history.countPacket(false);
+    history.countPacket(false, 1);
   EXPECT_EQ(history.packets(), 0U);
-  history.countPacket(true);
-  history.countPacket(false);
+  history.countPacket(true, 2);
+  history.countPacket(false, 3);
   EXPECT_EQ(history.packets(), 2U);
 }
 

@@ -142,14 +142,16 @@ TEST_F(SettingsTest, TheTruthHasEachActivationOnce) {
   ChangeLog log, none;
   for (std::uint64_t cycle = 1; cycle <= 16101; ++cycle) {
     engine.beginCycle({true, 3, {}});
-    log.note(&engine, cycle, static_cast<std::int64_t>(cycle) * 10);
+    log.note(&engine, cycle, static_cast<std::int64_t>(cycle) * 10, static_cast<std::uint32_t>(cycle) / 2);
   }
-  const auto truth = nlohmann::json::parse(describeTruth(made, {log, none, 16101, 7}));
+  const auto truth = nlohmann::json::parse(describeTruth(made, {log, none, 16101, 7, 1234}));
   const auto& injections = truth["injections"];
   ASSERT_EQ(injections.size(), 2U);
   EXPECT_EQ(injections[0]["inject"]["cycle"], 8001);
   EXPECT_EQ(injections[0]["clear"]["cycle"], 8301);
   EXPECT_EQ(injections[0]["clear"]["time_ns"], 83010);
+  EXPECT_EQ(injections[0]["clear"]["command"], 4150);
+  EXPECT_EQ(truth["monotonic_offset_ns"], 1234);
   EXPECT_EQ(injections[1]["inject"]["cycle"], 16001);
   EXPECT_TRUE(injections[1]["clear"].is_null()) << "it lasted to the end";
   EXPECT_EQ(injections[0]["variable"], "dac");
@@ -159,14 +161,10 @@ TEST_F(SettingsTest, TheTruthHasEachActivationOnce) {
 }
 
 TEST_F(SettingsTest, EachVariableOfTheEnvironmentHasItsOwnPlace) {
-  const std::map<std::string, std::string Settings::*> places{{"", &Settings::scenario},
-                                                              {"_I_KNOW", &Settings::phrase},
-                                                              {"_INJECTION", &Settings::injection},
-                                                              {"_TRUTH", &Settings::truth},
-                                                              {"_GOLD", &Settings::gold},
-                                                              {"_GREEN", &Settings::green},
-                                                              {"_PORT", &Settings::port},
-                                                              {"_SEED", &Settings::seed}};
+  const std::map<std::string, std::string Settings::*> places{
+      {"", &Settings::scenario},    {"_I_KNOW", &Settings::phrase}, {"_INJECTION", &Settings::injection},
+      {"_TRUTH", &Settings::truth}, {"_GOLD", &Settings::gold},     {"_GREEN", &Settings::green},
+      {"_PORT", &Settings::port},   {"_SEED", &Settings::seed}};
   const Settings defaults;
   for (const auto& [ending, place] : places) {
     const std::string variable = "RAVEN2_USB_FAULTS" + ending;
@@ -229,12 +227,12 @@ TEST_F(SettingsTest, TheTruthHasTheRowsOfBothThreadsWithTheirArms) {
     engine.setPlan(plan);
     for (std::uint64_t cycle = 1; cycle <= 12; ++cycle) {
       engine.beginCycle({});
-      log->note(&engine, cycle, 0);
+      log->note(&engine, cycle, 0, 0);
     }
     return log;
   };
   const auto boards = logOf(0, 2, 100), network = logOf(2, 3, 1);
-  const auto truth = nlohmann::json::parse(describeTruth(made, {*boards, *network, 12, 0}));
+  const auto truth = nlohmann::json::parse(describeTruth(made, {*boards, *network, 12, 0, 0}));
   std::map<std::string, int> of_arm;
   for (const auto& injection : truth["injections"]) {
     ++of_arm[injection["arm"].get<std::string>()];
@@ -262,7 +260,7 @@ TEST(ChangeLog, WhatHasNoRoomIsCounted) {
   ChangeLog log(3);
   for (std::uint64_t cycle = 1; cycle <= 6; ++cycle) {
     engine.beginCycle({});
-    log.note(&engine, cycle, 0);
+    log.note(&engine, cycle, 0, 0);
   }
   EXPECT_EQ(log.size(), 3U);
   EXPECT_EQ(log.lost(), 3U);
