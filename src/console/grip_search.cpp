@@ -83,9 +83,9 @@ std::vector<std::vector<Pose>> waysBetween(const Pose& from,
 std::vector<Grip> candidates(const SceneObject& ring, double reach) {
   std::vector<Grip> grips;
   const int azimuths = ring.square != 0 ? 4 : 24;
-  // A square ring's stand or peg may reach under the middle of its bars: a rib of 3 mm and a jaw of 3.6 mm, an aim that
-  // errs by half a millimetre and a tool by 0.3 mm have room.
-  const double beside = 0.6 * ring.inner_radius;
+  // A square ring's stand or peg may reach under the middle of its bars: 1.25 mm are left between a rib of 3 mm and a jaw
+  // of 3.6 mm. Aims err by half a millimetre, tools by 0.3 mm, and jaws that close turn the ring a little.
+  const double beside = 0.65 * ring.inner_radius;
   const std::vector<double> along = ring.square != 0 ? std::vector<double>{-beside, beside} : std::vector<double>{0.0};
   for (const double lean : kLeans) {
     for (int i = 0; i < azimuths; ++i) {
