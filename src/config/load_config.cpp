@@ -121,8 +121,11 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   read("detector", &c.detector, readDetector);
   readImpairments(file("impairments"), &c);
   c.scenarios = readScenarios(file("faults"), &c);
-  c.robot_urdf = neighbour(folder.string(), root.text("robot_urdf"), "config");
-  c.scene_urdf = neighbour(folder.string(), root.text("scene_urdf"), "config");
+  const Neighbour robot = neighbour(folder.string(), root.text("robot_urdf"), "config");
+  const Neighbour scene = neighbour(folder.string(), root.text("scene_urdf"), "config");
+  c.robot_urdf = robot.path;
+  c.scene_urdf = scene.path;
+  c.urdf_places = {{robot.path, robot.place}, {scene.path, scene.place}};
   c.exercises = file("exercises");
   c.scenes = file("scenes");
   c.curricula = file("curricula");

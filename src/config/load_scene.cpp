@@ -114,12 +114,14 @@ void readPoints(Section& root, SceneRoles* roles) {
     roles->points.push_back({name, entries.vec3(name, -kFarthest, kFarthest)});
 }
 
-std::string readUrdf(Section& root) {
+void readUrdf(Section& root, SceneRoles* roles) {
   const std::string folder = fs::absolute(root.file()).parent_path().string();
-  const std::string urdf = neighbour(folder, root.text("urdf"), "config/scenes");
+  const Neighbour urdf = neighbour(folder, root.text("urdf"), "config/scenes");
   std::error_code error;
-  if (!fs::is_regular_file(urdf, error)) throw ConfigException(root.where("urdf") + ": there is no file " + urdf);
-  return urdf;
+  if (!fs::is_regular_file(urdf.path, error))
+    throw ConfigException(root.where("urdf") + ": there is no file " + urdf.path);
+  roles->urdf = urdf.path;
+  roles->urdf_place = urdf.place;
 }
 
 }  // namespace
@@ -130,7 +132,7 @@ SceneRoles loadScene(const std::string& path) {
   roles.name = fs::path(path).stem().string();
   roles.file = path;
   roles.title = root.text("title");
-  roles.urdf = readUrdf(root);
+  readUrdf(root, &roles);
   roles.objects = readParts<SceneObject>(root, "objects", kMaxSceneBodies, readSceneObject);
   roles.pegs = readParts<ScenePeg>(root, "pegs", kMaxSceneParts, readScenePeg);
   roles.wires = readParts<SceneWire>(root, "wires", kMaxSceneParts, readWire);

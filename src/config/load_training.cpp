@@ -39,6 +39,7 @@ void readExercise(TrainerConfig* c) {
   c->roles = loadScene(scene);
   c->exercise = loadExercise(file, c->roles);
   c->scene_urdf = c->roles.urdf;
+  c->urdf_places[c->roles.urdf] = c->roles.urdf_place;
   c->runtime.plan_at = -1.0;  // a path that is shown goes through everything, and what the jaws hold is let go
   const fs::path band = fs::path(c->bands) / (c->exercise_name + ".yaml");
   if (fs::exists(band)) c->files.push_back(band.string());  // what its scores are judged by

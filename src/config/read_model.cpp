@@ -5,8 +5,9 @@ namespace raven2_trainer::config {
 
 namespace {
 
-constexpr double kStiffest = 1e8;    // [N/m]
-constexpr double kMostDamped = 1e6;  // [Ns/m]
+constexpr double kStiffest = 1e8;     // [N/m]
+constexpr double kLeastDamped = 1.0;  // [Ns/m] without any, a contact that just begins has no answer
+constexpr double kMostDamped = 1e6;   // [Ns/m]
 constexpr const char* kArmMaterial = "tool";
 
 /** The arms' material comes first, whatever the order in the file. */
@@ -15,7 +16,7 @@ void readMaterials(Section& root, ModelConfig* c) {
   for (const std::string& name : entries.keys()) {
     Section entry = entries.section(name);
     const ContactMaterial material{name, entry.number("stiffness", 100, kStiffest),
-                                   entry.number("damping", 0, kMostDamped)};
+                                   entry.number("damping", kLeastDamped, kMostDamped)};
     entry.finish();
     c->materials.insert(name == kArmMaterial ? c->materials.begin() : c->materials.end(), material);
   }

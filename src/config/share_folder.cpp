@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> candidates() {
   std::vector<fs::path> folders;
-  if (const char* folder = std::getenv("RAVEN2_TRAINER_SHARE")) folders.emplace_back(folder);
+  const char* folder = std::getenv("RAVEN2_TRAINER_SHARE");
+  if (folder != nullptr && *folder != '\0') folders.emplace_back(folder);
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   if (!error) folders.push_back(program.parent_path().parent_path().parent_path() / "share" / "raven2_trainer");
@@ -33,15 +34,15 @@ std::string shareFolder() {
   throw ConfigException("no config/trainer.yaml in any of:" + tried);
 }
 
-std::string neighbour(const std::string& folder, const std::string& file, const std::string& place) {
-  const fs::path own = (fs::absolute(folder) / file).lexically_normal();
+Neighbour neighbour(const std::string& folder, const std::string& file, const std::string& packaged) {
+  const std::string own = (fs::absolute(folder) / file).lexically_normal().string();
   std::error_code error;
-  if (fs::exists(own, error) || file.rfind("../", 0) != 0) return own.string();
+  if (fs::exists(own, error) || file.rfind("../", 0) != 0) return {own, own};
   for (const fs::path& share : candidates()) {
-    const fs::path packaged = (fs::absolute(share) / place / file).lexically_normal();
-    if (fs::exists(packaged, error)) return packaged.string();
+    const fs::path found = (fs::absolute(share) / packaged / file).lexically_normal();
+    if (fs::exists(found, error)) return {found.string(), own};
   }
-  return own.string();
+  return {own, own};
 }
 
 }  // namespace raven2_trainer::config

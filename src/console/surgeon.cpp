@@ -61,7 +61,7 @@ Intent Surgeon::tick(const Senses& senses) {
   Intent intent;
   intent.finished = finished_;
   intent.pedal = pedal_ && !finished_;
-  intent.pedals = pedals_;
+  intent.pedals = finished_ ? 0 : pedals_;
   for (const Arm arm : kArms) {
     at(intent.hand_I, arm) = hand(arm).position(now_);
     at(intent.turn_I, arm) = hand(arm).turn(now_);

@@ -17,7 +17,7 @@ namespace raven2_trainer::physics {
  * ODE bounds friction by the normal forces of a step without any friction (dContactApprox1). In a grip those are far
  * too small: jaws that are not parallel squeeze a light ring out when nothing rubs, so hardly any normal force is
  * found, and the ring is squeezed out although Coulomb's law holds it. Here the bound is mu times the pair's normal
- * force of the step before, shared by its points: Coulomb's law, 1 ms late.
+ * force of the step before, shared by its points: Coulomb's law, a step late.
  *
  * Fixed size. Real-time safe.
  */

@@ -274,8 +274,9 @@ std::string describe(const ScoredSession& scored) {
 
 bool lacksScore(const session::SessionPaths& paths) noexcept {
   try {
-    return fs::is_regular_file(paths.log()) && !fs::exists(paths.score()) && !session::isUnclean(paths) &&
-           session::readLogHeader(paths.log()).exercise != "none";
+    if (!fs::is_regular_file(paths.log()) || fs::exists(paths.score()) || session::isUnclean(paths)) return false;
+    const session::LogHeader header = session::readLogHeader(paths.log());
+    return header.exercise != "none" && header.model_version == kModelVersion;
   } catch (const std::exception&) {
     return false;
   }

@@ -7,7 +7,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/session/configuration_copy.h"
@@ -54,6 +53,20 @@ std::vector<std::string> configurationFiles(const TrainerConfig& config) {
       files.push_back(mesh);
   }
   return files;
+}
+
+/** A URDF that is the package's stands beside the configuration, its meshes as they do beside it. */
+std::map<std::string, std::string> placesOf(const TrainerConfig& config) {
+  std::map<std::string, std::string> places;
+  for (const auto& [urdf, place] : config.urdf_places) {
+    if (urdf == place) continue;
+    const std::filesystem::path from = std::filesystem::path(urdf).parent_path();
+    const std::filesystem::path to = std::filesystem::path(place).parent_path();
+    places[urdf] = place;
+    for (const std::string& mesh : model::meshFiles(urdf))
+      places[mesh] = (to / std::filesystem::path(mesh).lexically_relative(from)).lexically_normal().string();
+  }
+  return places;
 }
 
 session::HeaderCamera videoCamera(const RenderConfig& render) {
@@ -103,7 +116,7 @@ session::LogHeader logHeader(const TrainerConfig& config,
   header.arm_contacts = config.model.arm_contacts;
   header.body_names = body_names;
   header.configuration =
-      session::copyConfiguration(paths, configurationFiles(config), config.overridden, config::shareFolder());
+      session::copyConfiguration(paths, configurationFiles(config), config.overridden, placesOf(config));
   return header;
 }
 

@@ -114,7 +114,7 @@ struct Simulator::Impl {
     if (config.network.sight) sight_sender.emplace(config, scene.free_bodies.size(), shared.get());
     meta.flight_recorder = flight.description();
     meta.ingest = describeIngest(config.network);
-    if (const char* truth = std::getenv("RAVEN2_USB_FAULTS_TRUTH"))
+    if (const char* truth = std::getenv("RAVEN2_USB_FAULTS_TRUTH"); truth != nullptr && *truth != '\0')
       meta.usb_truth = std::filesystem::absolute(truth).string();
     writeMeta("unknown: not ended cleanly");
     if (config.network.allow_plaintext_remote) std::fprintf(stderr, "warning: ITP ingest %s\n", meta.ingest.c_str());

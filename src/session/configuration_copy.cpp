@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -42,42 +41,6 @@ fs::path commonFolder(const std::vector<fs::path>& paths) {
   return common;
 }
 
-bool isBelow(const fs::path& path, const fs::path& folder) {
-  return !folder.empty() && *path.lexically_relative(folder).begin() != "..";
-}
-
-/**
- * Where the files stand in the copy: as they do to each other. What a configuration borrows from the package (its urdf/
- * and meshes/) stands where a configuration would have it itself, beside the folder of the root file.
- */
-class Places {
- public:
-  Places(const std::vector<fs::path>& files, const std::string& package) {
-    if (files.empty()) return;
-    const fs::path share = package.empty() ? fs::path() : normal(package);
-    if (share.empty() || isBelow(files.front(), share)) {
-      common_ = commonFolder(files);
-      return;
-    }
-    package_ = share;
-    const fs::path beside = files.front().parent_path().parent_path();
-    std::vector<fs::path> own{beside / "urdf"};
-    std::copy_if(files.begin(), files.end(), std::back_inserter(own),
-                 [&](const fs::path& file) { return !isBelow(file, share); });
-    common_ = commonFolder(own);
-    beside_ = beside.lexically_relative(common_);
-  }
-
-  fs::path of(const fs::path& file) const {
-    const bool borrowed = isBelow(file, package_);
-    return (borrowed ? beside_ / file.lexically_relative(package_) : file.lexically_relative(common_))
-        .lexically_normal();
-  }
-
- private:
-  fs::path common_, package_, beside_;
-};
-
 void copyFile(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::create_directories(to.parent_path(), error);
@@ -111,15 +74,21 @@ bool staysInside(const std::string& path) {
 std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths,
                                                  const std::vector<std::string>& files,
                                                  const std::map<std::string, std::string>& overridden,
-                                                 const std::string& package) {
+                                                 const std::map<std::string, std::string>& places) {
   std::map<fs::path, std::string> texts;
   for (const auto& [file, text] : overridden)
     texts[normal(file)] = text;
   const std::vector<fs::path> originals = distinct(files);
-  const Places places(originals, package);
-  std::vector<ConfigurationFile> copies;
+  std::vector<fs::path> standing;
   for (const fs::path& original : originals) {
-    const fs::path relative = fs::path(kFolder) / places.of(original);
+    const auto place = places.find(original.string());
+    standing.push_back(place == places.end() ? original : normal(place->second));
+  }
+  const fs::path common = commonFolder(standing);
+  std::vector<ConfigurationFile> copies;
+  for (std::size_t i = 0; i < originals.size(); ++i) {
+    const fs::path& original = originals[i];
+    const fs::path relative = fs::path(kFolder) / standing[i].lexically_relative(common);
     const fs::path copy = fs::path(paths.directory) / relative;
     const auto text = texts.find(original);
     text == texts.end() ? copyFile(original, copy) : writeText(text->second, copy);

@@ -326,10 +326,12 @@ SessionMetrics MetricsAccumulator::result() const {
 SessionMetrics computeMetrics(const std::string& log_path, const std::function<void()>& on_tick) {
   MetricsAccumulator accumulator(session::readLogHeader(log_path));
   const std::filesystem::path folder = std::filesystem::path(log_path).parent_path();
+  std::uint64_t lost = 0;
   if (const auto truth = loadUsbTruth(session::SessionPaths{folder.string()}.usbTruth())) {
     accumulator.add(truth->rows);
     for (const FaultChangeRecord& change : truth->changes)
       accumulator.add(change);
+    lost = truth->lost;
   }
   session::LogVisitor visitor;
   visitor.tick = [&](const TickRecord& record) {
@@ -344,7 +346,9 @@ SessionMetrics computeMetrics(const std::string& log_path, const std::function<v
   visitor.exercise = [&](const ExerciseRecord& record) { accumulator.add(record); };
   visitor.counts = [&](const SessionCounts& counts) { accumulator.add(counts); };
   session::readLog(log_path, visitor);
-  return accumulator.result();
+  SessionMetrics result = accumulator.result();
+  result.counts.fault_changes_lost += lost;
+  return result;
 }
 
 }  // namespace raven2_trainer::training

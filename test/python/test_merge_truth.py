@@ -46,7 +46,7 @@ def moment(ticks, index, command=True):
 
 
 def truth_of(inject, clear, **others):
-    return {"scenario": "sudden_jump", "seed": 1, "monotonic_offset_ns": OFFSET, "injections": [
+    return {"scenario": "sudden_jump", "seed": 1, "monotonic_offset_ns": OFFSET, "ended_ns": OFFSET + 10**12, "injections": [
         {"name": "sudden_jump", "host": "robot", "row": 0, "site": "put_usb_packet", "variable": "dac", "arm": "gold",
          "channel": 1, "kind": "stuck_at", "value": 8000, "inject": inject, "clear": clear}], **others}
 
@@ -102,6 +102,35 @@ def test_what_lasted_to_the_end_has_no_end(session, ticks, tmp_path):
     assert read(session, "faults.json")["injections"][0]["clear"]["tick"] is None
 
 
+def test_what_had_begun_before_the_session_acts_from_its_first_state_on(session, ticks, tmp_path):
+    before = {"cycle": 1, "time_ns": int(ticks["robot"]["time_ns"][ticks["robot"]["frame"] > 0][0]) + OFFSET - 10**9, "command": 0}
+    done = merge(session, write(tmp_path / "truth.json", truth_of(before, moment(ticks, begin_of(ticks)))))
+    assert done.returncode == 0, done.stderr
+    injection = read(session, "faults.json")["injections"][0]
+    assert injection["inject"]["cycle"] == 1 and abs(injection["clear"]["tick"] - 2000) <= 1
+    over = {**before, "time_ns": before["time_ns"] + 10**8}
+    done = merge(session, write(tmp_path / "over.json", truth_of(before, over)))
+    assert done.returncode == 1 and "none of its 1 injections" in done.stderr
+
+
+def test_a_file_that_a_score_could_not_be_made_from_is_not_kept(session, ticks, tmp_path):
+    truth = truth_of(moment(ticks, begin_of(ticks)), None)
+    for spoiled in ({"kind": "foo"}, {"value": None}, {"row": -1}, {"channel": 300}, {"arm": "both hands"}):
+        truth["injections"][0] = {**truth_of(1, None)["injections"][0], "inject": moment(ticks, begin_of(ticks)), **spoiled}
+        done = merge(session, write(tmp_path / "spoiled.json", truth))
+        assert done.returncode == 1, spoiled
+        assert not (session / "usb_truth.json").exists(), spoiled
+
+
+def test_ticks_of_an_earlier_merge_are_found_anew(session, ticks, tmp_path):
+    early = {**moment(ticks, begin_of(ticks)), "tick": -5}
+    late = {"cycle": 1, "time_ns": int(ticks["robot"][-1]["time_ns"]) + OFFSET + 10**10, "command": 0, "tick": 100}
+    done = merge(session, write(tmp_path / "late.json", truth_of(late, None)))
+    assert done.returncode == 1
+    assert merge(session, write(tmp_path / "early.json", truth_of(early, None))).returncode == 0
+    assert abs(read(session, "faults.json")["injections"][0]["inject"]["tick"] - 2000) <= 1
+
+
 def test_the_truth_of_another_session_is_refused(session, ticks, tmp_path):
     at = begin_of(ticks)
     late = {"cycle": 1, "time_ns": int(ticks["robot"][-1]["time_ns"]) + OFFSET + 10**10, "command": 0}
@@ -109,7 +138,7 @@ def test_the_truth_of_another_session_is_refused(session, ticks, tmp_path):
     assert done.returncode == 1 and "none of its 1 injections falls into the session" in done.stderr
     torn = {**moment(ticks, at), "command": moment(ticks, at + 900)["command"]}
     done = merge(session, write(tmp_path / "torn.json", truth_of(torn, None)))
-    assert done.returncode == 1 and "the file is of another session" in done.stderr
+    assert done.returncode == 1 and "the file does not fit the session" in done.stderr
     assert not (session / "usb_truth.json").exists()
 
 
@@ -129,8 +158,12 @@ def test_what_is_no_truth_is_refused(session, tmp_path, text, why):
 def test_without_a_file_the_one_that_the_session_remembers_is_taken(session, ticks, tmp_path):
     done = merge(session)
     assert done.returncode == 1 and "without RAVEN2_USB_FAULTS_TRUTH" in done.stderr
-    path = write(tmp_path / "truth.json", truth_of(moment(ticks, begin_of(ticks)), None))
+    stale = write(tmp_path / "stale.json", truth_of(moment(ticks, begin_of(ticks)), None, monotonic_offset_ns=OFFSET + 10**15))
     meta = read(session, "meta.json")
+    (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(stale)}))
+    done = merge(session)
+    assert done.returncode == 1 and "none of its 1 injections" in done.stderr, "commands are not asked"
+    path = write(tmp_path / "truth.json", truth_of(moment(ticks, begin_of(ticks)), None))
     (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(path)}))
     report = subprocess.run([ROOT / "scripts/session_report", session, "--output", tmp_path / "page.html"],
                             capture_output=True, text=True, check=False, env={**os.environ, "PATH": f"{PROGRAMS}:{os.environ['PATH']}"})

@@ -11,12 +11,18 @@ namespace raven2_trainer::config {
  */
 std::string shareFolder();
 
+/** A file beside a configuration; absolute paths. */
+struct Neighbour {
+  std::string path;   ///< that is read
+  std::string place;  ///< where it would stand if the configuration had it itself; mostly the same
+};
+
 /**
  * A file that a configuration names relative to `folder`. Where it is not there and leads out of the configuration
  * (../urdf/...), the package's: a copied config/ needs no copy of urdf/ and meshes/ beside it.
- * @param[in] place What `folder` is in the package: config, config/scenes.
- * @return absolute path; below `folder` if the package has no such file either.
+ * @param[in] packaged What `folder` is in the package: config, config/scenes.
+ * @return the place itself if the package has no such file either.
  */
-std::string neighbour(const std::string& folder, const std::string& file, const std::string& place);
+Neighbour neighbour(const std::string& folder, const std::string& file, const std::string& packaged);
 
 }  // namespace raven2_trainer::config

@@ -46,9 +46,10 @@ struct TrainerConfig {
   RenderConfig render{};
   ConsoleConfig console{};
   VirtualRavenConfig virtual_raven{};
-  std::string robot_urdf;  ///< absolute path
-  std::string scene_urdf;  ///< absolute path
-  std::string hazard;      ///< scenario armed at the start, or "none"
+  std::string robot_urdf;                          ///< absolute path
+  std::string scene_urdf;                          ///< absolute path
+  std::map<std::string, std::string> urdf_places;  ///< where each would stand beside the configuration, if it did
+  std::string hazard;                              ///< scenario armed at the start, or "none"
   InjectionConfig injection{};
   DetectorConfig detector{};
   std::vector<Scenario> scenarios;                  ///< the library; Fault::id is the position + 1

@@ -104,7 +104,8 @@ class RavenWorld {
  */
 void initialiseOde();
 
-/** Steps of any world of the process in which ODE's solver gave up: some of their contacts had no force. Any thread. */
+/** How often ODE's solver gave up in a step of any world of the process: some contacts of that step had no force. Any
+ * thread. */
 std::uint64_t solverWarnings() noexcept;
 
 /** In every thread that steps a world, before its first step. */

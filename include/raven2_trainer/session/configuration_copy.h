@@ -15,14 +15,14 @@ namespace raven2_trainer::session {
  * @param[in] files in the order wanted, the root file first; a path given twice is copied once.
  * @param[in] overridden texts that stand for some of them (TrainerConfig::overridden), so that what reads the copies
  * reads what ran.
- * @param[in] package Folder of the package: what of it a configuration elsewhere uses (urdf/, meshes/) is copied to
- * where that configuration would have it, beside its own folder. Empty: none.
+ * @param[in] places Where files that are read from elsewhere would stand beside the others (TrainerConfig::urdf_places
+ * and what belongs to them): there the copy has them. The others stand where they are.
  * @throw SessionException if one cannot be read or written.
  */
 std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths,
                                                  const std::vector<std::string>& files,
                                                  const std::map<std::string, std::string>& overridden = {},
-                                                 const std::string& package = "");
+                                                 const std::map<std::string, std::string>& places = {});
 
 /**
  * Checks the copies against the hashes of the log's header.

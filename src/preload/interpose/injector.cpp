@@ -158,8 +158,9 @@ void writeTruth(const Injector& made) {
   std::FILE* file = std::fopen(made.truth_path.c_str(), "w");
   bool is_written = file != nullptr;
   if (is_written) {
-    const std::string text = describeTruth(made.order, {made.boards.log(), made.network.log(), made.history.begun(),
-                                                        made.history.packets(), nowNs() - nowNs(CLOCK_MONOTONIC)});
+    const std::string text =
+        describeTruth(made.order, {made.boards.log(), made.network.log(), made.history.begun(), made.history.packets(),
+                                   nowNs() - nowNs(CLOCK_MONOTONIC), nowNs()});
     is_written = std::fputs(text.c_str(), file) >= 0;
     is_written = std::fclose(file) == 0 && is_written;
   }

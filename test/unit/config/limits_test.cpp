@@ -55,7 +55,8 @@ const std::vector<Documented> kElsewhere{
     {"arms/rcm_W/.*", {-1.0, 1.0}},
     {"model/gains/.*", {0.0, 1e6}},
     {"model/(materials/.*|arm_give)/stiffness", {100.0, 1e8}},
-    {"model/(materials/.*|arm_give)/damping", {0.0, 1e6}},
+    {"model/materials/.*/damping", {1.0, 1e6}},
+    {"model/arm_give/damping", {0.0, 1e6}},
     {"model/arm_give/travel", {0.0, 0.01}},
     {"haptics/min_force|haptics/(guidance|edge)/max_force", {0.0, 3.3}},  // max_force
     {"haptics/max_slew", {25.0 * 3.3, 10000.0}},

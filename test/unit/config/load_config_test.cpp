@@ -78,6 +78,8 @@ TEST_F(LoadConfig, ACopyAloneTakesRobotAndScenesFromThePackage) {
   const std::string urdf = RAVEN2_TRAINER_SOURCE_DIR "/urdf/";
   const TrainerConfig config = loadTrainerConfig(root(), {"peg_transfer", "none", "", "none"});
   EXPECT_EQ(config.robot_urdf, urdf + "raven2.urdf");
+  EXPECT_EQ(config.urdf_places.at(config.robot_urdf), (folder_.parent_path() / "urdf/raven2.urdf").string());
+  EXPECT_EQ(config.urdf_places.at(urdf + "peg_board.urdf"), (folder_.parent_path() / "urdf/peg_board.urdf").string());
   EXPECT_EQ(config.scene_urdf, urdf + "peg_board.urdf");
   EXPECT_EQ(config.roles.file, (folder_ / "scenes/peg_board.yaml").string());
 }
@@ -87,11 +89,11 @@ TEST_F(LoadConfig, ANeighbourOfTheCopyComesBeforeThePackages) {
   fs::create_directories(folder_ / "mine/config");
   fs::create_directories(folder_ / "mine/urdf");
   std::ofstream(folder_ / "mine/urdf/raven2.urdf") << "mine";
-  EXPECT_EQ(neighbour(own_folder, "../urdf/raven2.urdf", "config"), (folder_ / "mine/urdf/raven2.urdf").string());
-  EXPECT_EQ(neighbour(own_folder, "../urdf/peg_board.urdf", "config"),
+  EXPECT_EQ(neighbour(own_folder, "../urdf/raven2.urdf", "config").path, (folder_ / "mine/urdf/raven2.urdf").string());
+  EXPECT_EQ(neighbour(own_folder, "../urdf/peg_board.urdf", "config").path,
             RAVEN2_TRAINER_SOURCE_DIR "/urdf/peg_board.urdf");
-  EXPECT_EQ(neighbour(own_folder, "../urdf/none.urdf", "config"), (folder_ / "mine/urdf/none.urdf").string());
-  EXPECT_EQ(neighbour(own_folder, "arms.yaml", "config"), own_folder + "/arms.yaml") << "only what lies outside";
+  EXPECT_EQ(neighbour(own_folder, "../urdf/none.urdf", "config").path, (folder_ / "mine/urdf/none.urdf").string());
+  EXPECT_EQ(neighbour(own_folder, "arms.yaml", "config").path, own_folder + "/arms.yaml") << "only what lies outside";
 }
 
 TEST_F(LoadConfig, ScenariosComeInTheOrderOfTheirNumbersAndTheUsersOwnLast) {

@@ -144,7 +144,7 @@ TEST_F(SettingsTest, TheTruthHasEachActivationOnce) {
     engine.beginCycle({true, 3, {}});
     log.note(&engine, cycle, static_cast<std::int64_t>(cycle) * 10, static_cast<std::uint32_t>(cycle) / 2);
   }
-  const auto truth = nlohmann::json::parse(describeTruth(made, {log, none, 16101, 7, 1234}));
+  const auto truth = nlohmann::json::parse(describeTruth(made, {log, none, 16101, 7, 1234, 5678}));
   const auto& injections = truth["injections"];
   ASSERT_EQ(injections.size(), 2U);
   EXPECT_EQ(injections[0]["inject"]["cycle"], 8001);
@@ -152,6 +152,7 @@ TEST_F(SettingsTest, TheTruthHasEachActivationOnce) {
   EXPECT_EQ(injections[0]["clear"]["time_ns"], 83010);
   EXPECT_EQ(injections[0]["clear"]["command"], 4150);
   EXPECT_EQ(truth["monotonic_offset_ns"], 1234);
+  EXPECT_EQ(truth["ended_ns"], 5678);
   EXPECT_EQ(injections[1]["inject"]["cycle"], 16001);
   EXPECT_TRUE(injections[1]["clear"].is_null()) << "it lasted to the end";
   EXPECT_EQ(injections[0]["variable"], "dac");
@@ -232,7 +233,7 @@ TEST_F(SettingsTest, TheTruthHasTheRowsOfBothThreadsWithTheirArms) {
     return log;
   };
   const auto boards = logOf(0, 2, 100), network = logOf(2, 3, 1);
-  const auto truth = nlohmann::json::parse(describeTruth(made, {*boards, *network, 12, 0, 0}));
+  const auto truth = nlohmann::json::parse(describeTruth(made, {*boards, *network, 12, 0, 0, 0}));
   std::map<std::string, int> of_arm;
   for (const auto& injection : truth["injections"]) {
     ++of_arm[injection["arm"].get<std::string>()];

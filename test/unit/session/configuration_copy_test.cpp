@@ -60,12 +60,22 @@ TEST_F(ConfigurationCopy, PutsWhatIsBorrowedFromThePackageBesideTheConfiguration
   const auto copies = copyConfiguration(
       other,
       {home + "/mine/trainer.yaml", home + "/mine/faults/a.yaml", share + "/urdf/robot.urdf", share + "/meshes/a.stl"},
-      {}, share);
+      {}, {{share + "/urdf/robot.urdf", home + "/urdf/robot.urdf"}, {share + "/meshes/a.stl", home + "/meshes/a.stl"}});
   ASSERT_EQ(copies.size(), 4U);
   EXPECT_EQ(copies[0].path, "configuration/mine/trainer.yaml");
   EXPECT_EQ(copies[1].path, "configuration/mine/faults/a.yaml");
   EXPECT_EQ(copies[2].path, "configuration/urdf/robot.urdf");
   EXPECT_EQ(copies[3].path, "configuration/meshes/a.stl");
+}
+
+TEST_F(ConfigurationCopy, LeavesWhatAConfigurationNamesElsewhereWhereItStands) {
+  write("home/mine/trainer.yaml", "names ../../share/config/faults/a.yaml");
+  const std::string home = (folder / "home").string(), share = (folder / "share").string();
+  const SessionPaths other = createSessionDirectory((folder / "other").string());
+  const auto copies = copyConfiguration(other, {home + "/mine/trainer.yaml", share + "/config/faults/a.yaml"});
+  ASSERT_EQ(copies.size(), 2U);
+  EXPECT_EQ(copies[0].path, "configuration/home/mine/trainer.yaml");
+  EXPECT_EQ(copies[1].path, "configuration/share/config/faults/a.yaml");
 }
 
 TEST_F(ConfigurationCopy, KeepsEachFileAtItsPlaceRelativeToTheOthers) {
