@@ -36,7 +36,7 @@ void readCrtk(Section& root, CrtkConfig* c) {
   c->max_step_turn = root.number("max_step_turn", 0.001, 3);
   c->move_speed = root.number("move_speed", 0.001, c->max_speed);
   c->move_turn_rate = root.number("move_turn_rate", 0.01, c->max_turn_rate);
-  c->twist_timeout = root.number("twist_timeout", 0.01, 5);
+  c->twist_timeout = root.number("twist_timeout", 0.01, 600);
   c->release_after = root.number("release_after", 0, 3600);
   c->trim_time = root.number("trim_time", 0, 60);
 }

@@ -14,6 +14,8 @@ using kinematics::IkStatus;
 constexpr double kNormError = 0.02;     // of a quaternion, as ITP's receivers allow (reliability.md 2.2)
 constexpr double kPeakRate = 15.0 / 8;  // of the quintic, over its mean
 constexpr double kShortestMove = 0.2;   // [s] so that a move of a millimetre stays below 0.15 m/s2; ours
+constexpr Tick kSlowDown = 200;         // in which a twist that timed out comes to rest: 0.5 m/s2 at max_speed; ours
+constexpr double kLeastRatio = 0.001;   // below it a move takes hours
 
 // A set point farther than this from what the arm's mapping made of it was not taken: a limit, or a fault on the way.
 // What the mapping rounds is half a micrometre and half a milliradian of the jaws.
@@ -81,7 +83,13 @@ bool isWhole(const ServoCommand& c) noexcept {
     case ServoKind::kServoJaw:
     case ServoKind::kServoJawBy:
     case ServoKind::kMoveJaw:
+    case ServoKind::kMoveJawBy:
       return std::isfinite(c.jaw);
+    case ServoKind::kServoRates:
+    case ServoKind::kMoveJointsBy:
+      return areFinite(c.joints);
+    case ServoKind::kRatio:
+      return std::isfinite(c.number);
     default:
       return true;
   }
@@ -113,6 +121,11 @@ ServoJoints sum(const ServoJoints& a, const ServoJoints& b) noexcept {
   for (std::size_t j = 0; j < kServoJointCount; ++j)
     result[j] = a[j] + b[j];
   return result;
+}
+
+ServoJoints withShoulder(ServoJoints joints, const ServoCommand& command) noexcept {
+  joints.front() = command.joints.front();
+  return joints;
 }
 
 }  // namespace
@@ -180,7 +193,7 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       hold();
       return {};
     case ServoKind::kServoJoints:
-      return takeJoints(command.joints);
+      return takeJoints(command.is_shoulder != 0 ? withShoulder(servoJoints(joints_from), command) : command.joints);
     case ServoKind::kServoJointsBy:
       return takeJoints(sum(servoJoints(joints_from), command.joints));
     case ServoKind::kServoPose:
@@ -188,7 +201,10 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       return takePose(command);
     case ServoKind::kServoTwist:
       return takeTwist(command);
+    case ServoKind::kServoRates:
+      return takeRates(command.joints);
     case ServoKind::kMoveJoints:
+    case ServoKind::kMoveJointsBy:
     case ServoKind::kMovePose:
       return takeMove(command);
     case ServoKind::kServoJaw:
@@ -196,8 +212,15 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       return takeJaw(command.jaw, command.kind == ServoKind::kMoveJaw);
     case ServoKind::kServoJawBy:
       return takeJaw((servos_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/false);
+    case ServoKind::kMoveJawBy:
+      return takeJaw((servos_jaw_ || moves_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/true);
+    case ServoKind::kRatio:
+      return takeRatio(command.number);
+    case ServoKind::kEndTwist:
+      if (motion_ == Motion::kTwist || motion_ == Motion::kRates) twist_left_ = std::min<Tick>(twist_left_, -1);
+      return {};
     default:
-      return {ServoRefusal::kNotOffered};  // kState, kFree: not an arm's own
+      return {ServoRefusal::kNotOffered};  // kState, kFree, forces: not an arm's own
   }
 }
 
@@ -245,10 +268,30 @@ ServoVerdict ServoTarget::takeTwist(const ServoCommand& command) noexcept {
   const Vector3 v = toEigen(command.v_B), w = toEigen(command.w_B);
   if (isPast(v.norm(), limits_.max_speed)) return {ServoRefusal::kTooFast, 0, 0, v.norm(), limits_.max_speed};
   if (isPast(w.norm(), limits_.max_turn_rate)) return {ServoRefusal::kTooFast, 0, 1, w.norm(), limits_.max_turn_rate};
-  servo(Motion::kTwist);
+  servo(v.isZero(0.0) && w.isZero(0.0) ? Motion::kHold : Motion::kTwist);
   v_ = v;
   w_ = w;
   twist_left_ = twist_ticks_;
+  return {};
+}
+
+ServoVerdict ServoTarget::takeRates(const ServoJoints& rates) noexcept {
+  for (std::size_t j = 0; j < kServoJointCount; ++j) {
+    const bool is_turn = j != kInsertion;
+    const double limit = is_turn ? limits_.max_turn_rate : limits_.max_speed;
+    if (isPast(std::abs(rates[j]), limit))
+      return {ServoRefusal::kTooFast, static_cast<std::uint8_t>(j), static_cast<std::uint8_t>(is_turn),
+              std::abs(rates[j]), limit};
+  }
+  servo(rates == ServoJoints{} ? Motion::kHold : Motion::kRates);
+  rates_ = rates;
+  twist_left_ = twist_ticks_;
+  return {};
+}
+
+ServoVerdict ServoTarget::takeRatio(double ratio) noexcept {
+  if (ratio < kLeastRatio || ratio > 1.0) return {ServoRefusal::kNoRatio, 0, 0, ratio, ratio > 1.0 ? 1.0 : kLeastRatio};
+  ratio_ = ratio;
   return {};
 }
 
@@ -259,11 +302,14 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
   const Pose from = waiting > 0 ? moves_[waiting - 1].X : X_;
   Move move;
   move.q = waiting > 0 ? moves_[waiting - 1].q : q_;
-  move.in_joints = command.kind == ServoKind::kMoveJoints;
+  move.in_joints = command.kind != ServoKind::kMovePose;
   if (move.in_joints) {
-    const ServoVerdict verdict = checkJoints(command.joints);
+    const bool is_by = command.kind == ServoKind::kMoveJointsBy;
+    const ServoJoints from_q = servoJoints(motion_ == Motion::kJoints ? goal_q_ : move.q);
+    const ServoJoints joints = is_by ? sum(from_q, command.joints) : command.joints;
+    const ServoVerdict verdict = checkJoints(joints);
     if (verdict.reason != ServoRefusal::kNone) return verdict;
-    const JointArray to = withServoJoints(move.q, command.joints);
+    const JointArray to = withServoJoints(move.q, joints);
     if (!reaches(move.q, to)) return {ServoRefusal::kUnreachable};
     move.q = to;
     move.X = poseOf(to);
@@ -286,7 +332,7 @@ ServoVerdict ServoTarget::takeJaw(double opening, bool is_move) noexcept {
   servos_jaw_ = !is_move;
   moves_jaw_ = is_move;
   goal_jaw_ = opening;
-  const double seconds = kPeakRate * std::abs(opening - opening_) / limits_.move_turn_rate;
+  const double seconds = kPeakRate * std::abs(opening - opening_) / (ratio_ * limits_.move_turn_rate);
   jaw_ = {opening_, opening, std::max(seconds, kShortestMove), 0};
   return {};
 }
@@ -372,6 +418,8 @@ void ServoTarget::step() noexcept {
       return stepPose();
     case Motion::kTwist:
       return stepTwist();
+    case Motion::kRates:
+      return stepRates();
     case Motion::kMove:
       return stepMove();
   }
@@ -390,7 +438,11 @@ void ServoTarget::stepJaw() noexcept {
 
 /** All joints arrive together. How far the tip comes is known afterwards: then they go as far as it may. */
 void ServoTarget::stepJoints() noexcept {
-  const ServoJoints from = servoJoints(q_), to = servoJoints(goal_q_);
+  stepJointsTo(servoJoints(goal_q_));
+}
+
+void ServoTarget::stepJointsTo(const ServoJoints& to) noexcept {
+  const ServoJoints from = servoJoints(q_);
   const double most = limits_.max_speed * kTickSeconds, most_turn = limits_.max_turn_rate * kTickSeconds;
   double share = 1.0;
   for (std::size_t j = 0; j < kServoJointCount; ++j) {
@@ -416,16 +468,37 @@ void ServoTarget::stepPose() noexcept {
   stepTo(between(X_, goal_X_, ticks > 1.0 ? 1.0 / ticks : 1.0));
 }
 
+/** [-] Of a twist or of rates: 1, and after the time-out down to 0, which ends them. */
+double ServoTarget::timedShare() noexcept {
+  if (twist_left_ == 0) ++run_out_;
+  --twist_left_;
+  const double share = 1.0 + static_cast<double>(twist_left_ + 1) / kSlowDown;
+  return std::clamp(share, 0.0, 1.0);
+}
+
 void ServoTarget::stepTwist() noexcept {
-  if (twist_left_-- <= 0) return servo(Motion::kHold);
-  const Vector3 turn = w_ * kTickSeconds;
-  Pose next{X_.R, X_.p + v_ * kTickSeconds};
+  const double share = timedShare();
+  if (share <= 0.0) return servo(Motion::kHold);
+  const Vector3 turn = share * w_ * kTickSeconds;
+  Pose next{X_.R, X_.p + share * v_ * kTickSeconds};
   const double angle = turn.norm();
   if (angle > 0.0) {
     const Quaternion R_BT(Eigen::AngleAxisd(angle, turn / angle) * Quaternion(X_.R));
     next.R = R_BT.normalized().toRotationMatrix();
   }
   stepTo(next);
+}
+
+/** Stands where a joint's range or the way ends. */
+void ServoTarget::stepRates() noexcept {
+  const double share = timedShare();
+  ServoJoints to = servoJoints(q_);
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    to[j] += share * rates_[j] * kTickSeconds;
+  JointArray q = q_;
+  const bool goes_on = share > 0.0 && checkJoints(to).reason == ServoRefusal::kNone &&
+                       solve(poseOf(withServoJoints(q_, to)), &q) != Solved::kNowhere;
+  goes_on ? stepJointsTo(to) : servo(Motion::kHold);
 }
 
 /** Stands where the way ends. */
@@ -465,7 +538,7 @@ void ServoTarget::stepMove() noexcept {
     X_ = poseOf(q_);
   } else {
     const auto way = [&](double ticks) { return between(from_X_, move.X, shareAt(elapsed_ + ticks)); };
-    const double ticks = stepAlong(way, limits_.move_speed, limits_.move_turn_rate);
+    const double ticks = stepAlong(way, pace_ * limits_.move_speed, pace_ * limits_.move_turn_rate);
     if (ticks <= 0.0) return servo(Motion::kHold);
     elapsed_ += ticks;
   }
@@ -479,6 +552,7 @@ void ServoTarget::beginMove() noexcept {
   from_X_ = X_;
   from_q_ = q_;
   elapsed_ = 0.0;
+  pace_ = ratio_;
   duration_ = duration(moves_[0]);
 }
 
@@ -488,18 +562,17 @@ double ServoTarget::shareAt(double ticks) const noexcept {
 
 /** [s] so that the tip is no faster than a move may be, nor a joint of one in joints. */
 double ServoTarget::duration(const Move& move) const noexcept {
-  double mean =
-      std::max(distance(move.X, X_) / limits_.move_speed, turnBetween(move.X.R, X_.R) / limits_.move_turn_rate);
+  const double speed = ratio_ * limits_.move_speed, rate = ratio_ * limits_.move_turn_rate;
+  double mean = std::max(distance(move.X, X_) / speed, turnBetween(move.X.R, X_.R) / rate);
   if (move.in_joints) {
     const ServoJoints from = servoJoints(q_), to = servoJoints(move.q);
     for (std::size_t j = 0; j < kServoJointCount; ++j)
-      mean =
-          std::max(mean, std::abs(to[j] - from[j]) / (j == kInsertion ? limits_.move_speed : limits_.move_turn_rate));
+      mean = std::max(mean, std::abs(to[j] - from[j]) / (j == kInsertion ? speed : rate));
     Pose before = poseOf(q_);
     for (int i = 1; i <= kTipSamples; ++i) {
       const Pose X = poseOf(withServoJoints(q_, between(from, to, static_cast<double>(i) / kTipSamples)));
-      mean = std::max({mean, kTipSamples * distance(X, before) / limits_.move_speed,
-                       kTipSamples * turnBetween(X.R, before.R) / limits_.move_turn_rate});
+      mean =
+          std::max({mean, kTipSamples * distance(X, before) / speed, kTipSamples * turnBetween(X.R, before.R) / rate});
       before = X;
     }
   }

@@ -49,8 +49,8 @@ const char* wrongRecord(const SessionCounts& c) noexcept {
       {"commands taken + made of clients' = overruled + their records",
        ring(c, RingId::kMasterCommands).taken + c.servo_made ==
            c.master_overruled + ring(c, RingId::kCommandRecords).offered()},
-      {"requests and pedals' taken = their records",
-       ring(c, RingId::kRequests).taken + ring(c, RingId::kPedalRequests).taken ==
+      {"requests and pedals' taken + made of clients' forces = their records",
+       ring(c, RingId::kRequests).taken + ring(c, RingId::kPedalRequests).taken + c.efforts_made ==
            ring(c, RingId::kRequestRecords).offered()},
       {"plans taken <= their records", ring(c, RingId::kPlanResults).taken <= ring(c, RingId::kPlanRecords).offered()},
   }});

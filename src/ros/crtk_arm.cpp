@@ -1,7 +1,12 @@
 #include "ros/crtk_arm.h"
 
 #include <ros/advertise_options.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Float64.h>
 
+#include "raven2_trainer/control/servo_target.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/net/clock.h"
 #include "ros/name_of.h"
 #include "ros/topic.h"
 
@@ -21,18 +26,24 @@ bool differs(const crtk::OperatingState& a, const crtk::OperatingState& b) {
   return a.state != b.state || a.is_homed != b.is_homed || a.is_busy != b.is_busy;
 }
 
-template <typename Message>
-void setHeader(const std::string& frame, const ros::Time& stamp, Message* message) {
-  message->header.frame_id = frame;
-  message->header.stamp = stamp;
+/** In the dialect of the robot's own branch measured_cp is in its turned base, setpoint_cp in the base itself. */
+CrtkStyle styleOf(const CrtkConfig& config, Arm arm, const Pose& X_WB, const std::string& above) {
+  CrtkStyle style;
+  style.arm = arm;
+  style.is_raven = config.dialect == CrtkDialect::kRaven;
+  style.name = above + at(config.names, arm);
+  style.jaw = above + jawNamespace(config, arm);
+  style.X_WB = X_WB;
+  style.measured_cp = style.is_raven ? ravenFrame(arm) : worldFrame(X_WB);
+  style.setpoint_cp = style.is_raven ? baseFrame(arm) : worldFrame(X_WB);
+  return style;
 }
 
-/** In the dialect of the robot's own branch measured_cp is in its turned base, setpoint_cp in the base itself. */
-CrtkFrame measuredFrame(CrtkDialect dialect, Arm arm, const Pose& X_WB) {
-  return dialect == CrtkDialect::kRaven ? ravenFrame(arm) : worldFrame(X_WB);
-}
-CrtkFrame setpointFrame(CrtkDialect dialect, Arm arm, const Pose& X_WB) {
-  return dialect == CrtkDialect::kRaven ? baseFrame(arm) : worldFrame(X_WB);
+template <typename Message, typename Value>
+void publishLatched(const ros::Publisher& publisher, Value value) {
+  Message message;
+  message.data = value;
+  publisher.publish(message);
 }
 
 }  // namespace
@@ -46,62 +57,27 @@ CrtkArm::CrtkArm(ros::NodeHandle* node,
     : arm_(arm),
       geometry_(config.arms.geometry),
       X_WB_(X_WB),
-      name_(at(config.crtk.names, arm)),
       state_period_(config.crtk.state_period),
-      is_raven_(config.crtk.dialect == CrtkDialect::kRaven),
+      twist_timeout_(config.crtk.twist_timeout),
       voice_(*voice),
       contacts_(body_names),
-      operating_state_(advertiseState(node, name_ + "/operating_state", config.crtk.dialect)) {
-  const CrtkDialect dialect = config.crtk.dialect;
-  const CrtkFrame world = worldFrame(X_WB), base = baseFrame(arm);
-  measured_js_ = jointTopic(node, name_ + "/measured_js");
-  setpoint_js_ = jointTopic(node, name_ + "/setpoint_js");
-  jaw_measured_js_ = jointTopic(node, jawNamespace(config.crtk, arm) + "/measured_js");
-  jaw_setpoint_js_ = jointTopic(node, jawNamespace(config.crtk, arm) + "/setpoint_js");
-  measured_cp_ = poseTopic(node, "measured_cp", measuredFrame(dialect, arm, X_WB), is_raven_);
-  setpoint_cp_ = poseTopic(node, "setpoint_cp", setpointFrame(dialect, arm, X_WB), is_raven_);
-  goal_cp_ = poseTopic(node, "goal_cp", world, false);
-  local_measured_cp_ = poseTopic(node, "local/measured_cp", base, false);
-  local_setpoint_cp_ = poseTopic(node, "local/setpoint_cp", base, false);
-  local_goal_cp_ = poseTopic(node, "local/goal_cp", base, false);
-  measured_cv_ = twistTopic(node, "measured_cv", world);
-  local_measured_cv_ = twistTopic(node, "local/measured_cv", base);
-  jacobian_ = jacobianTopic(node, "jacobian", world);
-  local_jacobian_ = jacobianTopic(node, "local/jacobian", base);
-  measured_cf_ = node->advertise<geometry_msgs::WrenchStamped>(name_ + "/measured_cf", kQueue);
-}
-
-CrtkArm::PoseTopic CrtkArm::poseTopic(ros::NodeHandle* node,
-                                      const std::string& name,
-                                      const CrtkFrame& frame,
-                                      bool is_transform) const {
-  PoseTopic topic;
-  topic.frame = frame;
-  topic.is_transform = is_transform;
-  topic.publisher = is_transform ? node->advertise<geometry_msgs::TransformStamped>(name_ + "/" + name, kQueue)
-                                 : node->advertise<geometry_msgs::PoseStamped>(name_ + "/" + name, kQueue);
-  return topic;
-}
-
-CrtkArm::TwistTopic CrtkArm::twistTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame) const {
-  return {node->advertise<geometry_msgs::TwistStamped>(name_ + "/" + name, kQueue), frame, {}};
-}
-
-CrtkArm::JacobianTopic CrtkArm::jacobianTopic(ros::NodeHandle* node,
-                                              const std::string& name,
-                                              const CrtkFrame& frame) const {
-  return {node->advertise<std_msgs::Float64MultiArray>(name_ + "/" + name, kQueue), frame, {}};
-}
-
-CrtkArm::JointTopic CrtkArm::jointTopic(ros::NodeHandle* node, const std::string& topic) {
-  return {node->advertise<sensor_msgs::JointState>(topic, kQueue), {}};
+      own_(node, styleOf(config.crtk, arm, X_WB, "")),
+      model_(node, styleOf(config.crtk, arm, X_WB, "model/")) {
+  const std::string& name = at(config.crtk.names, arm);
+  operating_state_ = advertiseState(node, name + "/operating_state", config.crtk.dialect);
+  is_valid_ = node->advertise<std_msgs::Bool>(name + "/is_valid", 1, /*latch=*/true);
+  ratio_ = node->advertise<std_msgs::Float64>(name + "/trajectory_j/ratio", 1, /*latch=*/true);
+  timeout_ = node->advertise<std_msgs::Float64>(name + "/twist_timeout", 1, /*latch=*/true);
+  publishLatched<std_msgs::Float64>(timeout_, twist_timeout_);
 }
 
 void CrtkArm::publish(const CrtkCycle& cycle) {
   publishState(cycle);
   tellAlone(cycle.servo);
-  publishMeasured(cycle);
-  publishSetpoint(cycle);
+  tellRunOut(at(cycle.servo.arms, arm_));
+  tellRatio(at(cycle.servo.arms, arm_).ratio);
+  publishOwn(cycle);
+  publishModel(cycle);
 }
 
 void CrtkArm::publishState(const CrtkCycle& cycle) {
@@ -127,72 +103,65 @@ void CrtkArm::tellAlone(const ServoState& servo) {
   was_alone_ = is_alone;
 }
 
-void CrtkArm::publishMeasured(const CrtkCycle& cycle) {
-  const CrtkMeasured m = measured(geometry_, arm_, cycle.model, cycle.robot);
-  publishJoints(m, cycle.stamp, &measured_js_, &jaw_measured_js_);
-  for (PoseTopic* topic : {&measured_cp_, &local_measured_cp_})
-    publishPose(m.X_BT, cycle.stamp, topic);
-  for (TwistTopic* topic : {&measured_cv_, &local_measured_cv_}) {
-    if (topic->publisher.getNumSubscribers() == 0) continue;
-    setHeader(topic->frame.name, cycle.stamp, &topic->message);
-    fill(topic->frame, m.v_B, m.w_B, &topic->message);
-    topic->publisher.publish(topic->message);
-  }
-  for (JacobianTopic* topic : {&jacobian_, &local_jacobian_}) {
-    if (topic->publisher.getNumSubscribers() == 0) continue;
-    fill(topic->frame, m.J_B, &topic->message);
-    topic->publisher.publish(topic->message);
-  }
-  if (wantsContacts()) publishForce(cycle, m.X_BT);
+void CrtkArm::tellRunOut(const ServoArmState& arm) {
+  if (arm.run_out == told_run_out_) return;
+  told_run_out_ = arm.run_out;
+  voice_.say(CrtkLevel::kWarning, runOutSentence(twist_timeout_));
 }
 
-void CrtkArm::publishForce(const CrtkCycle& cycle, const Pose& X_BT) {
-  setHeader("world", cycle.stamp, &force_);
-  fill(contacts_.on(arm_, cycle.contacts, X_WB_ * X_BT.p), &force_);
-  measured_cf_.publish(force_);
+void CrtkArm::tellRatio(double ratio) {
+  if (ratio == told_ratio_) return;
+  told_ratio_ = ratio;
+  publishLatched<std_msgs::Float64>(ratio_, ratio);
 }
 
-void CrtkArm::publishSetpoint(const CrtkCycle& cycle) {
-  const ServoArmState& arm = at(cycle.servo.arms, arm_);
+/** At each change what measured_* is worth, and why, should it be worth less. */
+void CrtkArm::tellSource() {
+  const MeasuredFrom from = source_.from();
+  if (has_told_source_ && from == told_from_) return;
+  publishLatched<std_msgs::Bool>(is_valid_, static_cast<std::uint8_t>(from == MeasuredFrom::kRobot));
+  const std::string why = sentence(from, source_.age());
+  if (!why.empty())
+    voice_.complain(level(from), "measured/" + std::to_string(static_cast<int>(from)), why, net::monotonicNow());
+  told_from_ = from;
+  has_told_source_ = true;
+}
+
+ArmWrench CrtkArm::contactOn(const CrtkCycle& cycle, const Pose& X_BT) const {
+  return contacts_.on(arm_, cycle.contacts, X_WB_ * X_BT.p);
+}
+
+/** What the arm is asked for is told all the while; where it is, as long as that is known. */
+void CrtkArm::publishOwn(const CrtkCycle& cycle) {
   const JointArray& tau = at(cycle.model.arms, arm_).tau;
+  source_.take(arm_, cycle.model, cycle.robot, cycle.stamp);
+  tellSource();
+  if (source_.from() != MeasuredFrom::kNone) {
+    const CrtkMeasured m = measured(geometry_, arm_, source_.q(), source_.dq(), tau);
+    own_.publishMeasured(m, contactOn(cycle, m.X_BT), source_.stamp());
+  }
+  const ServoArmState& arm = at(cycle.servo.arms, arm_);
   CrtkJoints joints;
   joints.q = arm.setpoint_q;
-  joints.dq = setpoint_rate_.of(cycle.servo.tick, arm);
-  joints.effort = servoEfforts(tau);
+  joints.dq = setpoint_rate_.of(cycle.servo.tick, arm.setpoint_q, arm.setpoint_jaw);
+  joints.effort = control::servoForces(tau);
   joints.jaw = arm.setpoint_jaw;
   joints.jaw_rate = setpoint_rate_.jaw();
-  joints.jaw_effort = jawEffort(tau);
-  publishJoints(joints, cycle.stamp, &setpoint_js_, &jaw_setpoint_js_);
-  for (PoseTopic* topic : {&setpoint_cp_, &local_setpoint_cp_})
-    publishPose(toEigen(arm.setpoint_B), cycle.stamp, topic);
-  for (PoseTopic* topic : {&goal_cp_, &local_goal_cp_})
-    publishPose(toEigen(arm.goal_B), cycle.stamp, topic);
+  joints.jaw_effort = control::jawForce(tau);
+  own_.publishSetpoint(joints, toEigen(arm.setpoint_B), toEigen(arm.goal_B), cycle.stamp);
 }
 
-void CrtkArm::publishPose(const Pose& X_BT, const ros::Time& stamp, PoseTopic* topic) {
-  if (topic->publisher.getNumSubscribers() == 0) return;
-  if (topic->is_transform) {
-    setHeader(topic->frame.name, stamp, &topic->transform);
-    fill(topic->frame, X_BT, &topic->transform);
-    topic->publisher.publish(topic->transform);
-  } else {
-    setHeader(topic->frame.name, stamp, &topic->pose);
-    fill(topic->frame, X_BT, &topic->pose);
-    topic->publisher.publish(topic->pose);
-  }
-}
-
-void CrtkArm::publishJoints(const CrtkJoints& joints, const ros::Time& stamp, JointTopic* all, JointTopic* jaw) {
-  if (all->publisher.getNumSubscribers() > 0) {
-    is_raven_ ? fillRaven(arm_, joints, &all->message) : fill(joints, &all->message);
-    setHeader("world", stamp, &all->message);
-    all->publisher.publish(all->message);
-  }
-  if (jaw->publisher.getNumSubscribers() > 0) {
-    is_raven_ ? fillRavenGrasp(arm_, joints, &jaw->message) : fillJaw(joints, &jaw->message);
-    setHeader("world", stamp, &jaw->message);
-    jaw->publisher.publish(jaw->message);
-  }
+void CrtkArm::publishModel(const CrtkCycle& cycle) {
+  const ArmState& arm = at(cycle.model.arms, arm_);
+  const CrtkMeasured m = measured(geometry_, arm_, arm.q, arm.dq, arm.tau);
+  model_.publishMeasured(m, contactOn(cycle, m.X_BT), cycle.stamp);
+  CrtkJoints joints = m;
+  joints.q = control::servoJoints(arm.q_d);
+  joints.jaw = kinematics::jawOpening(arm.q_d);
+  joints.dq = model_rate_.of(cycle.model.tick, joints.q, joints.jaw);
+  joints.jaw_rate = model_rate_.jaw();
+  const Pose wanted = kinematics::forward(geometry_, arm_, arm.q_d);
+  model_.publishSetpoint(joints, wanted, wanted, cycle.stamp);
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -10,6 +10,7 @@
 #include "raven2_trainer/core/shared_state.h"
 #include "ros/crtk_messages.h"
 #include "ros/crtk_states.h"
+#include "ros/crtk_topics.h"
 #include "ros/crtk_voice.h"
 #include "ros/crtk_wrench.h"
 
@@ -24,8 +25,11 @@ struct CrtkCycle {
   ros::Time stamp;
 };
 
-/** Publishes the states of one arm: its operating state, latched, and while somebody listens what is measured, where it
- *  is to be and its Jacobian. One thread. */
+/**
+ * Publishes the states of one arm: its operating state and what its measured_* are worth, latched, and while somebody
+ * listens what is measured, where it is to be and its Jacobian. And the same of its model, under model/, which goes on
+ * alone at times. One thread.
+ */
 class CrtkArm {
  public:
   /** @param[in] config, voice outlive this. @param[in] body_names by the numbers of contacts. */
@@ -37,67 +41,37 @@ class CrtkArm {
           CrtkVoice* voice);
 
   void publish(const CrtkCycle& cycle);
-  bool wantsContacts() const { return measured_cf_.getNumSubscribers() > 0; }
+  bool wantsContacts() const { return own_.wantsForce() || model_.wantsForce(); }
 
  private:
-  /** A topic of poses in a frame: PoseStamped, or TransformStamped in the robot's own dialect. */
-  struct PoseTopic {
-    ros::Publisher publisher;
-    CrtkFrame frame;
-    geometry_msgs::PoseStamped pose;
-    geometry_msgs::TransformStamped transform;
-    bool is_transform{false};
-  };
-  struct TwistTopic {
-    ros::Publisher publisher;
-    CrtkFrame frame;
-    geometry_msgs::TwistStamped message;
-  };
-  struct JacobianTopic {
-    ros::Publisher publisher;
-    CrtkFrame frame;
-    std_msgs::Float64MultiArray message;
-  };
-  struct JointTopic {
-    ros::Publisher publisher;
-    sensor_msgs::JointState message;
-  };
-
-  PoseTopic poseTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame, bool is_transform) const;
-  TwistTopic twistTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame) const;
-  JacobianTopic jacobianTopic(ros::NodeHandle* node, const std::string& name, const CrtkFrame& frame) const;
-  static JointTopic jointTopic(ros::NodeHandle* node, const std::string& topic);
-
   void publishState(const CrtkCycle& cycle);
   void tellAlone(const ServoState& servo);
-  void publishMeasured(const CrtkCycle& cycle);
-  void publishJoints(const CrtkJoints& joints, const ros::Time& stamp, JointTopic* all, JointTopic* jaw);
-  void publishForce(const CrtkCycle& cycle, const Pose& X_BT);
-  void publishSetpoint(const CrtkCycle& cycle);
-  static void publishPose(const Pose& X_BT, const ros::Time& stamp, PoseTopic* topic);
+  void tellRunOut(const ServoArmState& arm);
+  void tellRatio(double ratio);
+  void tellSource();
+  void publishOwn(const CrtkCycle& cycle);
+  void publishModel(const CrtkCycle& cycle);
+  ArmWrench contactOn(const CrtkCycle& cycle, const Pose& X_BT) const;
 
   const Arm arm_;
   const ArmGeometry geometry_;
   const Pose X_WB_;
-  const std::string name_;
-  const double state_period_;
-  const bool is_raven_;  ///< the robot's own dialect
+  const double state_period_, twist_timeout_;
   CrtkVoice& voice_;
   ArmContacts contacts_;
-  SetpointRate setpoint_rate_;
+  CrtkTopics own_, model_;
+  MeasuredSource source_;
+  SetpointRate setpoint_rate_, model_rate_;
 
-  ros::Publisher operating_state_;
+  ros::Publisher operating_state_, is_valid_, ratio_, timeout_;
   crtk::OperatingState told_;
   bool has_told_{false};
   bool was_alone_{false};
   Tick told_tick_{};
-
-  JointTopic measured_js_, setpoint_js_, jaw_measured_js_, jaw_setpoint_js_;
-  PoseTopic measured_cp_, setpoint_cp_, goal_cp_, local_measured_cp_, local_setpoint_cp_, local_goal_cp_;
-  TwistTopic measured_cv_, local_measured_cv_;
-  JacobianTopic jacobian_, local_jacobian_;
-  ros::Publisher measured_cf_;
-  geometry_msgs::WrenchStamped force_;
+  std::uint32_t told_run_out_{0};
+  double told_ratio_{-1.0};
+  MeasuredFrom told_from_{MeasuredFrom::kNone};
+  bool has_told_source_{false};
 };
 
 }  // namespace raven2_trainer::ros_bridge

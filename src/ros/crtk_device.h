@@ -9,6 +9,7 @@
 
 #include "ros/crtk_arm.h"
 #include "ros/crtk_inbox.h"
+#include "ros/crtk_kinematics.h"
 #include "ros/crtk_listener.h"
 #include "ros/crtk_voice.h"
 #include "ros/periodic_thread.h"
@@ -52,6 +53,7 @@ class CrtkDevice {
   PerArm<std::unique_ptr<CrtkVoice>> voices_;
   PerArm<std::unique_ptr<CrtkArm>> arms_;
   PerArm<std::unique_ptr<CrtkListener>> listeners_;
+  PerArm<std::unique_ptr<CrtkKinematics>> kinematics_;
   PictureStamp stamp_;
   CrtkCycle cycle_;
   Tick told_{-1};

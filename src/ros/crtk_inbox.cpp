@@ -6,7 +6,7 @@ namespace raven2_trainer::ros_bridge {
 
 std::string CrtkInbox::take(const CrtkAsked& asked) {
   if (!asked.command) {
-    unread_.fetch_add(1);
+    shared_.servo_unread.add();
     return asked.refusal;
   }
   const std::string refusal = pass(*asked.command);
@@ -21,7 +21,7 @@ std::string CrtkInbox::pass(ServoCommand command) {
 
 CrtkCounts CrtkInbox::counts() const noexcept {
   const RingCounts ring = shared_.servo_commands.counts();
-  return {ring.pushed, unread_.load(), ring.dropped};
+  return {ring.pushed, shared_.servo_unread.value(), ring.dropped};
 }
 
 }  // namespace raven2_trainer::ros_bridge

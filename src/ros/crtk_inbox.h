@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <string>
 
@@ -33,7 +32,6 @@ class CrtkInbox {
 
   SharedState& shared_;
   std::uint32_t next_id_{0};
-  std::atomic<std::uint64_t> unread_{0};
 };
 
 }  // namespace raven2_trainer::ros_bridge

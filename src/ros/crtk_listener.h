@@ -2,6 +2,7 @@
 
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
+#include <ros/wall_timer.h>
 
 #include <functional>
 #include <string>
@@ -14,7 +15,8 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** Hears what CRTK clients ask one arm for. What a Raven cannot do has no topic. */
+/** Hears what CRTK clients ask one arm for. What a Raven cannot do is heard, too, and refused in words: clients look at
+ *  the start whether their topics are connected. */
 class CrtkListener {
  public:
   /**
@@ -42,6 +44,10 @@ class CrtkListener {
   void hearJaw(const std::string& topic, ServoKind kind);
   void hearPose(ServoKind kind, const CrtkFrame& frame);
   void hearTwist(const CrtkFrame& frame);
+  void hearForces();
+  void hearWrench(const std::string& prefix, const CrtkFrame& frame, WrenchFrame where);
+  void hearSettings();
+  void endLeftTwists();
 
   std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
   CrtkStored storedOf(const std::string& topic) const;
@@ -52,12 +58,17 @@ class CrtkListener {
   ros::NodeHandle node_;
   const Arm arm_;
   const std::string name_, jaw_name_;
+  const bool is_raven_;  ///< the robot's own dialect
   const ArmGeometry geometry_;
   const CrtkFrame world_, base_;
   const std::optional<CrtkPublishers> before_;
   CrtkInbox& inbox_;
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;
+  std::vector<std::size_t> timed_;  ///< of them: what goes on until its time-out
+  bool goes_on_{false};             ///< one of those was heard, and somebody may still say it
+  bool is_absolute_{false};         ///< body/servo_cf is along the axes of `world`
+  ros::WallTimer timer_;
 };
 
 }  // namespace raven2_trainer::ros_bridge

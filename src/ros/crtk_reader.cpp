@@ -46,17 +46,30 @@ bool areFinite(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
 
+/** What a message of joints tells of them. */
+const std::vector<double>& numbersOf(ServoKind kind, const sensor_msgs::JointState& message) {
+  const bool is_force = kind == ServoKind::kServoForces || kind == ServoKind::kServoJawForce;
+  if (is_force) return message.effort;
+  return kind == ServoKind::kServoRates ? message.velocity : message.position;
+}
+const char* numbersName(ServoKind kind) {
+  const bool is_force = kind == ServoKind::kServoForces || kind == ServoKind::kServoJawForce;
+  if (is_force) return " efforts";
+  return kind == ServoKind::kServoRates ? " velocities" : " positions";
+}
+
 /** Why the joints of a message are not those that are wanted; empty: they are. */
 template <typename Names>
-std::string jointsFault(const sensor_msgs::JointState& message, const Names& wanted) {
+std::string jointsFault(ServoKind kind, const sensor_msgs::JointState& message, const Names& wanted) {
   const std::string list = listed(wanted);
-  if (message.position.size() != wanted.size())
-    return std::to_string(message.position.size()) + " positions where there are " + std::to_string(wanted.size()) +
+  const std::vector<double>& numbers = numbersOf(kind, message);
+  if (numbers.size() != wanted.size())
+    return std::to_string(numbers.size()) + numbersName(kind) + " where there are " + std::to_string(wanted.size()) +
            " joints: " + list;
   const bool is_named = !message.name.empty();
   if (is_named && !std::equal(message.name.begin(), message.name.end(), wanted.begin(), wanted.end()))
     return "the joints are named " + listed(message.name) + "; it is " + list + ", in this order, or no names";
-  return areFinite(message.position) ? "" : "a number that is not finite";
+  return areFinite(numbers) ? "" : "a number that is not finite";
 }
 
 /** Why nothing can be said in a message's frame; empty: it can. */
@@ -154,6 +167,15 @@ std::string rangeFault(const ArmGeometry& geometry, const ServoCommand& joints, 
   return "";
 }
 
+/** Of one number: the shoulder's, the others stay. */
+CrtkAsked readRavensShoulder(Arm arm, ServoKind kind, double number) {
+  if (!std::isfinite(number)) return notFinite(kind);
+  ServoCommand command = commandOf(arm, kind);
+  command.joints.front() = number;
+  command.is_shoulder = 1;
+  return {command, ""};
+}
+
 }  // namespace
 
 CrtkAsked readState(Arm arm, const std::string& word) {
@@ -170,18 +192,19 @@ CrtkAsked readPlain(Arm arm, ServoKind kind) {
 }
 
 CrtkAsked readJoints(Arm arm, ServoKind kind, const sensor_msgs::JointState& message) {
-  const std::string fault = jointsFault(message, kServoJointNames);
+  const std::string fault = jointsFault(kind, message, kServoJointNames);
   if (!fault.empty()) return refuse(kind, fault);
   ServoCommand command = commandOf(arm, kind);
-  std::copy(message.position.begin(), message.position.end(), command.joints.begin());
+  const std::vector<double>& numbers = numbersOf(kind, message);
+  std::copy(numbers.begin(), numbers.end(), command.joints.begin());
   return {command, ""};
 }
 
 CrtkAsked readJaw(Arm arm, ServoKind kind, const sensor_msgs::JointState& message) {
-  const std::string fault = jointsFault(message, std::array<const char*, 1>{kJawName});
+  const std::string fault = jointsFault(kind, message, std::array<const char*, 1>{kJawName});
   if (!fault.empty()) return refuse(kind, fault);
   ServoCommand command = commandOf(arm, kind);
-  command.jaw = message.position[0];
+  command.jaw = numbersOf(kind, message)[0];
   return {command, ""};
 }
 
@@ -191,6 +214,30 @@ CrtkAsked readPose(Arm arm, ServoKind kind, const CrtkFrame& frame, const geomet
 
 CrtkAsked readTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TwistStamped& message) {
   return twistIn(arm, frame, message.header, vectorOf(message.twist.linear), vectorOf(message.twist.angular));
+}
+
+CrtkAsked readWrench(Arm arm, const CrtkFrame& frame, WrenchFrame where, const geometry_msgs::WrenchStamped& message) {
+  constexpr ServoKind kKind = ServoKind::kServoWrench;
+  const std::string fault = frameFault(message.header, frame);
+  if (!fault.empty()) return refuse(kKind, fault);
+  const Vector3 force_R = vectorOf(message.wrench.force), torque_R = vectorOf(message.wrench.torque);
+  if (!force_R.allFinite() || !torque_R.allFinite()) return notFinite(kKind);
+  ServoCommand command = commandOf(arm, kKind);
+  command.frame = where;
+  const Matrix3 R_BR = where == WrenchFrame::kBody ? Matrix3::Identity() : frame.X_BR.R;
+  const Vector3 force = R_BR * force_R;
+  Vector3 torque = R_BR * torque_R;
+  if (where == WrenchFrame::kOrigin) torque += frame.X_BR.p.cross(force);  // about the origin of B
+  command.force = toArray(force);
+  command.torque = toArray(torque);
+  return {command, ""};
+}
+
+CrtkAsked readNumber(Arm arm, ServoKind kind, double number) {
+  if (!std::isfinite(number)) return notFinite(kind);
+  ServoCommand command = commandOf(arm, kind);
+  command.number = number;
+  return {command, ""};
 }
 
 CrtkAsked readTransform(Arm arm,
@@ -205,21 +252,32 @@ CrtkAsked readRavenJoints(const ArmGeometry& geometry,
                           Arm arm,
                           ServoKind kind,
                           const sensor_msgs::JointState& message) {
-  const bool is_by = kind == ServoKind::kServoJointsBy;
-  const std::size_t count = message.position.size();
-  if (count < kJointCount || (count > kJointCount && !is_by))
-    return refuse(kind, std::to_string(count) + " positions where there are 7 joints: " + listed(kJointNames));
-  if (!areFinite(message.position)) return notFinite(kind);
+  const bool is_position = kind == ServoKind::kServoJoints;
+  const std::vector<double>& numbers = numbersOf(kind, message);
+  const std::size_t count = numbers.size();
+  if (count == 1) return readRavensShoulder(arm, kind, numbers[0]);
+  if (count < kJointCount || (count > kJointCount && is_position))
+    return refuse(kind, std::to_string(count) + numbersName(kind) +
+                            " where there are 7 joints: " + listed(kJointNames) + ", or 1, the shoulder");
+  if (!areFinite(numbers)) return notFinite(kind);
   JointArray q{};
-  std::copy_n(message.position.begin(), kJointCount, q.begin());
+  std::copy_n(numbers.begin(), kJointCount, q.begin());
   ServoCommand joints = commandOf(arm, kind);
-  ServoCommand jaw = commandOf(arm, is_by ? ServoKind::kServoJawBy : ServoKind::kServoJaw);
   joints.joints = control::servoJoints(q);
+  if (kind == ServoKind::kServoRates) return {joints, ""};
+  ServoCommand jaw = commandOf(arm, is_position ? ServoKind::kServoJaw : ServoKind::kServoJawBy);
   jaw.jaw = kinematics::jawOpening(q);
-  if (is_by && jaw.jaw == 0.0) return {joints, ""};
-  const std::string fault = is_by ? "" : rangeFault(geometry, joints, jaw);
+  if (!is_position && jaw.jaw == 0.0) return {joints, ""};
+  const std::string fault = is_position ? rangeFault(geometry, joints, jaw) : "";
   if (!fault.empty()) return {std::nullopt, fault};
   return {joints, "", jaw};
+}
+
+CrtkAsked readRavenJaw(Arm arm, ServoKind kind, const sensor_msgs::JointState& message) {
+  if (message.position.size() < kJointCount) return readJaw(arm, kind, message);
+  sensor_msgs::JointState first;
+  first.position.assign(1, message.position.front());
+  return readJaw(arm, kind, first);
 }
 
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message) {

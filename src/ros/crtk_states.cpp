@@ -9,13 +9,6 @@ namespace {
 
 constexpr Tick kLongestGap = 100;  // [1 ms] over which a rate still says something
 
-/** The column of the mid-line is that of grasper 2 going as grasper 1 comes. */
-ServoJacobian servoJacobian(const kinematics::Jacobian& J) noexcept {
-  ServoJacobian J_B = J.leftCols<6>();
-  J_B.col(5) = J.col(kGrasp2) - J.col(kGrasp1);
-  return J_B;
-}
-
 constexpr PerArm<std::array<const char*, kJointCount>> kRavenNames{
     {{"gold_shoulder", "gold_elbow", "gold_ins", "gold_roll", "gold_wrist", "gold_jaw1", "gold_jaw2"},
      {"green_shoulder", "green_elbow", "green_ins", "green_roll", "green_wrist", "green_jaw1", "green_jaw2"}}};
@@ -72,48 +65,62 @@ void setLayout(std_msgs::MultiArrayLayout* layout) {
 
 }  // namespace
 
-/** Graspers are -midline + opening / 2 and midline + opening / 2. */
-ServoJoints servoEfforts(const JointArray& tau) noexcept {
-  ServoJoints effort = control::servoJoints(tau);
-  effort.back() = tau[kGrasp2] - tau[kGrasp1];
-  return effort;
-}
-
-double jawEffort(const JointArray& tau) noexcept {
-  return (tau[kGrasp1] + tau[kGrasp2]) / 2;
-}
-
-CrtkMeasured measured(const ArmGeometry& geometry, Arm arm, const ModelState& model, const RobotState& robot) noexcept {
-  const ArmState& of_model = at(model.arms, arm);
-  const RobotArmState& of_robot = at(robot.arms, arm);
-  const bool has_robot = model.robot_fresh != 0 && robot.connected != 0 && robot.frame > 0;
-  const JointArray& q = has_robot ? of_robot.q : of_model.q;
-  const JointArray& dq = has_robot ? of_robot.dq : of_model.dq;
+CrtkMeasured measured(const ArmGeometry& geometry,
+                      Arm arm,
+                      const JointArray& q,
+                      const JointArray& dq,
+                      const JointArray& tau) noexcept {
   CrtkMeasured m;
   m.q = control::servoJoints(q);
   m.dq = control::servoJoints(dq);
-  m.effort = servoEfforts(of_model.tau);
+  m.effort = control::servoForces(tau);
   m.jaw = kinematics::jawOpening(q);
   m.jaw_rate = kinematics::jawOpening(dq);
-  m.jaw_effort = jawEffort(of_model.tau);
+  m.jaw_effort = control::jawForce(tau);
   m.X_BT = kinematics::forward(geometry, arm, q);
-  m.J_B = servoJacobian(kinematics::jacobian(geometry, arm, q));
+  m.J_B = control::servoJacobian(geometry, arm, q);
   const Eigen::Matrix<double, 6, 1> twist = m.J_B * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(m.dq.data());
   m.v_B = twist.head<3>();
   m.w_B = twist.tail<3>();
   return m;
 }
 
-const ServoJoints& SetpointRate::of(Tick tick, const ServoArmState& arm) noexcept {
+void MeasuredSource::take(Arm arm, const ModelState& model, const RobotState& robot, const ros::Time& stamp) noexcept {
+  if (model.robot_fresh != 0 && robot.connected != 0 && robot.frame > 0) {
+    from_ = MeasuredFrom::kRobot;
+    q_ = at(robot.arms, arm).q;
+    dq_ = at(robot.arms, arm).dq;
+    stamp_ = stamp;
+    fresh_tick_ = model.tick;
+    age_ = 0;
+  } else if (fresh_tick_ < 0) {
+    q_ = at(model.arms, arm).q;
+    dq_ = at(model.arms, arm).dq;
+    stamp_ = stamp;
+  } else {
+    age_ = model.tick - fresh_tick_;
+    from_ = age_ <= kRepeated ? MeasuredFrom::kStale : MeasuredFrom::kNone;
+  }
+}
+
+ServoJacobian atOrigin(const CrtkFrame& frame, const CrtkMeasured& measured) {
+  const Vector3 p_RT_B = measured.X_BT.p - frame.X_BR.p;
+  ServoJacobian J_B = measured.J_B;
+  for (Eigen::Index j = 0; j < J_B.cols(); ++j)
+    J_B.col(j).head<3>() += p_RT_B.cross(Vector3(measured.J_B.col(j).tail<3>()));
+  return J_B;
+}
+
+const ServoJoints& SetpointRate::of(Tick tick, const ServoJoints& q, double jaw) noexcept {
   const Tick gap = tick - tick_;
   if (gap == 0) return rate_;
   const bool is_known = tick_ >= 0 && gap > 0 && gap <= kLongestGap;
   const double per_second = is_known ? 1.0 / (static_cast<double>(gap) * kTickSeconds) : 0.0;
   for (std::size_t j = 0; j < kServoJointCount; ++j)
-    rate_[j] = (arm.setpoint_q[j] - q_[j]) * per_second;
-  jaw_rate_ = (arm.setpoint_jaw - jaw_) * per_second;
-  q_ = arm.setpoint_q;
-  jaw_ = arm.setpoint_jaw;
+    rate_[j] = (q[j] - q_[j]) * per_second;
+  jaw_rate_ = (jaw - jaw_) * per_second;
+  q_ = q;
+  jaw_ = jaw;
   tick_ = tick;
   return rate_;
 }
@@ -136,10 +143,7 @@ void fillRaven(Arm arm, const CrtkJoints& joints, sensor_msgs::JointState* messa
   assignNames(at(kRavenNames, arm), &message->name);
   assign(allJoints(joints.q, joints.jaw), &message->position);
   assign(allJoints(joints.dq, joints.jaw_rate), &message->velocity);
-  assign(allJoints(joints.effort, 0.0), &message->effort);
-  const double midline = joints.effort.back() / 2;  // jawEffort(), servoEfforts() backwards
-  message->effort[kGrasp1] = joints.jaw_effort - midline;
-  message->effort[kGrasp2] = joints.jaw_effort + midline;
+  assign(control::jointForces(joints.effort, joints.jaw_effort), &message->effort);
 }
 
 void fillRavenGrasp(Arm arm, const CrtkJoints& joints, sensor_msgs::JointState* message) {

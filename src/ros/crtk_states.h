@@ -7,6 +7,7 @@
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64MultiArray.h>
 
+#include "raven2_trainer/control/servo_forces.h"
 #include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/servo.h"
 #include "raven2_trainer/core/state.h"
@@ -16,7 +17,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-using ServoJacobian = Eigen::Matrix<double, 6, 6>;
+using control::ServoJacobian;
 
 /** An arm's joints and its jaws' opening. */
 struct CrtkJoints {
@@ -24,7 +25,7 @@ struct CrtkJoints {
   double jaw{}, jaw_rate{}, jaw_effort{};  ///< [rad], [rad/s], [Nm]
 };
 
-/** An arm as measured: the robot's joints while it is there and fresh, else the model's; the rest follows from them. */
+/** An arm as measured; all follows from its joints. */
 struct CrtkMeasured : CrtkJoints {
   Pose X_BT{};                               ///< of the tool tip, by forward kinematics of q
   Vector3 v_B{Vector3::Zero()};              ///< [m/s] of it, J dq
@@ -32,18 +33,51 @@ struct CrtkMeasured : CrtkJoints {
   ServoJacobian J_B{ServoJacobian::Zero()};  ///< columns ServoJoints; rows 0 to 2 linear, 3 to 5 angular, both in B
 };
 
-/** [Nm; N] Torques and forces on the joints of control::servoJoints(): what does the same work. */
-ServoJoints servoEfforts(const JointArray& tau) noexcept;
-/** [Nm] Of the jaws' opening. */
-double jawEffort(const JointArray& tau) noexcept;
+/** @param[in] q, dq [rad; m], per second. @param[in] tau [Nm; N] the model's. */
+CrtkMeasured measured(const ArmGeometry& geometry,
+                      Arm arm,
+                      const JointArray& q,
+                      const JointArray& dq,
+                      const JointArray& tau) noexcept;
 
-CrtkMeasured measured(const ArmGeometry& geometry, Arm arm, const ModelState& model, const RobotState& robot) noexcept;
+/** Of what is rigidly the tip's and at the origin of R just then: rows 0 to 2 [m/s], in B still. */
+ServoJacobian atOrigin(const CrtkFrame& frame, const CrtkMeasured& measured);
+
+/** Whose joints measured_* of an arm's own device tells. */
+enum class MeasuredFrom : std::uint8_t {
+  kModel,  ///< no robot has been there yet
+  kRobot,  ///< it is there, and its state fresh
+  kStale,  ///< its last state, repeated with the stamp that it came with
+  kNone,   ///< that is too long ago: nothing is told
+};
+
+/** Keeps to one source: once a robot was there, the model's joints are told of no more. Not of the jaws' alone. */
+class MeasuredSource {
+ public:
+  static constexpr Tick kRepeated = 500;  ///< [1 ms] so long a state that grows stale is told again
+
+  /** Of a cycle; not twice of one tick. @param[in] stamp of the cycle. */
+  void take(Arm arm, const ModelState& model, const RobotState& robot, const ros::Time& stamp) noexcept;
+
+  MeasuredFrom from() const noexcept { return from_; }
+  const JointArray& q() const noexcept { return q_; }    ///< [rad; m]
+  const JointArray& dq() const noexcept { return dq_; }  ///< [rad/s; m/s]
+  const ros::Time& stamp() const noexcept { return stamp_; }
+  /** [1 ms] since the robot's state was fresh. */
+  Tick age() const noexcept { return age_; }
+
+ private:
+  MeasuredFrom from_{MeasuredFrom::kModel};
+  JointArray q_{}, dq_{};
+  ros::Time stamp_;
+  Tick fresh_tick_{-1}, age_{0};
+};
 
 /** How fast the set point moves, by two of its states. */
 class SetpointRate {
  public:
   /** [rad/s; m/s] since the set point of an earlier tick; 0 at first, after a gap and after a leap back. */
-  const ServoJoints& of(Tick tick, const ServoArmState& arm) noexcept;
+  const ServoJoints& of(Tick tick, const ServoJoints& q, double jaw) noexcept;
   double jaw() const noexcept { return jaw_rate_; }
 
  private:

@@ -64,6 +64,17 @@ std::string notEnabled(const ServoRefused& r) {
          "\" first";
 }
 
+std::string tooStrong(const ServoRefused& r) {
+  const bool is_jaw = r.joint >= kServoJointCount;
+  const char* const name = is_jaw ? kJawName : kServoJointNames[r.joint];
+  const char* const unit = r.is_turn != 0 ? "Nm" : "N";
+  return number(r.value, unit) + " on " + name + ", at most " + number(r.limit, unit);
+}
+
+const char* notOffered(ServoKind kind) {
+  return kind == ServoKind::kTool ? "a Raven does not look for its tool" : "a Raven cannot";
+}
+
 std::string reason(const ServoRefused& r) {
   switch (r.reason) {
     case ServoRefusal::kNone:
@@ -96,7 +107,13 @@ std::string reason(const ServoRefused& r) {
     case ServoRefusal::kQueueFull:
       return "more moves wait than are kept; wait until is_busy is false";
     case ServoRefusal::kNotOffered:
-      return "a Raven cannot";
+      return notOffered(r.kind);
+    case ServoRefusal::kHasRobot:
+      return "a Raven's controllers hold positions: forces move the model alone, while no robot is there";
+    case ServoRefusal::kTooStrong:
+      return tooStrong(r);
+    case ServoRefusal::kNoRatio:
+      return number(r.value, "") + "is no ratio: 0.001 to 1";
   }
   return "unknown";
 }
@@ -127,6 +144,30 @@ std::string sentence(OperatingState state) {
 
 CrtkLevel level(OperatingState state) noexcept {
   return state == OperatingState::kFault ? CrtkLevel::kError : CrtkLevel::kInfo;
+}
+
+std::string runOutSentence(double timeout) {
+  return "no servo_cv, servo_jv or force for " + number(timeout, "s") + ": the arm slows down and stands";
+}
+
+std::string sentence(MeasuredFrom from, Tick age) {
+  switch (from) {
+    case MeasuredFrom::kModel:
+      return "no robot is there: measured_* tells the model's joints";
+    case MeasuredFrom::kRobot:
+      return "";
+    case MeasuredFrom::kStale:
+      return "the robot's state is old: measured_* repeats the last one for " +
+             number(MeasuredSource::kRepeated * kTickSeconds, "s") + " at most (model/ goes on)";
+    case MeasuredFrom::kNone:
+      return "no state of the robot for " + number(static_cast<double>(age) * kTickSeconds, "s") +
+             ": measured_* stops until there is one (model/ goes on)";
+  }
+  return "unknown";
+}
+
+CrtkLevel level(MeasuredFrom from) noexcept {
+  return from == MeasuredFrom::kModel ? CrtkLevel::kInfo : CrtkLevel::kWarning;
 }
 
 std::optional<std::string> CrtkPatience::pass(const std::string& about,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "raven2_trainer/core/servo.h"
+#include "ros/crtk_states.h"
 
 // What CRTK clients are told in words.
 
@@ -27,6 +28,13 @@ CrtkLevel level(OperatingState state) noexcept;
 
 /** For ServoState::alone: nothing else tells that a motion is none of the robot's. */
 constexpr const char* kAloneSentence = "the robot that was there is not: the model moves alone";
+
+/** For ServoArmState::run_out. @param[in] timeout [s]. */
+std::string runOutSentence(double timeout);
+
+/** What measured_* has become; empty while it is the robot. @param[in] age [1 ms] of its state. */
+std::string sentence(MeasuredFrom from, Tick age);
+CrtkLevel level(MeasuredFrom from) noexcept;
 
 /** Lets a sentence through once a second: a stream of refused commands must not become a stream of words. */
 class CrtkPatience {

@@ -44,6 +44,14 @@ ArmWrench ArmContacts::on(Arm arm, const ContactList& contacts, const Vector3& p
   return wrench;
 }
 
+ArmWrench alongTip(const ArmWrench& wrench, const Pose& X_WT) noexcept {
+  return {X_WT.R.transpose() * wrench.force_W, X_WT.R.transpose() * wrench.torque_W};
+}
+
+ArmWrench aboutOrigin(const ArmWrench& wrench, const Pose& X_WT) noexcept {
+  return {wrench.force_W, wrench.torque_W + X_WT.p.cross(wrench.force_W)};
+}
+
 void fill(const ArmWrench& wrench, geometry_msgs::WrenchStamped* message) {
   assign(wrench.force_W, &message->wrench.force);
   assign(wrench.torque_W, &message->wrench.torque);

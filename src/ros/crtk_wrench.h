@@ -11,7 +11,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** What the model's contacts do to an arm at its tool tip, in W. */
+/** What the model's contacts do to an arm at its tool tip, in W unless something else is said. */
 struct ArmWrench {
   Vector3 force_W{Vector3::Zero()};   ///< [N]
   Vector3 torque_W{Vector3::Zero()};  ///< [Nm] about the tip
@@ -31,6 +31,11 @@ class ArmContacts {
 
   std::vector<std::int8_t> arms_;  // by body: Arm, or -1
 };
+
+/** The same along the tip's own axes. @param[in] X_WT the tip in W. */
+ArmWrench alongTip(const ArmWrench& wrench, const Pose& X_WT) noexcept;
+/** The same with its torque about the origin of W. */
+ArmWrench aboutOrigin(const ArmWrench& wrench, const Pose& X_WT) noexcept;
 
 void fill(const ArmWrench& wrench, geometry_msgs::WrenchStamped* message);
 

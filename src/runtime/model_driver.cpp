@@ -2,10 +2,14 @@
 
 #include <algorithm>
 
+#include "raven2_trainer/control/servo_forces.h"
+
 namespace raven2_trainer::runtime {
 
-ModelDriver::ModelDriver(const ModelConfig& config, physics::RavenWorld* world) noexcept
-    : world_(*world),
+ModelDriver::ModelDriver(const ModelConfig& config, const ArmGeometry& geometry, physics::RavenWorld* world) noexcept
+    : geometry_(geometry),
+      gains_(config.gains),
+      world_(*world),
       controllers_{control::ArmController(config, Arm::kGold), control::ArmController(config, Arm::kGreen)},
       twin_controllers_(controllers_) {}
 
@@ -17,6 +21,7 @@ void ModelDriver::allowOpenLoop(const model::RavenModel& raven, const ModelConfi
 void ModelDriver::reset(Arm arm) noexcept {
   at(controllers_, arm).reset();
   at(twins_, arm).leads = false;
+  at(efforts_, arm) = {};
 }
 
 void ModelDriver::openLoop(Arm arm) noexcept {
@@ -42,11 +47,29 @@ void ModelDriver::takeOver(Twin& twin, Arm arm, const JointArray& q_d, JointArra
   if (world.healthy()) std::copy_n(led.begin(), static_cast<std::size_t>(kGrasp1), tau->begin());
 }
 
+void ModelDriver::applyEffort(Arm arm, JointArray* tau) const noexcept {
+  const Effort& effort = at(efforts_, arm);
+  if (!effort.isAny()) return;
+  JointArray q{}, dq{};
+  world_.jointState(arm, &q, &dq);
+  const ServoJoints held = control::servoForces(*tau);
+  const bool is_pushed = effort.kind != EffortKind::kNone;
+  const ServoJoints forces = is_pushed ? control::servoForces(geometry_, arm, q, effort) : held;
+  JointArray pushed = control::jointForces(forces, effort.has_jaw ? effort.jaw : control::jawForce(*tau));
+  const JointArray gravity = effort.has_weight ? JointArray{} : world_.gravityTorque(arm);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    pushed[j] = std::clamp(pushed[j], -gains_[j].limit, gains_[j].limit);
+    if (is_pushed) pushed[j] += gravity[j];
+  }
+  *tau = pushed;
+}
+
 PerArm<JointArray> ModelDriver::step(const PerArm<JointArray>& q_d) noexcept {
   PerArm<JointArray> tau{};
   for (const Arm arm : kArms) {
     at(tau, arm) = closedTorque(arm, at(q_d, arm));
     if (at(twins_, arm).leads) takeOver(at(twins_, arm), arm, at(q_d, arm), &at(tau, arm));
+    applyEffort(arm, &at(tau, arm));
   }
   world_.step(tau);
   return tau;

@@ -41,7 +41,7 @@ class Tracker {
         plan_(plan),
         other_(otherThan(plan.arm)),
         world_(raven, scene, config),
-        driver_(config, &world_) {
+        driver_(config, raven.arms.geometry, &world_) {
     at(q_d_, plan.arm) = wanted_ = plan.waypoints[0];
     at(q_d_, other_) = other;
     for (const Arm arm : kArms) {

@@ -65,7 +65,7 @@ PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
       world_(raven, scene, config.model),
       mappers_{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                control::TeleopMapper(config.arms.geometry, Arm::kGreen)},
-      driver_(config.model, &world_),
+      driver_(config.model, config.arms.geometry, &world_),
       desk_(config, raven, scene, shared),
       trial_(config, raven, scene, shared, trial_limit),
       return_(config.planner.velocity_limit, config.planner.acceleration_limit),
@@ -242,6 +242,11 @@ void PhysicsLoop::drainRequests() noexcept {
       handleRequest(request);
     }
   }
+  while (servo_.nextEffort(&request)) {
+    shared_.efforts_made.add();
+    shared_.request_records.tryPush({state_.tick + 1, request});
+    handleRequest(request);
+  }
   PlanResult result;
   while (shared_.plan_results.tryPop(&result))
     handlePlanResult(result);
@@ -276,6 +281,9 @@ void PhysicsLoop::handleRequest(const Request& request) noexcept {
     case RequestKind::kExecutePlan:
       armPlan(request);
       break;
+    case RequestKind::kSetEffort:
+      pushModel(request);
+      break;
     case RequestKind::kSetCollisions:
       at(collisions_, request.arm) = request.enabled != 0;
       break;
@@ -308,6 +316,11 @@ void PhysicsLoop::aimAsTold() noexcept {
   bool is_clamped = false;
   for (const Arm arm : kArms) {
     ArmState& state = at(state_.arms, arm);
+    if (driver_.isPushed(arm)) {  // it goes where forces take it
+      at(increments_.dp_I, arm) = {};
+      at(increments_.dq_I, arm) = kIdentityQuat;
+      at(mappers_, arm).rebasePose(state.q);
+    }
     const IkStatus status =
         at(mappers_, arm)
             .add(at(increments_.dp_I, arm), at(increments_.dq_I, arm), at(increments_.dgrasp, arm), state.q);
@@ -430,7 +443,7 @@ void PhysicsLoop::publish(std::int64_t now_ns) noexcept {
   if (state_.mode == Mode::kReplaying) state_.bodies = shown_.bodies_W;
   listContacts();
   exercise_.tick(&state_, contacts_, rehearses_);
-  servo_.publish(state_.tick, state_.time_ns, q_d_);
+  servo_.publish(state_.tick, state_.time_ns, robotSetPoints());
   shared_.model.store(state_);
   publishContacts();
   shared_.tick_records.tryPush({state_, robot_, static_cast<std::uint8_t>(slipped_ ? 1 : 0)});

@@ -1,3 +1,5 @@
+#include "raven2_trainer/core/effort.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/runtime/physics_loop.h"
 
 // The part of the physics loop that takes the masters' commands: those of the surgeon's console, and what CRTK clients
@@ -28,6 +30,32 @@ void PhysicsLoop::serveClients() noexcept {
   if (!servo_.next(servoStand(), mappers_, &command)) return;
   shared_.servo_made.add();
   consume(command);
+}
+
+/** What a client's forces may do: move a model that goes on alone. Anything else that begins ends them. */
+void PhysicsLoop::pushModel(const Request& request) noexcept {
+  const Effort effort = effortOf(request);
+  const bool was_pushed = driver_.isPushed(request.arm);
+  if (effort.isAny() && (state_.mode != Mode::kTeleoperating || linked_)) return;
+  if (was_pushed && effort.kind == EffortKind::kNone) driver_.reset(request.arm);
+  driver_.push(request.arm, effort);
+}
+
+/** [rad; m] The model may go ways of its own: along a plan that it tracks, in a trial, in a replay. With the pedal up a
+ *  robot is asked to stand where it is. */
+const PerArm<JointArray>& PhysicsLoop::robotSetPoints() noexcept {
+  const Mode mode = state_.mode;
+  const bool follows = mode == Mode::kPedalUp || mode == Mode::kWaiting || mode == Mode::kTeleoperating;
+  const bool is_models = linked_ || !relay_started_ || follows;
+  if (is_models) robot_q_d_ = q_d_;
+  if (is_models || state_.robot_fresh == 0) return robot_q_d_;
+  for (const Arm arm : kArms) {
+    JointArray& q_d = at(robot_q_d_, arm);
+    const double opening = kinematics::jawOpening(q_d);
+    q_d = at(robot_.arms, arm).q;
+    kinematics::setJaws(kinematics::jawMidline(q_d), opening, &q_d);
+  }
+  return robot_q_d_;
 }
 
 ServoStand PhysicsLoop::servoStand() const noexcept {

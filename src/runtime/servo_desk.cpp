@@ -5,6 +5,7 @@
 
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/operating_state.h"
+#include "raven2_trainer/control/servo_forces.h"
 
 namespace raven2_trainer::runtime {
 namespace {
@@ -33,7 +34,37 @@ Tick ticksOf(double seconds) noexcept {
 }
 
 bool isMove(ServoKind kind) noexcept {
-  return kind == ServoKind::kMoveJoints || kind == ServoKind::kMovePose;
+  return kind == ServoKind::kMoveJoints || kind == ServoKind::kMoveJointsBy || kind == ServoKind::kMovePose;
+}
+
+bool isForce(ServoKind kind) noexcept {
+  return kind == ServoKind::kServoForces || kind == ServoKind::kServoWrench || kind == ServoKind::kServoJawForce;
+}
+
+/** Asks nothing of an arm: it needs no pedal. */
+bool isSetting(ServoKind kind) noexcept {
+  return kind == ServoKind::kRatio || kind == ServoKind::kGravity || kind == ServoKind::kTool ||
+         kind == ServoKind::kEndTwist;
+}
+
+bool isOfJaw(ServoKind kind) noexcept {
+  return kind == ServoKind::kServoJaw || kind == ServoKind::kServoJawBy || kind == ServoKind::kMoveJaw ||
+         kind == ServoKind::kMoveJawBy;
+}
+
+EffortKind kindOf(WrenchFrame frame) noexcept {
+  switch (frame) {
+    case WrenchFrame::kBody:
+      return EffortKind::kBody;
+    case WrenchFrame::kOrigin:
+      return EffortKind::kOrigin;
+    default:
+      return EffortKind::kTip;
+  }
+}
+
+bool areFinite(const std::array<double, 6>& numbers, double jaw) noexcept {
+  return std::isfinite(jaw) && std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
 
 /** The pedal is down and does what it does for a surgeon. */
@@ -80,8 +111,11 @@ ServoDesk::ServoDesk(const TrainerConfig& config, SharedState* shared)
       targets_{control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGold),
                control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGreen)},
       rests_{Rest{control::ServoTrim(config.crtk.trim_time)}, Rest{control::ServoTrim(config.crtk.trim_time)}},
+      gains_(config.model.gains),
       console_limit_(ticksOf(rules_.pedalTimeout())),
-      idle_limit_(ticksOf(config.crtk.release_after)) {}
+      idle_limit_(ticksOf(config.crtk.release_after)),
+      push_ticks_(ticksOf(config.crtk.twist_timeout)),
+      is_raven_(config.crtk.dialect == CrtkDialect::kRaven) {}
 
 // ---- who has the pedal -------------------------------------------------------------------------------------------
 
@@ -116,7 +150,18 @@ void ServoDesk::observe(const ServoStand& stand) noexcept {
     if (state_ != OperatingState::kFault) letGo(OperatingState::kFault);
   } else if (state_ == OperatingState::kFault || stand.mode == Mode::kStopped) {
     if (state_ != OperatingState::kDisabled) letGo(OperatingState::kDisabled);
+    disable_asked_ = false;
+  } else {
+    settleRavensState(stand);
   }
+}
+
+/** Of a Raven that is homed and has its pedal up, the robot's own branch says PAUSED, from the start on. */
+void ServoDesk::settleRavensState(const ServoStand& stand) noexcept {
+  const bool is_homed = (!stand.robot_there || stand.robot_homed) && !is_unhomed_;
+  if (!is_raven_ || disable_asked_ || stand.stop_asked) return;
+  if (state_ == OperatingState::kDisabled && is_homed) state_ = OperatingState::kPaused;
+  if (state_ == OperatingState::kPaused && !is_homed) state_ = OperatingState::kDisabled;
 }
 
 /** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows, or one
@@ -139,12 +184,18 @@ void ServoDesk::letGo(OperatingState state) noexcept {
 }
 
 void ServoDesk::forget() noexcept {
-  for (control::ServoTarget& target : targets_)
-    target.hold();
+  for (const Arm arm : kArms) {
+    at(targets_, arm).hold();
+    endPush(arm);
+  }
 }
 
+/** A message that no command could be made of is a sign of life, too. */
 void ServoDesk::releaseIdle() noexcept {
-  idle_ = holds_pedal_ && !isMoving() ? idle_ + 1 : 0;
+  const std::uint64_t unread = shared_.servo_unread.value();
+  const bool is_silent = holds_pedal_ && !isMoving() && unread == unread_;
+  unread_ = unread;
+  idle_ = is_silent ? idle_ + 1 : 0;
   if (idle_limit_ > 0 && idle_ >= idle_limit_) letGo(OperatingState::kPaused);
 }
 
@@ -205,17 +256,137 @@ void ServoDesk::serve(const ServoCommand& command, const ServoVerdict& verdict) 
 ServoVerdict ServoDesk::judge(const ServoCommand& command) noexcept {
   if (command.kind == ServoKind::kState) return {takeState(command.state)};
   if (command.kind == ServoKind::kFree) return {takeState(StateCommand::kPause)};  // a Raven's brakes hold it
+  if (command.kind == ServoKind::kTool) return {ServoRefusal::kNotOffered};
+  if (command.kind == ServoKind::kGravity) return setWeight(command);
+  if (command.kind == ServoKind::kEndTwist) endPush(command.arm);
+  if (isSetting(command.kind)) return at(targets_, command.arm).take(command);
+  if (isForce(command.kind) && stand_.robot_there) return {ServoRefusal::kHasRobot};
   const ServoRefusal reason = command.kind == ServoKind::kHold ? mayHold() : mayMove();
-  return reason == ServoRefusal::kNone ? at(targets_, command.arm).take(command) : ServoVerdict{reason};
+  if (reason != ServoRefusal::kNone) return {reason};
+  return isForce(command.kind) ? takeForce(command) : takeMotion(command);
+}
+
+/** The newest counts: it ends a force on what it moves. */
+ServoVerdict ServoDesk::takeMotion(const ServoCommand& command) noexcept {
+  Push& push = at(pushes_, command.arm);
+  const ServoVerdict verdict = at(targets_, command.arm).take(command);
+  if (verdict.reason != ServoRefusal::kNone) return verdict;
+  if (command.kind == ServoKind::kHold) {
+    endPush(command.arm);
+  } else if (isOfJaw(command.kind)) {
+    push.has_changed = push.has_changed || push.wanted.has_jaw;
+    push.wanted.has_jaw = false;
+  } else {
+    push.has_changed = push.has_changed || push.wanted.kind != EffortKind::kNone;
+    push.wanted.kind = EffortKind::kNone;
+  }
+  return verdict;
+}
+
+ServoVerdict ServoDesk::takeForce(const ServoCommand& command) noexcept {
+  Push& push = at(pushes_, command.arm);
+  Effort effort = push.wanted;
+  if (command.kind == ServoKind::kServoJawForce) {
+    effort.has_jaw = true;
+    effort.jaw = command.jaw;
+  } else if (command.kind == ServoKind::kServoForces) {
+    effort.kind = EffortKind::kJoints;
+    effort.numbers = command.joints;
+  } else {
+    effort.kind = kindOf(command.frame);
+    std::copy(command.force.begin(), command.force.end(), effort.numbers.begin());
+    std::copy(command.torque.begin(), command.torque.end(), effort.numbers.begin() + 3);
+  }
+  const ServoVerdict verdict = checkForce(command, effort);
+  if (verdict.reason != ServoRefusal::kNone) return verdict;
+  (command.kind == ServoKind::kServoJawForce ? push.jaw_left : push.left) = push_ticks_;
+  if (command.kind != ServoKind::kServoJawForce) at(targets_, command.arm).hold();
+  push.wanted = effort;
+  push.has_changed = true;
+  return verdict;
+}
+
+/** Within what the joints' own controllers may use. */
+ServoVerdict ServoDesk::checkForce(const ServoCommand& command, const Effort& effort) const noexcept {
+  if (!areFinite(effort.numbers, effort.jaw)) return {ServoRefusal::kNotFinite};
+  constexpr auto kJaws = static_cast<std::uint8_t>(kServoJointCount);
+  if (command.kind == ServoKind::kServoJawForce) {
+    const double limit = gains_[kGrasp1].limit;
+    if (std::abs(effort.jaw) <= limit) return {};
+    return {ServoRefusal::kTooStrong, kJaws, 1, effort.jaw, limit};
+  }
+  const ServoJoints forces = control::servoForces(geometry_, command.arm, at(targets_, command.arm).joints(), effort);
+  for (std::size_t j = 0; j < kServoJointCount; ++j) {
+    const double limit = gains_[j].limit;
+    if (std::abs(forces[j]) <= limit) continue;
+    const auto is_turn = static_cast<std::uint8_t>(j != kInsertion);
+    return {ServoRefusal::kTooStrong, static_cast<std::uint8_t>(j), is_turn, forces[j], limit};
+  }
+  return {};
+}
+
+ServoVerdict ServoDesk::setWeight(const ServoCommand& command) noexcept {
+  if (stand_.robot_there) return {ServoRefusal::kHasRobot};
+  Push& push = at(pushes_, command.arm);
+  push.wanted.has_weight = command.number == 0.0;
+  push.has_changed = true;
+  return {};
+}
+
+void ServoDesk::endPush(Arm arm) noexcept {
+  Push& push = at(pushes_, arm);
+  push.has_changed = push.has_changed || push.wanted.isAny();
+  push.wanted.kind = EffortKind::kNone;
+  push.wanted.has_jaw = false;
+}
+
+/** A client that falls silent pushes no longer. */
+void ServoDesk::stepPushes() noexcept {
+  for (const Arm arm : kArms) {
+    Push& push = at(pushes_, arm);
+    Effort& wanted = push.wanted;
+    const bool ends = wanted.kind != EffortKind::kNone && --push.left < 0;
+    const bool jaw_ends = wanted.has_jaw && --push.jaw_left < 0;
+    if (ends) wanted.kind = EffortKind::kNone;
+    if (jaw_ends) wanted.has_jaw = false;
+    if (!ends && !jaw_ends) continue;
+    push.has_changed = true;
+    ++at(forces_run_out_, arm);
+  }
+}
+
+bool ServoDesk::nextEffort(Request* request) noexcept {
+  for (const Arm arm : kArms) {
+    Push& push = at(pushes_, arm);
+    if (!push.has_changed) continue;
+    push.has_changed = false;
+    *request = requestOf(arm, push.wanted);
+    return true;
+  }
+  return false;
+}
+
+/** The robot's own branch forgets that it is homed, and disables; here `home` remembers, for nothing has moved it. */
+ServoRefusal ServoDesk::takeHomed(StateCommand command) noexcept {
+  if (command == StateCommand::kUnhome && !is_raven_) return ServoRefusal::kNotOffered;
+  if (stand_.robot_stopped) return ServoRefusal::kRobotStop;
+  if (command == StateCommand::kUnhome && console_pedal_) return ServoRefusal::kConsole;
+  is_unhomed_ = command == StateCommand::kUnhome;
+  if (is_unhomed_) letGo(OperatingState::kDisabled);
+  return ServoRefusal::kNone;
 }
 
 ServoRefusal ServoDesk::takeState(StateCommand command) noexcept {
-  if (command == StateCommand::kUnhome) return ServoRefusal::kNotOffered;
-  if (command == StateCommand::kHome) return stand_.robot_stopped ? ServoRefusal::kRobotStop : ServoRefusal::kNone;
+  if (command == StateCommand::kUnhome || command == StateCommand::kHome) return takeHomed(command);
+  if (is_unhomed_ && (command == StateCommand::kEnable || command == StateCommand::kResume))
+    return ServoRefusal::kNotHomed;
+  if (is_raven_ && command == StateCommand::kEnable && state_ == OperatingState::kPaused)
+    command = StateCommand::kResume;
   const auto next = control::nextState(state_, command);
   if (!next) return ServoRefusal::kInvalid;
   if (isInFault()) return stand_.robot_stopped ? ServoRefusal::kRobotStop : ServoRefusal::kMode;
   if (console_pedal_) return *next == state_ ? ServoRefusal::kNone : ServoRefusal::kConsole;
+  disable_asked_ = *next == OperatingState::kDisabled;
   if (*next != OperatingState::kEnabled) {
     letGo(*next);
     return ServoRefusal::kNone;
@@ -256,6 +427,7 @@ bool ServoDesk::next(const ServoStand& stand,
   observe(stand);
   releaseIdle();
   drain();
+  stepPushes();
   *command = MasterCommand{};
   command->sequence = sequence_ + 1;
   has_released_ = releases_;
@@ -282,14 +454,16 @@ void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand*
   const bool is_known = !moves || !stand_.keeps_back;
   if (is_known) sent = {mapper.desiredPose(), mapper.opening()};
   const Pose taken = is_known ? takenBy(mapper, arm) : sent.X_BT;
-  if (!moves) {
+  const bool is_pushed = at(pushes_, arm).wanted.kind != EffortKind::kNone;
+  if (!moves || is_pushed) {
     at(rests_, arm).leave();
-    return target.startFrom(taken, mapper.desired(), sent.opening);
+    target.startFrom(taken, mapper.desired(), sent.opening);
+    if (!moves) return;
   }
   const JointArray q = at(rests_, arm).trim.without(mapper.desired());
   target.keepTo(at(rests_, arm).trimmed.before(taken), q, sent.opening);
   target.step();
-  const Pose asked = trimmed(arm, q);
+  const Pose asked = is_pushed ? sent.X_BT : trimmed(arm, q);
   const Vector3 step_um = wholeStep(sent.X_BT.p, asked.p, rules_.max_increment_um);
   const Quaternion turn = turnStep(sent.X_BT.R, asked.R, rules_.max_rotation);
   const double jaw_mrad = std::round((target.opening() - sent.opening) * 1e3);
@@ -322,7 +496,7 @@ void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray
   state.tick = tick;
   state.time_ns = time_ns;
   state.state = state_;
-  state.is_homed = !stand_.robot_there || stand_.robot_homed ? 1 : 0;
+  state.is_homed = (!stand_.robot_there || stand_.robot_homed) && !is_unhomed_ ? 1 : 0;
   state.holds_pedal = holds_pedal_ ? 1 : 0;
   const bool is_alone = stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_;
   state.alone = holds_pedal_ && is_alone ? 1 : 0;
@@ -334,6 +508,8 @@ void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray
     out.setpoint_B = toArray(kinematics::forward(geometry_, arm, q));
     out.setpoint_q = control::servoJoints(q);
     out.setpoint_jaw = kinematics::jawOpening(q);
+    out.ratio = target.ratio();
+    out.run_out = target.runOut() + at(forces_run_out_, arm);
     out.goal_B = target.hasGoal() ? toArray(target.goal()) : out.setpoint_B;
   }
   state.received = received_;

@@ -656,6 +656,7 @@ struct Layout<SessionCounts> {
     v.field("master_overruled", s.master_overruled, "packets",
             "of the applied ones, not used: a CRTK client held the pedal");
     v.field("servo_made", s.servo_made, "commands", "that what CRTK clients asked for became");
+    v.field("efforts_made", s.efforts_made, "requests", "that the forces they asked for became");
     v.field("robot_state", s.robot_state, "", "robot to daemon, state frames");
     v.field("relay_sent", s.relay_sent, "packets", "daemon to robot, sent");
     v.field("relay_failed", s.relay_failed, "packets", "daemon to robot, not taken by the system");

@@ -12,7 +12,7 @@
 namespace raven2_trainer::session {
 
 constexpr std::uint32_t kMagic = 0x4C325652;    ///< the bytes "RV2L"
-constexpr std::uint16_t kRecordVersion = 9;     ///< of every record; raised when a layout changes
+constexpr std::uint16_t kRecordVersion = 10;    ///< of every record; raised when a layout changes
 constexpr int kFormatVersion = 1;               ///< of the frame
 constexpr std::size_t kFrameHeaderSize = 20;    ///< [bytes]
 constexpr std::size_t kCrcSize = 4;             ///< [bytes]

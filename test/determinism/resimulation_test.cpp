@@ -287,10 +287,33 @@ class EventfulSession {
     rest(true, 30);  // silent, then gone
     rig.link.disconnected();
     stroke(60, 1.0);
+    rest(false, 30);
+    forces();
     rig.connect();
     rig.robot_connected = true;
     rest(false, 100);
     until(Mode::kPedalUp, false);  // the model went on alone and goes back
+  }
+
+  /** Of a client, on both arms of the model alone. */
+  void forces() {
+    ServoClient client(&rig);
+    ASSERT_TRUE(client.enable());
+    const ModelState before = rig.model();
+    client.send(ServoKind::kServoForces, Arm::kGold, ServoJoints{0.3, -0.2, 1.0, 0.0, 0.01, 0.0});
+    ServoCommand wrench;
+    wrench.kind = ServoKind::kServoWrench;
+    wrench.arm = Arm::kGreen;
+    wrench.frame = WrenchFrame::kBody;
+    wrench.force = {1.0, 0.5, -0.5};
+    client.send(wrench);
+    client.sendJaw(ServoKind::kServoJawForce, Arm::kGold, 0.02);
+    client.rest(60);
+    for (const Arm arm : kArms)
+      ASSERT_NE(at(rig.model().arms, arm).q, at(before.arms, arm).q) << name(arm);
+    ASSERT_EQ(client.ask(StateCommand::kDisable), ServoRefusal::kNone);
+    ASSERT_EQ(client.refusals, 0U);
+    rest(false, 20);
   }
 
   void timeSlip() {
@@ -415,7 +438,7 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
                             Mode::kPaused, Mode::kChoosing, Mode::kArmed, Mode::kExecuting, Mode::kStopped,
                             Mode::kSimulating, Mode::kSimulationHeld, Mode::kTrial, Mode::kTrialHeld, Mode::kTrialReady,
                             Mode::kReturning, Mode::kCameraMoving, Mode::kReplaying}));
-  EXPECT_EQ(requests.size(), 22U);
+  EXPECT_EQ(requests.size(), 23U);
   EXPECT_EQ(ends, (std::vector<ExecutionEnd>{ExecutionEnd::kFinished, ExecutionEnd::kReleased, ExecutionEnd::kFinished,
                                              ExecutionEnd::kReleased}));
   EXPECT_EQ(slips, 1U);

@@ -31,13 +31,16 @@ class CrtkRaven(unittest.TestCase):
         cls.states = []
         cls.subscriber = rospy.Subscriber("/arm1/operating_state", OperatingState, cls.states.append)
         until(lambda: cls.states, 40, "the daemon")
+        until(lambda: cls.states[-1].is_homed and not cls.states[-1].is_busy, 40, "homed")
+        until(lambda: cls.states[-1].state == "PAUSED", 5, "a homed Raven whose pedal is up")
         kinds = {"/arm1/state_command": StringStamped, "/arm1/servo_cp": TransformStamped, "/arm1/servo_cr": TransformStamped,
-                 "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/grasp1/servo_jr": JointState,
-                 "/grasp1/move_jp": JointState}
+                 "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/arm1/servo_jv": JointState,
+                 "/arm1/servo_jp": JointState, "/grasp1/servo_jr": JointState, "/grasp1/servo_jv": JointState,
+                 "/grasp1/servo_jp": JointState, "/grasp1/move_jp": JointState}
         cls.say = {topic: rospy.Publisher(topic, kind, queue_size=100, latch=True) for topic, kind in kinds.items()}
-        cls.say["/arm1/state_command"].publish(StringStamped(string="enable"))  # stored until it is connected, as that one does
+        cls.say["/arm1/state_command"].publish(StringStamped(string="resume"))  # its first line; stored until it is connected
         until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
-        until(lambda: cls.states[-1].state == "ENABLED" and cls.states[-1].is_homed and not cls.states[-1].is_busy, 40, "homed")
+        until(lambda: cls.states[-1].state == "ENABLED", 5, "resumed")
         rospy.sleep(1.0)
 
     def next(self, topic, kind):
@@ -98,6 +101,30 @@ class CrtkRaven(unittest.TestCase):
         until(lambda: abs(at("/grasp1/setpoint_js") - start - by) < 2e-3, 5, "the set point there")
         until(lambda: abs(at("/grasp1/measured_js") - measured - by) < 0.02, 5, "the jaws there")
         self.assertAlmostEqual(at("/arm1/measured_js") - shoulder, -0.05, delta=5e-3)
+
+    def test_5_one_number_is_the_shoulder_and_rates_are_seven(self):
+        before = self.next("/arm1/measured_js", JointState)
+        self.stream("/arm1/servo_jp", JointState(position=[before.position[0] + 0.03]), 20)
+        rates = JointState(velocity=[0.0] * 15)
+        rates.velocity[1] = 0.05
+        self.say["/arm1/servo_jv"].publish(rates)
+        rospy.sleep(1.0)
+        self.say["/arm1/servo_jv"].publish(JointState(velocity=[0.0] * 7))
+        rospy.sleep(1.0)
+        after = self.next("/arm1/measured_js", JointState)
+        self.assertAlmostEqual(after.position[0] - before.position[0], 0.03, delta=5e-3)
+        self.assertAlmostEqual(after.position[1] - before.position[1], 0.05, delta=1e-2)
+        self.assertAlmostEqual(after.position[2], before.position[2], delta=2e-3)
+
+    def test_6_unhome_disables_until_home(self):
+        self.say["/arm1/state_command"].publish(StringStamped(string="unhome"))
+        until(lambda: self.states[-1].state == "DISABLED" and not self.states[-1].is_homed, 5, "unhomed")
+        self.say["/arm1/state_command"].publish(StringStamped(string="home"))
+        until(lambda: self.states[-1].state == "PAUSED" and self.states[-1].is_homed, 5, "homed, its pedal up")
+        self.say["/arm1/state_command"].publish(StringStamped(string="resume"))
+        until(lambda: self.states[-1].state == "ENABLED", 5, "resumed")
+        self.say["/arm1/state_command"].publish(StringStamped(string="pause"))  # its destructor
+        until(lambda: self.states[-1].state == "PAUSED", 5, "paused")
 
 
 if __name__ == "__main__":

@@ -23,13 +23,14 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Empty, Float64MultiArray
+from std_msgs.msg import Bool, Empty, Float64, Float64MultiArray
 from tf2_msgs.msg import TFMessage
 
 HERE = pathlib.Path(__file__).resolve().parent
 MESSAGES = HERE.parent / "support/crtk_messages.py"
 sys.path.insert(0, str(MESSAGES.parent))
-from crtk_messages import OperatingState, StringStamped  # noqa: E402
+from crtk_messages import (  # noqa: E402
+    OperatingState, QueryForwardKinematics, QueryInverseKinematics, StringStamped)
 
 ARMS = ("arm1", "arm2")
 RATE = 200  # Hz, of CRTK's example clients
@@ -132,6 +133,9 @@ class Device:
         self.topics = {topic: Topic(f"{name}/{topic}", kind) for topic, kind in self.KEPT.items()}
         self._publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=200, tcp_nodelay=True)
                             for topic, kind in self.SAID.items()}
+
+    def publishers_of(self, topic):
+        return [self._publishers[topic]]
 
     def connected(self):
         return all(p.get_num_connections() > 0 for p in self._publishers.values()) and self.state is not None
@@ -282,7 +286,9 @@ class Crtk(unittest.TestCase):
                 self.assertEqual(types[f"/{arm}/{name}"], kind._type)
             for name in [*Device.SAID, "local/servo_cr", "local/servo_cv", "local/move_cp", "jaw/servo_jr"]:
                 self.assertIn(f"/{arm}/{name}", heard)
-            for name in ("servo_jf", "servo_jv", "servo_cf", "move_jr", "move_cr", "interpolate_jp", "body/servo_cf"):
+            for name in ("measured_js", "measured_cp", "setpoint_cp", "jaw/measured_js", "local/measured_cp", "measured_cf"):
+                self.assertIn(f"/model/{arm}/{name}", told)
+            for name in ("move_cr", "interpolate_jp", "interpolate_cp"):
                 self.assertNotIn(f"/{arm}/{name}", heard)
 
     def test_02_before_enable_it_is_disabled_and_says_why_it_does_not_move(self):
@@ -405,9 +411,9 @@ class Crtk(unittest.TestCase):
         for _ in range(100):
             arm.say("servo_cv", on)
             rate.sleep()
+        arm.say("servo_cv", TwistStamped())
         self.settle()
-        # half a second of it, and until the last has run out
-        self.assertAlmostEqual(arm.pose().pose.position.z - end.pose.position.z, 5.5e-3, delta=1.5e-3)
+        self.assertAlmostEqual(arm.pose().pose.position.z - end.pose.position.z, 5e-3, delta=1.5e-3)  # half a second of it
         self.check_settled("a twist")
         self.stream_poses_to(self.starts)  # of test 08, both ways along each axis
 
@@ -550,6 +556,110 @@ class Crtk(unittest.TestCase):
         self.assertGreater(numbers["applied"], 1000)
         self.assertGreater(numbers["refused"], 100)
 
+    def test_15a_a_dvrk_client_finds_all_that_it_connects_to(self):
+        """As dvrk_python's arm and psm: topics, services and queues of crtk_python_client's utils, then check_connections."""
+        name = ARMS[0]
+        said = {"state_command": StringStamped, "hold": Empty, "free": Empty, "servo_jp": JointState, "servo_jr": JointState,
+                "servo_cp": PoseStamped, "servo_jf": JointState, "servo_jv": JointState, "servo_cf": WrenchStamped,
+                "servo_cv": TwistStamped, "move_jp": JointState,
+                "move_jr": JointState, "move_cp": PoseStamped, "spatial/servo_cf": WrenchStamped,
+                "body/servo_cf": WrenchStamped, "body/set_cf_orientation_absolute": Bool, "use_gravity_compensation": Bool,
+                "trajectory_j/set_ratio": Float64, "jaw/servo_jp": JointState, "jaw/move_jp": JointState,
+                "jaw/servo_jf": JointState, "emulate_tool_present": Bool}
+        heard = {"operating_state": OperatingState, "setpoint_js": JointState, "setpoint_cp": PoseStamped,
+                 "measured_js": JointState, "measured_cp": PoseStamped, "measured_cv": TwistStamped,
+                 "spatial/measured_cf": WrenchStamped, "spatial/jacobian": Float64MultiArray,
+                 "body/measured_cf": WrenchStamped, "body/jacobian": Float64MultiArray, "local/measured_cp": PoseStamped,
+                 "local/setpoint_cp": PoseStamped, "trajectory_j/ratio": Float64, "jaw/measured_js": JointState,
+                 "jaw/setpoint_js": JointState}
+        newest = {}
+        publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=10, latch=topic == "state_command")
+                      for topic, kind in said.items()}
+        subscribers = [rospy.Subscriber(f"{name}/{topic}", kind, lambda m, topic=topic: newest.__setitem__(topic, m),
+                                        queue_size=10) for topic, kind in heard.items()]
+        until(lambda: all(p.get_num_connections() > 0 for p in [*publishers.values(), *subscribers]), 5,
+              f"not connected: {[t for t, p in publishers.items() if not p.get_num_connections()]}")
+        until(lambda: set(newest) == set(heard), 5, "a message of each")
+        arm = self.arms[0]
+        arm.command("enable")
+        arm.await_state("ENABLED")
+        time.sleep(1.0)
+
+        forward = rospy.ServiceProxy(f"{name}/forward_kinematics", QueryForwardKinematics)
+        inverse = rospy.ServiceProxy(f"{name}/inverse_kinematics", QueryInverseKinematics)
+        joints = arm.position("measured_js")
+        found = forward(jp=joints)
+        self.assertTrue(found.result, found.message)
+        measured = arm.pose("measured_cp")
+        self.assertLess(math.dist(vector(found.cp.position), vector(measured.pose.position)), 2e-4)
+        back = inverse(cp=found.cp, jp=joints)
+        self.assertTrue(back.result, back.message)
+        self.assertLess(max(abs(a - b) for a, b in zip(back.jp, joints)), 1e-5)
+        self.assertFalse(inverse(cp=PoseStamped().pose, jp=joints).result)
+        local = rospy.ServiceProxy(f"{name}/local/forward_kinematics", QueryForwardKinematics)(jp=joints)
+        self.assertLess(math.dist(vector(local.cp.position), vector(arm.pose("local/measured_cp").pose.position)), 2e-4)
+
+        publishers["trajectory_j/set_ratio"].publish(Float64(data=0.5))
+        until(lambda: newest["trajectory_j/ratio"].data == 0.5, 5, "the ratio told")
+        publishers["trajectory_j/set_ratio"].publish(Float64(data=1.0))
+        until(lambda: newest["trajectory_j/ratio"].data == 1.0, 5, "the ratio told again")
+        start = arm.position()
+        publishers["move_jr"].publish(JointState(position=[0.05, 0.0, 0.0, 0.0, 0.0, 0.0]))
+        until(lambda: newest["operating_state"].is_busy, 2, "busy")
+        until(lambda: not newest["operating_state"].is_busy, 5, "there")
+        self.assertAlmostEqual(arm.position()[0] - start[0], 0.05, delta=1e-3)
+        for topic, message, words in (("servo_jf", JointState(effort=[0.0] * 6), "positions"),
+                                      ("body/servo_cf", WrenchStamped(), "positions"),
+                                      ("jaw/servo_jf", JointState(effort=[0.0]), "positions"),
+                                      ("emulate_tool_present", Bool(data=True), "tool")):
+            count = arm.count("warning")
+            publishers[topic].publish(message)
+            self.assertIn(words, arm["warning"].since(count, topic.split("/")[-1]), topic)
+        self.assertEqual(arm.state.state, "ENABLED")
+        for publisher in publishers.values():
+            publisher.unregister()
+        for subscriber in subscribers:
+            subscriber.unregister()
+
+    def test_15b_one_twist_goes_on_as_the_reference_example_wants_it(self):
+        """crtk_servo_cv_example.py: one twist of 1 mm/s along x, 10 s of sleep (here 3), one of nothing."""
+        arm = self.arms[0]
+        timeout = rospy.wait_for_message(f"{arm.name}/twist_timeout", Float64, 5).data
+        self.assertGreater(timeout, 10.5, "longer than the example sleeps")
+        client = rospy.Publisher(f"{arm.name}/servo_cv", TwistStamped, queue_size=10)
+        until(lambda: client.get_num_connections() > 0, 5, "the daemon")
+        start, count = arm.pose(), arm.count("warning")
+        twist = TwistStamped()
+        twist.header.stamp = rospy.Time.now()
+        twist.twist.linear.x = 1e-3
+        client.publish(twist)
+        rospy.sleep(3.0)
+        client.publish(TwistStamped())
+        rospy.sleep(0.2)
+        way = arm.pose().pose.position.x - start.pose.position.x
+        print(f"one twist of 1 mm/s for 3 s: {1e3 * way:.2f} mm")
+        self.assertAlmostEqual(way, 3e-3, delta=1.5e-4)
+        self.assertEqual(arm.count("warning"), count)
+        client.unregister()
+
+    def test_15c_a_twist_ends_with_its_client(self):
+        arm = self.arms[0]
+        for connection in arm.publishers_of("servo_cv"):  # who else could say it
+            connection.unregister()
+        client = rospy.Publisher(f"{arm.name}/servo_cv", TwistStamped, queue_size=10)
+        until(lambda: client.get_num_connections() > 0, 5, "the daemon")
+        twist = TwistStamped()
+        twist.twist.linear.z = 2e-3
+        client.publish(twist)
+        time.sleep(0.5)
+        client.unregister()
+        time.sleep(1.0)
+        before = arm.pose()
+        time.sleep(0.5)
+        self.assertLess(distance(before, arm.pose()), SAME, "it stands long before its time-out")
+        arm.command("disable")
+        arm.await_state("DISABLED")
+
     def test_16_the_client_of_the_documentation_draws_its_circle(self):
         text = (HERE.parents[1] / "doc/crtk.md").read_text()
         (program,) = re.findall(r"(?s)```python\n(.*?)```", text)
@@ -582,7 +692,11 @@ class Crtk(unittest.TestCase):
         arm.await_state("ENABLED")
         time.sleep(1.0)
         node = xmlrpc.client.ServerProxy(rosgraph.Master("/crtk_test").lookupNode("/virtual_raven"))
+        self.assertTrue(rospy.wait_for_message(f"{arm.name}/is_valid", Bool, 5).data)
+        measured = Topic(f"{arm.name}/measured_cp", PoseStamped)
+        until(lambda: measured.newest, 5, "measured_cp")
         os.kill(node.getPid("/crtk_test")[2], signal.SIGKILL)
+        killed = time.time()
         arm.await_state("PAUSED")
         count = arm.count("warning")
         arm.command("resume")
@@ -591,7 +705,16 @@ class Crtk(unittest.TestCase):
         start = arm.pose()
         self.stream_poses([moved(a.pose(), (0.0, 0.0, 0.004)) for a in self.arms], seconds=0.5)
         time.sleep(0.5)
-        self.assertAlmostEqual(arm.pose("measured_cp").pose.position.z - start.pose.position.z, 0.004, delta=2e-4)
+        model = rospy.wait_for_message(f"model/{arm.name}/measured_cp", PoseStamped, 5)
+        self.assertAlmostEqual(model.pose.position.z - start.pose.position.z, 0.004, delta=2e-4)
+        measured.close()
+        last = measured.newest
+        self.assertLess(math.dist(vector(last.pose.position), vector(start.pose.position)), 2e-3, "the robot's to the last")
+        self.assertLess(last.header.stamp.to_sec(), killed + 0.1, "the stamp of the last state")
+        with self.assertRaises(rospy.ROSException):
+            rospy.wait_for_message(f"{arm.name}/measured_cp", PoseStamped, 0.5)
+        self.assertFalse(rospy.wait_for_message(f"{arm.name}/is_valid", Bool, 5).data)
+        self.assertTrue(any("no state of the robot" in m.string for m in arm["warning"].messages))
 
 
 if __name__ == "__main__":

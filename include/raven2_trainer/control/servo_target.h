@@ -47,14 +47,17 @@ class ServoTarget {
   /** To the set point of the next tick. */
   void step() noexcept;
 
-  const Pose& pose() const noexcept { return X_; }      ///< of T in B
-  double opening() const noexcept { return opening_; }  ///< [rad]
-  bool isMoving() const noexcept;                       ///< a move_* is not over
-  bool hasGoal() const noexcept;                        ///< something leads somewhere
-  Pose goal() const noexcept;                           ///< where the newest command leads; else the set point
+  const Pose& pose() const noexcept { return X_; }            ///< of T in B
+  const JointArray& joints() const noexcept { return q_; }    ///< [rad; m] of it
+  double opening() const noexcept { return opening_; }        ///< [rad]
+  bool isMoving() const noexcept;                             ///< a move_* is not over
+  double ratio() const noexcept { return ratio_; }            ///< of move_speed and move_turn_rate
+  std::uint32_t runOut() const noexcept { return run_out_; }  ///< twists and rates that their time-out ended
+  bool hasGoal() const noexcept;                              ///< something leads somewhere
+  Pose goal() const noexcept;                                 ///< where the newest command leads; else the set point
 
  private:
-  enum class Motion : std::uint8_t { kHold, kJoints, kPose, kTwist, kMove };
+  enum class Motion : std::uint8_t { kHold, kJoints, kPose, kTwist, kRates, kMove };
   enum class Solved : std::uint8_t { kNowhere, kAtLimit, kThere };  ///< kAtLimit: by joints that were clamped
   struct Move {
     bool in_joints{};
@@ -70,6 +73,8 @@ class ServoTarget {
   ServoVerdict takePose(const Pose& X_BT) noexcept;
   ServoVerdict takePose(const ServoCommand& command) noexcept;
   ServoVerdict takeTwist(const ServoCommand& command) noexcept;
+  ServoVerdict takeRates(const ServoJoints& rates) noexcept;
+  ServoVerdict takeRatio(double ratio) noexcept;
   ServoVerdict takeMove(const ServoCommand& command) noexcept;
   ServoVerdict takeJaw(double opening, bool is_move) noexcept;
   ServoVerdict checkJoints(const ServoJoints& joints) const noexcept;
@@ -85,6 +90,9 @@ class ServoTarget {
   void stepJoints() noexcept;
   void stepPose() noexcept;
   void stepTwist() noexcept;
+  void stepRates() noexcept;
+  void stepJointsTo(const ServoJoints& to) noexcept;
+  double timedShare() noexcept;
   void stepMove() noexcept;
   void stepTo(const Pose& X_BT) noexcept;
   template <typename Way>
@@ -107,8 +115,11 @@ class ServoTarget {
   JointArray goal_q_{};                 ///< kJoints
   Pose goal_X_{};                       ///< kPose
   Vector3 v_{Vector3::Zero()}, w_{v_};  ///< [m/s], [rad/s] kTwist
-  Tick twist_left_{0};                  ///< of it
-  std::array<Move, kMoves> moves_{};    ///< kMove: the first is under way
+  ServoJoints rates_{};                 ///< [rad/s; m/s] kRates
+  Tick twist_left_{0};                  ///< of either; below 0 it slows down
+  std::uint32_t run_out_{0};
+  double ratio_{1.0}, pace_{1.0};     ///< of moves that begin; of the one under way
+  std::array<Move, kMoves> moves_{};  ///< kMove: the first is under way
   std::size_t move_count_{0};
   Pose from_X_{};
   JointArray from_q_{};

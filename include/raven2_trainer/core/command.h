@@ -66,13 +66,15 @@ enum class RequestKind : std::uint8_t {
   kStartExercise,   ///< anew: scene and arms' objects back to where they were, timer and mistakes at nothing
   kBeginReplay,     ///< the model shows a recorded session
   kEndReplay,
+  kSetEffort,  ///< of a CRTK client, to `arm` of the model (core/effort.h); asked for within the daemon only
 };
-constexpr std::size_t kRequestKindCount = 24;
+constexpr std::size_t kRequestKindCount = 25;
 constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
     "none",           "engage",           "disengage",     "plan",           "cancel_plan",      "set_collisions",
     "begin_planning", "record_goal",      "end_planning",  "execute_plan",   "begin_simulation", "end_simulation",
     "begin_trial",    "end_trial",        "discard_trial", "repeat_trial",   "emergency_stop",   "clear_stop",
-    "set_view",       "set_camera_pedal", "tool_change",   "start_exercise", "begin_replay",     "end_replay"};
+    "set_view",       "set_camera_pedal", "tool_change",   "start_exercise", "begin_replay",     "end_replay",
+    "set_effort"};
 
 /** Request::enabled of kSetCameraPedal. */
 enum class CameraPedal : std::uint8_t {
@@ -97,11 +99,13 @@ struct Request {
   RequestKind kind{RequestKind::kNone};
   Arm arm{Arm::kGold};
   std::uint8_t choose_arm{};  ///< kPlan: 1 the planner chooses the arm from the goal, `arm` does not count
-  std::uint8_t enabled{};     ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through
+  std::uint8_t enabled{};     ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through;
+                              ///< kSetEffort: which
   GoalKind goal{GoalKind::kDefault};
   std::uint8_t on_robot{};  ///< kExecutePlan: 1 the robot moves too
   Vec3 goal_W{};            ///< [m] [@frame W] kTip
-  JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts
+  JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts;
+                            ///< [Nm; N] kSetEffort
   std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id; 0:
                             ///< no answer is wanted, and a plan gets one of kOwnRequestIds
   std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there. kBeginReplay: what

@@ -28,7 +28,7 @@ struct CrtkConfig {
   double max_step_turn{};   ///< [rad] the same
   double move_speed{};      ///< [m/s] highest of a move_*; at most max_speed
   double move_turn_rate{};  ///< [rad/s] the same
-  double twist_timeout{};   ///< [s] servo_cv without another
+  double twist_timeout{};   ///< [s] servo_cv, servo_jv, servo_jf and servo_cf without another
   double release_after{};   ///< [s] of silence after which the pedal goes up; 0 never
   double trim_time{};       ///< [s] constant in which a resting robot is brought nearer to the set point; 0 it is not
 };

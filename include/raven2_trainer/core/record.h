@@ -207,6 +207,7 @@ struct SessionCounts {
   std::uint64_t master_used{};       ///< of the applied ones, those that moved the model
   std::uint64_t master_overruled{};  ///< taken from the queue, but not used: a CRTK client held the pedal
   std::uint64_t servo_made{};        ///< master commands that what CRTK clients asked for became
+  std::uint64_t efforts_made{};      ///< requests that the forces they asked for became
   LinkCounts robot_state{};          ///< robot -> daemon (TCP frames)
   std::uint64_t relay_sent{};        ///< daemon -> robot packets sent
   LinkCounts relay{};                ///< the same link as the robot counted it

@@ -17,7 +17,7 @@ struct RecordRings {
   // physics -> recorder
   RecordRing<CommandRecord, 4096> commands;
   // physics -> recorder
-  RecordRing<RequestRecord, 64> requests;
+  RecordRing<RequestRecord, 512> requests;
   // physics -> recorder
   RecordRing<PlanRecord, 8> plans;
   // physics -> recorder

@@ -36,11 +36,48 @@ enum class ServoKind : std::uint8_t {
   kServoJaw,       ///< jaw/servo_jp
   kServoJawBy,     ///< jaw/servo_jr
   kMoveJaw,        ///< jaw/move_jp
+  kServoRates,     ///< servo_jv: rates of the joints, until the next, or a time-out
+  kMoveJointsBy,   ///< move_jr: from where the newest move or servo command leads
+  kMoveJawBy,      ///< jaw/move_jr
+  kServoForces,    ///< servo_jf: torques and forces on the joints, of the model alone
+  kServoWrench,    ///< servo_cf: force and torque at the tip, of the model alone
+  kServoJawForce,  ///< jaw/servo_jf
+  kRatio,          ///< trajectory_j/set_ratio: `number` of move_speed and move_turn_rate, for the moves that begin then
+  kGravity,        ///< use_gravity_compensation: while forces are asked for, `number` 0 leaves the arm its weight
+  kTool,           ///< emulate_tool_present: a Raven does not look for its tool
+  kEndTwist,       ///< who asked for a twist, rates or forces is gone: they end
 };
-constexpr std::size_t kServoKindCount = 13;
-constexpr std::array<const char*, kServoKindCount> kServoKindNames{
-    "state_command", "hold",    "free",    "servo_jp",     "servo_jr",     "servo_cp",   "servo_cr",
-    "servo_cv",      "move_jp", "move_cp", "jaw/servo_jp", "jaw/servo_jr", "jaw/move_jp"};
+constexpr std::size_t kServoKindCount = 23;
+constexpr std::array<const char*, kServoKindCount> kServoKindNames{"state_command",
+                                                                   "hold",
+                                                                   "free",
+                                                                   "servo_jp",
+                                                                   "servo_jr",
+                                                                   "servo_cp",
+                                                                   "servo_cr",
+                                                                   "servo_cv",
+                                                                   "move_jp",
+                                                                   "move_cp",
+                                                                   "jaw/servo_jp",
+                                                                   "jaw/servo_jr",
+                                                                   "jaw/move_jp",
+                                                                   "servo_jv",
+                                                                   "move_jr",
+                                                                   "jaw/move_jr",
+                                                                   "servo_jf",
+                                                                   "servo_cf",
+                                                                   "jaw/servo_jf",
+                                                                   "trajectory_j/set_ratio",
+                                                                   "use_gravity_compensation",
+                                                                   "emulate_tool_present",
+                                                                   "left"};
+
+/** Where a wrench of servo_cf acts, and along which axes. */
+enum class WrenchFrame : std::uint8_t {
+  kTip,     ///< at the tip T, along the axes of B
+  kBody,    ///< at T, along its own axes
+  kOrigin,  ///< torque about the origin of B, along its axes
+};
 
 /** Joints of an arm without its jaws: shoulder to wrist, then the jaws' mid-line (kinematics::jawMidline). */
 constexpr std::size_t kServoJointCount = 6;
@@ -52,10 +89,14 @@ struct ServoCommand {
   ServoKind kind{ServoKind::kHold};
   StateCommand state{StateCommand::kEnable};  ///< kState
   Arm arm{Arm::kGold};
-  ServoJoints joints{};  ///< positions, or how far from the set point
-  RigidPose pose_B{};    ///< of the tool tip T in B, or how far from the set point
-  Vec3 v_B{}, w_B{};     ///< [m/s], [rad/s] kServoTwist, of T in B
-  double jaw{};          ///< [rad] the jaws' opening (kinematics::jawOpening), or how far from the set point
+  std::uint8_t is_shoulder{};  ///< kServoJoints: 1 of `joints` the first alone counts, the others stay where they lead
+  ServoJoints joints{};        ///< positions, how far from the set point, rates, or torques and forces
+  RigidPose pose_B{};          ///< of the tool tip T in B, or how far from the set point
+  Vec3 v_B{}, w_B{};           ///< [m/s], [rad/s] kServoTwist, of T in B
+  Vec3 force{}, torque{};      ///< [N], [Nm] kServoWrench
+  WrenchFrame frame{WrenchFrame::kTip};
+  double jaw{};     ///< [rad] the jaws' opening (kinematics::jawOpening), or how far from the set point; [Nm] on it
+  double number{};  ///< kRatio, kGravity, kTool
 };
 static_assert(std::is_trivially_copyable<ServoCommand>::value, "travels in a ring");
 
@@ -72,12 +113,15 @@ enum class ServoRefusal : std::uint8_t {
   kNotFinite,     ///< a number that is none, or a turn that is none
   kOutOfRange,    ///< a joint or the jaws beyond its limits: `value`, `limit`, `joint`
   kTooFar,        ///< farther from the set point than a servo command may lead: `value`, `limit`; move_* goes there
-  kTooFast,       ///< kServoTwist: `value`, `limit`
+  kTooFast,       ///< kServoTwist, kServoRates: `value`, `limit`
   kUnreachable,   ///< a pose without joints for it
   kQueueFull,     ///< more moves wait than are kept
-  kNotOffered,    ///< a Raven cannot: unhome
+  kNotOffered,    ///< a Raven cannot: unhome, a tool that is looked for
+  kHasRobot,      ///< a force, and a robot is there: its controllers hold positions
+  kTooStrong,     ///< kServoForces, kServoWrench, kServoJawForce: `value`, `limit`, `joint`
+  kNoRatio,       ///< kRatio beyond 0 to 1: `value`
 };
-constexpr std::size_t kServoRefusalCount = 15;
+constexpr std::size_t kServoRefusalCount = 18;
 
 /** One for each command that did nothing. */
 struct ServoRefused {
@@ -87,7 +131,7 @@ struct ServoRefused {
   ServoRefusal reason{ServoRefusal::kNone};
   OperatingState in{OperatingState::kDisabled};
   Arm arm{Arm::kGold};
-  std::uint8_t joint{};    ///< kOutOfRange: 0 to 5 of ServoJoints, 6 the jaws
+  std::uint8_t joint{};    ///< kOutOfRange, kTooStrong: 0 to 5 of ServoJoints, 6 the jaws
   std::uint8_t is_turn{};  ///< kTooFar, kTooFast: 1 `value` is an angle [rad], 0 a length [m]
   double value{}, limit{};
 };
@@ -100,6 +144,8 @@ struct ServoArmState {
   ServoJoints setpoint_q{};  ///< the same in joints
   double setpoint_jaw{};     ///< [rad]
   RigidPose goal_B{};        ///< where the newest move or servo command leads; the set point if none
+  double ratio{1.0};         ///< of move_speed and move_turn_rate that moves begin with
+  std::uint32_t run_out{};   ///< twists and rates that ended by their time-out, since the start
 };
 
 /** The end of tick `tick`. Both arms have one operating state: the Raven has one run level. */

@@ -129,7 +129,7 @@ struct SharedState {
   RecordRing<TickRecord, 2048>& tick_records;
   RecordRing<HapticRecord, 2048>& haptic_records;
   RecordRing<CommandRecord, 4096>& command_records;
-  RecordRing<RequestRecord, 64>& request_records;
+  RecordRing<RequestRecord, 512>& request_records;
   RecordRing<PlanRecord, 8>& plan_records;
   RecordRing<FaultRecord, 16>& fault_records;
   RecordRing<ContactRecord, 8192>& contact_records;
@@ -141,6 +141,8 @@ struct SharedState {
   Counter master_used;       // physics
   Counter master_overruled;  // physics: of the console, while a client held the pedal
   Counter servo_made;        // physics: commands that what clients ask for became
+  Counter efforts_made;      // physics: requests that the forces clients ask for became
+  Counter servo_unread;      // ros: messages of clients that no command could be made of
   Counter ik_clamped;        // physics
   Counter relay_sent;        // sender
   Counter force_sent;        // sender
@@ -179,6 +181,7 @@ inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   c.master_used = s.master_used.value();
   c.master_overruled = s.master_overruled.value();
   c.servo_made = s.servo_made.value();
+  c.efforts_made = s.efforts_made.value();
   c.relay_sent = s.relay_sent.value();
   c.relay_failed = s.relay_failed.value();
   c.relay_released = s.relay_released.value();

@@ -176,6 +176,8 @@ class PhysicsLoop {
   void drainConsole() noexcept;
   void serveClients() noexcept;
   ServoStand servoStand() const noexcept;
+  void pushModel(const Request& request) noexcept;
+  const PerArm<JointArray>& robotSetPoints() noexcept;
 
   // planning and executing: physics_planning.cpp
   Tick thisTick() const noexcept { return state_.tick + 1; }
@@ -228,9 +230,10 @@ class PhysicsLoop {
   ContactList contacts_{};
   Increments increments_{};
   PerArm<JointArray> q_d_{};
-  JointArray path_lead_{};     ///< [rad; m] kExecuting: what the arm on its path is asked for
-  bool robot_took_{false};     ///< kExecuting: the robot was sent a piece of the path
-  PerArm<bool> collisions_{};  ///< as configured and asked for
+  PerArm<JointArray> robot_q_d_{};  ///< what the robot is asked for, as far as is known here
+  JointArray path_lead_{};          ///< [rad; m] kExecuting: what the arm on its path is asked for
+  bool robot_took_{false};          ///< kExecuting: the robot was sent a piece of the path
+  PerArm<bool> collisions_{};       ///< as configured and asked for
   bool pedal_{false}, pedal_before_{false};
   bool is_clients_{false};           ///< the newest command was a CRTK client's pedal-down
   Tick silent_ticks_{0};             ///< since the last master command

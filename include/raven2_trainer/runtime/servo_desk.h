@@ -6,6 +6,7 @@
 #include "raven2_trainer/control/servo_trim.h"
 #include "raven2_trainer/control/teleop_mapper.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/effort.h"
 #include "raven2_trainer/core/shared_state.h"
 
 namespace raven2_trainer::runtime {
@@ -52,6 +53,9 @@ class ServoDesk {
    */
   bool next(const ServoStand& stand, const PerArm<control::TeleopMapper>& mappers, MasterCommand* command) noexcept;
 
+  /** Forces on the model that changed in this tick. @return false if there are no more. */
+  bool nextEffort(Request* request) noexcept;
+
   /** At the end of the tick. @param[in] q_d [rad; m] what the arms' controllers are asked for. */
   void publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept;
 
@@ -59,6 +63,11 @@ class ServoDesk {
   struct Sent {
     Pose X_BT{};
     double opening{};
+  };
+  struct Push {
+    Effort wanted{};
+    bool has_changed{};       ///< since nextEffort() gave it
+    Tick left{}, jaw_left{};  ///< until its time-out
   };
   struct Rest {
     control::ServoTrim trim;
@@ -77,7 +86,15 @@ class ServoDesk {
   void serveOrder(const ServoOrder& order) noexcept;
   void serve(const ServoCommand& command, const control::ServoVerdict& verdict) noexcept;
   control::ServoVerdict judge(const ServoCommand& command) noexcept;
+  control::ServoVerdict takeMotion(const ServoCommand& command) noexcept;
+  control::ServoVerdict takeForce(const ServoCommand& command) noexcept;
+  control::ServoVerdict checkForce(const ServoCommand& command, const Effort& effort) const noexcept;
+  control::ServoVerdict setWeight(const ServoCommand& command) noexcept;
+  void endPush(Arm arm) noexcept;
+  void stepPushes() noexcept;
+  void settleRavensState(const ServoStand& stand) noexcept;
   ServoRefusal takeState(StateCommand command) noexcept;
+  ServoRefusal takeHomed(StateCommand command) noexcept;
   ServoRefusal takePedal() noexcept;
   ServoRefusal mayHold() const noexcept;
   ServoRefusal mayMove() const noexcept;
@@ -95,7 +112,10 @@ class ServoDesk {
   PerArm<control::ServoTarget> targets_;
   PerArm<Sent> sent_{};  ///< where the commands so far lead
   PerArm<Rest> rests_;
-  Tick console_limit_, idle_limit_;
+  PerArm<Push> pushes_{};
+  std::array<JointGains, kJointCount> gains_;
+  Tick console_limit_, idle_limit_, push_ticks_;
+  bool is_raven_;  ///< states and state commands as the robot's own branch has them
 
   ServoStand stand_{};
   OperatingState state_{OperatingState::kDisabled};
@@ -106,6 +126,10 @@ class ServoDesk {
   bool console_pedal_{false};  ///< down
   bool is_joined_{false};      ///< model and robot, but for the camera's pedal
   bool had_robot_{false};
+  bool is_unhomed_{false};     ///< a client said so
+  bool disable_asked_{false};  ///< by a client, and nothing has started since
+  std::uint64_t unread_{0};    ///< of SharedState::servo_unread
+  PerArm<std::uint32_t> forces_run_out_{};
   PerArm<std::uint64_t> over_{};  ///< motions before this number: a hold or a pause came behind them
   std::uint64_t enabled_{0};      ///< motions before this number were asked for before the arms were enabled
   Tick console_silence_{0}, idle_{0};

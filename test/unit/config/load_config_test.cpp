@@ -266,13 +266,14 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
   EXPECT_EQ(crtk.names, (PerArm<std::string>{"arm1", "arm2"}));
   EXPECT_EQ(crtk.dialect, CrtkDialect::kModern);
   EXPECT_EQ(crtk.period, 0.00195);
-  EXPECT_EQ(crtk.twist_timeout, 0.1);
+  EXPECT_EQ(crtk.twist_timeout, 15.0);
   const std::vector<std::array<std::string, 3>> wrong{
       {"max_speed: 0.1 ", "max_speed: 0 ", "max_speed is 0, expected [0.001, 1]"},
       {"move_speed: 0.04 ", "move_speed: 0.11 ", "move_speed is 0.11, expected [0.001, 0.1]"},
       {"move_turn_rate: 0.5 ", "move_turn_rate: 2.1 ", "move_turn_rate is 2.1, expected [0.01, 2]"},
       {"max_step: 0.02 ", "max_step: 20 ", "max_step is 20"},
-      {"release_after: 30.0 ", "release_after: -1 ", "release_after is -1"},
+      {"release_after: 120.0 ", "release_after: -1 ", "release_after is -1"},
+      {"twist_timeout: 15.0 ", "twist_timeout: 601 ", "twist_timeout is 601, expected [0.01, 600]"},
       {"trim_time: 1.0 ", "trim_time: 61 ", "trim_time is 61, expected [0, 60]"},
       {"dialect: modern ", "dialect: old ", "dialect is \"old\", expected one of: modern, raven"},
       {"green: arm2 ", "green: arm1 ", "green is \"arm1\", as is gold"},
@@ -285,7 +286,7 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
     EXPECT_NE(message().find("crtk.yaml:"), std::string::npos) << message();
     replace("crtk.yaml", "\n" + bad, "\n" + good);
   }
-  replace("crtk.yaml", "\nrelease_after: 30.0 ", "\nrelease_after: 0 ");
+  replace("crtk.yaml", "\nrelease_after: 120.0 ", "\nrelease_after: 0 ");
   EXPECT_EQ(loadTrainerConfig(root()).crtk.release_after, 0.0);
 }
 

@@ -36,6 +36,12 @@ CrtkConfig limits() {
   return c;
 }
 
+ServoJoints sum(ServoJoints a, const ServoJoints& b) {
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    a[j] += b[j];
+  return a;
+}
+
 double turnBetween(const Matrix3& a, const Matrix3& b) {
   return Eigen::AngleAxisd(Matrix3(a * b.transpose())).angle();
 }
@@ -467,10 +473,145 @@ TEST_P(ServoTargetTest, ATwistLastsForItsTime) {
   ASSERT_EQ(twist({0.02, 0.0, -0.01}, {0.0, 0.0, 0.4}).reason, ServoRefusal::kNone);
   tick(60);
   ASSERT_EQ(twist({0.02, 0.0, -0.01}, {0.0, 0.0, 0.4}).reason, ServoRefusal::kNone);
-  tick(300);
+  tick(100);
   EXPECT_LT((target.pose().p - from.p - 0.16 * Vector3(0.02, 0.0, -0.01)).norm(), 1e-9) << "60 + 100 ms";
-  EXPECT_NEAR(turnBetween(target.pose().R, from.R), 0.16 * 0.4, 1e-7);
+  EXPECT_EQ(target.runOut(), 0U);
+  tick(1);
+  EXPECT_EQ(target.runOut(), 1U);
+  tick(400);
+  const double seconds = 0.16 + 0.1;  // and half of the 200 ms in which it slows down
+  EXPECT_LT((target.pose().p - from.p - seconds * Vector3(0.02, 0.0, -0.01)).norm(), 2e-5);
+  EXPECT_NEAR(turnBetween(target.pose().R, from.R), seconds * 0.4, 4e-4);
   EXPECT_EQ(speed, 0.0);
+  EXPECT_EQ(target.runOut(), 1U);
+}
+
+TEST_P(ServoTargetTest, ATwistThatTimedOutComesToRestGently) {
+  ASSERT_EQ(twist({0.02, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+  tick(100);
+  double last = 0.02, brake = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 before = target.pose().p;
+    tick(1);
+    const double now = (target.pose().p - before).norm() / kTickSeconds;
+    EXPECT_LE(now, last + 1e-9) << i;
+    brake = std::max(brake, (last - now) / kTickSeconds);
+    last = now;
+  }
+  EXPECT_LT(brake, 0.11) << "[m/s2] 20 mm/s in 200 ms";
+  EXPECT_EQ(last, 0.0);
+}
+
+TEST_P(ServoTargetTest, ATwistOfNothingEndsOneAndNeverTimesOut) {
+  ASSERT_EQ(twist({0.02, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+  tick(50);
+  ASSERT_EQ(twist({}, {}).reason, ServoRefusal::kNone);
+  const Vector3 there = target.pose().p;
+  tick(500);
+  EXPECT_EQ(target.pose().p, there);
+  EXPECT_EQ(target.runOut(), 0U);
+}
+
+TEST_P(ServoTargetTest, ATwistOfWhoIsGoneSlowsDownButNothingElseDoes) {
+  ASSERT_EQ(twist({0.02, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+  tick(10);
+  ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
+  const Vector3 from = target.pose().p;
+  tick(400);
+  EXPECT_NEAR((target.pose().p - from).norm(), 0.02 * 0.1, 3e-5);
+  EXPECT_EQ(target.runOut(), 0U);
+  const ServoJoints goal = sum(servoJoints(q), {0.1, 0, 0, 0, 0, 0});
+  ASSERT_EQ(joints(ServoKind::kMoveJoints, goal).reason, ServoRefusal::kNone);
+  ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
+  finish();
+  EXPECT_NEAR(servoJoints(q)[0], goal[0], 1e-4);
+}
+
+TEST_P(ServoTargetTest, RatesMoveEachJointForTheirTime) {
+  const ServoJoints rates{0.1, -0.2, 0.01, 0.3, -0.1, 0.2}, from = servoJoints(q);
+  ASSERT_EQ(joints(ServoKind::kServoRates, rates).reason, ServoRefusal::kNone);
+  tick(50);
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    EXPECT_NEAR(servoJoints(target.joints())[j] - from[j], 0.05 * rates[j], 1e-9) << j;
+  tick(500);
+  EXPECT_EQ(target.runOut(), 1U);
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    EXPECT_NEAR(servoJoints(target.joints())[j] - from[j], 0.2 * rates[j], 2e-3) << j;
+  ServoJoints fast{};
+  fast[kInsertion] = 0.11;
+  const ServoVerdict verdict = joints(ServoKind::kServoRates, fast);
+  EXPECT_EQ(verdict.reason, ServoRefusal::kTooFast);
+  EXPECT_EQ(verdict.joint, kInsertion);
+  EXPECT_EQ(verdict.limit, 0.1);
+  fast = {};
+  fast[4] = -2.1;
+  EXPECT_EQ(joints(ServoKind::kServoRates, fast).reason, ServoRefusal::kTooFast);
+  fast[4] = kNan;
+  EXPECT_EQ(joints(ServoKind::kServoRates, fast).reason, ServoRefusal::kNotFinite);
+}
+
+TEST_P(ServoTargetTest, RatesEndAtAJointsLimit) {
+  JointArray edge = q;
+  edge[kInsertion] = 0.545;
+  standAt(edge);
+  ServoJoints down{};
+  down[kInsertion] = 0.1;
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_EQ(joints(ServoKind::kServoRates, down).reason, ServoRefusal::kNone);
+    tick(90);
+  }
+  EXPECT_LE(target.joints()[kInsertion], 0.56);
+  EXPECT_GT(target.joints()[kInsertion], 0.5595);
+}
+
+TEST_P(ServoTargetTest, MovesByCountFromWhereTheNewestLeads) {
+  const ServoJoints from = servoJoints(q), by{0.05, -0.05, 0.005, 0.1, 0.05, 0.0};
+  ASSERT_EQ(joints(ServoKind::kMoveJointsBy, by).reason, ServoRefusal::kNone);
+  ASSERT_EQ(joints(ServoKind::kMoveJointsBy, by).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(target.isMoving());
+  finish();
+  for (std::size_t j = 0; j < kServoJointCount; ++j)
+    EXPECT_NEAR(servoJoints(q)[j], from[j] + 2 * by[j], 2e-4) << j;
+  ServoJoints far{};
+  far[kInsertion] = 1.0;
+  EXPECT_EQ(joints(ServoKind::kMoveJointsBy, far).reason, ServoRefusal::kOutOfRange);
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.5).reason, ServoRefusal::kNone);
+  ASSERT_EQ(jaw(ServoKind::kMoveJawBy, 0.2).reason, ServoRefusal::kNone);
+  finish();
+  EXPECT_NEAR(target.opening(), 0.7, 1e-3);
+}
+
+TEST_P(ServoTargetTest, OneNumberMovesTheShoulderAlone) {
+  const ServoJoints from = servoJoints(q);
+  ServoCommand c = command(ServoKind::kServoJoints);
+  c.is_shoulder = 1;
+  c.joints[0] = from[0] + 0.05;
+  ASSERT_EQ(target.take(c).reason, ServoRefusal::kNone);
+  tick(200);
+  EXPECT_NEAR(servoJoints(q)[0], from[0] + 0.05, 1e-4);
+  for (std::size_t j = 1; j < kServoJointCount; ++j)
+    EXPECT_NEAR(servoJoints(q)[j], from[j], 1e-4) << j;
+}
+
+TEST_P(ServoTargetTest, ARatioSlowsMovesDown) {
+  const auto secondsFor = [this](double ratio) {
+    ServoCommand c = command(ServoKind::kRatio);
+    c.number = ratio;
+    EXPECT_EQ(target.take(c).reason, ServoRefusal::kNone);
+    EXPECT_EQ(target.ratio(), ratio);
+    ServoJoints by{};
+    by[0] = q[0] > 0.6 ? -0.1 : 0.1;
+    EXPECT_EQ(joints(ServoKind::kMoveJointsBy, by).reason, ServoRefusal::kNone);
+    return finish();
+  };
+  const int whole = secondsFor(1.0), half = secondsFor(0.5);
+  EXPECT_NEAR(half, 2 * whole, 4);
+  for (const double wrong : {0.0, -1.0, 1.5}) {
+    ServoCommand c = command(ServoKind::kRatio);
+    c.number = wrong;
+    EXPECT_EQ(target.take(c).reason, ServoRefusal::kNoRatio) << wrong;
+  }
+  EXPECT_EQ(target.ratio(), 0.5);
 }
 
 TEST_P(ServoTargetTest, ATwistThatIsTooFastIsRefused) {
@@ -638,7 +779,7 @@ TEST_P(ServoTargetTest, ATwistTurnsAboutItsAxisOfTheBaseTheRightWayRound) {
       Vec3 w{};
       w[static_cast<std::size_t>(axis)] = rate;
       ASSERT_EQ(twist({}, w).reason, ServoRefusal::kNone);
-      tick(200);
+      tick(100);
       const Matrix3 turned = Eigen::AngleAxisd(0.1 * rate, Vector3::Unit(axis)) * from.R;  // 100 ms
       EXPECT_LT(turnBetween(target.pose().R, turned), 1e-7) << axis << " " << rate;
       EXPECT_LT((target.pose().p - from.p).norm(), 1e-9) << "the tip stays";

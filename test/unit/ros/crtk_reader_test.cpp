@@ -294,8 +294,12 @@ TEST(CrtkReader, BothBoundsOfEveryJointHold) {
         const auto positionsAt = [&](double value) {
           std::array<double, 7> wanted{0.1, 1.2, 0.4, 0.0, 0.0, 0.0, 0.5};  // five joints, mid-line, opening
           wanted[j] = value;
-          return std::vector<double>{wanted[0], wanted[1], wanted[2],
-                                     wanted[3], wanted[4], wanted[6] / 2 - wanted[5],
+          return std::vector<double>{wanted[0],
+                                     wanted[1],
+                                     wanted[2],
+                                     wanted[3],
+                                     wanted[4],
+                                     wanted[6] / 2 - wanted[5],
                                      wanted[6] / 2 + wanted[5]};
         };
         EXPECT_TRUE(ravenAsks(arm, ServoKind::kServoJoints, positionsAt(bound - out)).command) << j << is_high;
@@ -305,6 +309,100 @@ TEST(CrtkReader, BothBoundsOfEveryJointHold) {
       }
     }
   }
+}
+
+TEST(CrtkReader, TheRobotsOwnBranchMayAskForTheShoulderAlone) {
+  for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kServoJointsBy}) {
+    const auto asked = ravenAsks(Arm::kGreen, kind, {0.2});
+    ASSERT_TRUE(asked.command);
+    EXPECT_EQ(asked.command->kind, kind);
+    EXPECT_EQ(asked.command->joints, (ServoJoints{0.2, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(asked.command->is_shoulder, 1);
+    EXPECT_FALSE(asked.jaw);
+  }
+  EXPECT_FALSE(ravenAsks(Arm::kGold, ServoKind::kServoJoints, {kNan}).command);
+  EXPECT_FALSE(ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 0.2}).command);
+  EXPECT_FALSE(ravenAsks(Arm::kGold, ServoKind::kServoJoints, {}).command);
+}
+
+TEST(CrtkReader, TheRobotsOwnBranchAsksForRatesOfSevenJointsOrMore) {
+  sensor_msgs::JointState message;
+  message.velocity = {0.1, 0.2, 0.01, 0.3, 0.4, -0.1, 0.3};
+  for (const std::size_t more : {0U, 8U}) {
+    message.velocity.resize(kJointCount + more, 9.0);
+    const auto asked = readRavenJoints(limited(), Arm::kGold, ServoKind::kServoRates, message);
+    ASSERT_TRUE(asked.command);
+    EXPECT_EQ(asked.command->kind, ServoKind::kServoRates);
+    EXPECT_EQ(asked.command->joints, (ServoJoints{0.1, 0.2, 0.01, 0.3, 0.4, 0.2}));
+    EXPECT_FALSE(asked.jaw);
+  }
+  message.velocity.resize(6);
+  EXPECT_FALSE(readRavenJoints(limited(), Arm::kGold, ServoKind::kServoRates, message).command);
+}
+
+TEST(CrtkReader, OfTheRavensGraspersTheFirstNumberIsTheOpening) {
+  const auto one = readRavenJaw(Arm::kGold, ServoKind::kServoJaw, jointsAt({0.4}));
+  const auto seven = readRavenJaw(Arm::kGold, ServoKind::kServoJaw, jointsAt({0.4, 1, 2, 3, 4, 5, 6}));
+  ASSERT_TRUE(one.command && seven.command);
+  EXPECT_EQ(one.command->jaw, 0.4);
+  EXPECT_EQ(seven.command->jaw, 0.4);
+  EXPECT_FALSE(readRavenJaw(Arm::kGold, ServoKind::kServoJaw, jointsAt({0.4, 0.4})).command);
+}
+
+TEST(CrtkReader, RatesAndForcesAreWhatAMessageSaysOfThem) {
+  sensor_msgs::JointState message = jointsAt({9, 9, 9, 9, 9, 9});
+  message.velocity = {0.1, 0.2, 0.03, 0.4, 0.5, 0.6};
+  message.effort = {1, 2, 3, 4, 5, 6};
+  const auto rates = readJoints(Arm::kGold, ServoKind::kServoRates, message);
+  const auto forces = readJoints(Arm::kGreen, ServoKind::kServoForces, message);
+  ASSERT_TRUE(rates.command && forces.command);
+  EXPECT_EQ(rates.command->joints, (ServoJoints{0.1, 0.2, 0.03, 0.4, 0.5, 0.6}));
+  EXPECT_EQ(forces.command->joints, (ServoJoints{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(forces.command->arm, Arm::kGreen);
+  message.velocity.pop_back();
+  message.effort.clear();
+  EXPECT_NE(readJoints(Arm::kGold, ServoKind::kServoRates, message).refusal.find("servo_jv: 5 velocities"),
+            std::string::npos);
+  EXPECT_NE(readJoints(Arm::kGold, ServoKind::kServoForces, message).refusal.find("servo_jf: 0 efforts"),
+            std::string::npos);
+  sensor_msgs::JointState jaw;
+  jaw.effort = {0.02};
+  const auto squeeze = readJaw(Arm::kGold, ServoKind::kServoJawForce, jaw);
+  ASSERT_TRUE(squeeze.command);
+  EXPECT_EQ(squeeze.command->jaw, 0.02);
+}
+
+/** A force of 1 N along x of W at a tip of B, 90 degrees about z: -y of B. */
+TEST(CrtkReader, AWrenchIsTurnedAndItsTorqueBroughtToTheBase) {
+  geometry_msgs::WrenchStamped message;
+  message.wrench.force.x = 1.0;
+  message.wrench.torque.z = 0.5;
+  const auto tip = readWrench(Arm::kGold, worldFrame(placed()), WrenchFrame::kTip, message);
+  ASSERT_TRUE(tip.command);
+  expectVector(tip.command->force, 0.0, -1.0, 0.0);
+  expectVector(tip.command->torque, 0.0, 0.0, 0.5);
+  message.wrench.force.x = 0.0;
+  message.wrench.force.y = 2.0;  // 0.3 m from B's origin: -0.6 Nm about z
+  const auto spatial = readWrench(Arm::kGold, worldFrame(placed()), WrenchFrame::kOrigin, message);
+  ASSERT_TRUE(spatial.command);
+  expectVector(spatial.command->force, 2.0, 0.0, 0.0);
+  expectVector(spatial.command->torque, 0.0, 0.0, 0.5 - 0.6);
+  const auto body = readWrench(Arm::kGreen, {"", {}, Pose{}}, WrenchFrame::kBody, message);
+  ASSERT_TRUE(body.command);
+  expectVector(body.command->force, 0.0, 2.0, 0.0);
+  EXPECT_EQ(body.command->frame, WrenchFrame::kBody);
+  message.header.frame_id = "camera";
+  EXPECT_FALSE(readWrench(Arm::kGold, worldFrame(placed()), WrenchFrame::kTip, message).command);
+  message.header.frame_id = "world";
+  message.wrench.torque.y = kNan;
+  EXPECT_FALSE(readWrench(Arm::kGold, worldFrame(placed()), WrenchFrame::kTip, message).command);
+}
+
+TEST(CrtkReader, ASettingIsANumber) {
+  const auto ratio = readNumber(Arm::kGold, ServoKind::kRatio, 0.5);
+  ASSERT_TRUE(ratio.command);
+  EXPECT_EQ(ratio.command->number, 0.5);
+  EXPECT_FALSE(readNumber(Arm::kGold, ServoKind::kRatio, kNan).command);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "ros/crtk_reader.h"
+#include "ros/crtk_wrench.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -33,7 +34,11 @@ class CrtkMeasuredTest : public ::testing::Test {
     model.robot_fresh = 1;
   }
 
-  CrtkMeasured of(Arm arm) const { return measured(geometry, arm, model, robot); }
+  CrtkMeasured of(Arm arm) const {
+    MeasuredSource source;
+    source.take(arm, model, robot, ros::Time(1.0));
+    return measured(geometry, arm, source.q(), source.dq(), at(model.arms, arm).tau);
+  }
 
   const ArmGeometry geometry =
       config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml").arms.geometry;
@@ -58,7 +63,7 @@ TEST_F(CrtkMeasuredTest, IsTheRobotWhereTheTablesPutIt) {
   EXPECT_NEAR(gold.jaw, 20 * kDegree, 1e-12);
 }
 
-TEST_F(CrtkMeasuredTest, IsTheModelWhileTheRobotIsAwayOrOld) {
+TEST_F(CrtkMeasuredTest, IsTheModelUntilARobotIsThere) {
   const Vector3 of_model(-0.069288, -0.078771, 0.077158);  // raven2.md 2.4
   model.robot_fresh = 0;
   EXPECT_NEAR((of(Arm::kGold).X_BT.p - of_model).norm(), 0.0, 2e-6);
@@ -128,19 +133,80 @@ TEST_F(CrtkMeasuredTest, EffortsDoTheWorkThatTheModelsTorquesDo) {
   EXPECT_EQ(m.effort[kInsertion], 3.0);
 }
 
+/** A plan that the model tracks, or a stall of the network, makes no leap of the robot's. */
+TEST_F(CrtkMeasuredTest, OnceARobotWasThereItIsThatOneOrNothing) {
+  for (const Arm arm : kArms) {
+    MeasuredSource source;
+    model.robot_fresh = 0;
+    model.tick = 100;
+    source.take(arm, model, robot, ros::Time(0.1));
+    EXPECT_EQ(source.from(), MeasuredFrom::kModel);
+    EXPECT_EQ(source.stamp(), ros::Time(0.1));
+    model.robot_fresh = 1;
+    model.tick = 200;
+    source.take(arm, model, robot, ros::Time(0.2));
+    EXPECT_EQ(source.from(), MeasuredFrom::kRobot);
+    EXPECT_EQ(source.q(), at(robot.arms, arm).q);
+    model.robot_fresh = 0;
+    const JointArray last = at(robot.arms, arm).q;
+    for (model.tick = 202; model.tick <= 200 + MeasuredSource::kRepeated; model.tick += 2) {
+      source.take(arm, model, robot, ros::Time(1e-3 * static_cast<double>(model.tick)));
+      ASSERT_EQ(source.from(), MeasuredFrom::kStale);
+      ASSERT_EQ(source.stamp(), ros::Time(0.2)) << "its own";
+      ASSERT_EQ(source.q(), last);
+    }
+    source.take(arm, model, robot, ros::Time(9.0));
+    EXPECT_EQ(source.from(), MeasuredFrom::kNone);
+    EXPECT_EQ(source.age(), MeasuredSource::kRepeated + 2);
+    robot.connected = 0;
+    source.take(arm, model, robot, ros::Time(9.1));
+    EXPECT_EQ(source.from(), MeasuredFrom::kNone) << "not the model";
+    robot.connected = model.robot_fresh = 1;
+    source.take(arm, model, robot, ros::Time(9.2));
+    EXPECT_EQ(source.from(), MeasuredFrom::kRobot);
+    EXPECT_EQ(source.stamp(), ros::Time(9.2));
+  }
+}
+
+/** Whatever is rigid with the tip and at the world's origin moves as the spatial Jacobian says; contact forces on the
+ *  tip do the same work through each Jacobian and its wrench. */
+TEST_F(CrtkMeasuredTest, JacobiansAndWrenchesOfAllFramesDoTheSameWork) {
+  const Pose X_WB{Matrix3(Eigen::AngleAxisd(0.7, Vector3(1.0, 2.0, -0.5).normalized())), Vector3(0.2, -0.1, 0.3)};
+  const CrtkFrame world = worldFrame(X_WB);
+  for (const Arm arm : kArms) {
+    const CrtkMeasured m = of(arm);
+    const Pose X_WT = X_WB * m.X_BT;
+    const ArmWrench at_tip{Vector3(1.0, -2.0, 3.0), Vector3(0.1, 0.2, -0.3)};
+    const ArmWrench body = alongTip(at_tip, X_WT), spatial = aboutOrigin(at_tip, X_WT);
+    const auto forces = [](const CrtkFrame& frame, const ServoJacobian& J_B, const ArmWrench& wrench) {
+      std_msgs::Float64MultiArray message;
+      fill(frame, J_B, &message);
+      const Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> J(message.data.data());
+      Eigen::Matrix<double, 6, 1> w;
+      w << wrench.force_W, wrench.torque_W;
+      return Eigen::Matrix<double, 6, 1>(J.transpose() * w);
+    };
+    const auto wanted = forces(world, m.J_B, at_tip);
+    EXPECT_LT((forces({"", {}, m.X_BT}, m.J_B, body) - wanted).norm(), 1e-9) << name(arm);
+    EXPECT_LT((forces(world, atOrigin(world, m), spatial) - wanted).norm(), 1e-9) << name(arm);
+    EXPECT_GT((spatial.torque_W - at_tip.torque_W).norm(), 0.1) << "or the test could not tell";
+  }
+}
+
 TEST(CrtkSetpointRate, IsHowFarItMovedInTheTicksBetween) {
   SetpointRate rate;
   ServoArmState arm;
   arm.setpoint_q = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
-  EXPECT_EQ(rate.of(10, arm), ServoJoints{}) << "nothing before";
+  const auto of = [&](Tick tick) { return rate.of(tick, arm.setpoint_q, arm.setpoint_jaw); };
+  EXPECT_EQ(of(10), ServoJoints{}) << "nothing before";
   arm.setpoint_q[1] += 0.004;
   arm.setpoint_jaw = 0.001;
-  EXPECT_NEAR(rate.of(12, arm)[1], 2.0, 1e-9);
+  EXPECT_NEAR(of(12)[1], 2.0, 1e-9);
   EXPECT_NEAR(rate.jaw(), 0.5, 1e-9);
   arm.setpoint_q[1] += 1.0;
-  EXPECT_NEAR(rate.of(12, arm)[1], 2.0, 1e-9) << "the same tick";
-  EXPECT_EQ(rate.of(2000, arm), ServoJoints{}) << "a gap";
-  EXPECT_EQ(rate.of(5, arm), ServoJoints{}) << "begun anew";
+  EXPECT_NEAR(of(12)[1], 2.0, 1e-9) << "the same tick";
+  EXPECT_EQ(of(2000), ServoJoints{}) << "a gap";
+  EXPECT_EQ(of(5), ServoJoints{}) << "begun anew";
 }
 
 CrtkJoints someJoints() {
@@ -280,14 +346,14 @@ TEST(CrtkSetpointRate, OfJawsIsZeroToo) {
   SetpointRate rate;
   ServoArmState arm;
   arm.setpoint_jaw = 0.4;
-  rate.of(10, arm);
+  rate.of(10, arm.setpoint_q, arm.setpoint_jaw);
   EXPECT_EQ(rate.jaw(), 0.0) << "nothing before";
   arm.setpoint_jaw = 0.5;
-  rate.of(11, arm);
+  rate.of(11, arm.setpoint_q, arm.setpoint_jaw);
   EXPECT_NEAR(rate.jaw(), 100.0, 1e-9);
   for (const Tick tick : {112, 50}) {
     arm.setpoint_jaw += 0.5;
-    rate.of(tick, arm);
+    rate.of(tick, arm.setpoint_q, arm.setpoint_jaw);
     EXPECT_EQ(rate.jaw(), 0.0) << "a gap of over 100 ms, or a step back: " << tick;
   }
 }

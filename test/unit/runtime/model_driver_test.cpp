@@ -13,7 +13,7 @@ struct Drive {
   explicit Drive(const TrainerConfig& config)
       : raven(model::loadRavenModel(config)),
         world(raven, model::loadSceneModel(config), config.model),
-        driver(config.model, &world),
+        driver(config.model, config.arms.geometry, &world),
         home(config.arms.geometry.home) {
     for (const Arm arm : kArms) {
       world.setCollisions(arm, false);

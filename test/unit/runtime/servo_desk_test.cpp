@@ -177,6 +177,21 @@ TEST_F(ServoDeskTest, AClientThatFallsSilentLosesThePedal) {
   EXPECT_EQ(state(), OperatingState::kEnabled) << "a move is no silence";
 }
 
+TEST_F(ServoDeskTest, AClientThatKeepsAskingInVainKeepsTheArms) {
+  alone([](TrainerConfig* config) { config->crtk.release_after = 0.5; });
+  ASSERT_TRUE(c->enable());
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {2.0, 0.0, 0.0})),
+              ServoRefusal::kUnreachable);
+    c->rest(200);
+    rig->shared->servo_unread.add();  // a message that nobody understood
+    c->rest(400);
+    EXPECT_EQ(state(), OperatingState::kEnabled) << i;
+  }
+  c->rest(150);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+}
+
 TEST_F(ServoDeskTest, AStopByRequestDisablesAndOnlyTheRequestThatClearsItEndsIt) {
   alone();
   ASSERT_TRUE(c->enable());
@@ -694,6 +709,213 @@ TEST_F(ServoDeskTest, AnEStopOfTheRobotIsAFaultThatIsEndedAtTheRobot) {
   says(RunLevel::kPedalUp, 50);
   EXPECT_EQ(state(), OperatingState::kDisabled);
   EXPECT_EQ(rig->model().pedal, 0);
+}
+
+// ---- forces ------------------------------------------------------------------------------------------------------
+
+ServoCommand wrenchOf(Arm arm, const Vec3& force, WrenchFrame frame = WrenchFrame::kTip) {
+  ServoCommand command;
+  command.kind = ServoKind::kServoWrench;
+  command.arm = arm;
+  command.force = force;
+  command.frame = frame;
+  return command;
+}
+
+TEST_F(ServoDeskTest, AForceMovesTheModelAloneItsWayUntilSomethingElseIsAskedFor) {
+  for (const Arm arm : kArms) {
+    alone([](TrainerConfig* config) { config->crtk.twist_timeout = 5.0; });
+    ASSERT_TRUE(c->enable());
+    c->rest(300);
+    const Arm other = arm == Arm::kGold ? Arm::kGreen : Arm::kGold;
+    const Vec3 start = at(rig->model().arms, arm).p_BT, stood = at(rig->model().arms, other).p_BT;
+    ASSERT_EQ(c->ask(wrenchOf(arm, {0.0, 0.0, 15.0})), ServoRefusal::kNone);
+    c->rest(300);
+    const Vec3 pushed = at(rig->model().arms, arm).p_BT;
+    EXPECT_GT(pushed[2] - start[2], 1e-3) << name(arm);
+    EXPECT_LT(apart(at(rig->model().arms, other).p_BT, stood), 1e-4);
+    EXPECT_NEAR(apart(c->arm(arm).setpoint_B.p, pushed), 0.0, 1e-3) << "the set point goes along";
+    ServoCommand hold;
+    hold.arm = arm;
+    ASSERT_EQ(c->ask(hold), ServoRefusal::kNone);
+    c->rest(500);
+    const Vec3 held = at(rig->model().arms, arm).p_BT;
+    c->rest(300);
+    EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, held), 2e-4) << "its controllers have it again";
+    EXPECT_EQ(c->ask(ServoKind::kMovePose, arm, beside(c->arm(arm).setpoint_B, {0.0, 0.0, -0.005})),
+              ServoRefusal::kNone);
+    const Vec3 goal = c->arm(arm).goal_B.p;
+    c->rest(1500);
+    EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, goal), 1e-3);
+  }
+}
+
+TEST_F(ServoDeskTest, TorquesOnJointsMoveEachTheirWayAndEndWithTheirTime) {
+  alone([](TrainerConfig* config) { config->crtk.twist_timeout = 0.2; });
+  ASSERT_TRUE(c->enable());
+  c->rest(200);
+  for (const double sign : {1.0, -1.0}) {
+    const double before = rig->model().arms[1].q[kShoulder];
+    ASSERT_EQ(c->ask(ServoKind::kServoForces, Arm::kGreen, ServoJoints{sign * 1.5, 0, 0, 0, 0, 0}),
+              ServoRefusal::kNone);
+    c->rest(150);
+    EXPECT_GT(sign * (rig->model().arms[1].q[kShoulder] - before), 1e-3);
+    c->rest(200);
+    EXPECT_GE(c->arm(Arm::kGreen).run_out, 1U);
+    c->rest(500);
+    const double stood = rig->model().arms[1].q[kShoulder];
+    c->rest(200);
+    EXPECT_NEAR(rig->model().arms[1].q[kShoulder], stood, 1e-4);
+  }
+  EXPECT_EQ(c->arm(Arm::kGold).run_out, 0U);
+}
+
+TEST_F(ServoDeskTest, AForceOnTheJawsLeavesTheArmWhereItIs) {
+  alone();
+  ASSERT_TRUE(c->enable());
+  c->rest(300);
+  const ModelState before = rig->model();
+  ServoCommand open;
+  open.kind = ServoKind::kServoJawForce;
+  open.jaw = 0.03;
+  ASSERT_EQ(c->ask(open), ServoRefusal::kNone);
+  c->rest(200);
+  const ModelState after = rig->model();
+  EXPECT_GT(kinematics::jawOpening(after.arms[0].q) - kinematics::jawOpening(before.arms[0].q), 0.02);
+  EXPECT_LT(apart(after.arms[0].p_BT, before.arms[0].p_BT), 1e-3);
+}
+
+TEST_F(ServoDeskTest, GravityIsCompensatedBesideAForceUnlessAClientLeavesTheArmItsWeight) {
+  alone();
+  ASSERT_TRUE(c->enable());
+  c->rest(300);
+  ServoCommand weight;
+  weight.kind = ServoKind::kGravity;
+  weight.number = 0.0;
+  const ServoJoints asked{0.1, -0.05, 1.0, 0.0, 0.01, 0.0};
+  for (const Arm arm : kArms) {
+    ASSERT_EQ(c->ask(ServoKind::kServoForces, arm, asked), ServoRefusal::kNone);
+    c->rest(2);
+    const JointArray held = at(rig->model().arms, arm).tau;
+    EXPECT_GT(std::abs(held[kElbow] - asked[kElbow]), 0.1) << "[Nm] of its weight";
+    weight.arm = arm;
+    ASSERT_EQ(c->ask(weight), ServoRefusal::kNone);
+    c->rest(2);
+    const JointArray bare = at(rig->model().arms, arm).tau;
+    for (std::size_t j = 0; j < 5; ++j)
+      EXPECT_NEAR(bare[j], asked[j], 1e-9) << name(arm) << " " << kJointNames[j];
+  }
+}
+
+TEST_F(ServoDeskTest, ForcesAreRefusedWithARobotAndBeyondTheControllers) {
+  together();
+  ASSERT_TRUE(c->enable());
+  EXPECT_EQ(c->ask(wrenchOf(Arm::kGold, {0.0, 0.0, 1.0})), ServoRefusal::kHasRobot);
+  EXPECT_EQ(c->ask(ServoKind::kServoForces, Arm::kGreen, ServoJoints{}), ServoRefusal::kHasRobot);
+  EXPECT_EQ(c->ask(StateCommand::kDisable), ServoRefusal::kNone);
+  EXPECT_EQ(c->ask(wrenchOf(Arm::kGold, {0.0, 0.0, 1.0})), ServoRefusal::kHasRobot) << "whatever the state";
+  alone();
+  EXPECT_EQ(c->ask(wrenchOf(Arm::kGold, {0.0, 0.0, 1.0})), ServoRefusal::kNotEnabled);
+  ASSERT_TRUE(c->enable());
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_EQ(c->ask(wrenchOf(Arm::kGold, {0.0, 0.0, sign * 1e4})), ServoRefusal::kTooStrong);
+    EXPECT_EQ(c->ask(ServoKind::kServoForces, Arm::kGreen, ServoJoints{0, 0, 0, 0, 0, sign * 1e3}),
+              ServoRefusal::kTooStrong);
+    EXPECT_EQ(c->last.joint, 5);
+  }
+  EXPECT_EQ(c->ask(wrenchOf(Arm::kGold, {0.0, std::nan(""), 0.0})), ServoRefusal::kNotFinite);
+  ServoCommand tool;
+  tool.kind = ServoKind::kTool;
+  EXPECT_EQ(c->ask(tool), ServoRefusal::kNotOffered);
+}
+
+// ---- set points while the model goes its own way -----------------------------------------------------------------
+
+TEST_F(ServoDeskTest, ASetPointOfTheRobotsIsNoneOfAPlanThatTheModelTracks) {
+  together();
+  Request order;
+  order.kind = RequestKind::kPlan;
+  order.id = 1001;
+  const PerArm<RigidPose> before{setpoint(Arm::kGold), setpoint(Arm::kGreen)};
+  ASSERT_TRUE(rig->shared->requests.tryPush(order));
+  c->rest(2);
+  PlanRequest asked;
+  ASSERT_TRUE(rig->shared->plan_requests.tryPop(&asked));
+  PlanResult plan;
+  plan.id = asked.id;
+  plan.status = PlanStatus::kSuccess;
+  plan.arm = asked.arm;
+  plan.waypoint_count = 2;
+  plan.waypoints[0] = plan.waypoints[1] = asked.start;
+  plan.waypoints[1][kShoulder] += 0.4;
+  plan.arrival[1] = 2.0;
+  ASSERT_TRUE(rig->shared->plan_results.tryPush(plan));
+  double model_went = 0.0, told_jump = 0.0, told_went = 0.0;
+  Vec3 last = setpoint(plan.arm).p;
+  const Vec3 stood = at(rig->model().arms, plan.arm).p_BT;
+  for (int i = 0; i < 4000; ++i) {
+    c->rest(1);
+    const Vec3 now = setpoint(plan.arm).p;
+    told_jump = std::max(told_jump, apart(now, last));
+    told_went = std::max(told_went, apart(now, at(before, plan.arm).p));
+    model_went = std::max(model_went, apart(at(rig->model().arms, plan.arm).p_BT, stood));
+    last = now;
+    if (i > 1000 && mode() == Mode::kPedalUp) break;
+  }
+  EXPECT_GT(model_went, 0.02) << "or the test could not tell";
+  EXPECT_LT(told_jump, 0.5e-3) << "[m] in a tick";
+  EXPECT_LT(told_went, 1e-3);
+}
+
+// ---- the robot's own dialect -------------------------------------------------------------------------------------
+
+void speakRaven(TrainerConfig* config) {
+  config->crtk.dialect = CrtkDialect::kRaven;
+}
+
+TEST_F(ServoDeskTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
+  TrainerConfig config = ModeDriver::configuration();
+  speakRaven(&config);
+  rig = std::make_unique<Rig>(config);
+  c = std::make_unique<ServoClient>(rig.get());
+  c->rest(5);
+  EXPECT_NE(state(), OperatingState::kPaused) << "it is not homed";
+  ASSERT_TRUE(rig->home());
+  c->rest(200);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+  EXPECT_EQ(c->ask(StateCommand::kResume), ServoRefusal::kNone);
+  c->rest(300);
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+  EXPECT_EQ(rig->model().linked, 1);
+  EXPECT_EQ(c->ask(StateCommand::kDisable), ServoRefusal::kNone);
+  c->rest(300);
+  EXPECT_EQ(state(), OperatingState::kDisabled) << "that was asked for";
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
+  EXPECT_EQ(c->ask(StateCommand::kPause), ServoRefusal::kNone);
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone) << "as resume";
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+}
+
+TEST_F(ServoDeskTest, InTheRavensDialectUnhomeDisablesUntilHome) {
+  TrainerConfig config = ModeDriver::configuration();
+  speakRaven(&config);
+  rig = std::make_unique<Rig>(config);
+  rig->robot_connected = false;
+  c = std::make_unique<ServoClient>(rig.get());
+  c->rest(5);
+  EXPECT_EQ(state(), OperatingState::kPaused) << "the model alone is homed";
+  ASSERT_TRUE(c->enable());
+  EXPECT_EQ(c->ask(StateCommand::kUnhome), ServoRefusal::kNone);
+  c->rest(20);
+  EXPECT_EQ(state(), OperatingState::kDisabled);
+  EXPECT_EQ(c->state().is_homed, 0);
+  EXPECT_EQ(rig->model().pedal, 0);
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNotHomed);
+  EXPECT_EQ(c->ask(StateCommand::kHome), ServoRefusal::kNone);
+  c->rest(2);
+  EXPECT_EQ(c->state().is_homed, 1);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+  ASSERT_TRUE(c->enable());
 }
 
 }  // namespace

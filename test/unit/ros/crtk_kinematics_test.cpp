@@ -1,0 +1,103 @@
+#include "ros/crtk_kinematics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+class CrtkKinematicsTest : public ::testing::TestWithParam<Arm> {
+ protected:
+  const ArmGeometry geometry =
+      config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml").arms.geometry;
+  const Pose X_WB{Matrix3(Eigen::AngleAxisd(0.7, Vector3(1.0, 2.0, -0.5).normalized())), Vector3(0.2, -0.1, 0.3)};
+};
+
+/** Joints well within their limits, where the arm has its solutions (seeded). */
+std::vector<double> someJoints(std::mt19937* random) {
+  const auto between = [random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(*random);
+  };
+  return {between(0.3, 1.2),  between(1.0, 2.2),  between(0.28, 0.42),
+          between(-1.5, 1.5), between(-0.8, 0.8), between(-0.8, 0.8)};
+}
+
+TEST_P(CrtkKinematicsTest, TheInverseOfAForwardIsWhereItCameFrom) {
+  std::mt19937 random(7);
+  for (const CrtkFrame& frame : {worldFrame(X_WB), baseFrame(GetParam())}) {
+    for (int i = 0; i < 200; ++i) {
+      crtk::ForwardRequest there;
+      there.jp = someJoints(&random);
+      const crtk::ForwardResponse at = answer(geometry, GetParam(), frame, false, there);
+      ASSERT_EQ(at.result, 1) << at.message;
+      crtk::InverseRequest back;
+      back.cp = at.cp;
+      back.jp = there.jp;
+      for (double& q : back.jp)
+        q += 0.01;
+      const crtk::InverseResponse found = answer(geometry, GetParam(), frame, false, back);
+      ASSERT_EQ(found.result, 1) << found.message;
+      for (std::size_t j = 0; j < 6; ++j)
+        EXPECT_NEAR(found.jp[j], there.jp[j], 1e-6) << j;
+      crtk::ForwardRequest again;
+      again.jp = found.jp;
+      const crtk::ForwardResponse same = answer(geometry, GetParam(), frame, false, again);
+      EXPECT_NEAR(same.cp.position.x, at.cp.position.x, 1e-7);
+      EXPECT_NEAR(same.cp.position.z, at.cp.position.z, 1e-7);
+    }
+  }
+}
+
+TEST_P(CrtkKinematicsTest, JointsThatAreFarAwayStillLeadToASolutionWithinTheLimits) {
+  std::mt19937 random(8);
+  for (int i = 0; i < 100; ++i) {
+    crtk::ForwardRequest there;
+    there.jp = someJoints(&random);
+    const crtk::ForwardResponse at = answer(geometry, GetParam(), worldFrame(X_WB), false, there);
+    crtk::InverseRequest back;
+    back.cp = at.cp;
+    back.jp = {0.7, 1.5, 0.5, 0.0, 0.0, 0.0};  // up to 0.2 m of insertion away
+    const crtk::InverseResponse found = answer(geometry, GetParam(), worldFrame(X_WB), false, back);
+    ASSERT_EQ(found.result, 1) << found.message;
+    crtk::ForwardRequest again;
+    again.jp = found.jp;
+    const crtk::ForwardResponse same = answer(geometry, GetParam(), worldFrame(X_WB), false, again);
+    EXPECT_EQ(same.result, 1) << "within the limits";
+    EXPECT_NEAR(same.cp.position.y, at.cp.position.y, 1e-7);
+  }
+}
+
+TEST_P(CrtkKinematicsTest, WhatHasNoAnswerSaysWhy) {
+  const CrtkFrame frame = worldFrame(X_WB);
+  const auto forward = [&](std::vector<double> jp, bool is_raven = false) {
+    crtk::ForwardRequest query;
+    query.jp = std::move(jp);
+    return answer(geometry, GetParam(), frame, is_raven, query);
+  };
+  EXPECT_EQ(forward({0.5, 1.5}).message, "2 joints where there are 6");
+  EXPECT_EQ(forward({0.5, 1.5, 0.3, 0, 0, 0}, true).message, "6 joints where there are 7");
+  EXPECT_EQ(forward({0.5, 1.5, std::nan(""), 0, 0, 0}).message, "a number that is not finite");
+  EXPECT_EQ(forward({0.5, 1.5, 0.9, 0, 0, 0}).message, "a joint is beyond its limits");
+  EXPECT_EQ(forward({0.5, 1.5, 0.3, 0, 0, 0.1, 0.1}, true).result, 1);
+  crtk::InverseRequest query;
+  query.jp = {0.5, 1.5, 0.3, 0, 0, 0};
+  query.cp.orientation.w = 1.0;
+  query.cp.position.x = 5.0;
+  const crtk::InverseResponse far = answer(geometry, GetParam(), frame, false, query);
+  EXPECT_EQ(far.result, 0);
+  EXPECT_NE(far.message.find("limits"), std::string::npos) << far.message;
+  EXPECT_EQ(far.jp, query.jp) << "as they were given";
+  query.cp.orientation.w = 0.0;
+  EXPECT_NE(answer(geometry, GetParam(), frame, false, query).message.find("quaternion"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(BothArms, CrtkKinematicsTest, ::testing::ValuesIn(kArms));
+
+}  // namespace
+}  // namespace raven2_trainer::ros_bridge
