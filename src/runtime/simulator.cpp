@@ -529,7 +529,8 @@ void Simulator::start() {
 SimulatorState Simulator::state() const {
   const ModelState model = impl_->shared->model.load();
   const double session = static_cast<double>(model.session_tick + 1) * kTickSeconds;
-  if (impl_->options.duration > 0.0 && session >= impl_->options.duration) return SimulatorState::kComplete;
+  if (impl_->options.duration <= 0.0) return SimulatorState::kRunning;  // no end was asked for: waiting is no error
+  if (session >= impl_->options.duration) return SimulatorState::kComplete;
   const double timeout = impl_->config.runtime.start_timeout;
   const bool waited = static_cast<double>(model.tick) * kTickSeconds > timeout;
   if (timeout > 0.0 && model.session_tick < 0 && waited) return SimulatorState::kNoPedal;

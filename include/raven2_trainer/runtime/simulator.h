@@ -27,7 +27,7 @@ struct SimulatorOptions {
 enum class SimulatorState : std::uint8_t {
   kRunning,
   kComplete,  ///< the wanted session time is reached
-  kNoPedal,   ///< no pedal-down within runtime.start_timeout
+  kNoPedal,   ///< no pedal-down within runtime.start_timeout, and a duration was asked for
 };
 
 /**
