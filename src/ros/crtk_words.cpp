@@ -60,6 +60,7 @@ std::string invalid(const ServoRefused& r) {
 }
 
 std::string notEnabled(const ServoRefused& r) {
+  if (r.in == OperatingState::kFault) return "the arms are in FAULT: an E-STOP, which is ended at the robot";
   return std::string("the arms are ") + nameOf(kOperatingStateNames, r.in) + "; state_command \"" + wayToEnabled(r.in) +
          "\" first";
 }

@@ -72,6 +72,12 @@ bool isHeld(Mode mode) noexcept {
   return mode == Mode::kTeleoperating || mode == Mode::kCameraMoving;
 }
 
+/** Of the robot that is there, once it has left INIT, too: what is asked for before that is refused. Else of the model.
+ */
+bool isHomed(const ServoStand& stand) noexcept {
+  return !stand.robot_there || (stand.robot_homed && stand.robot_ready);
+}
+
 /** There is a robot that could move. */
 bool isReady(const ServoStand& stand) noexcept {
   return stand.robot_there && stand.robot_ready;
@@ -158,7 +164,7 @@ void ServoDesk::observe(const ServoStand& stand) noexcept {
 
 /** Of a Raven that is homed and has its pedal up, the robot's own branch says PAUSED, from the start on. */
 void ServoDesk::settleRavensState(const ServoStand& stand) noexcept {
-  const bool is_homed = (!stand.robot_there || stand.robot_homed) && !is_unhomed_;
+  const bool is_homed = isHomed(stand) && !is_unhomed_;
   if (!is_raven_ || disable_asked_ || stand.stop_asked) return;
   if (state_ == OperatingState::kDisabled && is_homed) state_ = OperatingState::kPaused;
   if (state_ == OperatingState::kPaused && !is_homed) state_ = OperatingState::kDisabled;
@@ -491,12 +497,12 @@ Pose ServoDesk::trimmed(Arm arm, const JointArray& q) noexcept {
 }
 
 void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {
-  const bool is_homing = stand_.robot_there && !stand_.robot_homed && !stand_.robot_stopped;
+  const bool is_homing = !isHomed(stand_) && !stand_.robot_stopped;
   ServoState state;
   state.tick = tick;
   state.time_ns = time_ns;
   state.state = state_;
-  state.is_homed = (!stand_.robot_there || stand_.robot_homed) && !is_unhomed_ ? 1 : 0;
+  state.is_homed = isHomed(stand_) && !is_unhomed_ ? 1 : 0;
   state.holds_pedal = holds_pedal_ ? 1 : 0;
   const bool is_alone = stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_;
   state.alone = holds_pedal_ && is_alone ? 1 : 0;

@@ -62,6 +62,12 @@ TEST(CrtkWords, WhatIsRefusedBecauseOfTheStateSaysTheWayOut) {
   EXPECT_EQ(sentence(refused), "state_command: pause is nothing in DISABLED; there enable goes on");
 }
 
+TEST(CrtkWords, InAFaultNobodyIsToldToEnable) {
+  ServoRefused refused = refusalOf(ServoKind::kServoTwist, ServoRefusal::kNotEnabled);
+  refused.in = OperatingState::kFault;
+  EXPECT_EQ(sentence(refused), "servo_cv: the arms are in FAULT: an E-STOP, which is ended at the robot");
+}
+
 TEST(CrtkWords, FreeThatFindsNothingToLetGoOfNamesNoOtherCommand) {
   ServoRefused refused = refusalOf(ServoKind::kFree, ServoRefusal::kInvalid);
   refused.in = OperatingState::kDisabled;
