@@ -15,6 +15,7 @@ install(FILES urdf/README.md DESTINATION ${DOC_FOLDER}/urdf)
 # Debian wants its own kind of changelog, compressed without a time stamp.
 execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/packaging/changelog
                 OUTPUT_FILE ${CMAKE_BINARY_DIR}/changelog.gz COMMAND_ERROR_IS_FATAL ANY)
+#catkin_lint: ignore_once missing_install_file missing_file
 install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${DOC_FOLDER})
 
 # What the programs call is what install_dependencies installs for running; libraries are found by dpkg-shlibdeps.

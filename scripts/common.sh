@@ -37,14 +37,16 @@ step() {
   wait "$progress" 2>/dev/null
   if [ $status -ne 0 ]; then
     [ -t 2 ] && printf '\r\033[K' >&2
-    fail "$name failed: $(grep -m1 -E 'error|Error|E: |cannot|fatal' "$log" || tail -n 1 "$log") (see $log)"
+    fail "$name failed: $(grep -m1 -E 'error|Error|^E: |cannot|fatal' "$log" || tail -n 1 "$log") (see $log)"
   fi
   [ -t 2 ] && printf '\r\033[K' >&2
   say "$name: $((SECONDS - begin)) s"
 }
 
 configure_preset() { cd "$ROOT" && cmake --preset "$1" -B "$2"; }
-configure() { [ -f "$BUILD/CMakeCache.txt" ] || step "configure" configure.log configure_preset release "$BUILD"; }
+# A configure that failed or was interrupted leaves its cache, but nothing to build with.
+is_configured() { [ -f "$BUILD/build.ninja" ] || [ -f "$BUILD/Makefile" ]; }
+configure() { is_configured || step "configure" configure.log configure_preset release "$BUILD"; }
 build() { step "build" build.log cmake --build "$BUILD" -j "$(nproc)" "$@"; }
 configure_and_build() { configure && build "$@"; }
 

@@ -12,6 +12,7 @@
 #include "raven2_trainer/ros/supervisor.h"
 #include "raven2_trainer/runtime/finish_session.h"
 #include "raven2_trainer/runtime/simulator.h"
+#include "raven2_trainer/wire/stream_watch.h"
 
 namespace raven2_trainer {
 namespace {
@@ -21,11 +22,21 @@ using runtime::SimulatorState;
 
 constexpr const char* kNode = "raven2_simulator";
 
+/** Once of each console that is refused for the most part: nobody would see why nothing moves. */
+void tellRefused(const Simulator& simulator, std::uint32_t* told) {
+  const StreamFinding finding = simulator.shared().master_stream.load();
+  if (finding.number == *told) return;
+  *told = finding.number;
+  std::fprintf(stderr, "\nraven2_trainer: %s\n", wire::sentence(finding).c_str());
+}
+
 /** Until the session is over or somebody ends it. @return true if it ended as it should. */
 bool watch(const Simulator& simulator, double duration) {
   apps::ProgressBar bar("session");
+  std::uint32_t told = 0;
   for (;;) {
     const bool interrupted = apps::waitForSignal(0.05);
+    tellRefused(simulator, &told);
     const ModelState model = simulator.shared().model.load();
     const double time = static_cast<double>(model.session_tick < 0 ? 0 : model.session_tick) * kTickSeconds;
     char detail[96];

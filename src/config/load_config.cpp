@@ -8,6 +8,7 @@
 #include "config/readers.h"
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/load_scenario.h"
+#include "raven2_trainer/config/load_stream.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
@@ -46,6 +47,14 @@ void readImpairments(const std::string& folder, TrainerConfig* c) {
     c->files.push_back((fs::path(folder) / (name + ".yaml")).string());
     c->impairments.push_back(loadImpairment(c->files.back()));
   }
+}
+
+/** Beside network.yaml. */
+void readStream(const std::string& folder, TrainerConfig* c) {
+  const std::string path = streamFile(folder, c->network.stream);
+  if (path.empty()) return;
+  c->files.push_back(path);
+  c->network.itp.stream = loadStream(path);
 }
 
 TrainingNames readTrainingNames(Section& root, const TrainingNames& instead) {
@@ -108,6 +117,7 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
     readNetwork(section, c.haptics, network);  // a force must end in time
   };
   read("network", &c.network, readNetworkFor);
+  readStream((fs::absolute(file("network")).parent_path() / "streams").string(), &c);
   read("runtime", &c.runtime, readRuntime);
   read("planner", &c.planner, readPlanner);
   read("execution", &c.execution, readExecution);

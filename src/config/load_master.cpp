@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "axis_map.h"
 #include "named_files.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
@@ -14,7 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 2> kUnits{"m", "mm"};
-constexpr std::array<const char*, 3> kDirections{"forward", "right", "down"};
 constexpr int kMostButtons = 32;
 constexpr int kMostAxes = 8;
 constexpr double kShortestSilence = 0.05;  ///< [s] of a pedal, as network.yaml's joy: timeout
@@ -33,37 +33,6 @@ std::string topic(Section& section, const std::string& key, bool may_be_empty) {
   if (!(name.empty() && may_be_empty) && !isTopic(name))
     throw ConfigException(section.where(key) + " is \"" + name + "\", expected the name of a topic");
   return name;
-}
-
-double determinant(const AxisMap& m) {
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
-bool isSignedPermutation(const AxisMap& map) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    int in_row = 0, in_column = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (map[i][k] != 0.0 && std::abs(map[i][k]) != 1.0) return false;
-      in_row += map[i][k] != 0.0 ? 1 : 0;
-      in_column += map[k][i] != 0.0 ? 1 : 0;
-    }
-    if (in_row != 1 || in_column != 1) return false;
-  }
-  return true;
-}
-
-AxisMap readAxes(Section& root, const std::string& key, bool may_mirror) {
-  Section s = root.section(key);
-  AxisMap map{};
-  for (std::size_t i = 0; i < 3; ++i)
-    map[i] = s.vec3(kDirections[i], -1.0, 1.0);
-  s.finish();
-  if (!isSignedPermutation(map))
-    throw ConfigException(root.where(key) + ": each direction needs one of the device's axes, 1 or -1, and none twice");
-  if (!may_mirror && determinant(map) < 0.0)
-    throw ConfigException(root.where(key) + " mirrors: both sides are right-handed, so one or three signs are wrong");
-  return map;
 }
 
 void readPose(Section& root, MasterConfig* c) {

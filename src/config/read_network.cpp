@@ -88,6 +88,10 @@ void readNetwork(Section& root, const HapticGains& haptics, NetworkConfig* c) {
   c->master_address = root.text("master_address");
   c->allow_plaintext_remote = root.boolean("allow_plaintext_remote");
   c->key_file = root.text("key_file");
+  c->stream = root.text("stream");
+  if (c->stream != "none" && c->itp.auth != ItpAuth::kOff)
+    throw ConfigException(root.where("stream") + " is \"" + c->stream +
+                          "\", but what is signed is proper ITP (auth): none, or auth: off");
   if (!c->key_file.empty()) c->key_file = (fs::absolute(root.file()).parent_path() / c->key_file).string();
   checkExposure(root, *c);
   Section joy = root.section("joy");

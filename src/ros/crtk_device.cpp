@@ -64,6 +64,16 @@ DiagnosticStatus CrtkDevice::status() const {
   return crtkStatus(servo, inbox_.counts());
 }
 
+std::vector<std::string> CrtkDevice::services() const {
+  std::vector<std::string> names;
+  for (const auto& kinematics : kinematics_) {
+    if (kinematics == nullptr) continue;
+    const std::vector<std::string> more = kinematics->names();
+    names.insert(names.end(), more.begin(), more.end());
+  }
+  return names;
+}
+
 void CrtkDevice::stop() {
   publisher_.stop();
   for (auto& listener : listeners_)

@@ -35,6 +35,8 @@ class CrtkDevice {
 
   /** Any thread. */
   diagnostic_msgs::DiagnosticStatus status() const;
+  /** Resolved names of what answers, to be registered again with a ROS master that came back. */
+  std::vector<std::string> services() const;
 
   /** Ends its threads. */
   void stop();

@@ -150,4 +150,11 @@ CrtkKinematics::CrtkKinematics(ros::NodeHandle* node,
   offer("local/", baseFrame(arm));
 }
 
+std::vector<std::string> CrtkKinematics::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer& service : services_)
+    names.push_back(service.getService());
+  return names;
+}
+
 }  // namespace raven2_trainer::ros_bridge

@@ -40,6 +40,8 @@ class CrtkKinematics {
                  const Pose& X_WB,
                  bool is_raven);
 
+  std::vector<std::string> names() const;  ///< resolved
+
  private:
   std::vector<ros::ServiceServer> services_;
 };

@@ -7,6 +7,7 @@
 
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/wire/robot_frame.h"
+#include "raven2_trainer/wire/stream_watch.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -150,8 +151,8 @@ DiagnosticStatus pictureStatus(const LivePicture& picture) {
     s.level = DiagnosticStatus::ERROR;
     s.message = "failed; the daemon's stderr says why";
   }
-  s.values = {keyValue("frames", picture.frames), keyValue("changes", picture.changes), keyValue("parted", picture.parted),
-              keyValue("watched", static_cast<int>(picture.watched))};
+  s.values = {keyValue("frames", picture.frames), keyValue("changes", picture.changes),
+              keyValue("parted", picture.parted), keyValue("watched", static_cast<int>(picture.watched))};
   return s;
 }
 
@@ -280,6 +281,11 @@ diagnostic_msgs::DiagnosticArray diagnostics(const SessionCounts& counts,
   for (std::size_t i = 0; i < kLoopCount; ++i)
     array.status.push_back(loopStatus(kLoopNames[i], counts.loops[i]));
   array.status.push_back(linkStatus("master to daemon", counts.master));
+  const StreamFinding finding = shared.master_stream.load();
+  if (finding.lasts != 0) {
+    array.status.back().level = DiagnosticStatus::WARN;
+    array.status.back().message = wire::sentence(finding);
+  }
   array.status.push_back(relayStatus(counts));
   array.status.push_back(linkStatus("robot to daemon", counts.robot_state));
   array.status.push_back(forceStatus(counts));

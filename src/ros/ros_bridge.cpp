@@ -201,6 +201,9 @@ std::vector<std::string> RosBridge::services() const {
   std::vector<std::string> names = impl_->services.names();
   for (const auto& more : {impl_->planning_services.names(), impl_->training_services.names()})
     names.insert(names.end(), more.begin(), more.end());
+  if (!impl_->crtk) return names;
+  const std::vector<std::string> queries = impl_->crtk->services();
+  names.insert(names.end(), queries.begin(), queries.end());
   return names;
 }
 

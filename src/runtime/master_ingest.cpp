@@ -10,6 +10,7 @@ Reject MasterIngest::receive(const wire::Arrival& arrival) noexcept {
 
 void MasterIngest::idle(std::int64_t now_ns) noexcept {
   gate_.idle(now_ns);
+  if (watch_.look(counts_, now_ns)) shared_.master_stream.store(watch_.finding());
   ask(pedal_gate_.idle(now_ns));
 }
 

@@ -17,6 +17,7 @@ ItpGate::ItpGate(const ItpRules& rules, Audience audience, const ItpKey* key) no
       limits_{rules.max_increment_um, rules.max_rotation},
       auth_(key != nullptr ? rules.auth : ItpAuth::kOff),
       unpin_after_ns_(std::llround(std::max(kUnpinAfter, rules.pedalTimeout()) * 1e9)),
+      stream_(audience == Audience::kDaemon ? rules.stream : StreamProfile{}),
       sessions_(key, audience),
       packets_(rules.max_rate, rules.max_burst),
       hellos_(kHelloRate, kHelloBurst),
@@ -36,10 +37,12 @@ Reject ItpGate::judge(const Arrival& arrival, ItpPacket* packet) noexcept {
 Reject ItpGate::judgeCompat(const Arrival& arrival, ItpPacket* packet) noexcept {
   Reject reason = decodeItp(arrival.bytes, std::min(arrival.size, kItpSize), packet);
   if (reason != Reject::kNone) return reason;
+  stream_.translate(packet);
   reason = checkUsable(*packet);
   if (reason != Reject::kNone) return reason;
   reason = compat_rule_.check(packet->sequence);
   last_ = compat_rule_.last();
+  if (reason == Reject::kNone) stream_.keep();
   return reason;
 }
 
@@ -49,6 +52,7 @@ Reject ItpGate::judgeHardened(const Arrival& arrival, ItpPacket* packet) noexcep
   const Reject reason = is_signed ? judgeSigned(arrival, packet) : judgePlain(arrival, packet);
   if (reason != Reject::kNone) return reason;
   if (!packets_.take(arrival.time_ns)) return Reject::kRateLimited;
+  stream_.keep();
   pin(arrival);
   return Reject::kNone;
 }
@@ -57,6 +61,7 @@ Reject ItpGate::judgePlain(const Arrival& arrival, ItpPacket* packet) noexcept {
   Reject reason = decodeItp(arrival.bytes, arrival.size, packet);
   if (reason != Reject::kNone) return reason;
   if (signed_only_) return Reject::kUnsigned;
+  stream_.translate(packet);
   reason = checkItp(*packet, limits_);
   if (reason != Reject::kNone) return reason;
   const bool pedal = packet->surgeon_mode != 0;
@@ -127,6 +132,7 @@ void ItpGate::idle(std::int64_t now_ns) noexcept {
   if (!pinned_ || now_ns - heard_ns_ <= unpin_after_ns_) return;
   pinned_ = false;
   window_ = SequenceWindow();
+  stream_.forget();
 }
 
 }  // namespace raven2_trainer::wire

@@ -34,6 +34,27 @@ def test_another_kind_and_another_option_are_refused():
         assert result.returncode == 1 and result.stderr.startswith("E: ") and result.stdout == ""
 
 
+def test_catkin_lint_finds_neither_errors_nor_warnings():
+    """Without the network: names that are no ROS packages are looked at below."""
+    result = subprocess.run(["catkin_lint", "--offline", "-W1", ROOT], capture_output=True, text=True, timeout=120,
+                            check=False)
+    assert result.returncode == 0 and "found 0 problems" in result.stderr, result.stdout + result.stderr
+
+
+def test_package_xml_names_nothing_that_rosdep_does_not_know():
+    """Of the keys that are no ROS packages: those of rosdep's base.yaml and python.yaml (ros/rosdistro, 2026), and `ompl`, a
+    package of ROS noetic."""
+    known = set("assimp cli11 eigen ffmpeg gtest iproute2 libccd-dev libfcl-dev libosmesa6-dev libsodium-dev libturbojpeg "
+                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende python3-matplotlib python3-numpy "
+                "python3-pytest python3-yaml stress-ng xvfb yaml-cpp zlib".split())
+    ros = set("actionlib actionlib_msgs catkin diagnostic_msgs genmsg genpy geometry_msgs message_generation "
+              "message_runtime nav_msgs rosbag rosbash roscpp rosgraph_msgs roslaunch rosmsg rospy rostest rostopic sensor_msgs "
+              "std_msgs std_srvs tf2_msgs topic_tools trajectory_msgs visualization_msgs".split())
+    keys = re.findall(r"<(?:\w+_)?depend>([^<]+)<", text("package.xml"))
+    assert sorted(set(keys) - known - ros) == []
+    assert len(keys) == len(set(keys)), "none twice"
+
+
 def test_nothing_that_runs_needs_a_development_package():
     assert [name for name in packages("run") if name.endswith("-dev")] == []
 

@@ -17,12 +17,17 @@ PEDAL_UP, PEDAL_DOWN = 2, 3
 WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
 ARMS = ("/arm1/", "/arm2/")
-CRTK_TOPICS = {"operating_state", "info", "warning", "error", "measured_js", "setpoint_js", "jaw/measured_js", "jaw/setpoint_js",
-               "measured_cp", "setpoint_cp", "goal_cp", "local/measured_cp", "local/setpoint_cp", "local/goal_cp", "measured_cv",
-               "local/measured_cv", "measured_cf", "jacobian", "local/jacobian"}
-CRTK_HEARS = {"state_command", "hold", "free", "servo_jp", "servo_jr", "move_jp", "jaw/servo_jp", "jaw/servo_jr", "jaw/move_jp",
-              "servo_cp", "servo_cr", "servo_cv", "move_cp", "local/servo_cp", "local/servo_cr", "local/servo_cv",
-              "local/move_cp"}
+CRTK_STATES = {"measured_js", "setpoint_js", "jaw/measured_js", "jaw/setpoint_js", "measured_cp", "setpoint_cp", "goal_cp",
+               "local/measured_cp", "local/setpoint_cp", "local/goal_cp", "measured_cv", "local/measured_cv", "measured_cf",
+               "body/measured_cf", "spatial/measured_cf", "jacobian", "local/jacobian", "body/jacobian", "spatial/jacobian"}
+CRTK_TOPICS = CRTK_STATES | {"operating_state", "info", "warning", "error", "is_valid", "trajectory_j/ratio", "twist_timeout"}
+CRTK_HEARS = {"state_command", "hold", "free", "servo_jp", "servo_jr", "servo_jv", "servo_jf", "move_jp", "move_jr",
+              "jaw/servo_jp", "jaw/servo_jr", "jaw/servo_jv", "jaw/servo_jf", "jaw/move_jp", "jaw/move_jr", "servo_cp", "servo_cr",
+              "servo_cv", "servo_cf", "move_cp", "local/servo_cp", "local/servo_cr", "local/servo_cv", "local/servo_cf",
+              "local/move_cp", "body/servo_cf", "spatial/servo_cf", "body/set_cf_orientation_absolute",
+              "spatial/set_cf_orientation_absolute", "trajectory_j/set_ratio", "use_gravity_compensation",
+              "emulate_tool_present"}
+CRTK_SERVICES = {"forward_kinematics", "inverse_kinematics", "local/forward_kinematics", "local/inverse_kinematics"}
 DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/force", "/haptic/green/force",
                  "/camera/image_raw", "/camera/image_raw/compressed", "/camera/camera_info", "/camera/left/image_raw",
                  "/camera/left/image_raw/compressed", "/camera/left/camera_info", "/camera/right/image_raw",
@@ -30,14 +35,16 @@ DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/for
                  "/workspace_edge", "/tf", "/tf_static", "/session/configuration", "/diagnostics", "/plan/trajectory",
                  "/plan/tip_path", "/plan/progress", "/plan/execution", "/mode", "/exercise/state", "/exercise/events",
                  "/view/image_raw", "/view/image_raw/compressed", "/move_arm/status", "/move_arm/feedback",
-                 "/move_arm/result"} | {arm + topic for arm in ARMS for topic in CRTK_TOPICS}
+                 "/move_arm/result"} | {arm + topic for arm in ARMS for topic in CRTK_TOPICS} | {
+    "/model" + arm + topic for arm in ARMS for topic in CRTK_STATES}
 DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"} | {
     arm + topic for arm in ARMS for topic in CRTK_HEARS}
 DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
                    "/cancel_plan", "/emergency_stop", "/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial",
                    "/discard_trial", "/repeat_trial", "/begin_replay", "/end_replay", "/clear_stop", "/set_view",
                    "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
-                   "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"}
+                   "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"} | {
+    arm + service for arm in ARMS for service in CRTK_SERVICES}
 
 # Who subscribes to what is latched, long after it was told: when it came, and what.
 LATECOMER = """

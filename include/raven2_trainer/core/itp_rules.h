@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "raven2_trainer/core/stream_profile.h"
+
 namespace raven2_trainer {
 
 /** Whether a receiver of ITP asks for signatures (doc/wire.md). */
@@ -21,6 +23,7 @@ struct ItpRules {
   std::int32_t max_burst{};         ///< [-] packets used at once
   double master_timeout{};          ///< [s] silence of the console after which the pedal counts as up
   double compat_timeout{};          ///< [s] the same with a Raven's rules
+  StreamProfile stream{};           ///< of the daemon's console alone
 
   double pedalTimeout() const noexcept { return hardened ? master_timeout : compat_timeout; }
 };

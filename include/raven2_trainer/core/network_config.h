@@ -35,6 +35,7 @@ struct NetworkConfig {
   std::string master_address;     ///< the only one heard; empty: the first that sends a valid packet
   bool allow_plaintext_remote{};  ///< unsigned ITP from other computers may be listened to
   std::string key_file;           ///< absolute path; empty: none
+  std::string stream;             ///< name of the console's profile (config/streams), or none
   JoyConfig joy{};
 };
 

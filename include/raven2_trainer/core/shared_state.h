@@ -20,6 +20,7 @@
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/state_cell.h"
+#include "raven2_trainer/core/stream_finding.h"
 
 namespace raven2_trainer {
 
@@ -73,6 +74,7 @@ struct SharedState {
   StateCell<GuidePath> guide_path;
   // written by ingest
   StateCell<LinkCounts> master_link;
+  StateCell<StreamFinding> master_stream;
   // written by ingest: of the packets of pedals beside ITP
   StateCell<LinkCounts> pedal_link;
   // written by robot_link

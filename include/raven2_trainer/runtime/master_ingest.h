@@ -7,6 +7,7 @@
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/runtime/pedal_gate.h"
 #include "raven2_trainer/wire/itp_gate.h"
+#include "raven2_trainer/wire/stream_watch.h"
 #include "raven2_trainer/wire/token_bucket.h"
 
 namespace raven2_trainer::runtime {
@@ -35,7 +36,7 @@ class MasterIngest {
   /** kNone: send `*reply` to the source; nothing is counted then. @param[in] fresh random, used at most once. */
   Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
 
-  /** Lets go of a silent master. At least every 100 ms. */
+  /** Lets go of a silent master, and tells of one whose packets are refused. At least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
   bool isPinned() const noexcept { return gate_.isPinned(); }
@@ -62,6 +63,7 @@ class MasterIngest {
   SharedState& shared_;
   ModelState model_{};  ///< as last read
   LinkCounts counts_{}, pedal_counts_{};
+  wire::StreamWatch watch_;
 };
 
 }  // namespace raven2_trainer::runtime

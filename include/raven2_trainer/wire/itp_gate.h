@@ -8,6 +8,7 @@
 #include "raven2_trainer/wire/sequence_rule.h"
 #include "raven2_trainer/wire/sequence_window.h"
 #include "raven2_trainer/wire/session_table.h"
+#include "raven2_trainer/wire/stream_translator.h"
 #include "raven2_trainer/wire/token_bucket.h"
 
 namespace raven2_trainer::wire {
@@ -23,7 +24,8 @@ struct Arrival {
 /**
  * What a receiver of ITP makes of a datagram: size, source, signature, values, order, rate, in this order; each reason
  * of rejection is one of core's Reject. `compat`: a Raven's own rules, from anyone. `hardened`: one pinned master, and
- * with a key nothing that is not signed. Knows no socket and no clock. Real-time safe. Rules: doc/wire.md.
+ * with a key nothing that is not signed. A console's own way of speaking ITP is translated first, for the daemon alone.
+ * Knows no socket and no clock. Real-time safe. Rules: doc/wire.md.
  */
 class ItpGate {
  public:
@@ -68,6 +70,7 @@ class ItpGate {
   std::int64_t unpin_after_ns_;
   std::uint64_t allowed_{0}, allowed_mask_{0};
 
+  StreamTranslator stream_;
   SequenceRule compat_rule_;
   SequenceWindow window_;
   SessionTable sessions_;

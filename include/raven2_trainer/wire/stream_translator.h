@@ -1,0 +1,45 @@
+#pragma once
+
+#include "raven2_trainer/core/stream_profile.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::wire {
+
+/**
+ * Makes proper ITP of a console's own packets before they are judged. What is known of a stream (where its grasp was,
+ * the rest of a micrometre, whether its pedal was up) changes with the packets that are used alone: keep() after each.
+ * Pure; real-time safe.
+ */
+class StreamTranslator {
+ public:
+  explicit StreamTranslator(const StreamProfile& profile) noexcept : profile_(profile) {}
+
+  bool isOn() const noexcept { return profile_.is_on; }
+  /** In place. What is not finite stays so; what is no rotation becomes no unit quaternion. */
+  void translate(ItpPacket* packet) noexcept;
+  /** The packet that was translated last is used. */
+  void keep() noexcept { kept_ = next_; }
+  /** Another console, or the same after a silence. */
+  void forget() noexcept { kept_ = next_ = {}; }
+
+ private:
+  struct Arm {
+    Vec3 rest_um{};  ///< of what whole micrometres left over
+    double rest_mrad{};
+    double grasp{};  ///< [counts] where it was
+    bool knows_grasp{};
+  };
+  struct Stream {
+    PerArm<Arm> arms{};
+    bool was_up{};
+  };
+
+  void translatePosition(std::size_t arm, ItpPacket* packet) noexcept;
+  void translateTurn(std::size_t arm, ItpPacket* packet) const noexcept;
+  void translateGrasp(std::size_t arm, ItpPacket* packet) noexcept;
+
+  StreamProfile profile_;
+  Stream kept_{}, next_{};
+};
+
+}  // namespace raven2_trainer::wire
