@@ -350,15 +350,16 @@ TEST_F(ServoCommands, AreRefusedWithTheReasonThatHolds) {
   EXPECT_EQ(state().state, OperatingState::kDisabled);
   EXPECT_EQ(state().is_homed, 0);
   EXPECT_EQ(state().arms[1].is_busy, 1);
-  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
-  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNotHomed);
   stand.robot_homed = true;  // and still in INIT: a client that is told that it is homed moves it
-  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNotHomed);
+  tick();
   EXPECT_EQ(state().is_homed, 0);
   EXPECT_EQ(state().arms[0].is_busy, 1);
+  EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
+  EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNotHomed);
   stand.robot_ready = true;
   EXPECT_EQ(askPose(ServoKind::kServoPose, {}), ServoRefusal::kNone);
   EXPECT_EQ(state().is_homed, 1);
+  EXPECT_EQ(state().arms[0].is_busy, 0);
   EXPECT_EQ(askPose(ServoKind::kServoPose, {1.0, 0.0, 0.0}), ServoRefusal::kTooFar);
   EXPECT_EQ(refused.arm, Arm::kGold);
   EXPECT_EQ(refused.limit, 0.02);
