@@ -50,6 +50,7 @@ CrtkDevice::CrtkDevice(const ros::NodeHandle& node, const TopicSource& source, S
     at(arms_, arm) = std::make_unique<CrtkArm>(&node_, arm, config, X_WB, source.body_names, voice.get());
     at(listeners_, arm) =
         std::make_unique<CrtkListener>(node_, arm, config, X_WB, may_command, before, &inbox_, voice.get());
+    if (!may_command) continue;
     at(kinematics_, arm) =
         std::make_unique<CrtkKinematics>(&node_, arm, at(config.crtk.names, arm), config.arms.geometry, X_WB,
                                          config.crtk.dialect == CrtkDialect::kRaven);
