@@ -56,7 +56,7 @@ TEST(SessionLogBytes, AreThoseOfARequestWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 4, 2);                      // type: request
-  append(&expected, 9, 2);                      // version
+  append(&expected, 10, 2);                      // version
   append(&expected, 8 + 6 + 24 + 56 + 8, 4);    // payload length
   append(&expected, 1, 8);                      // record number: the header is 0
   append(&expected, 0x1234, 8);                 // tick
@@ -96,7 +96,7 @@ TEST(SessionLogBytes, AreThoseOfAnExercisesEventWrittenByHand) {
   }
   Bytes expected{'R', 'V', '2', 'L'};
   append(&expected, 13, 2);                     // type: exercise
-  append(&expected, 9, 2);                      // version
+  append(&expected, 10, 2);                      // version
   append(&expected, 8 + 5 + 4 + 16, 4);         // payload length
   append(&expected, 1, 8);                      // record number
   append(&expected, 0x102030405ULL, 8);         // tick
@@ -120,7 +120,7 @@ TEST(SessionLogBytes, StartWithTheHeaderRecord) {
   { LogWriter log(path, header); }
   const Bytes file = readBytes(path);
   const std::string json = headerToJson(header);
-  Bytes expected{'R', 'V', '2', 'L', 0, 0, 9, 0};
+  Bytes expected{'R', 'V', '2', 'L', 0, 0, 10, 0};
   append(&expected, json.size(), 4);
   append(&expected, 0, 8);
   expected.insert(expected.end(), json.begin(), json.end());
@@ -224,7 +224,7 @@ TEST(SessionLogSchema, KnowsEveryMemberOfTheRecords) {
   EXPECT_EQ(sizeof(Histogram), Histogram::kBuckets * 4u);
   EXPECT_EQ(sizeof(LoopTiming), 13 * 8 + 2 * sizeof(Histogram));
   EXPECT_EQ(sizeof(RingCounts), 3 * 8u);
-  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 14 * 8 + 3 * 3 * 8 + 2 * sizeof(LoopTiming) +
+  EXPECT_EQ(sizeof(SessionCounts), 3 * sizeof(LinkCounts) + 15 * 8 + 3 * 3 * 8 + 2 * sizeof(LoopTiming) +
                                        kRingCount * sizeof(RingCounts) + 2 + /*padding*/ 6u);
   EXPECT_EQ(sizeof(Fault), 4 + 8 + 4 + 12 * 8u);
   EXPECT_EQ(sizeof(FaultPlan), 8 + 4 + 4 + 1 + /*padding*/ 7 + 8 * sizeof(Fault));
