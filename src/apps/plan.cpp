@@ -1,7 +1,10 @@
 // Plans one problem again and again and tracks each path on the model: the paper's Table 2, Figures 7 and 8, and the
 // comparison of planners.
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <string>
@@ -14,6 +17,7 @@
 #include "raven2_trainer/config/load_problem.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/ompl_log.h"
 #include "raven2_trainer/runtime/plan_files.h"
 #include "raven2_trainer/runtime/plan_study.h"
 #include "raven2_trainer/runtime/plan_tables.h"
@@ -24,19 +28,23 @@ namespace {
 struct Options {
   apps::CommonOptions common;
   runtime::PlanChoice choice;
-  std::string problem{"paper"}, output;
+  std::string problem{"paper"}, output, ompl_log;
   int runs{20}, threads{1};
   bool plot{false};
 };
 
 using Cases = std::vector<planning::PlanOptions>;
 
-std::string newFolder(const std::string& problem) {
-  char stamp[32];
+std::string utc(const char* format) {
+  char text[32];
   const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  std::strftime(stamp, sizeof(stamp), "%Y-%m-%dT%H-%M-%SZ", gmtime_r(&now, &utc));
-  return "plans/" + problem + "_" + stamp;
+  std::tm parts{};
+  std::strftime(text, sizeof(text), format, gmtime_r(&now, &parts));
+  return text;
+}
+
+std::string newFolder(const std::string& problem) {
+  return "plans/" + problem + "_" + utc("%Y-%m-%dT%H-%M-%SZ");
 }
 
 void check(const Options& options) {
@@ -101,6 +109,12 @@ void addFigureRuns(const TrainerConfig& config,
   }
 }
 
+runtime::OmplExperiment experimentOf(const PlanProblem& problem) {
+  char host[256] = "UNKNOWN";
+  gethostname(host, sizeof(host) - 1);
+  return {problem.name, problem.description, host, utc("%Y-%m-%d %H:%M:%S"), 0.0};
+}
+
 int plan(Options options) {
   check(options);
   const TrainerConfig config = options.common.load();
@@ -117,7 +131,13 @@ int plan(Options options) {
   std::printf("%s: %s\n", problem.name.c_str(), problem.description.c_str());
   if (options.threads > 1)
     std::printf("%d plans side by side: planning times are longer than alone\n", options.threads);
-  report(files.directory(), study_options.cases, study(config, problem, study_options, "plan", &files), over_time);
+  runtime::OmplExperiment experiment = experimentOf(problem);
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<runtime::PlanRun> runs = study(config, problem, study_options, "plan", &files);
+  experiment.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report(files.directory(), study_options.cases, runs, over_time);
+  if (!options.ompl_log.empty())
+    runtime::writeFile(options.ompl_log, runtime::omplLog(experiment, study_options, runs));
   std::fflush(stdout);  // ahead of what the script prints
   if (!options.plot) return 0;
   addFigureRuns(config, problem, study_options, files.directory(), options.choice);
@@ -169,6 +189,7 @@ int main(int argc, char** argv) {
   addChoice(&app, &options.choice);
   app.add_option("--threads", options.threads, "Plans side by side")->capture_default_str()->check(CLI::Range(1, 64));
   app.add_option("--output", options.output, "New folder (default: plans/<problem>_<UTC stamp>)");
+  app.add_option("--ompl-log", options.ompl_log, "Write OMPL's benchmark log, for ompl_benchmark_statistics.py");
   app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of the paper into the folder");
   app.add_option("--config", options.common.config,
                  "Root configuration file (default: the packaged config/trainer.yaml)");

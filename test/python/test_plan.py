@@ -48,6 +48,65 @@ def test_a_study_is_printed_written_and_drawn(tmp_path):
         assert (folder / picture).stat().st_size > 20000
 
 
+def read_ompl_log(path):
+    """By planner: the values of its runs by the names of their properties; in the order in which ompl_benchmark_statistics.py
+    of OMPL 1.5 and later asks for the lines."""
+    lines = iter(path.read_text().splitlines())
+
+    def count(words):
+        number, rest = next(lines).split(" ", 1)
+        assert rest == words
+        return int(number)
+
+    def block():
+        assert next(lines) == "<<<|"
+        while next(lines) != "|>>>":
+            pass
+
+    assert next(lines).startswith("OMPL version 1.")
+    assert next(lines) == "Experiment short_move"
+    assert count("experiment properties") == 0
+    assert next(lines).startswith("Running on ") and next(lines).startswith("Starting at 20")
+    block()
+    block()
+    assert count("is the random seed") == 5
+    for words in (" seconds per run", " MB per run", " runs per planner", " seconds spent to collect the data"):
+        assert (line := next(lines)).endswith(words) and float(line[:-len(words)]) >= 0
+    assert count("enum type") == 1
+    status = next(lines).split("|")[1:]
+    planners = {}
+    for _ in range(count("planners")):
+        name = next(lines)
+        for _ in range(count("common properties")):
+            assert " = " in next(lines)
+        names = [next(lines).rsplit(" ", 1)[0] for _ in range(count("properties for each run"))]
+        runs = [next(lines).split("; ") for _ in range(count("runs"))]
+        assert all(run[-1] == "" and len(run) == len(names) + 1 for run in runs)
+        planners[name] = [dict(zip(names, run)) for run in runs]
+        assert next(lines) == "."
+    assert next(lines, None) is None
+    return planners, status
+
+
+def test_a_study_is_written_as_ompls_benchmark_log(tmp_path):
+    log = tmp_path / "benchmark.log"
+    got = plan("short_move", "--samples", "40", "--runs", 2, "--seed", 5, "--output", tmp_path / "s", "--ompl-log", log)
+    assert got.returncode == 0, got.stderr
+    planners, status = read_ompl_log(log)
+    written = rows(tmp_path / "s" / "runs.csv")
+    assert len(planners) == 2 and all(name.startswith("FMTstar_n40_eta") for name in planners)
+    runs = [run for of_one in planners.values() for run in of_one]
+    for run, row in zip(runs, written, strict=True):
+        assert run["seed"] == row["seed"] and run["solved"] == run["correct_solution"] == "1"
+        assert status[int(run["status"])] == "success"
+        assert float(run["time"]) == pytest.approx(float(row["planning_time_s"]), rel=1e-3)
+        assert float(run["solution_cost"]) == pytest.approx(float(row["cost"]), rel=1e-3)
+        assert float(run["clearance"]) == pytest.approx(float(row["clearance_m"]), rel=1e-3)
+    got = plan("impossible", "--samples", 50, "--runs", 1, "--exact", "--eta", "0.1,0.5,0", "--output", tmp_path / "i",
+               "--ompl-log", log)
+    assert got.returncode == 0 and "; 0; " in log.read_text(), "no cost of what has no path"
+
+
 def test_planners_are_compared_over_time(tmp_path):
     got = plan("short_move", "--planner", "FMTstar,RRTConnect", "--samples", 50, "--times", "1,2", "--runs", 1,
                "--output", tmp_path / "c")

@@ -61,11 +61,15 @@ def test_only_roscpps_own_port_listens_beyond_this_computer_and_a_shutdown_call_
         assert stack.stop(program)[0] == 0
 
 
+QUERIES = {f"/{arm}/{prefix}{which}_kinematics" for arm in ("arm1", "arm2") for prefix in ("", "local/")
+           for which in ("forward", "inverse")}
+
+
 def test_a_network_gets_no_commands_unless_the_configuration_says_so(master):
     open_to_all = {"ROS_HOSTNAME": socket.gethostname()}
     for key, wanted in ((False, SAFER), (True, SAFER | TRAINING | {"/start_hazard", "/engage", "/plan", "/planning_mode",
                                                         "/execute_plan", "/gold/set_collisions",
-                                                        "/green/set_collisions"})):
+                                                        "/green/set_collisions"} | QUERIES)):
         stack, node = start(master, "simulator", open_to_all, {"runtime": {"enable_remote_control": key}})
         with stack:
             services = {s for s in master.known_of(node)["services"] if not s.startswith(node)}
