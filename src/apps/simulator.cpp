@@ -22,8 +22,8 @@ using runtime::SimulatorState;
 
 constexpr const char* kNode = "raven2_simulator";
 
-/** Once of each console that is refused for the most part: nobody would see why nothing moves. */
-void tellRefused(const Simulator& simulator, std::uint32_t* told) {
+/** Says once why most packets of a console are refused: without it nobody sees why nothing moves. */
+void reportRefusedConsole(const Simulator& simulator, std::uint32_t* told) {
   const StreamFinding finding = simulator.shared().master_stream.load();
   if (finding.number == *told) return;
   *told = finding.number;
@@ -36,7 +36,7 @@ bool watch(const Simulator& simulator, double duration) {
   std::uint32_t told = 0;
   for (;;) {
     const bool interrupted = apps::waitForSignal(0.05);
-    tellRefused(simulator, &told);
+    reportRefusedConsole(simulator, &told);
     const ModelState model = simulator.shared().model.load();
     const double time = static_cast<double>(model.session_tick < 0 ? 0 : model.session_tick) * kTickSeconds;
     char detail[96];

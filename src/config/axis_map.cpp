@@ -10,11 +10,6 @@ namespace {
 
 constexpr std::array<const char*, 3> kDirections{"forward", "right", "down"};
 
-double determinant(const AxisMap& m) {
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
 bool isSignedPermutation(const AxisMap& map) {
   for (std::size_t i = 0; i < 3; ++i) {
     int in_row = 0, in_column = 0;

@@ -346,9 +346,10 @@ void ServoDesk::endPush(Arm arm) noexcept {
   push.wanted.has_jaw = false;
 }
 
-/** A client that falls silent pushes no longer. */
+/** A client that falls silent pushes no longer, and beside a robot that has come nobody does. */
 void ServoDesk::stepPushes() noexcept {
   for (const Arm arm : kArms) {
+    if (stand_.robot_there) endPush(arm);
     Push& push = at(pushes_, arm);
     Effort& wanted = push.wanted;
     const bool ends = wanted.kind != EffortKind::kNone && --push.left < 0;
@@ -361,10 +362,12 @@ void ServoDesk::stepPushes() noexcept {
   }
 }
 
+/** A force that is asked for with the pedal-down waits until the model takes it. */
 bool ServoDesk::nextEffort(Request* request) noexcept {
   for (const Arm arm : kArms) {
     Push& push = at(pushes_, arm);
-    if (!push.has_changed) continue;
+    const bool waits = push.wanted.isAny() && stand_.mode != Mode::kTeleoperating;
+    if (!push.has_changed || waits) continue;
     push.has_changed = false;
     *request = requestOf(arm, push.wanted);
     return true;

@@ -353,10 +353,11 @@ struct Layout<Request> {
     v.field("arm", s.arm, "", "of which arm");
     v.field("choose_arm", s.choose_arm, "", "plan: 1 the planner chooses the arm");
     v.field("goal", s.goal, "", "plan: where it shall lead");
-    v.field("enabled", s.enabled, "", "set_collisions: 1 the arm meets scene and other arm");
+    v.field("enabled", s.enabled, "",
+            "set_collisions: 1 the arm meets scene and other arm; set_effort: which (core/effort.h)");
     v.field("on_robot", s.on_robot, "", "execute_plan: 1 the robot moves too");
     v.field("goal_W", s.goal_W, "m", "goal tip: position to reach, in the world frame W");
-    v.field("goal_q", s.goal_q, "rad, [2] m", "goal joints: positions to reach");
+    v.field("goal_q", s.goal_q, "rad, [2] m", "goal joints: positions to reach; set_effort: Nm and N");
     v.field("id", s.id, "", "chosen by the sender, comes back in plan, answer and report");
     v.field("plan", s.plan, "", "execute_plan: id of the plan that is meant; 0 whichever is there");
   }

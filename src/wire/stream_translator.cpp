@@ -6,17 +6,11 @@
 namespace raven2_trainer::wire {
 namespace {
 
-Vec3 turned(const std::array<Vec3, 3>& axes, const Vec3& v) noexcept {
+Vec3 turned(const AxisMap& axes, const Vec3& v) noexcept {
   Vec3 result{};
   for (std::size_t i = 0; i < 3; ++i)
     result[i] = axes[i][0] * v[0] + axes[i][1] * v[1] + axes[i][2] * v[2];
   return result;
-}
-
-/** -1 where the axes mirror: an axis of rotation turns the other way then. */
-double handedness(const std::array<Vec3, 3>& m) noexcept {
-  return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
 /** Whole; `*rest` is what is left over. What no packet can hold is at its bound, and judged there. */
@@ -54,7 +48,8 @@ void StreamTranslator::translatePosition(std::size_t arm, ItpPacket* packet) noe
 
 void StreamTranslator::translateTurn(std::size_t arm, ItpPacket* packet) const noexcept {
   Vec3 v = turned(profile_.axes, {packet->Qx[arm], packet->Qy[arm], packet->Qz[arm]});
-  const double scale = handedness(profile_.axes) * (profile_.turns_in_counts ? profile_.turn_per_count : 1.0);
+  // Axes that mirror turn an axis of rotation the other way.
+  const double scale = determinant(profile_.axes) * (profile_.turns_in_counts ? profile_.turn_per_count : 1.0);
   for (double& x : v)
     x *= scale;
   packet->Qx[arm] = v[0];

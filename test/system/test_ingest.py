@@ -63,6 +63,31 @@ def session_log(stack):
     return raven2_session.Session(stack.output).log
 
 
+def loose_itp(sequence, pedal):
+    """As a dV-Trainer's users describe its packets: rotations in counts beside Qw = 1, an absolute grasp."""
+    return struct.pack("<3I6i8d6i", sequence, 0, 0, 20, 0, 0, 0, 0, 0, 5.0, 0.0, -7.0, 0.0, 12.0, 0.0, 1.0, 1.0, 0, 0, 1800, 1800,
+                       pedal, 0)
+
+
+@pytest.mark.parametrize("stream", ["none", "dv_trainer"])
+def test_a_console_that_is_refused_is_named_once_and_one_with_a_profile_is_taken(stream):
+    with Stack(configure={"network": {"stream": stream}}) as stack:
+        start(stack)
+        master = Master(stack.master_port)
+        for sequence in range(1, 3001):
+            master.socket.send(loose_itp(sequence, 0 if 1000 < sequence < 1100 else 1))
+            time.sleep(0.001)
+        counts = close(stack)
+        said = [line for line in stack.log_text("simulator").splitlines() if "refused within a second" in line]
+        if stream == "none":
+            assert len(said) == 1 and "bad_quaternion" in said[0] and "doc/streams.md" in said[0], said
+            assert counts["applied"] == 0
+        else:
+            assert said == []
+            assert counts["applied"] == counts["received"] > 2000
+            assert session_log(stack).ticks["model"]["pedal"].max() == 1, "pressed again, it counts"
+
+
 def test_a_silent_master_holds_lifts_the_pedal_and_takes_the_force_away():
     with Stack(configure={"haptics": {"tolerance": 0.0}}) as stack:  # a force as long as the two arms are linked
         start(stack)

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "raven2_trainer/core/axis_map.h"
 #include "raven2_trainer/core/state_cell.h"
 #include "raven2_trainer/core/types.h"
 
@@ -41,9 +42,6 @@ enum class GripperFrom : std::uint8_t {
   kAxis,     ///< an axis of a Joy
 };
 constexpr std::array<const char*, 5> kGripperFromNames{"none", "button_toggles", "button_holds", "joint", "axis"};
-
-/** Rows: forward, right, down of the ITP axes I; columns: the device's x, y, z. A signed permutation. */
-using AxisMap = std::array<Vec3, 3>;
 
 /** One device, by its topics; an empty one is not there. */
 struct DeviceTopics {

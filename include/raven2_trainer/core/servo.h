@@ -119,7 +119,7 @@ enum class ServoRefusal : std::uint8_t {
   kNotOffered,    ///< a Raven cannot: unhome, a tool that is looked for
   kHasRobot,      ///< a force, and a robot is there: its controllers hold positions
   kTooStrong,     ///< kServoForces, kServoWrench, kServoJawForce: `value`, `limit`, `joint`
-  kNoRatio,       ///< kRatio beyond 0 to 1: `value`
+  kNoRatio,       ///< kRatio beyond 0.001 to 1: `value`
 };
 constexpr std::size_t kServoRefusalCount = 18;
 
@@ -132,7 +132,7 @@ struct ServoRefused {
   OperatingState in{OperatingState::kDisabled};
   Arm arm{Arm::kGold};
   std::uint8_t joint{};    ///< kOutOfRange, kTooStrong: 0 to 5 of ServoJoints, 6 the jaws
-  std::uint8_t is_turn{};  ///< kTooFar, kTooFast: 1 `value` is an angle [rad], 0 a length [m]
+  std::uint8_t is_turn{};  ///< kTooFar, kTooFast, kTooStrong: 1 `value` is of a turn [rad; Nm], 0 of a length [m; N]
   double value{}, limit{};
 };
 static_assert(std::is_trivially_copyable<ServoRefused>::value, "travels in a ring");

@@ -36,7 +36,7 @@ class MasterIngest {
   /** kNone: send `*reply` to the source; nothing is counted then. @param[in] fresh random, used at most once. */
   Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
 
-  /** Lets go of a silent master, and tells of one whose packets are refused. At least every 100 ms. */
+  /** Unpins a silent master. Reports a stream of which most packets are refused. Call at least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
   bool isPinned() const noexcept { return gate_.isPinned(); }

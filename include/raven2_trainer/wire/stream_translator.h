@@ -14,7 +14,6 @@ class StreamTranslator {
  public:
   explicit StreamTranslator(const StreamProfile& profile) noexcept : profile_(profile) {}
 
-  bool isOn() const noexcept { return profile_.is_on; }
   /** In place. What is not finite stays so; what is no rotation becomes no unit quaternion. */
   void translate(ItpPacket* packet) noexcept;
   /** The packet that was translated last is used. */

@@ -807,6 +807,33 @@ TEST_F(ServoDeskTest, GravityIsCompensatedBesideAForceUnlessAClientLeavesTheArmI
   }
 }
 
+TEST_F(ServoDeskTest, AForceThatIsAskedForWithThePedalDownActsOnceTheModelTakesIt) {
+  alone();
+  ASSERT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
+  const Vec3 start = rig->model().arms[1].p_BT;
+  ASSERT_EQ(c->ask(wrenchOf(Arm::kGreen, {0.0, 0.0, 15.0})), ServoRefusal::kNone) << "one is enough";
+  c->rest(400);
+  EXPECT_GT(rig->model().arms[1].p_BT[2] - start[2], 1e-3);
+}
+
+TEST_F(ServoDeskTest, AForceEndsWhenARobotComes) {
+  together();
+  rig->robot_connected = false;
+  rig->link.disconnected();
+  c->rest(10);
+  ASSERT_TRUE(c->enable());
+  ASSERT_EQ(c->ask(ServoKind::kServoForces, Arm::kGold, ServoJoints{0.5, 0, 0, 0, 0, 0}), ServoRefusal::kNone);
+  c->rest(20);
+  const std::uint64_t made = rig->counts().efforts_made;
+  rig->robot_connected = true;
+  rig->connect();
+  for (int i = 0; i < 100 && rig->counts().efforts_made == made; ++i)
+    c->rest(1);
+  EXPECT_EQ(rig->counts().efforts_made, made + 1);
+  c->rest(200);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+}
+
 TEST_F(ServoDeskTest, ForcesAreRefusedWithARobotAndBeyondTheControllers) {
   together();
   ASSERT_TRUE(c->enable());
