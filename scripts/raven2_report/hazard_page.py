@@ -89,7 +89,9 @@ def _answer(facts, hazard):
     met = f" The model touched: {listed_}." if touched else ""
     early = judged.get("coincidences") or []
     chance = " What came sooner than 100 ms behind that was no reaction and is left out." if early else ""
-    return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{met}{chance}")
+    took = judged.get("answer_time_ms")
+    free = f" The attempt is not charged with these {took / 1000:.1f} s." if is_number(took) and took else ""
+    return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{free}{met}{chance}")
 
 
 # ---- picture ----------------------------------------------------------------------------------------------------

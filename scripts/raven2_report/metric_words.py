@@ -12,7 +12,7 @@ class Words:
 
 ANSWER = Words("Answer to the hazard", "from the cue to the answer that was right", "", 2)  # a curve, and no metric
 WORDS = {
-    "time": Words("Time", "from the exercise's beginning to its end, without pauses",
+    "time": Words("Time", "from the exercise's beginning to its end, without pauses and right answers to hazards",
                   "Plan the next grip while the hand still moves; do without detours."),
     "path": Words("Path length", "that both tool tips travelled together",
                   "Take straighter ways and fewer corrections."),

@@ -8,6 +8,8 @@
 namespace raven2_trainer::console {
 namespace {
 
+constexpr double kPatience = 1.0;  ///< [s] with a robot that does not follow; it joins within 0.1 s, or not at all
+
 class ReactingSource : public MotionSource {
  public:
   ReactingSource(std::unique_ptr<MotionSource> source, const Reaction& reaction, TruthLog* truth)
@@ -15,12 +17,15 @@ class ReactingSource : public MotionSource {
 
   Intent tick(const Senses& senses) override {
     const Tick now = now_++;
+    watchRobot(senses);
     if (phase_ == Phase::kNone && intent_.pedal && feels(senses)) enter(Phase::kFeeling, now, "felt", senses.sequence);
     if (phase_ == Phase::kFeeling && now >= since_ + toTicks(reaction_.delay)) {
       enter(Phase::kUp, now, "pedal_up", intent_.pedal ? senses.sequence : released_);
     } else if (phase_ == Phase::kUp && now >= since_ + toTicks(reaction_.rest)) {
       enter(Phase::kLooking, now, "pedal_down", senses.sequence);
-    } else if (phase_ == Phase::kLooking && now >= since_ + toTicks(reaction_.look)) {
+    } else if ((phase_ == Phase::kLooking || phase_ == Phase::kNone) && deaf_ >= toTicks(kPatience)) {
+      enter(Phase::kUp, now, "not_followed", senses.sequence);
+    } else if (phase_ == Phase::kLooking && deaf_ == 0 && now >= since_ + toTicks(reaction_.look)) {
       phase_ = Phase::kNone;
       return goOn(senses, /*was_interrupted=*/true);
     }
@@ -32,6 +37,13 @@ class ReactingSource : public MotionSource {
 
  private:
   enum class Phase { kNone, kFeeling, kUp, kLooking };
+
+  /** A robot says by its runlevel whether it takes the pedal as down. */
+  void watchRobot(const Senses& senses) noexcept {
+    const bool is_pressed = intent_.pedal && phase_ != Phase::kUp;
+    const bool is_deaf = senses.force.runlevel == static_cast<std::uint8_t>(RunLevel::kPedalUp);
+    deaf_ = is_pressed && is_deaf ? deaf_ + 1 : 0;
+  }
 
   bool feels(const Senses& senses) const noexcept {
     for (const Vec3& force : senses.force.force_I) {
@@ -61,6 +73,7 @@ class ReactingSource : public MotionSource {
   Intent intent_;
   Phase phase_{Phase::kNone};
   Tick now_{0}, since_{0};
+  Tick deaf_{0};               ///< for how long the robot has taken a pedal as up that is down
   std::uint32_t released_{0};  // packet with which the work's own pedal went up last
 };
 

@@ -55,7 +55,7 @@ Surgeon::Surgeon(const ConsoleConfig& config,
 
 Intent Surgeon::tick(const Senses& senses) {
   see(senses);
-  if (senses.was_interrupted) takeUpAgain();
+  if (senses.was_interrupted) free_at_ = std::max(free_at_, now_ + takeUpAgain());
   while (now_ >= free_at_ && !finished_)
     free_at_ = now_ + next();
   Intent intent;
@@ -175,10 +175,15 @@ Tick Surgeon::press() {
   return 1;
 }
 
-void Surgeon::takeUpAgain() {
-  if (!sight_) return;
+Tick Surgeon::takeUpAgain() {
+  if (!sight_) return 0;
+  double way = 0.0;
   for (const Arm arm : kArms)
-    hand(arm).rebase(now_, tool(arm), toTicks(kLookAgain));
+    way = std::max(way, errorOf(tool(arm), hand(arm).wished(now_)).distance);
+  const Tick length = toTicks(std::max(kLookAgain, way / skill_.slowest));
+  for (const Arm arm : kArms)
+    hand(arm).rebase(now_, tool(arm), length);
+  return length;
 }
 
 std::vector<Surgeon::Step> Surgeon::clutch() {
@@ -189,10 +194,7 @@ std::vector<Surgeon::Step> Surgeon::clutch() {
     first({until([this] { return isLevel(runlevel_, RunLevel::kPedalUp); }, kRunLevelTimeout)});
     return toTicks(kClutchTime);
   };
-  const Step look = [this] {
-    takeUpAgain();
-    return toTicks(kLookAgain);
-  };
+  const Step look = [this] { return takeUpAgain(); };
   return {[] { return toTicks(0.1); }, release, [this] { return press(); }, look};
 }
 

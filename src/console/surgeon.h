@@ -85,8 +85,8 @@ class Surgeon : public MotionSource {
 
   /** Starts a move at once. @return its length. */
   Tick move(Arm arm, const Pose& to, double speed);
-  /** From where the tools are now, on with what was wanted. */
-  void takeUpAgain();
+  /** From where the tools are now, on with what was wanted: far ways without haste. @return its length. */
+  Tick takeUpAgain();
 
   ToolHand& hand(Arm arm) { return at(hands_, arm); }
   double speed() { return random_.uniform(skill_.slowest, skill_.fastest); }

@@ -45,6 +45,7 @@ class ToolHand {
   /** The hand alone goes back to its middle; the pedal must be up. */
   void comeBack(Tick now, Tick length) noexcept;
 
+  Pose wished(Tick now) const noexcept { return wish_.at(now); }
   const Pose& goal() const noexcept { return wish_.poses.back(); }  ///< of the newest move
   double jawGoal() const noexcept { return jaws_to_; }              ///< [rad]
   /** [m] of the hand from its middle if the tool were asked to be at `X_WT`. */

@@ -12,13 +12,15 @@ namespace {
 
 using control::Event;
 
-// While the pedal is up the model moves to the robot's joints, so that what the jaws hold stays held. A robot farther
-// away than this (first seen, homing) is another matter: the model is put there. Shoulder to wrist.
-constexpr std::array<double, kGrasp1> kFollowReach{0.1, 0.1, 0.01, 0.5, 0.5};  // [rad, m]
+// While the pedal is up the model moves to the robot's joints, as fast as hands do (0.15 m/s of the tip), so that what
+// the jaws hold stays held. A robot farther away than this (first seen, homing) is another matter: the model is put
+// there. Shoulder to wrist.
+constexpr std::array<double, kGrasp1> kFollowReach{0.15, 0.15, 0.05, 0.8, 0.8};  // [rad, m]
+constexpr std::array<double, kGrasp1> kFollowSpeed{0.5, 0.5, 0.1, 3.0, 3.0};     // [rad/s, m/s]
 
 constexpr std::uint64_t kDeafCycles = 1000;  // [1 ms] ours: twice the mean of net_delay_3
 
-constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: gone within a clutch of 60 ms
+constexpr double kFollowTime = 0.010;  // [s] time constant of that motion: 5 mm are gone within a clutch of 60 ms
 
 bool isWithinReach(const JointArray& q, const JointArray& target) noexcept {
   for (std::size_t j = 0; j < kFollowReach.size(); ++j) {
@@ -304,7 +306,7 @@ JointArray PhysicsLoop::bringTo(Arm arm, const JointArray& wanted) noexcept {
     return wanted;
   }
   for (std::size_t j = 0; j < kFollowReach.size(); ++j)
-    dq[j] = (wanted[j] - q[j]) / kFollowTime;
+    dq[j] = std::clamp((wanted[j] - q[j]) / kFollowTime, -kFollowSpeed[j], kFollowSpeed[j]);
   world_.setJointState(arm, q, dq);
   JointArray target = driver_.leading(arm, {q, dq});
   std::copy(wanted.begin() + kGrasp1, wanted.end(), target.begin() + kGrasp1);

@@ -1,17 +1,26 @@
 #include "training/attempt_collector.h"
 
+#include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace raven2_trainer::training {
 
-AttemptCollector::AttemptCollector(const ScoreSettings& settings, const session::LogHeader& header)
-    : settings_(settings.motion), tracks_(settings.tracks), header_(header) {}
+AttemptCollector::AttemptCollector(const ScoreSettings& settings,
+                                   const session::LogHeader& header,
+                                   std::vector<TickSpan> answers)
+    : settings_(settings.motion), tracks_(settings.tracks), header_(header), answers_(std::move(answers)) {}
 
 /** While an exercise runs; without one from the first pedal-down. */
 bool AttemptCollector::counts(const ModelState& model) const {
   if (model.mode == Mode::kPaused || model.mode == Mode::kReplaying) return false;
   if (model.exercise.status == ExerciseStatus::kNone) return !has_exercise_ && model.session_tick >= 0;
   return model.exercise.status == ExerciseStatus::kRunning;
+}
+
+bool AttemptCollector::isAnswering(Tick session_tick) const {
+  return std::any_of(answers_.begin(), answers_.end(),
+                     [&](const TickSpan& answer) { return session_tick >= answer.begin && session_tick < answer.end; });
 }
 
 /** One that fails before its timer starts has no tick that counts, and is an attempt all the same. */
@@ -54,8 +63,10 @@ void AttemptCollector::add(const TickRecord& record) {
     for (const ExerciseRecord& event : events_)
       note(event.event, attempt);
     if (counts(model)) {
-      attempt->motion.add(record);
-      attempt->transits.add(model);
+      if (!isAnswering(model.session_tick)) {
+        attempt->motion.add(record);
+        attempt->transits.add(model);
+      }
       attempt->outcome.last = model.session_tick;
     }
   }

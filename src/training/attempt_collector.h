@@ -11,6 +11,11 @@
 
 namespace raven2_trainer::training {
 
+/** [1 ms] Session ticks, without the last. */
+struct TickSpan {
+  Tick begin{}, end{};
+};
+
 /** An attempt while a log is read. */
 struct CollectedAttempt {
   AttemptOutcome outcome;
@@ -25,9 +30,11 @@ struct CollectedAttempt {
  */
 class AttemptCollector {
  public:
-  AttemptCollector(const ScoreSettings& settings, const session::LogHeader& header);
+  /** @param[in] answers to hazards, which no attempt is charged with. */
+  AttemptCollector(const ScoreSettings& settings, const session::LogHeader& header, std::vector<TickSpan> answers);
   void add(const TickRecord& record);
   void add(const ExerciseRecord& record);
+  void add(const RequestRecord&) {}
   template <typename Record>
   void addLater(Tick tick, const Record& record) {
     for (auto attempt = attempts_.rbegin(); attempt != attempts_.rend(); ++attempt) {
@@ -40,6 +47,7 @@ class AttemptCollector {
  private:
   bool counts(const ModelState& model) const;
   bool begins(const ModelState& model) const;
+  bool isAnswering(Tick session_tick) const;
   CollectedAttempt* begin(const ModelState& model);
   CollectedAttempt* attemptOf(const ExerciseState& exercise);
   void note(const ExerciseEvent& event, CollectedAttempt* attempt) const;
@@ -47,6 +55,7 @@ class AttemptCollector {
   MotionSettings settings_;
   std::vector<ExerciseTrack> tracks_;
   session::LogHeader header_;
+  std::vector<TickSpan> answers_;
   std::deque<CollectedAttempt> attempts_;  // in order, not more than 256: ExerciseState::attempt counts to there
   std::vector<ExerciseRecord> events_;     // of the tick that comes next
   bool has_exercise_{false};

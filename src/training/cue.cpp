@@ -32,6 +32,10 @@ Tick findRun(const HazardWindow& window, Is is) {
 
 }  // namespace
 
+bool isNoticeable(const HandSample& sample) {
+  return isFelt(sample) || isSeen(sample);
+}
+
 Cue findCue(const HazardWindow& window) {
   const Tick felt = findRun(window, isFelt), parted = findRun(window, isSeen);
   const Tick seen = parted < 0 ? -1 : parted + kNoticed;

@@ -17,4 +17,7 @@ struct Cue {
  */
 Cue findCue(const HazardWindow& window);
 
+/** In this millisecond a hand feels a force, or the picture shows a gap. */
+bool isNoticeable(const HandSample& sample);
+
 }  // namespace raven2_trainer::training

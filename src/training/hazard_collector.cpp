@@ -66,6 +66,7 @@ HandSample HazardCollector::sampleOf(const TickRecord& record) const {
   sample.pedal = model.pedal == kSurgeonsPedal ? 1 : 0;
   sample.stop = stop_tick_ == model.tick || (model.pedals & bit(Pedal::kStop)) != 0 ? 1 : 0;
   sample.has_robot = record.robot.frame > 0 && record.robot.connected != 0 ? 1 : 0;
+  sample.linked = model.linked;
   sample.master_I = model.master_I;
   for (const Arm arm : kArms) {
     at(sample.model_B, arm) = at(model.arms, arm).p_BT;

@@ -20,6 +20,7 @@ class HazardCollector {
   HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics);
   void add(const TickRecord& record);
   void add(const RequestRecord& record);
+  void add(const ExerciseRecord&) {}
   void addLater(Tick tick, const HapticRecord& record);
   void addLater(Tick tick, const ContactRecord& record);
   std::vector<HazardScore> take();

@@ -230,6 +230,55 @@ void decide(const Responses& responses, const ResponseRule& rule, HazardResponse
   }
 }
 
+/** Index of the first sample from `from` on with the pedal so, or the number of samples. */
+std::size_t findPedal(const HazardWindow& window, std::size_t from, bool is_down) {
+  while (from < window.samples.size() && (window.samples[from].pedal != 0) != is_down)
+    ++from;
+  return from;
+}
+
+/** [m] Of the robot's tips from one sample to another, larger arm. */
+double robotMotion(const HandSample& from, const HandSample& to) {
+  if (from.has_robot == 0 || to.has_robot == 0) return 0.0;
+  return std::max(distance(from.robot_B[0], to.robot_B[0]), distance(from.robot_B[1], to.robot_B[1]));
+}
+
+/** Without another cue the robot comes along so far that it can be seen, or the hazard ends. */
+bool worksAgain(const HazardWindow& window, std::size_t press) {
+  const std::size_t over = std::max(recovery(window), press);
+  const std::size_t end = std::min(findPedal(window, press, false), over);
+  double motion = 0.0;
+  for (std::size_t k = press; k < end; ++k) {
+    if (window.samples[k].linked == 0 || isNoticeable(window.samples[k])) return false;
+    motion = std::max(motion, robotMotion(window.samples[press], window.samples[k]));
+  }
+  return end == over || motion >= kSeenGap;
+}
+
+/** The pedal-down with which the work goes on, or the end. */
+std::size_t backAtWork(const HazardWindow& window, std::size_t answer) {
+  std::size_t press = answer;
+  do {
+    press = findPedal(window, findPedal(window, press, false), true);
+  } while (press < window.samples.size() && !worksAgain(window, press));
+  return press;
+}
+
+/** [1 ms] From the injection on; the answer itself where it takes no time. */
+Tick endOfAnswer(const HazardWindow& window, const TimedResponse& answer) {
+  switch (answer.response) {
+    case Response::kPedalUp:
+    case Response::kStop:
+      return static_cast<Tick>(backAtWork(window, window.injection + static_cast<std::size_t>(answer.after)) -
+                               window.injection);
+    case Response::kHoldStill:
+    case Response::kSlow:
+      return answer.after + kCarriedThrough;
+    default:
+      return answer.after;
+  }
+}
+
 /** A stop that was asked for before anybody could react leaves nothing to answer. */
 bool hadStopped(const HazardWindow& window, const HazardResponse& result) {
   const auto from = window.samples.begin() + static_cast<std::ptrdiff_t>(window.injection);
@@ -313,6 +362,7 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
   result.verdict = Verdict::kNone;
   decide(responses, rule, &result);
   if (result.verdict == Verdict::kNone && hadStopped(window, result)) result.verdict = Verdict::kNotJudged;
+  if (result.verdict == Verdict::kRight) result.answer_time = endOfAnswer(window, result.deciding) - result.cue_after;
   result.reaction = result.deciding.after >= 0 ? result.deciding : result.first;
   return result;
 }

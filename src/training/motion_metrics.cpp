@@ -121,7 +121,7 @@ void MotionAccumulator::add(const TickRecord& record) {
   counted_.resize(static_cast<std::size_t>(tick - first_) + 1, false);
   counted_.back() = true;
   ++metrics_.ticks;
-  sample(record.model, follows);
+  sample(record.model, follows && !(record.model.pedal != 0 && ups_ > 0));
   followPedals(record.model);
   followView(record.model);
   followRobot(record);
@@ -131,15 +131,23 @@ Vec3 MotionAccumulator::tipInWorld(const ModelState& model, Arm arm) const {
   return toArray(at(settings_.X_WB, arm) * toEigen(at(model.arms, arm).p_BT));
 }
 
-/** A gap in time begins a new sample; what was gathered before it is too short for one. */
+/** With the pedal up the tools stand: what the model does then, back to its robot, is no hand's motion. */
+void MotionAccumulator::followTips(const ModelState& model) {
+  if (model.pedal == 0 && metrics_.ticks > 1) return;
+  for (const Arm arm : kArms)
+    at(tip_W_, arm) = tipInWorld(model, arm);
+}
+
+/** A gap in time begins a new sample, as a press does; what was gathered before it is too short for one. */
 void MotionAccumulator::sample(const ModelState& model, bool follows) {
+  followTips(model);
   if (!follows) in_sum_ = 0;
   if (in_sum_ == 0) {
     sum_ = {};
     sum_.follows = follows && !samples_.empty();
   }
   for (const Arm arm : kArms) {
-    addTo(&at(sum_.tip_W, arm), tipInWorld(model, arm));
+    addTo(&at(sum_.tip_W, arm), at(tip_W_, arm));
     addTo(&at(sum_.master_I, arm), at(model.master_I, arm));
   }
   sum_.engaged = sum_.engaged && model.pedal == kSurgeonsPedal;

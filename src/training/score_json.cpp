@@ -85,6 +85,7 @@ Json describe(const HazardScore& hazard) {
           {"reaction", describe(r.reaction)},
           {"deciding", describe(r.deciding)},
           {"verdict", kVerdictNames[static_cast<std::size_t>(r.verdict)]},
+          {"answer_time_ms", r.answer_time},
           {"coincidences", coincidences},
           {"recovered", r.recovered},
           {"duration_ms", r.duration},

@@ -1,6 +1,7 @@
 #include "raven2_trainer/training/session_score.h"
 
 #include <deque>
+#include <utility>
 
 #include "raven2_trainer/training/session_metrics.h"
 #include "training/attempt_collector.h"
@@ -29,17 +30,17 @@ class Waiting {
   std::deque<Stamped> records_;
 };
 
-/** The second reading of a log. */
+/** Reads a log into a collector, which gets the records of other threads once it has their tick. */
+template <typename Collector>
 class Scan {
  public:
-  Scan(const ScoreSettings& settings, const session::LogHeader& header, const SessionMetrics& metrics)
-      : attempts_(settings, header), hazards_(settings, metrics), on_tick_(settings.on_tick) {}
+  Scan(Collector* collector, std::function<void()> on_tick) : collector_(collector), on_tick_(std::move(on_tick)) {}
 
   void read(const std::string& log_path) {
     session::LogVisitor visitor;
     visitor.tick = [this](const TickRecord& record) { add(record); };
-    visitor.request = [this](const RequestRecord& record) { hazards_.add(record); };
-    visitor.exercise = [this](const ExerciseRecord& record) { attempts_.add(record); };
+    visitor.request = [this](const RequestRecord& record) { collector_->add(record); };
+    visitor.exercise = [this](const ExerciseRecord& record) { collector_->add(record); };
     visitor.haptic = [this](const HapticRecord& record) {
       forces_.push(record.haptic.tick, record);
       release();
@@ -51,35 +52,45 @@ class Scan {
     session::readLog(log_path, visitor);
   }
 
-  std::vector<CollectedAttempt> attempts() { return attempts_.take(); }
-  std::vector<HazardScore> hazards() { return hazards_.take(); }
-  std::uint64_t hazardsBeyond() const { return hazards_.beyond(); }
-
  private:
   void add(const TickRecord& record) {
     if (on_tick_) on_tick_();
-    attempts_.add(record);
-    hazards_.add(record);
+    collector_->add(record);
     now_ = record.model.tick;
     release();
   }
 
   void release() {
-    const auto use = [this](Tick tick, const auto& record) {
-      attempts_.addLater(tick, record);
-      hazards_.addLater(tick, record);
-    };
+    const auto use = [this](Tick tick, const auto& record) { collector_->addLater(tick, record); };
     forces_.release(now_, use);
     contacts_.release(now_, use);
   }
 
-  AttemptCollector attempts_;
-  HazardCollector hazards_;
+  Collector* collector_;
   Waiting<HapticRecord> forces_;
   Waiting<ContactRecord> contacts_;
   std::function<void()> on_tick_;
   Tick now_{-1};
 };
+
+/** Of a session without a fault nothing is read. */
+void scoreHazards(const std::string& log_path, const ScoreSettings& settings, SessionScore* score) {
+  const SessionMetrics metrics = computeMetrics(log_path, settings.on_tick);
+  if (metrics.faults.empty()) return;
+  HazardCollector hazards(settings, metrics);
+  Scan(&hazards, settings.on_tick).read(log_path);
+  score->hazards = hazards.take();
+  score->hazards_beyond = hazards.beyond();
+}
+
+std::vector<TickSpan> answersTo(const std::vector<HazardScore>& hazards) {
+  std::vector<TickSpan> answers;
+  for (const HazardScore& hazard : hazards) {
+    const Tick begin = hazard.injection + hazard.response.cue_after;
+    if (hazard.response.answer_time > 0) answers.push_back({begin, begin + hazard.response.answer_time});
+  }
+  return answers;
+}
 
 std::vector<HazardScore> hazardsIn(const AttemptOutcome& outcome, const std::vector<HazardScore>& all) {
   std::vector<HazardScore> own;
@@ -94,11 +105,10 @@ std::vector<HazardScore> hazardsIn(const AttemptOutcome& outcome, const std::vec
 SessionScore scoreSession(const std::string& log_path, const ScoreSettings& settings) {
   SessionScore score;
   score.header = session::readLogHeader(log_path);
-  Scan scan(settings, score.header, computeMetrics(log_path, settings.on_tick));
-  scan.read(log_path);
-  score.hazards = scan.hazards();
-  score.hazards_beyond = scan.hazardsBeyond();
-  for (const CollectedAttempt& attempt : scan.attempts()) {
+  scoreHazards(log_path, settings, &score);
+  AttemptCollector attempts(settings, score.header, answersTo(score.hazards));
+  Scan(&attempts, settings.on_tick).read(log_path);
+  for (const CollectedAttempt& attempt : attempts.take()) {
     score.attempts.push_back(scoreAttempt(attempt.outcome, attempt.motion.result(),
                                           compare(attempt.transits.transits(), settings.plan),
                                           hazardsIn(attempt.outcome, score.hazards), settings.standard));

@@ -21,9 +21,10 @@ def spectral_arc_length(speed, padding=4, highest=10.0, threshold=0.05):
     return -numpy.sum(numpy.sqrt(along ** 2 + numpy.diff(magnitude) ** 2))
 
 
-def dimensionless_jerk(speed):
-    jerk = numpy.diff(speed, 2) * RATE ** 2
-    return -(len(speed) / RATE) ** 3 / numpy.abs(speed).max() ** 2 * numpy.sum(jerk ** 2) / RATE
+def dimensionless_jerk(*pieces):
+    squares = sum(numpy.sum((numpy.diff(speed, 2) * RATE ** 2) ** 2) for speed in pieces)
+    speeds = numpy.concatenate(pieces)
+    return -(len(speeds) / RATE) ** 3 / numpy.abs(speeds).max() ** 2 * squares / RATE
 
 
 def stroke(duration):

@@ -30,10 +30,10 @@ AGREEMENT = 5  # [ms] of a measured time with the truth
 CASES = [("stroke", "scripted", 6.5)]
 
 
-def simulate(school, name, *options):
+def simulate(school, name, *options, seed=3):
     output = school / "sessions" / name
     return output, subprocess.run(
-        [PROGRAMS / "simulate", "--config", school / "config/trainer.yaml", "--homing", "quick", "--seed", "3",
+        [PROGRAMS / "simulate", "--config", school / "config/trainer.yaml", "--homing", "quick", "--seed", str(seed),
          "--output", output, *map(str, options)], capture_output=True, text=True, check=False)
 
 
@@ -104,6 +104,20 @@ def test_the_drill_stands_in_score_log_and_ground_truth(both):
         (injection,) = json.loads((trainee.directory / "faults.json").read_text())["injections"]
         assert injection["name"] == "sudden_jump"
         assert 0 <= injection["inject"]["tick"] - injection_tick <= 3, "the daemon hears of it a little later"
+
+
+@pytest.mark.parametrize("exercise_, seed", [("pick_hand_over_place", 2), ("retrieve_and_reach", 4)])
+def test_who_answers_rightly_passes(school, exercise_, seed):
+    """The expert has no time to spare: an answer of 3 s, or of 12 s while the robot is deaf, must not cost any."""
+    directory, done = simulate(school, f"fair_{exercise_}", "--exercise", exercise_, "--drill", "own", "--motion", "expert",
+                               "--reaction", "400", seed=seed)
+    assert done.returncode == 0, done.stderr
+    (attempt,) = json.loads((directory / "score.json").read_text())["attempts"]
+    (hazard,) = attempt["hazards"]
+    assert hazard["verdict"] == "right" and hazard["answer_time_ms"] > 3000
+    ticks = attempt["last_tick"] - attempt["first_tick"] + 1
+    assert attempt["metrics"]["time"]["value"] == pytest.approx((ticks - hazard["answer_time_ms"]) / 1000, abs=1e-6)
+    assert attempt["passed"], {name: metric for name, metric in attempt["metrics"].items() if metric["passed"] is False}
 
 
 @pytest.mark.parametrize("options, words", [

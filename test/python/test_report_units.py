@@ -1,5 +1,6 @@
 """Every number of the report with its unit, against the number in metrics.json, score.json or the log; for either arm,
 and on the session's clock, which stands while the exercise is paused."""
+import html
 import pathlib
 import re
 import sys
@@ -144,6 +145,14 @@ def test_a_hazard_s_row_is_in_the_units_of_its_figures(fault, error, force):
     assert [told[key] for key in ("at_s", "end_s", "largest_error_mm", "excursion_mm", "largest_force_N", "cue_after_s",
                                   "reaction_after_s")] == [1.5, 1.9, fault.get("max_error_mm", 9.5), 12.25,
                                                            fault.get("max_force_N", 2.75), 0.322, 0.45]
+
+
+@pytest.mark.parametrize("took, said", [(2960, "not charged with these 3.0 s."), (0, None), (None, None)])
+def test_it_says_what_an_attempt_is_not_charged_with(took, said):
+    facts, hazard = hazard_facts()
+    hazard["judged"] = {**JUDGED, "answer_time_ms": took}
+    text = hazard_page._answer(facts, hazard)
+    assert (said in html.unescape(text)) if said else ("charged" not in text)
 
 
 @pytest.mark.parametrize("verdict_, colour", [("right", "GOOD"), ("late", "BAD"), ("wrong", "BAD"), ("none", "BAD")])

@@ -18,9 +18,11 @@ struct Reaction {
 
 /**
  * A surgeon who reacts: as `source`, but `delay` after the first force the pedal goes up, whatever was being done;
- * after a rest it goes down and the motion goes on where it was.
+ * after a rest it goes down and the motion goes on where it was. While the robot takes a pedal that is down as up
+ * nothing is done: the pedal is pressed again until it follows.
  * @param[in] truth Told when the force came and when the pedal went up (sooner than the reaction where a clutch had
- * begun that it makes a release of) and down; may be null, else it must outlive the source.
+ * begun that it makes a release of) and down, and when it goes up because the robot does not follow (not_followed); may
+ * be null, else it must outlive the source.
  */
 std::unique_ptr<MotionSource> makeReacting(std::unique_ptr<MotionSource> source,
                                            const Reaction& reaction,

@@ -17,8 +17,9 @@ struct JointGains {
 };
 
 /** Of the nominal model's equations: two sessions with the same configuration and version move alike. 1: contacts as
- * hard as ODE makes them; 2: surfaces and arms give way (ContactMaterial, ArmGive). */
-constexpr int kModelVersion = 2;
+ * hard as ODE makes them; 2: surfaces and arms give way (ContactMaterial, ArmGive); 3: with the pedal up no faster back
+ * to the robot than hands move. */
+constexpr int kModelVersion = 3;
 
 /** How a surface gives way where it is touched. */
 struct ContactMaterial {

@@ -56,6 +56,7 @@ struct HandSample {
   std::uint8_t pedal{};               ///< 1 down
   std::uint8_t stop{};                ///< 1 an emergency stop was asked for
   std::uint8_t has_robot{};           ///< 1 the robot's tips are known
+  std::uint8_t linked{};              ///< 1 the robot follows the hands
   std::uint8_t has_force{};           ///< 1 a force was computed of this millisecond
   PerArm<Vec3> master_I{};            ///< [m] ModelState::master_I: tip, not hand
   PerArm<Vec3> force_I{};             ///< [N] given to the hands
@@ -98,6 +99,7 @@ struct HazardResponse {
   double error{};       ///< [m] of the robot's tip from the model's, larger arm
   double peak_force{};  ///< [N] larger hand
   double impulse{};     ///< [Ns] the same
+  Tick answer_time{};   ///< [1 ms] from the cue on that an attempt is not charged with; 0 not right
   std::array<Touches, kPartnerCount> touches{};  ///< of the model in that time; for whoever has the contacts
 };
 
@@ -118,6 +120,10 @@ Tick watchOf(const ResponseRule& rule) noexcept;
  * The cue is the first that begins in the aftermath and lasts for kNoticed: a force of kFeltForce on either hand, or
  * tips of model and robot kSeenGap apart. Without one nothing is judged. What comes sooner than kQuickest behind it is
  * no answer.
+ *
+ * A right answer's time goes from the cue to its end: of kPedalUp and kStop the next pedal-down, or the window's end.
+ * In the aftermath a pedal-down does not count that the robot does not follow by kSeenGap, or that has another cue. Of
+ * kHoldStill and kSlow the end is kCarriedThrough behind the answer, of others the answer itself.
  *
  * kPedalUp: the pedal goes up and stays up for disengagedFor(), or to the window's end. Where it was up already when
  * anybody could react, and stays up, it counts from then on. kStop: one is asked for.

@@ -96,6 +96,7 @@ class MotionAccumulator {
     bool follows{};                    ///< directly behind the sample before it
   };
 
+  void followTips(const ModelState& model);
   void sample(const ModelState& model, bool follows);
   void followPedals(const ModelState& model);
   void followView(const ModelState& model);
@@ -110,6 +111,7 @@ class MotionAccumulator {
   void describeBoth(MotionMetrics* metrics) const;
 
   MotionSettings settings_;
+  PerArm<Vec3> tip_W_{};  ///< [m] newest with the pedal down
   std::vector<Sample> samples_;
   Sample sum_{};
   Tick in_sum_{0};

@@ -23,7 +23,7 @@ struct ScoreSettings {
   ResponseRule response;              ///< to a hazard
   Standard standard;                  ///< of its attempts
   WayPlanner plan;                    ///< of transits; none: no economy
-  /** Called with every tick that is read, once or twice each; what it throws ends the scoring. May be empty. */
+  /** Called with every tick that is read, up to three times each; what it throws ends the scoring. May be empty. */
   std::function<void()> on_tick;
 };
 
@@ -50,7 +50,8 @@ constexpr std::size_t kMaxHazards = 1000;
 
 /**
  * Scores a session: each attempt at its exercise, or, without one, all of it from the first pedal-down as one attempt
- * without a verdict. Paused time does not count. Reads the log twice; about 20 KB of memory a second of session.
+ * without a verdict. Paused time and the time of right answers to hazards do not count. Reads the log up to three
+ * times; about 20 KB of memory a second of session.
  * @throw SessionException.
  */
 SessionScore scoreSession(const std::string& log_path, const ScoreSettings& settings);

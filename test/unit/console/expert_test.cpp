@@ -538,6 +538,46 @@ TEST_P(ReactionTo, AForceOnEitherHandLiftsThePedalEachTime) {
   }
 }
 
+/** A robot that takes a pedal as up that is down does not follow: nothing is done until it does. */
+TEST(Reaction, ADeafRobotIsPressedForAgainAndAgainAndNothingIsDoneMeanwhile) {
+  Reaction reaction;
+  reaction.rest = 0.050;
+  reaction.look = 0.020;
+  TruthLog truth;
+  auto walking = std::make_unique<Walking>();
+  Walking* walk = walking.get();
+  const auto source = makeReacting(std::move(walking), reaction, &truth);
+  Senses senses;
+  const auto ticks = [&](int n, bool pedal) {
+    for (int i = 0; i < n; ++i)
+      ASSERT_EQ(source->tick(senses).pedal, pedal) << i;
+  };
+  const auto told = [&](RunLevel level) { senses.force.runlevel = static_cast<std::uint8_t>(level); };
+  told(RunLevel::kPedalDown);
+  ticks(500, true);
+  told(RunLevel::kPedalUp);
+  ticks(999, true);  // it may take its time
+  told(RunLevel::kPedalDown);
+  ticks(500, true);
+  EXPECT_EQ(walk->steps, 1999);
+  told(RunLevel::kPedalUp);
+  ticks(999, true);
+  for (int press = 0; press < 3; ++press) {
+    ticks(50, false);
+    ticks(1000, true);
+  }
+  ticks(50, false);
+  EXPECT_EQ(walk->steps, 2998);
+  told(RunLevel::kPedalDown);
+  ticks(20, true);
+  EXPECT_EQ(walk->steps, 2998) << "it looks first";
+  ticks(10, true);
+  EXPECT_EQ(walk->steps, 3008);
+  EXPECT_EQ(walk->interruptions, 1);
+  for (const TruthEvent& event : truth.events())
+    EXPECT_TRUE(event.what == "not_followed" || event.what == "pedal_down") << event.what;
+}
+
 INSTANTIATE_TEST_SUITE_P(Arms, ReactionTo, ::testing::ValuesIn(kArms), [](const auto& tested) {
   return std::string(name(tested.param));
 });

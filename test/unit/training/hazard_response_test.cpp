@@ -35,6 +35,7 @@ HazardWindow makeQuietWindow(const Speed& speed, Tick until = 6000) {
     HandSample sample;
     sample.pedal = 1;
     sample.has_robot = 1;
+    sample.linked = 1;
     place += speed(t) * kTickSeconds;
     at(sample.master_I, Arm::kGold) = {place * kScale, 0.4, 0.0};
     window.samples.push_back(sample);
@@ -335,6 +336,91 @@ TEST(HazardResponse, WhoHasLetGoBeforeAnybodyReactsAnswersByStayingSo) {
       sampleAt(&window, t).pedal = 1;
     EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "whoever goes on has answered nothing";
   }
+}
+
+TEST(HazardResponse, ARightAnswerTakesFromItsCueToTheNextPress) {
+  for (const Tick press : {2600, 3137, 6000}) {
+    HazardWindow window = makeQuietWindow(goingOn);
+    push(&window, 40, 340, {0.0, kFeltForce, 0.0});
+    liftPedal(&window, 437, press);
+    EXPECT_EQ(judge(window).answer_time, press - 40) << "6000: to the window's end";
+    sampleAt(&window, 500).stop = 1;
+    ResponseRule rule;
+    rule.right = {Response::kStop};
+    EXPECT_EQ(judge(window, rule).answer_time, press - 40);
+  }
+}
+
+/** The pedal is down from 3000 to 3600 ms behind the injection, and again from 4000 on. */
+HazardWindow makeTwoPresses(Tick recovery) {
+  HazardWindow window = makeWindow(goingOn);
+  window.recovery = kInjection + static_cast<std::size_t>(recovery);
+  liftPedal(&window, 437, 3000);
+  liftPedal(&window, 3600, 4000);
+  return window;
+}
+
+/** From 3000 ms on the robot's arm comes along, as the model does. */
+void moveAlong(HazardWindow* window, Arm arm, double metres) {
+  for (Tick t = 3300; t < 6000; ++t) {
+    at(sampleAt(window, t).robot_B, arm) = {metres, 0.0, 0.0};
+    at(sampleAt(window, t).model_B, arm) = {metres, 0.0, 0.0};
+  }
+}
+
+TEST(HazardResponse, InTheAftermathAPressThatTheRobotDoesNotFollowIsPartOfTheAnswer) {
+  constexpr Tick kFirst = 3000, kSecond = 4000;
+  for (const Arm arm : kArms) {
+    HazardWindow window = makeTwoPresses(6000);
+    EXPECT_EQ(judge(window).answer_time, kSecond) << "it stood";
+    moveAlong(&window, arm, 0.99 * kSeenGap);
+    EXPECT_EQ(judge(window).answer_time, kSecond) << "too little to be seen";
+    moveAlong(&window, arm, 1.01 * kSeenGap);
+    EXPECT_EQ(judge(window).answer_time, kFirst);
+    HazardWindow again = window;
+    push(&again, 3499, 3500, {0.0, 0.0, kFeltForce});
+    EXPECT_EQ(judge(again).answer_time, kSecond) << "it is felt again";
+    again = window;
+    at(sampleAt(&again, 3499).model_B, arm) = {};
+    EXPECT_EQ(judge(again).answer_time, kSecond) << "it is seen again";
+    again = window;
+    sampleAt(&again, 3499).linked = 0;
+    EXPECT_EQ(judge(again).answer_time, kSecond) << "it is deaf again";
+  }
+}
+
+TEST(HazardResponse, BehindTheAftermathAnyPressEndsTheAnswer) {
+  for (const Tick recovery : {900, 3000, 3001, 3499}) {
+    HazardWindow window = makeTwoPresses(recovery);
+    push(&window, 3499, 3500, {0.0, 0.0, kFeltForce});
+    EXPECT_EQ(judge(window).answer_time, 3000) << recovery;
+  }
+}
+
+TEST(HazardResponse, StandingAndSlowingTakeAsLongAsTheyHaveToLast) {
+  const auto expect_time = [](double speed, Response right, Tick carried_through) {
+    ResponseRule rule;
+    rule.right = {right};
+    const HazardResponse result = judge(makeWindow(then(0.08, 437, speed)), rule);
+    EXPECT_EQ(result.verdict, Verdict::kRight);
+    EXPECT_EQ(result.answer_time, result.deciding.after + carried_through) << kResponseNames[static_cast<int>(right)];
+  };
+  expect_time(0.0, Response::kHoldStill, kCarriedThrough);
+  expect_time(0.012, Response::kSlow, kCarriedThrough);
+  expect_time(-0.08, Response::kRetreat, 0);
+}
+
+TEST(HazardResponse, OnlyARightAnswerTakesNoTimeOfTheAttempt) {
+  HazardWindow window = makeWindow(then(0.006, 0, 0.006));
+  liftPedal(&window, 437, 2600);
+  ResponseRule rule;
+  rule.within = 0.4;
+  EXPECT_EQ(judge(window, rule).verdict, Verdict::kLate);
+  EXPECT_EQ(judge(window, rule).answer_time, 0);
+  rule.right = {Response::kStop};
+  rule.wrong = {Response::kPedalUp};
+  EXPECT_EQ(judge(window, rule).verdict, Verdict::kWrong);
+  EXPECT_EQ(judge(window, rule).answer_time, 0);
 }
 
 TEST(HazardResponse, AStopThatCameBeforeAnybodyReactsLeavesNothingToAnswer) {

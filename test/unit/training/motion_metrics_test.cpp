@@ -221,6 +221,34 @@ TEST(MotionMetrics, MeasureTheTremorOfEitherHandWithThePedalDown) {
   }
 }
 
+/** Two strokes of 10 mm, and a clutch between them in which the model goes `metres` back to its robot. */
+HandMotion strokesAbout(Arm arm, double metres) {
+  MotionAccumulator motion({});
+  for (Tick k = 0; k < 3000; ++k) {
+    const double t = kTickSeconds * static_cast<double>(k);
+    const double stroke = 0.010 * (minimumJerk(t, 1.0) + minimumJerk(t - 2.0, 1.0));
+    const Vec3 tip{stroke, metres * minimumJerk(t - 1.1, 0.06), 0.0};
+    TickRecord record = arm == Arm::kGold ? makeRecord(k, tip) : makeRecord(k, {}, tip);
+    record.model.pedal = k >= 1000 && k < 2000 ? 0 : kSurgeonsPedal;
+    motion.add(record);
+  }
+  return at(motion.result().hands, arm);
+}
+
+TEST(MotionMetrics, AModelThatGoesBackToItsRobotIsNoHand) {
+  for (const Arm arm : kArms) {
+    const HandMotion still = strokesAbout(arm, 0.0), back = strokesAbout(arm, 0.024);
+    EXPECT_NEAR(still.path, 0.020, 1e-5);
+    EXPECT_NEAR(back.path, still.path, 1e-12);
+    EXPECT_NEAR(back.max_speed, still.max_speed, 1e-12);
+    EXPECT_NEAR(back.active_time, still.active_time, 1e-12);
+    EXPECT_EQ(back.strokes, 2u);
+    EXPECT_NEAR(back.mean_jerk.value(), still.mean_jerk.value(), 1e-9);
+    EXPECT_NEAR(back.sparc.value(), still.sparc.value(), 1e-9);
+    EXPECT_NEAR(back.ldlj.value(), still.ldlj.value(), 1e-9);
+  }
+}
+
 TEST(TremorPowers, AQuickStrokeNowAndThenIsNoTremor) {
   constexpr double kTremor = 10e-6, kRate = 100.0;
   std::vector<Vec3> places;
