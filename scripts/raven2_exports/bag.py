@@ -256,9 +256,9 @@ def write(facts, path):
     import rosbag
 
     messages = _Messages()
-    with rosbag.Bag(path, "w", compression="bz2") as bag:
+    with rosbag.Bag(path, "w") as bag:  # not compressed, as rosbag record: with bz2 reading takes 1.9 times as long
         writer = Writer(bag, wall_clock_of(facts))
-        # In order of time: a reader sorts by time, and decompresses a chunk again each time that it comes back to it.
+        # In order of time: a reader sorts by time, and reads a chunk again each time that it comes back to it.
         parts = (part(facts, messages) for part in (_configuration, _frames, _ticks, _forces, _mode, _pedal, _events,
                                                     _faults))
         for message in heapq.merge(*parts, key=lambda message: message[2]):
