@@ -108,12 +108,13 @@ def ffmpeg(machine):
 
 
 def opengl(machine):
-    """One picture, as the daemon draws: OSMesa, in memory. In a process of its own, which may crash."""
+    """One picture, as the daemon draws, in memory: with OSMesa or EGL. In a process of its own, which may crash."""
     status, text = machine.run("/usr/bin/python3", PROBE)
     if status != 0:
-        return [fail(f"OSMesa draws nothing: {last_line(text)}",
-                     "as root: apt-get install --reinstall libosmesa6; unset LIBGL_DRIVERS_PATH and GALLIUM_DRIVER")]
-    return [ok(f"OSMesa draws: {last_line(text)}")]
+        return [fail(f"OpenGL draws nothing: {last_line(text)}",
+                     "as root: apt-get install --reinstall libosmesa6, or libegl1; unset RAVEN2_TRAINER_GL, LIBGL_DRIVERS_PATH "
+                     "and GALLIUM_DRIVER")]
+    return [ok(f"OpenGL draws: {last_line(text)}")]
 
 
 def display(machine):

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "render/gl.h"
 
 namespace raven2_trainer::render {
 
-/** An OSMesa context, core profile 3.3, and the memory it draws into: RGBA, 8 bit, top row first. */
+class GlLibrary;
+
+/** An OpenGL context, core profile 3.3, for pictures of a size. It has no framebuffer of its own: PictureTarget has. */
 class GlContext {
  public:
   /** @throw RenderException if the size is not in 1..4096 or no context can be had. */
@@ -22,14 +21,13 @@ class GlContext {
   /** Binds it to the calling thread; cheap if it is bound already. */
   void makeCurrent();
 
-  const std::vector<std::uint8_t>& rgba() const noexcept { return rgba_; }
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }
 
  private:
   int width_, height_;
-  std::vector<std::uint8_t> rgba_;
-  OSMesaContext context_{nullptr};
+  GlLibrary& library_;
+  void* context_{nullptr};
 };
 
 }  // namespace raven2_trainer::render

@@ -1,5 +1,8 @@
 #include "render/picture_target.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <string>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -7,6 +10,16 @@
 namespace raven2_trainer::render {
 
 namespace {
+
+constexpr GLenum kPackInvert = 0x8758;  // GL_PACK_INVERT_MESA: llvmpipe turns rows round while it copies them
+
+bool hasExtension(const char* name) {
+  GLint count = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLuint i = 0; i < static_cast<GLuint>(count); ++i)
+    if (std::strcmp(reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, i)), name) == 0) return true;
+  return false;
+}
 
 /** A texture: of a renderbuffer's bytes OpenGL chooses the order, and a copy would be slow where it differs. */
 GLuint attachColour(int width, int height) {
@@ -30,7 +43,8 @@ GLuint attachDepth(int width, int height) {
 
 }  // namespace
 
-PictureTarget::PictureTarget(int width, int height) : width_(width), height_(height) {
+PictureTarget::PictureTarget(int width, int height)
+    : width_(width), height_(height), can_invert_(hasExtension("GL_MESA_pack_invert")) {
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   colour_ = attachColour(width, height);
@@ -56,9 +70,12 @@ void PictureTarget::copyTo(const PictureTarget& other) const noexcept {
 
 void PictureTarget::read(std::uint8_t* rgba) const noexcept {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
-  glPixelStorei(GL_PACK_INVERT_MESA, GL_TRUE);
+  if (can_invert_) glPixelStorei(kPackInvert, GL_TRUE);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-  glPixelStorei(GL_PACK_INVERT_MESA, GL_FALSE);
+  if (can_invert_) return glPixelStorei(kPackInvert, GL_FALSE);
+  const auto row = static_cast<std::ptrdiff_t>(width_) * 4;
+  for (std::ptrdiff_t top = 0, bottom = height_ - 1; top < bottom; ++top, --bottom)
+    std::swap_ranges(rgba + top * row, rgba + (top + 1) * row, rgba + bottom * row);
 }
 
 }  // namespace raven2_trainer::render

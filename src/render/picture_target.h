@@ -24,6 +24,7 @@ class PictureTarget {
 
  private:
   int width_, height_;
+  bool can_invert_;
   GLuint framebuffer_{0}, colour_{0}, depth_{0};
 };
 

@@ -21,7 +21,7 @@ struct Renderer::Impl {
         layer(width, height),
         smoother(width, height),
         overlay(width, height),
-        rgba(context.rgba().size()),
+        rgba(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4),
         rgb(rgba.size() / 4 * 3) {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);

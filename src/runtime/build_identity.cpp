@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/render/renderer.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace raven2_trainer::runtime {
@@ -19,8 +20,9 @@ namespace {
 using Identity = std::map<std::string, std::string>;
 
 constexpr const char* kLibraries[] = {"libode", "libm", "libc", "libstdc++"};
-// They decide over pixels, and over no bit of a simulation: OSMesa, and what makes the code that it draws with.
-constexpr const char* kDrawingLibraries[] = {"libOSMesa", "libLLVM"};
+// They decide over pixels, and over no bit of a simulation: OSMesa or EGL of Mesa, and what makes the code that they
+// draw with.
+constexpr const char* kDrawingLibraries[] = {"libOSMesa", "libEGL_mesa", "libgallium", "libLLVM"};
 
 std::string hashOrReason(const std::string& path) {
   try {
@@ -113,6 +115,7 @@ Identity buildIdentity() {
 
 std::string pictureIdentity() {
   Identity identity = buildIdentity();
+  identity["opengl"] = render::loadOpenGl();
   dl_iterate_phdr(&addDrawingLibrary, &identity);
   std::string text;
   for (const auto& [name, value] : identity)

@@ -39,7 +39,7 @@ class RealtimeException : public Exception {
   using Exception::Exception;
 };
 
-/** OSMesa or the video encoder cannot be started. Message: call, reason. */
+/** OpenGL (OSMesa, EGL) or the video encoder cannot be started. Message: call, reason. */
 class RenderException : public Exception {
   using Exception::Exception;
 };

@@ -19,8 +19,13 @@ struct TrainerConfig;  // core/config.h
 
 namespace raven2_trainer::render {
 
-/** Offscreen OpenGL renderer (OSMesa, core profile, llvmpipe). Owns its context: create, use and destroy it on one
- *  thread. @throw RenderException if no context can be had or a shader does not compile. */
+/** Loads what pictures are drawn with, if it is not loaded yet, and starts nothing: a program may fork afterwards.
+ * OSMesa where it is installed, else EGL; the environment variable RAVEN2_TRAINER_GL chooses (auto, osmesa, egl).
+ *  @return "OSMesa" or "EGL". @throw RenderException if neither is there. */
+const char* loadOpenGl();
+
+/** Offscreen OpenGL renderer (core profile 3.3; llvmpipe, or with EGL a GPU). Owns its context: create, use and destroy
+ * it on one thread. @throw RenderException if no context can be had or a shader does not compile. */
 class Renderer {
  public:
   Renderer(int width, int height);

@@ -12,8 +12,10 @@ namespace raven2_trainer::runtime {
  */
 std::map<std::string, std::string> buildIdentity();
 
-/** What decides over the pixels of pictures beside what they show: the same, libOSMesa, and libLLVM where that draws
- * with it; in one text, a line each. These two by their build IDs, or by the hash of the file where there is no ID. */
+/** What decides over the pixels of pictures beside what they show: the same, whether OSMesa or EGL draws
+ * (`opengl`; it is loaded), and what belongs to it: libOSMesa or libEGL_mesa, libgallium, libLLVM; in one text, a line
+ * each. These by their build IDs, or by the hash of the file where there is no ID. @throw RenderException if neither is
+ * there. */
 std::string pictureIdentity();
 
 }  // namespace raven2_trainer::runtime

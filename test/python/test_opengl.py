@@ -1,0 +1,108 @@
+"""The same pictures whatever OpenGL comes from: OSMesa or EGL without a screen. A session is drawn with each, by processes of
+their own."""
+import os
+import pathlib
+import subprocess
+import zlib
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
+LIBRARIES = {"osmesa": "libOSMesa.so.8", "egl": "libEGL.so.1"}
+# Of one version of Mesa both are llvmpipe, and not a bit differs. A GPU rounds its own way: edges may fall to the next pixel.
+MOST_PIXELS, MOST_MEAN = 0.02, 1.0  # [-], [of 255]
+
+pytestmark = pytest.mark.skipif(not (PROGRAMS / "render_session").exists(), reason="render_session is not built")
+
+
+def is_there(library):
+    return any(LIBRARIES[library] in line for line in subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True,
+                                                                     check=True).stdout.splitlines())
+
+
+@pytest.fixture(scope="module", name="session")
+def make_session(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("opengl") / "session"
+    subprocess.run([PROGRAMS / "simulate", "--hazard", "sudden_jump", "--seconds", "3", "--homing", "quick", "--output",
+                    directory], check=True, capture_output=True)
+    return directory
+
+
+def draw(session, folder, library):
+    """@return [s] that the program took of the processor, and what it said."""
+    before = os.times()
+    done = subprocess.run([PROGRAMS / "render_session", session, "--output", folder, "--from", "0", "--to", "2", "--processes",
+                           "1"], env={**os.environ, "RAVEN2_TRAINER_GL": library}, capture_output=True, text=True, check=False)
+    after = os.times()
+    return after.children_user - before.children_user, done
+
+
+def pixels(path):
+    """Of a PNG of RGB, 8 bit, without interlacing, whichever filters its rows have."""
+    data, at, packed = path.read_bytes(), 8, b""
+    width, height = (int.from_bytes(data[i:i + 4], "big") for i in (16, 20))
+    assert data[24:26] == bytes([8, 2]) and data[28] == 0
+    while at < len(data):
+        size, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
+        packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += size + 12
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
+    result, above = np.zeros((height, width, 3), np.uint8), np.zeros((width, 3), np.uint8)
+    for y, (how, *_) in enumerate(rows):
+        above = result[y] = unfilter(how, rows[y, 1:].reshape(width, 3), above)
+    return result.astype(int)
+
+
+def unfilter(how, row, above):
+    if how in (0, 2):
+        return row if how == 0 else row + above
+    if how == 1:
+        return np.cumsum(row, axis=0, dtype=np.uint8)
+    out, left, corner = row.astype(int), np.zeros(3, int), np.zeros(3, int)
+    for x, up in enumerate(above.astype(int)):
+        if how == 3:
+            guess = (left + up) // 2
+        else:
+            away = [abs(left + up - corner - near) for near in (left, up, corner)]
+            guess = np.where((away[0] <= away[1]) & (away[0] <= away[2]), left, np.where(away[1] <= away[2], up, corner))
+        out[x] = left = (out[x] + guess) % 256
+        corner = up
+    return out.astype(np.uint8)
+
+
+@pytest.fixture(scope="module", name="drawn")
+def draw_both(session, tmp_path_factory):
+    for library in LIBRARIES:
+        if not is_there(library):
+            pytest.skip(f"NOT CHECKED: {LIBRARIES[library]} is not installed")
+    folders, seconds = {name: tmp_path_factory.mktemp(name) / "pictures" for name in LIBRARIES}, {}
+    for name, folder in folders.items():
+        seconds[name], done = draw(session, folder, name)
+        assert done.returncode == 0, done.stderr
+    return folders, seconds
+
+
+def test_both_draw_the_same_pictures(drawn):
+    osmesa, egl = (sorted(folder.glob("*.png")) for folder in drawn[0].values())
+    assert len(osmesa) == len(egl) > 30
+    for a, b in list(zip(osmesa, egl))[::20]:
+        if a.read_bytes() == b.read_bytes():
+            continue
+        off = np.abs(pixels(a) - pixels(b))
+        assert off.mean() <= MOST_MEAN and (off.max(axis=-1) > 8).mean() <= MOST_PIXELS, (a.name, off.mean())
+    assert pixels(osmesa[0]).std() > 20, "something is drawn"
+
+
+def test_both_draw_as_fast(drawn):
+    ratio = drawn[1]["egl"] / drawn[1]["osmesa"]
+    print(f"EGL takes {ratio:.2f} times as long as OSMesa")
+    assert ratio < 1.1  # measured 0.99 to 1.01, a busy process beside it
+
+
+@pytest.mark.parametrize("value", ["glx", "OSMESA"])
+def test_another_library_is_refused_in_a_sentence(session, tmp_path, value):
+    _, done = draw(session, tmp_path / "pictures", value)
+    assert done.returncode != 0
+    assert f'RAVEN2_TRAINER_GL is "{value}", allowed auto, osmesa, egl' in done.stderr
