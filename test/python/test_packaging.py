@@ -44,8 +44,8 @@ def test_catkin_lint_finds_neither_errors_nor_warnings():
 def test_package_xml_names_nothing_that_rosdep_does_not_know():
     """Of the keys that are no ROS packages: those of rosdep's base.yaml and python.yaml (ros/rosdistro, 2026), and `ompl`, a
     package of ROS noetic."""
-    known = set("assimp cli11 eigen ffmpeg gtest iproute2 libccd-dev libfcl-dev libosmesa6-dev libsodium-dev libturbojpeg "
-                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende python3-matplotlib python3-numpy "
+    known = set("assimp cli11 eigen ffmpeg gtest iproute2 libccd-dev libconsole-bridge-dev libfcl-dev libosmesa6-dev libsodium-dev libturbojpeg "
+                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende opengl python3-matplotlib python3-numpy "
                 "python3-pytest python3-yaml stress-ng xvfb yaml-cpp zlib".split())
     ros = set("actionlib actionlib_msgs catkin diagnostic_msgs genmsg genpy geometry_msgs message_generation "
               "message_runtime nav_msgs rosbag rosbash roscpp rosgraph_msgs roslaunch rosmsg rospy rostest rostopic sensor_msgs "
@@ -57,6 +57,20 @@ def test_package_xml_names_nothing_that_rosdep_does_not_know():
 
 def test_nothing_that_runs_needs_a_development_package():
     assert [name for name in packages("run") if name.endswith("-dev")] == []
+
+
+def test_a_session_needs_nothing_that_is_for_tests_alone(tmp_path):
+    """A dpkg-query that knows all of the other kinds, and an apt-get that would be noticed."""
+    there = "\n".join(f"ii  {name}" for name in packages("build") + packages("run"))
+    for name, said in (("dpkg-query", there), ("apt-get", "called")):
+        (tmp_path / name).write_text(f"#!/bin/sh\necho '{said}'\n")
+        (tmp_path / name).chmod(0o755)
+    for option, called in (("--session", False), (None, True)):
+        words = [SCRIPTS / "install_dependencies", *([option] if option else [])]
+        result = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False,
+                                env={"PATH": f"{tmp_path}:/usr/bin:/bin"})
+        assert ("called" in result.stdout or "not root" in result.stderr + result.stdout) == called, option
+    assert "scripts/install_dependencies\" --session" in text("scripts/run")
 
 
 def test_what_is_missing_is_told_without_installing(tmp_path):
