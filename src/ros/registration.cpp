@@ -16,9 +16,11 @@ namespace {
 using Value = XmlRpc::XmlRpcValue;
 
 /** Every call of the master begins with who calls. */
-std::optional<Value> callMaster(const std::string& method, std::vector<Value> arguments = {}) {
+std::optional<Value> callMaster(const std::string& method,
+                                std::vector<Value> arguments = {},
+                                double patience = kPatience) {
   arguments.insert(arguments.begin(), Value(ros::this_node::getName()));
-  return call(ros::master::getHost(), ros::master::getPort(), method, arguments);
+  return call(ros::master::getHost(), ros::master::getPort(), method, arguments, patience);
 }
 
 /** Our own slave API: the public way to roscpp's lists. */
@@ -76,13 +78,18 @@ bool registerServices(std::vector<std::string> services) {
 
 }  // namespace
 
-int masterPid() {
-  const std::optional<Value> pid = callMaster("getPid");
+int masterPid(double patience) {
+  const std::optional<Value> pid = callMaster("getPid", {}, patience);
   return pid && pid->getType() == Value::TypeInt ? static_cast<int>(Value(*pid)) : 0;
 }
 
-bool isRegistered() {
-  return lookedUp() == std::string(ownUri());
+/** A master that does not know the node says no to lookupNode, which is no answer of call(): so it is asked whether it
+ * still answers at all. */
+std::optional<bool> isRegistered() {
+  const std::string uri = lookedUp();
+  if (uri == std::string(ownUri())) return true;
+  if (uri.empty() && masterPid() == 0) return {};
+  return false;
 }
 
 std::string rival() {

@@ -21,6 +21,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (reliability.md, D6, D7)
 constexpr auto kGoodbye = 2s;              // at most for a goodbye, to a master that answers
+constexpr double kGoodbyePatience = 0.25;  // [s] longer nobody who leaves waits for an answer
 constexpr std::size_t kStack = 8U << 20U;  // roscpp's threads inherit nothing from it, its calls are deep
 
 }  // namespace
@@ -49,7 +50,7 @@ struct Supervisor::Impl {
       lost();
     } else if (!started) {
       connect(pid);
-    } else if (pid != known_pid || !isRegistered()) {
+    } else if (pid != known_pid || isRegistered() == false) {
       reconnect(pid);
     }
   }
@@ -58,7 +59,7 @@ struct Supervisor::Impl {
     ros::start();
     face.start();
     // A master that went in between may have left some of it undone: a subscription, then, does not exist.
-    started = masterPid() == pid && isRegistered();
+    started = masterPid() == pid && isRegistered() == true;
     if (!started) return face.stop();
     known_pid = pid;
     met.store(true);
@@ -103,7 +104,7 @@ struct Supervisor::Impl {
     bool answers = true;
     while (answers && std::chrono::steady_clock::now() < latest) {
       if (hasEndedWithin(kLookEvery)) return true;
-      answers = masterPid() != 0;
+      answers = masterPid(kGoodbyePatience) != 0;
     }
     return hasEndedWithin(0ms);
   }

@@ -6,8 +6,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr double kPatience = 0.25;  // [s] a master on the same computer answers in 1 to 5 ms
-constexpr int kSuccess = 1;         // of the three codes of the ROS APIs
+constexpr int kSuccess = 1;  // of the three codes of the ROS APIs
 
 class TimedClient : public XmlRpc::XmlRpcClient {
  public:
@@ -34,13 +33,14 @@ std::optional<XmlRpc::XmlRpcValue> payload(XmlRpc::XmlRpcValue& answer) {
 std::optional<XmlRpc::XmlRpcValue> call(const std::string& host,
                                         std::uint32_t port,
                                         const std::string& method,
-                                        const std::vector<XmlRpc::XmlRpcValue>& arguments) {
+                                        const std::vector<XmlRpc::XmlRpcValue>& arguments,
+                                        double patience) {
   XmlRpc::XmlRpcValue list, answer;
   list.setSize(static_cast<int>(arguments.size()));
   for (std::size_t i = 0; i < arguments.size(); ++i)
     list[static_cast<int>(i)] = arguments[i];
   TimedClient client(host.c_str(), static_cast<int>(port), "/");
-  const bool answered = client.callWithin(kPatience, method.c_str(), list, &answer);
+  const bool answered = client.callWithin(patience, method.c_str(), list, &answer);
   client.close();
   if (!answered) return {};
   return payload(answer);

@@ -9,13 +9,19 @@
 
 namespace raven2_trainer::ros_bridge {
 
+/** [s] A master on the same computer answers in 1 to 5 ms; a slow one, on another computer or a busy one, within a
+ * second. */
+constexpr double kPatience = 3.0;
+
 /**
- * One call of a ROS master or slave API. Gives up after 0.25 s, unlike roscpp's own, which waits for ever for a peer
- * that accepts and says nothing. @return the payload; nothing if there was no answer or it said no.
+ * One call of a ROS master or slave API. Gives up after `patience`, unlike roscpp's own, which waits for ever for a
+ * peer that accepts and says nothing; at once where nobody listens. @return the payload; nothing if there was no answer
+ * or it said no.
  */
 std::optional<XmlRpc::XmlRpcValue> call(const std::string& host,
                                         std::uint32_t port,
                                         const std::string& method,
-                                        const std::vector<XmlRpc::XmlRpcValue>& arguments);
+                                        const std::vector<XmlRpc::XmlRpcValue>& arguments,
+                                        double patience = kPatience);  // [s]
 
 }  // namespace raven2_trainer::ros_bridge

@@ -93,16 +93,20 @@ class _Server(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
 
 
 class SlowMaster:
-    """Stands before a master and hands every call on, the first that takes a registration back only after `seconds`."""
+    """Stands before a master and hands every call on, the first that takes a registration back only after `seconds`; with
+    `always` each call."""
 
-    def __init__(self, master, seconds):
+    def __init__(self, master, seconds, always=False):
         self._master, self._seconds, self._connections = master.uri, seconds, threading.local()
+        self._always = always
         self._server = _Server(("127.0.0.1", 0), _Handler, logRequests=False)
         self._server.register_instance(self)
         self.uri = "http://{}:{}".format(*self._server.server_address)
 
     def _dispatch(self, method, arguments):
-        if method.startswith("unregister"):
+        if self._always:
+            time.sleep(self._seconds)
+        elif method.startswith("unregister"):
             seconds, self._seconds = self._seconds, 0.0
             time.sleep(seconds)
         if not hasattr(self._connections, "master"):

@@ -9,7 +9,7 @@ import sys
 import time
 
 import yaml
-from ros_master import RosMaster, resident_mib
+from ros_master import RosMaster, SlowMaster, resident_mib
 from stack import Stack, effort, wait_until
 from surgeon import LatestState, Surgeon
 
@@ -63,6 +63,25 @@ rospy.Subscriber("/session/configuration", SessionConfiguration,
 rospy.Subscriber("/tf_static", TFMessage, lambda m: take("frames", [t.child_frame_id for t in m.transforms]))
 complete.wait(10)
 print(json.dumps(told))
+"""
+
+
+# Messages of /ravenstate in 8 s, and the milliseconds from the first one's stamp to the last one's: the robot sends one in each.
+READER = """
+import struct
+import time
+import rospy
+stamps = []
+def take(message):
+    seconds, nanoseconds = struct.unpack("<II", message._buff[4:12])
+    stamps.append(seconds * 1000 + nanoseconds // 1000000)
+rospy.init_node("reader", anonymous=True, disable_signals=True)
+rospy.Subscriber("/ravenstate", rospy.AnyMsg, take)
+end = time.monotonic() + 15
+while not stamps and time.monotonic() < end:
+    time.sleep(0.01)
+time.sleep(8)
+print(len(stamps), stamps[-1] - stamps[0] if stamps else 0)
 """
 
 
@@ -165,6 +184,22 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
         session.stack.assert_counters_add_up()
         print("  on time:", session.stack.metrics()["on_time_ratio"])
         assert session.stack.metrics()["packets"]["master_to_daemon"]["applied"] > 1000
+
+
+def test_a_slow_master_costs_no_message_and_is_not_gone(tmp_path):
+    """A second for each call, as over a bad link or on a computer that swaps."""
+    with RosMaster(str(tmp_path)) as master, SlowMaster(master, 1.0, always=True) as slow, Stack() as stack:
+        master.start()
+        stack.environment["ROS_MASTER_URI"] = slow.uri
+        for name in ("ROS_IP", "ROS_HOSTNAME"):
+            stack.environment.pop(name, None)
+        stack.start_robot()
+        wait_until(lambda: "registered" in stack.log_text("virtual_raven"), 60, "the robot has registered")
+        got, sent = map(int, master.run(sys.executable, "-c", READER, seconds=60).stdout.split())
+        print(f"  {got} of {sent} messages of /ravenstate with a master that takes a second for a call")
+        assert sent > 4000 and got > 0.97 * sent, "a subscription that is made again costs a second of them"
+        said = stack.log_text("virtual_raven")
+        assert "gone" not in said and "again" not in said, said
 
 
 def run_daemon(stack, *arguments):
