@@ -37,7 +37,7 @@ RULES = {
                  PURE + r"|nlohmann/|sys/file\.h|fcntl\.h|unistd\.h"),
     "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/|emmintrin\.h"),
     "render": (["core", "kinematics", "control", "model", "session", "training"],
-               PURE + r"|GL/|sys/|unistd\.h|fcntl\.h|sched\.h|signal\.h|spawn\.h|poll\.h"),
+               PURE + r"|GL/|dlfcn\.h|sys/|unistd\.h|fcntl\.h|sched\.h|signal\.h|spawn\.h|poll\.h"),
     "runtime": (["core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "config", "model", "net",
                  "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
                 PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|fcntl\.h|unistd\.h|time\.h|sodium\.h|nlohmann/"),

@@ -7,29 +7,47 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/run_script.h"
+#include "apps/common/session_config.h"
+#include "apps/export/session_bag.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/csv_export.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace {
 
-/** scripts/export_dataset writes the other formats. */
-int handOver(const std::string& directory, const std::string& format, const std::string& output) {
-  std::vector<std::string> words{"--format", format};
+using raven2_trainer::session::SessionPaths;
+
+/** scripts/export_dataset writes it. */
+int exportJigsaws(const std::string& directory, const std::string& output) {
+  std::vector<std::string> words;
   if (!output.empty()) words.push_back("--output=" + output);
   words.insert(words.end(), {"--", directory});
   return raven2_trainer::apps::runScript("export_dataset", words);
 }
 
-int exportSession(const std::string& directory, const std::string& format, const std::string& output) {
-  const auto paths = raven2_trainer::session::openSessionDirectory(directory);
-  if (format != "csv") return handOver(directory, format, output);
+int exportTicks(const SessionPaths& paths, const std::string& output) {
   const std::string csv = output.empty() ? paths.ticks() : output;
   raven2_trainer::apps::ProgressBar bar("export");
   const auto progress = [&bar](double share) { bar.update(share); };
   const std::size_t rows = raven2_trainer::session::exportTicksCsv(paths.log(), csv, progress);
   bar.done(csv + ": " + std::to_string(rows) + " rows");
   return 0;
+}
+
+int exportBag(const SessionPaths& paths, const std::string& output) {
+  using namespace raven2_trainer;
+  const std::string path = output.empty() ? paths.directory + "/session.bag" : output;
+  apps::ProgressBar bar("export");
+  const auto progress = [&bar](double share) { bar.update(share); };
+  const apps::BagCounts counts = apps::writeSessionBag(apps::viewingConfig(paths, ""), paths, path, progress);
+  bar.done(path + ": " + std::to_string(counts.messages) + " messages of " + std::to_string(counts.topics) + " topics");
+  return 0;
+}
+
+int exportSession(const std::string& directory, const std::string& format, const std::string& output) {
+  const SessionPaths paths = raven2_trainer::session::openSessionDirectory(directory);
+  if (format == "jigsaws") return exportJigsaws(directory, output);
+  return format == "csv" ? exportTicks(paths, output) : exportBag(paths, output);
 }
 
 }  // namespace

@@ -14,12 +14,12 @@ bool isUnderWay(PlanningStatus status) {
 
 }  // namespace
 
-PlanningTopics::PlanningTopics(ros::NodeHandle* node, const TopicSource& source)
+PlanningTopics::PlanningTopics(const TopicMaker& topics, const TopicSource& source)
     : source_(source),
-      trajectory_(node->advertise<trajectory_msgs::JointTrajectory>("plan/trajectory", kQueue, kLatched)),
-      tip_path_(node->advertise<nav_msgs::Path>("plan/tip_path", kQueue, kLatched)),
-      progress_(node->advertise<PlanningProgress>("plan/progress", kQueue, kLatched)),
-      execution_(node->advertise<PlanExecution>("plan/execution", kQueue, kLatched)) {}
+      trajectory_(topics.advertise<trajectory_msgs::JointTrajectory>("plan/trajectory", kQueue, kLatched)),
+      tip_path_(topics.advertise<nav_msgs::Path>("plan/tip_path", kQueue, kLatched)),
+      progress_(topics.advertise<PlanningProgress>("plan/progress", kQueue, kLatched)),
+      execution_(topics.advertise<PlanExecution>("plan/execution", kQueue, kLatched)) {}
 
 void PlanningTopics::publish(const ModelState& model, const ros::Time& stamp) {
   publishPlan(stamp);

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <ros/node_handle.h>
-#include <ros/publisher.h>
-
 #include <cstdint>
 
+#include "ros/outlet.h"
 #include "ros/planning_messages.h"
 #include "ros/topic_source.h"
 
@@ -16,7 +14,7 @@ namespace raven2_trainer::ros_bridge {
  */
 class PlanningTopics {
  public:
-  PlanningTopics(ros::NodeHandle* node, const TopicSource& source);
+  PlanningTopics(const TopicMaker& topics, const TopicSource& source);
 
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
@@ -31,7 +29,10 @@ class PlanningTopics {
   void publishProgress(const ModelState& model, const ros::Time& stamp);
 
   TopicSource source_;
-  ros::Publisher trajectory_, tip_path_, progress_, execution_;
+  Outlet<trajectory_msgs::JointTrajectory> trajectory_;
+  Outlet<nav_msgs::Path> tip_path_;
+  Outlet<PlanningProgress> progress_;
+  Outlet<PlanExecution> execution_;
   std::uint64_t plans_seen_{0}, executions_seen_{0};  ///< versions of the cells
   bool has_told_path_{false};
   StatusClock clock_;

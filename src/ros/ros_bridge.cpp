@@ -51,7 +51,7 @@ struct RosBridge::Impl {
             [daemon](const std::string& path) { return daemon->openReplay(path); },
             daemon->paths().directory),
         training_services(&node, &client, isLoopbackOnly() ? &replay : nullptr, may_command),
-        topics(&node, source(), kQueue),
+        topics(TopicMaker(&node), source(), kQueue, ros::Time::now()),
         view(node, daemon->config().render, &daemon->shared()),
         stereo(node, daemon->config().render),
         camera(&node, daemon->config().render, view),

@@ -1,8 +1,5 @@
 #include "ros/state_topics.h"
 
-#include <std_msgs/Bool.h>
-#include <tf2_msgs/TFMessage.h>
-
 #include <algorithm>
 #include <string>
 
@@ -31,22 +28,22 @@ int cyclesIn(double period, double base) noexcept {
   return std::max(1, static_cast<int>(period / base + 0.5));
 }
 
-StateTopics::StateTopics(ros::NodeHandle* node, const TopicSource& source, std::uint32_t queue)
+StateTopics::StateTopics(const TopicMaker& topics, const TopicSource& source, std::uint32_t queue, const ros::Time& now)
     : source_(source),
-      planning_(node, source),
-      training_(node, source),
-      model_joints_(node->advertise<sensor_msgs::JointState>("model/joint_states", queue)),
-      robot_joints_(node->advertise<sensor_msgs::JointState>("robot/joint_states", queue)),
-      forces_{node->advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", queue),
-              node->advertise<geometry_msgs::WrenchStamped>("haptic/green/force", queue)},
-      transforms_(node->advertise<tf2_msgs::TFMessage>("/tf", queue)),
-      fixed_transforms_(node->advertise<tf2_msgs::TFMessage>("/tf_static", queue, kLatched)),
-      markers_(node->advertise<visualization_msgs::MarkerArray>("markers", queue)),
-      edge_(node->advertise<std_msgs::Bool>("workspace_edge", queue, kLatched)),
+      planning_(topics, source),
+      training_(topics, source),
+      model_joints_(topics.advertise<sensor_msgs::JointState>("model/joint_states", queue)),
+      robot_joints_(topics.advertise<sensor_msgs::JointState>("robot/joint_states", queue)),
+      forces_{topics.advertise<geometry_msgs::WrenchStamped>("haptic/gold/force", queue),
+              topics.advertise<geometry_msgs::WrenchStamped>("haptic/green/force", queue)},
+      transforms_(topics.advertise<tf2_msgs::TFMessage>("/tf", queue)),
+      fixed_transforms_(topics.advertise<tf2_msgs::TFMessage>("/tf_static", queue, kLatched)),
+      markers_(topics.advertise<visualization_msgs::MarkerArray>("markers", queue)),
+      edge_(topics.advertise<std_msgs::Bool>("workspace_edge", queue, kLatched)),
       positions_(source.raven.description.links.size()),
       poses_(positions_.size()),
       is_fixed_(fixedLinks(source.raven.description)) {
-  fixed_transforms_.publish(fixedFrames(source.raven, source.config.render, ros::Time::now()));
+  fixed_transforms_.publish(fixedFrames(source.raven, source.config.render, now));
 }
 
 void StateTopics::publish(const ToldStates& states, const ros::Time& stamp) {
@@ -73,7 +70,7 @@ void StateTopics::startOver() {
 }
 
 void StateTopics::publishMarkers(const ToldStates& states, const ros::Time& stamp) {
-  if (markers_.getNumSubscribers() == 0) return;
+  if (!markers_.isHeard()) return;
   visualization_msgs::MarkerArray all = contactMarkers(states.contacts, stamp);
   const auto forces = forceMarkers(states.model, states.haptic, source_.raven.X_WB, stamp);
   all.markers.insert(all.markers.end(), forces.markers.begin(), forces.markers.end());

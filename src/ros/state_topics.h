@@ -1,12 +1,16 @@
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
-#include <ros/node_handle.h>
-#include <ros/publisher.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/Bool.h>
+#include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <vector>
 
 #include "raven2_trainer/core/contact.h"
+#include "ros/outlet.h"
 #include "ros/planning_topics.h"
 #include "ros/topic_source.h"
 #include "ros/training_topics.h"
@@ -27,8 +31,9 @@ struct ToldStates {
  */
 class StateTopics {
  public:
-  /** @param[in] queue [messages] of the topics that come in every cycle, for subscribers that are slow. */
-  StateTopics(ros::NodeHandle* node, const TopicSource& source, std::uint32_t queue);
+  /** @param[in] queue [messages] of the topics that come in every cycle, for subscribers that are slow.
+   *  @param[in] now of /tf_static, which is told at once. */
+  StateTopics(const TopicMaker& topics, const TopicSource& source, std::uint32_t queue, const ros::Time& now);
 
   /** Publishes one cycle of runtime.ros_period; one thread. News (plans, events) are the source's newest. */
   void publish(const ToldStates& states, const ros::Time& stamp);
@@ -51,9 +56,11 @@ class StateTopics {
   TopicSource source_;
   PlanningTopics planning_;
   TrainingTopics training_;
-  ros::Publisher model_joints_, robot_joints_;
-  PerArm<ros::Publisher> forces_;
-  ros::Publisher transforms_, fixed_transforms_, markers_, edge_;
+  Outlet<sensor_msgs::JointState> model_joints_, robot_joints_;
+  PerArm<Outlet<geometry_msgs::WrenchStamped>> forces_;
+  Outlet<tf2_msgs::TFMessage> transforms_, fixed_transforms_;
+  Outlet<visualization_msgs::MarkerArray> markers_;
+  Outlet<std_msgs::Bool> edge_;
   std::vector<double> positions_;
   std::vector<Pose> poses_;
   const std::vector<bool> is_fixed_;  ///< by link index: told by /tf_static

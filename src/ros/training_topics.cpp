@@ -1,7 +1,6 @@
 #include "ros/training_topics.h"
 
 #include "ros/topic.h"
-#include "ros/training_messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -11,11 +10,11 @@ constexpr std::uint32_t kEventQueue = 256;  // as many as four cycles can bring 
 
 }  // namespace
 
-TrainingTopics::TrainingTopics(ros::NodeHandle* node, const TopicSource& source)
+TrainingTopics::TrainingTopics(const TopicMaker& topics, const TopicSource& source)
     : source_(source),
-      mode_(node->advertise<TrainerMode>("mode", kQueue, kLatched)),
-      progress_(node->advertise<ExerciseProgress>("exercise/state", kQueue, kLatched)),
-      events_(node->advertise<ExerciseEventStamped>("exercise/events", kEventQueue)) {}
+      mode_(topics.advertise<TrainerMode>("mode", kQueue, kLatched)),
+      progress_(topics.advertise<ExerciseProgress>("exercise/state", kQueue, kLatched)),
+      events_(topics.advertise<ExerciseEventStamped>("exercise/events", kEventQueue)) {}
 
 void TrainingTopics::publish(const ModelState& model, const ros::Time& stamp) {
   publishMode(model, stamp);

@@ -1,18 +1,17 @@
 #pragma once
 
-#include <ros/node_handle.h>
-#include <ros/publisher.h>
-
 #include <cstdint>
 
+#include "ros/outlet.h"
 #include "ros/topic_source.h"
+#include "ros/training_messages.h"
 
 namespace raven2_trainer::ros_bridge {
 
 /** `mode` and `exercise/state`, latched, and `exercise/events`. */
 class TrainingTopics {
  public:
-  TrainingTopics(ros::NodeHandle* node, const TopicSource& source);
+  TrainingTopics(const TopicMaker& topics, const TopicSource& source);
 
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
@@ -26,7 +25,9 @@ class TrainingTopics {
   void publishEvents(const ros::Time& stamp);
 
   TopicSource source_;
-  ros::Publisher mode_, progress_, events_;
+  Outlet<TrainerMode> mode_;
+  Outlet<ExerciseProgress> progress_;
+  Outlet<ExerciseEventStamped> events_;
   ModelState told_mode_, told_progress_;  ///< states of the newest messages
   bool has_told_{false};
   std::uint64_t events_told_{0};

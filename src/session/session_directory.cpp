@@ -144,6 +144,23 @@ std::string readText(const SessionPaths& paths, const char* key) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> readConfigurationFiles(const SessionPaths& paths) {
+  std::ifstream file(paths.meta());
+  const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
+  std::vector<std::pair<std::string, std::string>> files;
+  const auto add = [&](const Json& entry) {
+    if (entry.is_object() && entry.contains("path") && entry.contains("fnv1a") && entry["path"].is_string() &&
+        entry["fnv1a"].is_string())
+      files.emplace_back(entry["path"], entry["fnv1a"]);
+  };
+  if (!json.is_object()) return files;
+  for (const Json& entry : json.value("config_files", Json::array()))
+    add(entry);
+  for (const char* key : {"robot_urdf", "scene_urdf"})
+    add(json.value(key, Json()));
+  return files;
+}
+
 std::string readStartTime(const SessionPaths& paths) {
   return readText(paths, "start_time_utc");
 }

@@ -61,6 +61,9 @@ std::map<std::string, std::string> readBuild(const SessionPaths& paths);
 /** SessionMeta::usb_truth of a session; empty if there is no readable meta.json. */
 std::string readUsbTruthFile(const SessionPaths& paths);
 
+/** Path and hash of each file that a session was configured by, and of both URDFs, as meta.json has them. */
+std::vector<std::pair<std::string, std::string>> readConfigurationFiles(const SessionPaths& paths);
+
 /** SessionMeta::start_time_utc of a session; empty if there is no readable meta.json. */
 std::string readStartTime(const SessionPaths& paths);
 

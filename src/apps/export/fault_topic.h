@@ -1,0 +1,39 @@
+#pragma once
+
+#include <ros/time.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "ros/outlet.h"
+
+namespace raven2_trainer::apps {
+
+/** raven2_trainer/FaultChange of a bag, of which no other source may know: core has a struct of its name. */
+struct ToldFault {
+  ros::Time stamp;
+  std::string scenario, host, site, variable, arm, kind;
+  std::uint32_t row{};
+  bool acts{};
+  std::int32_t channel{};
+  double value{};
+  std::int64_t tick{}, cycle{};
+};
+
+/** The topic /faults. */
+class FaultTopic {
+ public:
+  explicit FaultTopic(const ros_bridge::TopicMaker& topics);
+  ~FaultTopic();
+  FaultTopic(const FaultTopic&) = delete;
+  FaultTopic& operator=(const FaultTopic&) = delete;
+
+  void publish(const ToldFault& fault) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raven2_trainer::apps
