@@ -19,7 +19,7 @@ SCRIPTS = sorted(path for path in (ROOT / "scripts").iterdir()
 VERDICTS = ["campaign_report", "check_layering.py", "check_package", "check_fresh_debian", "check_slurm", "compare_replay",
             "describe_hazards", "doctor", "fuzz", "generate_description", "make_bands", "measure_drills", "measure_hazards",
             "run",
-            "session_report", "soak", "stress", "summarise_tests", "test"]  # what their status says is a result
+            "session_report", "session_sums", "soak", "stress", "summarise_tests", "test"]  # what their status says is a result
 CLI11_COLUMN = 30  # where descriptions begin, after one blank where a name reaches so far
 COMPLETION = pathlib.Path("/usr/share/bash-completion/completions/rosrun")
 

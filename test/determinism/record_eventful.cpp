@@ -1,0 +1,18 @@
+// record_eventful DIR SEED: a session in which everything happens that physics can be given, for scripts/session_sums.
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "support/eventful_session.h"
+#include "support/made_up_session.h"
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: record_eventful DIR SEED\n");
+    return 1;
+  }
+  testing::InitGoogleTest();
+  raven2_trainer::testing::useOde();
+  raven2_trainer::runtime::EventfulSession(argv[1], std::strtoull(argv[2], nullptr, 10)).run();
+  return testing::UnitTest::GetInstance()->Failed() ? 1 : 0;
+}
