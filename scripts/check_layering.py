@@ -72,10 +72,13 @@ def violations(module, path):
 def judge(module, header, quoted, allowed, foreign):
     if foreign and re.match(foreign, header):
         return None
-    ours = re.match(r"raven2_trainer/([a-z]+)/", header) or (re.match(r"([a-z]+)/", header) if quoted else None)
-    if ours:
-        used = ours.group(1)
-        return None if used == module or used in allowed else f"{module} may not include {used}"
+    public = re.match(r"raven2_trainer/([a-z]+)/", header)
+    private = re.match(r"([a-z]+)/", header) if quoted and not public else None
+    if public or private:
+        used = (public or private).group(1)
+        if used != module and used not in allowed:
+            return f"{module} may not include {used}"
+        return None if public or used == module else f"a private header of {used}"
     if quoted:
         return "use the full path of the header"
     if module in PURE_MODULES and header in IMPURE:

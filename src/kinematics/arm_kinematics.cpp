@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kinematics/chain.h"
+#include "raven2_trainer/kinematics/chain.h"
 
 namespace raven2_trainer::kinematics {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinematics/chain.h"
 #include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/chain.h"
 
 namespace raven2_trainer::kinematics {
 

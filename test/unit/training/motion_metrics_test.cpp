@@ -396,7 +396,8 @@ TEST(MotionMetrics, SeeATipLeaveThePictureOnEverySide) {
   for (const Arm arm : kArms) {
     for (const auto& [x, y] : {std::pair{0.1, 0.0}, {-0.1, 0.0}, {0.0, 0.2}, {0.0, -0.2}}) {
       for (const double share : {1.0 - just / 0.1, 1.0 + 2.0 * just / 0.1}) {
-        const Path there = [x = share * x, y = share * y](double) { return Vec3{x, y, 0.0}; };
+        const Vec3 place{share * x, share * y, 0.0};
+        const Path there = [place](double) { return place; };
         const Path middle = [](double) { return Vec3{}; };
         const MotionMetrics metrics =
             arm == Arm::kGold ? measure(10, there, middle, fromAbove()) : measure(10, middle, there, fromAbove());
