@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "ros/crtk_messages.h"
 #include "ros/master_device_messages.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -119,8 +120,8 @@ bool MasterDeviceReader::gripper(const topic_tools::ShapeShifter& message) {
 }
 
 bool MasterDeviceReader::operatingState(const topic_tools::ShapeShifter& message) {
-  devices::OperatingState state;
-  if (message.getMD5Sum() != devices::OperatingState::md5())
+  crtk::OperatingState state;
+  if (message.getMD5Sum() != crtk::OperatingState::md5())
     return refuse(message, topics_.operating_state, "crtk_msgs/OperatingState");
   if (!decode(message, &state)) return false;
   sample_.is_stateless = 0;

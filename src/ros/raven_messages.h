@@ -1,14 +1,16 @@
 #pragma once
 
 #include <geometry_msgs/Transform.h>
-#include <ros/message_traits.h>
-#include <ros/serialization.h>
 #include <std_msgs/Header.h>
 
 #include <boost/array.hpp>
+#include <string>
 
-// Messages of the Raven's own package `raven_2`, which need not be installed: fields, order and check sums as there
-// (raven2.md 5.2, 5.3). Arrays of 16 go by the robot's channels: gold 0-7, green 8-15, 3 and 11 are not connected.
+#include "ros/foreign_message.h"
+
+// Messages of the Raven's own package `raven_2` (raven2.md 5.2, 5.3). No HasHeader: roscpp numbers a message only if
+// its first field is called "header". These have "hdr", so that the real robot's numbers stay 0. Arrays of 16 go by the
+// robot's channels: gold 0-7, green 8-15, 3 and 11 are not connected.
 
 namespace raven2_trainer::ros_bridge::raven_2 {
 
@@ -33,6 +35,19 @@ struct RavenState {
   boost::array<float, 12> jac_vel{}, jac_f{};
 
   static const char* md5() { return "ce9e7f4969049d8bb365de3c98461a01"; }
+  static const char* name() { return "raven_2/raven_state"; }
+  static std::string text() {
+    return withPart<std_msgs::Header>(
+        "Header hdr\nint32 runlevel\nint32 sublevel\nint32 last_seq\nint32[2] type\nint32[6] pos\nfloat32[18] ori\n"
+        "float32[18] ori_d\nint32[6] pos_d\nduration dt\nint32[16] encVals\nint32[16] dac_val\nfloat32[16] tau\n"
+        "float32[16] mpos\nfloat32[16] jpos\nfloat32[16] mvel\nfloat32[16] jvel\nfloat32[16] mpos_d\n"
+        "float32[16] jpos_d\nfloat32[2] grasp_d\nfloat32[16] encoffsets\nfloat32[12] jac_vel\nfloat32[12] jac_f\n");
+  }
+  template <typename Self, typename Use>
+  static void fields(Self& m, const Use& use) {
+    use(m.hdr, m.runlevel, m.sublevel, m.last_seq, m.type, m.pos, m.ori, m.ori_d, m.pos_d, m.dt, m.encVals, m.dac_val,
+        m.tau, m.mpos, m.jpos, m.mvel, m.jvel, m.mpos_d, m.jpos_d, m.grasp_d, m.encoffsets, m.jac_vel, m.jac_f);
+  }
 };
 
 /** The message of the same name in the authors' fork raven2_sim: 2008 bytes. */
@@ -53,6 +68,14 @@ struct ForkRavenState {
   boost::array<float, 3> sim_mpos{}, sim_mvel{}, sim_jpos{};
 
   static const char* md5() { return "1156a31ded2ee54c003e39e2268ee9c7"; }
+  static const char* name() { return "raven_2/raven_state"; }
+  static std::string text() { return ""; }
+  template <typename Self, typename Use>
+  static void fields(Self& m, const Use& use) {
+    use(m.hdr, m.runlevel, m.sublevel, m.last_seq, m.type, m.pos, m.ori, m.ori_d, m.pos_d, m.dt, m.encVals, m.tau,
+        m.mpos, m.jpos, m.mvel, m.mvel_d, m.jvel, m.mpos_d, m.jpos_d, m.grasp_d, m.encoffsets, m.current_cmd, m.err_msg,
+        m.sim_mpos, m.sim_mvel, m.sim_jpos);
+  }
 };
 
 /** raven_2/raven_automove. */
@@ -60,123 +83,18 @@ struct RavenAutomove {
   std_msgs::Header hdr;
   boost::array<std::int32_t, 6> del_pos{};              // ignored by the robot
   boost::array<geometry_msgs::Transform, 2> tf_incr{};  // gold, green: translation in um, frame 0
-};
 
-/** Text of raven_2/raven_state with that of std_msgs/Header, as a topic's connection header carries it. */
-const char* ravenStateDefinition();
+  static const char* md5() { return "409f695c901a20d6a1f90a4e55ae6f63"; }
+  static const char* name() { return "raven_2/raven_automove"; }
+  static std::string text() { return ""; }
+  template <typename Self, typename Use>
+  static void fields(Self& m, const Use& use) {
+    use(m.hdr, m.del_pos, m.tf_incr);
+  }
+};
 
 }  // namespace raven2_trainer::ros_bridge::raven_2
 
-namespace ros {
-namespace message_traits {
-
-namespace raven_2 = raven2_trainer::ros_bridge::raven_2;
-
-template <typename State>
-struct RavenStateMd5 {
-  static const char* value() { return State::md5(); }
-  static const char* value(const State&) { return value(); }
-};
-template <typename State>
-struct RavenStateName {
-  static const char* value() { return "raven_2/raven_state"; }
-  static const char* value(const State&) { return value(); }
-};
-
-template <>
-struct MD5Sum<raven_2::RavenState> : RavenStateMd5<raven_2::RavenState> {};
-template <>
-struct MD5Sum<raven_2::ForkRavenState> : RavenStateMd5<raven_2::ForkRavenState> {};
-template <>
-struct DataType<raven_2::RavenState> : RavenStateName<raven_2::RavenState> {};
-template <>
-struct DataType<raven_2::ForkRavenState> : RavenStateName<raven_2::ForkRavenState> {};
-template <>
-struct Definition<raven_2::RavenState> {
-  static const char* value() { return raven_2::ravenStateDefinition(); }
-  static const char* value(const raven_2::RavenState&) { return value(); }
-};
-// No HasHeader: roscpp numbers a message only if its first field is called "header". This one is "hdr", so that the
-// real robot's numbers stay 0.
-
-template <>
-struct MD5Sum<raven_2::RavenAutomove> {
-  static const char* value() { return "409f695c901a20d6a1f90a4e55ae6f63"; }
-  static const char* value(const raven_2::RavenAutomove&) { return value(); }
-};
-template <>
-struct DataType<raven_2::RavenAutomove> {
-  static const char* value() { return "raven_2/raven_automove"; }
-  static const char* value(const raven_2::RavenAutomove&) { return value(); }
-};
-
-}  // namespace message_traits
-
-namespace serialization {
-
-template <>
-struct Serializer<message_traits::raven_2::RavenState> {
-  template <typename Stream, typename State>
-  static void allInOne(Stream& stream, State m) {
-    stream.next(m.hdr);
-    stream.next(m.runlevel);
-    stream.next(m.sublevel);
-    stream.next(m.last_seq);
-    stream.next(m.type);
-    stream.next(m.pos);
-    stream.next(m.ori);
-    stream.next(m.ori_d);
-    stream.next(m.pos_d);
-    stream.next(m.dt);
-    stream.next(m.encVals);
-    stream.next(m.dac_val);
-    for (auto* values : {&m.tau, &m.mpos, &m.jpos, &m.mvel, &m.jvel, &m.mpos_d, &m.jpos_d})
-      stream.next(*values);
-    stream.next(m.grasp_d);
-    stream.next(m.encoffsets);
-    stream.next(m.jac_vel);
-    stream.next(m.jac_f);
-  }
-  ROS_DECLARE_ALLINONE_SERIALIZER
-};
-
-template <>
-struct Serializer<message_traits::raven_2::ForkRavenState> {
-  template <typename Stream, typename State>
-  static void allInOne(Stream& stream, State m) {
-    stream.next(m.hdr);
-    stream.next(m.runlevel);
-    stream.next(m.sublevel);
-    stream.next(m.last_seq);
-    stream.next(m.type);
-    stream.next(m.pos);
-    stream.next(m.ori);
-    stream.next(m.ori_d);
-    stream.next(m.pos_d);
-    stream.next(m.dt);
-    stream.next(m.encVals);
-    for (auto* values : {&m.tau, &m.mpos, &m.jpos, &m.mvel, &m.mvel_d, &m.jvel, &m.mpos_d, &m.jpos_d})
-      stream.next(*values);
-    stream.next(m.grasp_d);
-    stream.next(m.encoffsets);
-    stream.next(m.current_cmd);
-    stream.next(m.err_msg);
-    for (auto* values : {&m.sim_mpos, &m.sim_mvel, &m.sim_jpos})
-      stream.next(*values);
-  }
-  ROS_DECLARE_ALLINONE_SERIALIZER
-};
-
-template <>
-struct Serializer<message_traits::raven_2::RavenAutomove> {
-  template <typename Stream, typename Move>
-  static void allInOne(Stream& stream, Move m) {
-    stream.next(m.hdr);
-    stream.next(m.del_pos);
-    stream.next(m.tf_incr);
-  }
-  ROS_DECLARE_ALLINONE_SERIALIZER
-};
-
-}  // namespace serialization
-}  // namespace ros
+RAVEN2_FOREIGN_MESSAGE(raven2_trainer::ros_bridge::raven_2::RavenState)
+RAVEN2_FOREIGN_MESSAGE(raven2_trainer::ros_bridge::raven_2::ForkRavenState)
+RAVEN2_FOREIGN_MESSAGE(raven2_trainer::ros_bridge::raven_2::RavenAutomove)

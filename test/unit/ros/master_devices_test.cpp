@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_master.h"
+#include "ros/crtk_messages.h"
 #include "ros/force_readers.h"
 #include "ros/master_device_messages.h"
 #include "ros/master_device_reader.h"
@@ -73,7 +74,7 @@ TEST(DeviceMessages, HaveTheCheckSumsOfTheDriversPackages) {
   EXPECT_STREQ(devices::ButtonEvent::md5(), "fb77877e6b639935c3360838062f05f0");
   EXPECT_STREQ(devices::OmniFeedback::md5(), "e9083ac4fd95494e94fbb0c0f90b6c00");
   EXPECT_STREQ(devices::DeviceFeedback::md5(), "94755b031db27fe99c2c235c0da9b072");
-  EXPECT_STREQ(devices::OperatingState::md5(), "b1bd4021639d9d9c5fbfff78d6ff3158");
+  EXPECT_STREQ(crtk::OperatingState::md5(), "b1bd4021639d9d9c5fbfff78d6ff3158");
 }
 
 TEST(DeviceMessages, FieldsStandWhereTheDriversHaveThem) {
@@ -166,7 +167,7 @@ TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
   MasterDeviceReader reader(config, config.devices[0]);
   EXPECT_EQ(reader.sample().is_ready, 0) << "it has not said so";
   EXPECT_EQ(reader.sample().is_stateless, 1);
-  devices::OperatingState state;
+  crtk::OperatingState state;
   for (const auto& [name, homed, ready] : {std::tuple("ENABLED", 1, 1), std::tuple("ENABLED", 0, 0),
                                            std::tuple("DISABLED", 1, 0), std::tuple("FAULT", 1, 0)}) {
     state.state = name;
@@ -402,7 +403,7 @@ TEST(DeviceReader, ADeviceThatIsDisabledLaterIsNotReadyAnyMore) {
   const MasterConfig config = shipped("mtm");
   for (std::size_t i = 0; i < kArmCount; ++i) {
     MasterDeviceReader reader(config, config.devices[i]);
-    devices::OperatingState state;
+    crtk::OperatingState state;
     state.is_homed = 1;
     for (const auto& [word, ready] : {std::pair("ENABLED", 1), std::pair("PAUSED", 0), std::pair("ENABLED", 1)}) {
       state.state = word;
