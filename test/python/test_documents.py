@@ -2,6 +2,7 @@
 files, scenarios; and doc/interfaces.md names all of it. Options are those of --help where the programs are built, of the
 sources else."""
 
+import collections
 import os
 import pathlib
 import re
@@ -176,6 +177,20 @@ def test_commands_of_promises_are_there():
     built = (ROOT / "test/CMakeLists.txt").read_text(encoding="utf-8")
     assert len(system) > 5 and [name for name in system if not (ROOT / f"test/system/test_{name}.py").exists()] == []
     assert [name for name in re.findall(r"`BIN (\w+)_test", text) if f"raven2_test({name} " not in built] == []
+
+
+def test_sections_of_the_robot_s_facts_that_comments_cite_are_there():
+    """`raven2.md 3.1, 6.2` in code, configuration and pages: each has a heading in doc/raven2.md."""
+    headings = set(re.findall(r"^#+ (\d(?:\.\d)?) ", (ROOT / "doc/raven2.md").read_text(encoding="utf-8"), re.M))
+    cited = collections.defaultdict(list)
+    for folder in ("config", "doc", "include", "meshes", "scripts", "src", "test", "urdf"):
+        for path in (ROOT / folder).rglob("*"):
+            if path.suffix in (".cpp", ".h", ".md", ".py", ".urdf", ".yaml") and path.is_file():
+                for numbers in re.findall(r"raven2\.md\"? ((?:\d(?:\.\d+)?(?:, | and )?)+)", path.read_text(encoding="utf-8")):
+                    for number in re.findall(r"\d(?:\.\d+)?", numbers):
+                        cited[number].append(path.name)
+    assert len(cited) > 25
+    assert {number: names[:3] for number, names in cited.items() if number not in headings} == {}
 
 
 def test_headers_that_are_named_are_there():
