@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "config/nearest_name.h"
 #include "config/readers.h"
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/load_scenario.h"
@@ -163,19 +164,15 @@ OverlaySet overlaysOf(const std::vector<std::string>& names) {
   if (names.size() == 1 && names[0] == "none") return set;
   for (const std::string& name : names) {
     const auto found = std::find(kOverlayNames.begin(), kOverlayNames.end(), name);
-    if (found == kOverlayNames.end()) {
-      std::string known;
-      for (const char* each : kOverlayNames)
-        known += std::string(" ") + each;
-      throw ConfigException("no overlay is called \"" + name + "\"; known:" + known);
-    }
+    if (found == kOverlayNames.end())
+      throw ConfigException(unknownName("overlay", name, {kOverlayNames.begin(), kOverlayNames.end()}));
     set.add(static_cast<OverlayKind>(found - kOverlayNames.begin()));
   }
   return set;
 }
 
 ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name) {
-  std::string known;
+  std::vector<std::string> known;
   for (const ToolPreset& tool : arms.tools) {
     if (tool.name == name) {
       ArmGeometry geometry = arms.geometry;
@@ -183,9 +180,9 @@ ArmGeometry toolGeometry(const ArmsConfig& arms, const std::string& name) {
       geometry.lw = tool.lw;
       return geometry;
     }
-    known += (known.empty() ? "" : ", ") + tool.name;
+    known.push_back(tool.name);
   }
-  throw ConfigException("no tool is called \"" + name + "\"; known: " + known);
+  throw ConfigException(unknownName("tool", name, known));
 }
 
 void selectPlant(TrainerConfig* config, const std::string& name) {
@@ -202,12 +199,12 @@ void selectPlant(TrainerConfig* config, const std::string& name) {
 
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {
   if (name == "none") return 0;
-  std::string known = "none";
+  std::vector<std::string> known{"none"};
   for (const Scenario& scenario : config.scenarios) {
     if (scenario.name == name) return scenario.faults[0].id;
-    known += ", " + scenario.name;
+    known.push_back(scenario.name);
   }
-  throw ConfigException("no hazard is called \"" + name + "\"; known: " + known);
+  throw ConfigException(unknownName("hazard", name, known));
 }
 
 void checkHazard(const TrainerConfig& config) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "config/nearest_name.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -26,11 +27,7 @@ std::string namedFile(const std::string& folder,
   std::vector<std::string> names = namesIn(folder);
   if (std::find(names.begin(), names.end(), name) != names.end()) return (fs::path(folder) / (name + ".yaml")).string();
   names.insert(names.begin(), besides.begin(), besides.end());
-  std::string known;
-  for (const std::string& each : names)
-    known += (known.empty() ? "" : ", ") + each;
-  throw ConfigException(std::string("no ") + what + " is called \"" + name +
-                        "\"; known: " + (known.empty() ? "none at all" : known));
+  throw ConfigException(unknownName(what, name, names));
 }
 
 }  // namespace raven2_trainer::config

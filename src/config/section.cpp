@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "config/nearest_name.h"
 #include "config/yaml_guard.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/shown.h"
@@ -109,6 +110,10 @@ void emit(const YAML::Node& node, YAML::Emitter* out) {
   }
 }
 
+std::string hintOf(const std::string& nearest) {
+  return nearest.empty() ? "" : ": did you mean \"" + nearest + "\"?";
+}
+
 }  // namespace
 
 Section::Section(const YAML::Node& node, std::string file, std::string path)
@@ -155,7 +160,7 @@ std::string Section::placeOf(const std::string& key, const std::string& otherwis
 
 YAML::Node Section::find(const std::string& key) {
   const YAML::Node value = (*node_)[key];
-  if (!value.IsDefined() || value.IsNull()) throw ConfigException(where(key) + " is missing");
+  if (!value.IsDefined() || value.IsNull()) throw ConfigException(where(key) + " is missing" + hintAt(key));
   read_.insert(key);
   return value;
 }
@@ -313,11 +318,21 @@ std::string Section::yaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
+/** Where a key is missing: one that nobody has read, and that may be it with a typing mistake. */
+std::string Section::hintAt(const std::string& key) const {
+  std::vector<std::string> unread;
+  for (const std::string& each : keys())
+    if (read_.count(each) == 0) unread.push_back(each);
+  const std::string nearest = nearestName(key, unread);
+  return nearest.empty() ? "" : ": is it \"" + shown(nearest) + "\"?";
+}
+
 void Section::finish() const {
   for (const auto& entry : *node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     if (read_.count(key) == 0)
-      throw ConfigException(placeOf(key, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(key));
+      throw ConfigException(placeOf(key, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(key) +
+                            hintOf(nearestName(key, {read_.begin(), read_.end()})));
   }
 }
 

@@ -38,9 +38,9 @@ class ReactingSource : public MotionSource {
  private:
   enum class Phase { kNone, kFeeling, kUp, kLooking };
 
-  /** A robot says by its runlevel whether it takes the pedal as down. */
+  /** A robot says by its runlevel whether it takes the pedal as down. With another pedal, the camera's, it need not. */
   void watchRobot(const Senses& senses) noexcept {
-    const bool is_pressed = intent_.pedal && phase_ != Phase::kUp;
+    const bool is_pressed = intent_.pedal && intent_.pedals == 0 && phase_ != Phase::kUp;
     const bool is_deaf = senses.force.runlevel == static_cast<std::uint8_t>(RunLevel::kPedalUp);
     deaf_ = is_pressed && is_deaf ? deaf_ + 1 : 0;
   }

@@ -81,6 +81,7 @@ TEST_F(LoadTraining, NoPlanIsScheduledInAnExercise) {
 TEST_F(LoadTraining, AnUnknownNameIsRefusedWithTheKnownOnes) {
   std::ofstream(folder_ / "exercises/press.yaml") << "scene: box\n";
   std::ofstream(folder_ / "exercises/notes.txt") << "no exercise\n";
+  EXPECT_EQ(message({"pres", "", "", ""}), "raven2_trainer: no exercise is called \"pres\": did you mean \"press\"?");
   EXPECT_EQ(message({"hop", "", "", ""}), "raven2_trainer: no exercise is called \"hop\"; known: none, press");
   EXPECT_EQ(message({"press", "", "", ""}), "raven2_trainer: no scene is called \"box\"; known: none at all");
   EXPECT_EQ(message({"", "", "", "basics"}), "raven2_trainer: no curriculum is called \"basics\"; known: none");

@@ -499,10 +499,12 @@ class Walking : public MotionSource {
     interruptions += senses.was_interrupted ? 1 : 0;
     Intent intent;
     intent.pedal = true;
+    intent.pedals = pedals;
     intent.hand_I[0][0] = 1e-3 * ++steps;
     return intent;
   }
   int steps{0}, interruptions{0};
+  std::uint32_t pedals{0};
 };
 
 class ReactionTo : public ::testing::TestWithParam<Arm> {};
@@ -536,6 +538,17 @@ TEST_P(ReactionTo, AForceOnEitherHandLiftsThePedalEachTime) {
     EXPECT_EQ(walk->interruptions, attempt);
     EXPECT_EQ(truth.events().size(), 3U * static_cast<std::size_t>(attempt));
   }
+}
+
+/** With the camera's pedal the robot is told pedal-up. */
+TEST(Reaction, ARobotThatWaitsForTheCameraIsNotDeaf) {
+  auto walking = std::make_unique<Walking>();
+  walking->pedals = 1;
+  const auto source = makeReacting(std::move(walking), {});
+  Senses senses;
+  senses.force.runlevel = static_cast<std::uint8_t>(RunLevel::kPedalUp);
+  for (int i = 0; i < 5000; ++i)
+    ASSERT_TRUE(source->tick(senses).pedal) << i;
 }
 
 /** A robot that takes a pedal as up that is down does not follow: nothing is done until it does. */
