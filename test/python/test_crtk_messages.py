@@ -6,7 +6,7 @@ import genmsg
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-HEADER = (ROOT / "src/ros/crtk_messages.h").read_text()
+HEADER = (ROOT / "src/ros/crtk/crtk_messages.h").read_text()
 # crtk_msgs 1.3.0, msg/*.msg.
 TEXTS = {"OperatingState": "Header  header\nstring  state\nbool    is_homed\nbool    is_busy\n",
          "StringStamped": "std_msgs/Header header\nstring string\n"}

@@ -233,7 +233,7 @@ def test_the_page_of_interfaces_names_what_the_running_daemon_has_and_nothing_el
 
 
 def test_the_page_of_interfaces_names_topics_of_other_programs_by_their_names():
-    text = sources("src/ros/*.cpp") + sources("src/apps/*.cpp") + sources("launch/*.launch")
+    text = sources("src/ros/*/*.cpp") + sources("src/apps/*.cpp") + sources("launch/*.launch")
     names = interface_page.names("ROS: other programs", 1) - {"--topic"}
     assert "/ravenstate" in names and [name for name in names if f'"{name}"' not in text] == []
 
@@ -296,7 +296,7 @@ def types_of_interfaces():
 
 def types_of_code():
     """{name: type} of topics and services that the daemon's sources name beside their type."""
-    text = sources("src/ros/*.cpp") + sources("src/ros/*.h")
+    text = sources("src/ros/*/*.cpp") + sources("src/ros/*/*.h")
     told = {name: kind for kind, name in re.findall(r'advertise<(?:\w+::)?(\w+)>\(\s*"(/?\w[\w/]*)"', text)}
     for name, method in re.findall(r'advertiseService\(\s*"([\w/]+)", &\w+::(\w+)', text):
         told[name] = re.search(rf"\b{method}\((?:\w+::)?(\w+)::Request", text).group(1)

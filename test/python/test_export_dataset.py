@@ -298,7 +298,7 @@ def test_faults_of_several_rows_come_in_order_of_time(tmp_path):
 def daemon_types():
     """{topic: type} of what the daemon's code advertises by name; its own messages are named without the package."""
     found = {}
-    for path in (made.ROOT / "src" / "ros").glob("*.cpp"):
+    for path in (made.ROOT / "src/ros").rglob("*.cpp"):
         for kind, topic in re.findall(r'advertise<([\w:]+)>\(\s*"([^"]+)"', path.read_text(encoding="utf-8")):
             found["/" + topic.lstrip("/")] = kind.replace("::", "/") if "::" in kind else f"raven2_trainer/{kind}"
     return found

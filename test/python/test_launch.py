@@ -1,6 +1,7 @@
 """training.launch and hardware.launch: what their arguments make of the programs' command lines. Nothing is started."""
 
 import os
+import pathlib
 
 import pytest
 
@@ -139,9 +140,8 @@ def test_rviz_is_given_the_robot_and_its_configuration():
 
 
 def test_rviz_shows_topics_that_there_are():
-    sources = os.path.join(os.path.dirname(os.path.dirname(LAUNCH)), "src", "ros")
-    text = "".join(open(os.path.join(sources, name), encoding="utf-8").read()
-                   for name in os.listdir(sources) if name.endswith(".cpp"))
+    sources = pathlib.Path(LAUNCH).parent.parent / "src/ros"
+    text = "".join(path.read_text(encoding="utf-8") for path in sources.rglob("*.cpp"))
     topics = {shown[key] for shown in displays() for key in shown if key.endswith("Topic")}
     assert {"/markers", "/plan/tip_path", "/view/image_raw"} <= topics
     assert [topic for topic in topics if f'"{topic[1:]}"' not in text] == []

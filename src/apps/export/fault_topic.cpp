@@ -1,7 +1,7 @@
 #include "apps/export/fault_topic.h"
 
 #include "raven2_trainer/FaultChange.h"
-#include "ros/topic.h"
+#include "ros/node/topic.h"
 
 namespace raven2_trainer::apps {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "ros/outlet.h"
+#include "ros/node/outlet.h"
 
 namespace raven2_trainer::apps {
 

@@ -16,9 +16,9 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/training/session_metrics.h"
-#include "ros/session_teller.h"
-#include "ros/session_topic.h"
-#include "ros/topic.h"
+#include "ros/bridge/session_teller.h"
+#include "ros/bridge/session_topic.h"
+#include "ros/node/topic.h"
 
 namespace raven2_trainer::apps {
 namespace {

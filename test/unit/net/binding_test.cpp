@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <functional>
 #include <string>
 #include <thread>
@@ -72,9 +73,20 @@ TEST_P(Binding, ToATakenPortNamesThePlaceAndTheProcess) {
   }
 }
 
+/** Ports of several: one may be somebody else's at 127.0.0.1 just now. */
 TEST_P(Binding, ToAPortOfAnotherAddressIsNoConflict) {
-  const Other other(GetParam().type, INADDR_LOOPBACK + 1);
-  EXPECT_EQ(GetParam().bind(other.port, 0.0), other.port);
+  const std::array<Other, 5> others{
+      Other(GetParam().type, INADDR_LOOPBACK + 1), Other(GetParam().type, INADDR_LOOPBACK + 1),
+      Other(GetParam().type, INADDR_LOOPBACK + 1), Other(GetParam().type, INADDR_LOOPBACK + 1),
+      Other(GetParam().type, INADDR_LOOPBACK + 1)};
+  int bound = 0;
+  for (const Other& other : others) {
+    try {
+      bound += GetParam().bind(other.port, 0.0) == other.port ? 1 : 0;
+    } catch (const NetworkException&) {
+    }
+  }
+  EXPECT_GE(bound, 3);
 }
 
 TEST_P(Binding, GetsAPortThatBecomesFreeInTime) {

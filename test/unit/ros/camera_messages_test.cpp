@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ros/messages.h"
+#include "ros/bridge/messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

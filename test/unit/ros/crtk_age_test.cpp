@@ -1,4 +1,4 @@
-#include "ros/crtk_age.h"
+#include "ros/crtk/crtk_age.h"
 
 #include <gtest/gtest.h>
 

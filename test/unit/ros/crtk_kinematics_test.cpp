@@ -1,4 +1,4 @@
-#include "ros/crtk_kinematics.h"
+#include "ros/crtk/crtk_kinematics.h"
 
 #include <gtest/gtest.h>
 

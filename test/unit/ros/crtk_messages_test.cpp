@@ -1,4 +1,4 @@
-#include "ros/crtk_messages.h"
+#include "ros/crtk/crtk_messages.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ros/crtk_reader.h"
+#include "ros/crtk/crtk_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ros/crtk_states.h"
+#include "ros/crtk/crtk_states.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
-#include "ros/crtk_reader.h"
-#include "ros/crtk_wrench.h"
+#include "ros/crtk/crtk_reader.h"
+#include "ros/crtk/crtk_wrench.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -1,11 +1,11 @@
-#include "ros/crtk_words.h"
+#include "ros/crtk/crtk_words.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <set>
 
-#include "ros/crtk_device.h"
+#include "ros/crtk/crtk_device.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "ros/crtk_wrench.h"
+#include "ros/crtk/crtk_wrench.h"
 
 #include <gtest/gtest.h>
 

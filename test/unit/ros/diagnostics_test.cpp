@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "ros/messages.h"
+#include "ros/bridge/messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

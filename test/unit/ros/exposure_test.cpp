@@ -1,4 +1,4 @@
-#include "ros/exposure.h"
+#include "ros/node/exposure.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

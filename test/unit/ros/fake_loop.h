@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/shared_state.h"
-#include "ros/planning_client.h"
+#include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {
 

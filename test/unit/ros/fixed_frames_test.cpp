@@ -1,4 +1,4 @@
-#include "ros/fixed_frames.h"
+#include "ros/bridge/fixed_frames.h"
 
 #include <gtest/gtest.h>
 

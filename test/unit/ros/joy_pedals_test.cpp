@@ -1,4 +1,4 @@
-#include "ros/joy_pedals.h"
+#include "ros/devices/joy_pedals.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "ros/markers.h"
+#include "ros/bridge/markers.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <limits>
 
-#include "ros/state_topics.h"
+#include "ros/bridge/state_topics.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_master.h"
-#include "ros/crtk_messages.h"
-#include "ros/force_readers.h"
-#include "ros/master_device_messages.h"
-#include "ros/master_device_reader.h"
-#include "ros/master_status.h"
-#include "ros/operator_lines.h"
-#include "ros/pedal_hold.h"
-#include "ros/rest_watch.h"
+#include "ros/crtk/crtk_messages.h"
+#include "ros/devices/force_readers.h"
+#include "ros/devices/master_device_messages.h"
+#include "ros/devices/master_device_reader.h"
+#include "ros/devices/master_status.h"
+#include "ros/devices/operator_lines.h"
+#include "ros/devices/pedal_hold.h"
+#include "ros/devices/rest_watch.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -1,9 +1,9 @@
-#include "ros/move_arm_task.h"
+#include "ros/planning/move_arm_task.h"
 
 #include <gtest/gtest.h>
 
 #include "fake_loop.h"
-#include "ros/planning_messages.h"
+#include "ros/planning/planning_messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "ros/parameter_text.h"
+#include "ros/node/parameter_text.h"
 
 #include <gtest/gtest.h>
 

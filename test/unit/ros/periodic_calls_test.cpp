@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "ros/periodic_thread.h"
+#include "ros/node/periodic_thread.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "ros/compressed_picture.h"
-#include "ros/jpeg_encoder.h"
-#include "ros/messages.h"
-#include "ros/picture_stamp.h"
+#include "ros/bridge/messages.h"
+#include "ros/pictures/compressed_picture.h"
+#include "ros/pictures/jpeg_encoder.h"
+#include "ros/pictures/picture_stamp.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "ros/picture.h"
+#include "ros/pictures/picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ros/planning_client.h"
+#include "ros/planning/planning_client.h"
 
 #include <gtest/gtest.h>
 

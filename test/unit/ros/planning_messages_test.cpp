@@ -1,4 +1,4 @@
-#include "ros/planning_messages.h"
+#include "ros/planning/planning_messages.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ros/rates.h"
+#include "ros/node/rates.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "ros/messages.h"
+#include "ros/bridge/messages.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "ros/raven_messages.h"
+#include "ros/raven/raven_messages.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
-#include "ros/raven_conversion.h"
-#include "ros/raven_state_reader.h"
+#include "ros/raven/raven_conversion.h"
+#include "ros/raven/raven_state_reader.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

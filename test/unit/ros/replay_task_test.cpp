@@ -1,4 +1,4 @@
-#include "ros/replay_task.h"
+#include "ros/bridge/replay_task.h"
 
 #include <gtest/gtest.h>
 

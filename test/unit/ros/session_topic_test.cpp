@@ -1,4 +1,4 @@
-#include "ros/session_topic.h"
+#include "ros/bridge/session_topic.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "ros/messages.h"
-#include "ros/state_topics.h"
+#include "ros/bridge/messages.h"
+#include "ros/bridge/state_topics.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

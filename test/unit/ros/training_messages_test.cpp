@@ -1,11 +1,11 @@
-#include "ros/training_messages.h"
+#include "ros/bridge/training_messages.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "raven2_trainer/core/exercise_news.h"
-#include "ros/camera_view.h"
+#include "ros/pictures/camera_view.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

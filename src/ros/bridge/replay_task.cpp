@@ -1,0 +1,46 @@
+#include "ros/bridge/replay_task.h"
+
+#include <exception>
+#include <filesystem>
+#include <utility>
+
+#include "ros/node/tell.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+namespace fs = std::filesystem;
+
+/** To open another one would end the one that is shown, or be for nothing. */
+bool mayShow(Mode mode) noexcept {
+  return mode == Mode::kWaiting || mode == Mode::kPedalUp;
+}
+
+/** "DIR" and "DIR/" alike. */
+std::string folderOf(const std::string& session) {
+  return (fs::absolute(session) / "").lexically_normal().parent_path().parent_path();
+}
+
+}  // namespace
+
+ReplayTask::ReplayTask(PlanningClient* client, Open open, const std::string& beside)
+    : client_(*client), open_(std::move(open)), sessions_(folderOf(beside)) {}
+
+ReplayTask::Outcome ReplayTask::begin(const std::string& session) {
+  const std::string directory = fs::path(sessions_) / session;  // an absolute one is itself
+  std::error_code none;
+  if (session.empty() || !fs::is_directory(directory, none))
+    return {ErrorCode::kFailure, directory + ": no directory of a session"};
+  if (!mayShow(client_.mode())) return {errorCode(PlanningAnswer::kNotNow), words(PlanningAnswer::kNotNow)};
+  Request request;
+  request.kind = RequestKind::kBeginReplay;
+  try {
+    request.plan = open_(directory);
+  } catch (const std::exception& e) {
+    return {ErrorCode::kFailure, e.what()};
+  }
+  const PlanningAnswer answer = client_.ask(request).answer;
+  return {errorCode(answer), words(answer)};
+}
+
+}  // namespace raven2_trainer::ros_bridge

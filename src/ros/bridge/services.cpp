@@ -1,0 +1,100 @@
+#include "ros/bridge/services.h"
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/runtime/fault_director.h"
+
+namespace raven2_trainer::ros_bridge {
+Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator, PlanningClient* client, bool may_command)
+    : simulator_(*simulator),
+      client_(*client),
+      stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
+      disengage_(node->advertiseService("disengage", &Services::disengage, this)) {
+  if (may_command) offerCommands(node);
+}
+
+void Services::offerCommands(ros::NodeHandle* node) {
+  start_hazard_ = node->advertiseService("start_hazard", &Services::startHazard, this);
+  engage_ = node->advertiseService("engage", &Services::engage, this);
+  for (const Arm arm : kArms) {
+    using Callback = boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)>;
+    const Callback callback = [this, arm](std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+      return setCollisions(arm, request, &response);
+    };
+    at(set_collisions_, arm) = node->advertiseService(std::string(name(arm)) + "/set_collisions", callback);
+  }
+}
+
+std::vector<std::string> Services::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer* server :
+       {&start_hazard_, &stop_hazard_, &engage_, &disengage_, &set_collisions_[0], &set_collisions_[1]}) {
+    if (*server) names.push_back(server->getService());
+  }
+  return names;
+}
+
+/** @throw ConfigException if it may not be armed, with what it would take. */
+void Services::refuseInjection(std::uint32_t id) const {
+  const TrainerConfig& config = simulator_.config();
+  if (!config.injection.enable) throw ConfigException("injection is not enabled (config/injection.yaml)");
+  const RobotState robot = simulator_.shared().robot.load();
+  if (id == 0 || robot.frame == 0 || robot.is_virtual != 0) return;
+  if (!config.injection.real_robot) throw ConfigException("a real robot is connected: nothing is armed");
+  for (const Fault& fault : config.scenarios[id - 1].faults) {
+    if (fault.host == FaultHost::kRobot)
+      throw ConfigException("a real robot is connected: nothing is injected into its own software");
+  }
+}
+
+bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
+  try {
+    const std::uint32_t id = config::faultId(simulator_.config(), request.name);
+    refuseInjection(id);
+    const FaultPlan wanted = config::planFor(simulator_.config(), id, 0);
+    if (!runtime::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
+      throw ConfigException("too many faults are armed: stop_hazard first");
+    response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
+    response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";
+  } catch (const ConfigException& e) {
+    response.success = false;
+    response.message = e.what();
+  }
+  return true;
+}
+
+bool Services::stopHazard(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  response.success = simulator_.shared().fault_requests.tryPush({0, 0});
+  response.message = response.success ? "all hazards cleared" : "too many requests at once";
+  return true;
+}
+
+bool Services::post(RequestKind kind, std_srvs::Trigger::Response* response) {
+  Request request;
+  request.kind = kind;
+  response->success = client_.post(request);
+  response->message = response->success ? "" : "too many requests at once";
+  return true;
+}
+
+bool Services::engage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  return post(RequestKind::kEngage, &response);
+}
+
+bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  return post(RequestKind::kDisengage, &response);
+}
+
+bool Services::setCollisions(Arm arm,
+                             const std_srvs::SetBool::Request& request,
+                             std_srvs::SetBool::Response* response) {
+  Request order;
+  order.kind = RequestKind::kSetCollisions;
+  order.arm = arm;
+  order.enabled = request.data ? 1 : 0;
+  response->success = client_.post(order);
+  response->message = response->success ? "" : "too many requests at once";
+  return true;
+}
+
+}  // namespace raven2_trainer::ros_bridge

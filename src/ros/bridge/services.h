@@ -1,0 +1,46 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/StartHazard.h"
+#include "raven2_trainer/runtime/simulator.h"
+#include "ros/planning/planning_client.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** start_hazard, stop_hazard, engage, disengage, {gold,green}/set_collisions: each only posts a request. */
+class Services {
+ public:
+  /**
+   * @param[in] simulator, client must outlive this.
+   * @param[in] may_command without it only what makes things safer is offered: stop_hazard and disengage.
+   */
+  Services(ros::NodeHandle* node, runtime::Simulator* simulator, PlanningClient* client, bool may_command);
+
+  /** Resolved names of what is offered. */
+  std::vector<std::string> names() const;
+
+ private:
+  void offerCommands(ros::NodeHandle* node);
+  void refuseInjection(std::uint32_t id) const;
+  bool startHazard(StartHazard::Request& request, StartHazard::Response& response);
+  bool stopHazard(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool engage(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool disengage(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+
+  bool setCollisions(Arm arm, const std_srvs::SetBool::Request& request, std_srvs::SetBool::Response* response);
+  bool post(RequestKind kind, std_srvs::Trigger::Response* response);
+
+  runtime::Simulator& simulator_;
+  PlanningClient& client_;
+  ros::ServiceServer start_hazard_, stop_hazard_, engage_, disengage_;
+  PerArm<ros::ServiceServer> set_collisions_;
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,98 @@
+#include "ros/bridge/session_teller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "ros/planning/planning_messages.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+/** A pair's points as one, which is what the log keeps of them. */
+ContactList contactList(Tick tick, const std::vector<ContactRecord>& records) {
+  ContactList list;
+  list.tick = tick;
+  list.count = static_cast<std::uint32_t>(std::min(records.size(), kMaxContacts));
+  list.dropped = static_cast<std::uint32_t>(records.size()) - list.count;
+  for (std::size_t i = 0; i < list.count; ++i) {
+    const ContactRecord& record = records[i];
+    list.contacts[i] = {record.a, record.b, static_cast<float>(record.depth), record.p_W, {}, record.f_W};
+  }
+  return list;
+}
+
+Tick ticksOf(double seconds) {
+  return static_cast<Tick>(std::llround(seconds / kTickSeconds));
+}
+
+}  // namespace
+
+SessionTeller::SessionTeller(const TrainerConfig& config, const session::SessionPaths& paths)
+    : config_(config),
+      paths_(paths),
+      header_(session::readLogHeader(paths.log())),
+      raven_(model::loadRavenModel(config_)),
+      shared_(std::make_unique<SharedState>()) {
+  if (header_.d4 != config_.arms.geometry.d4)
+    throw ConfigException(paths_.log() + ": was recorded with tools of d4 = " + std::to_string(header_.d4) +
+                          " m, the configuration's is " + std::to_string(config_.arms.geometry.d4));
+  if (header_.robot_urdf_hash != session::fileHash(config_.robot_urdf))
+    std::fprintf(stderr, "the robot's description has changed since the session: %s\n", config_.robot_urdf.c_str());
+}
+
+void SessionTeller::begin(const TopicMaker& topics, std::uint32_t queue, const ros::Time& now) {
+  const TopicSource source{config_, raven_, *shared_, header_.body_names, [] { return PlanCounts{}; }};
+  topics_ = std::make_unique<StateTopics>(topics, source, queue, now);
+}
+
+void SessionTeller::startOver() {
+  events_ = {};
+  shared_->exercise_news.store(events_);
+  topics_->startOver();
+}
+
+/** The cells, as the daemon's threads would leave them; but topics look at each once an instant, whose answers may be
+ * all of before --from: the path among them must not be hidden by a later answer that is none. */
+void SessionTeller::remember(const session::ReplayInstant& instant) {
+  if (const PlanResult* path = newestPath(instant.plans)) shared_->last_plan.store(*path);
+  for (const ExecutionReport& report : instant.executions)
+    shared_->last_execution.store(report);
+  for (const ExerciseRecord& event : instant.events)
+    events_.add(event);
+  shared_->exercise_news.store(events_);
+}
+
+void SessionTeller::tell(const session::ReplayInstant& instant, const ros::Time& stamp) {
+  remember(instant);
+  const ModelState& model = instant.tick.model;
+  topics_->publish({model, instant.tick.robot, instant.haptic, contactList(model.tick, instant.contacts)}, stamp);
+}
+
+void SessionTeller::read(double from,
+                         const std::function<void(const session::ReplayInstant&)>& use,
+                         const std::function<void(const TickRecord&)>& on_tick) const {
+  session::ReplayTimeline timeline(std::max<Tick>(1, ticksOf(config_.runtime.ros_period)),
+                                   from < 0.0 ? -1 : ticksOf(from));
+  const auto useComplete = [&] {
+    for (session::ReplayInstant instant; timeline.next(&instant);)
+      use(instant);
+  };
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord& record) {
+    if (on_tick) on_tick(record);
+    timeline.add(record);
+    useComplete();
+  };
+  visitor.haptic = [&](const HapticRecord& record) { timeline.add(record); };
+  visitor.contact = [&](const ContactRecord& record) { timeline.add(record); };
+  visitor.plan = [&](const PlanRecord& record) { timeline.add(record); };
+  visitor.execution = [&](const ExecutionRecord& record) { timeline.add(record); };
+  visitor.exercise = [&](const ExerciseRecord& record) { timeline.add(record); };
+  session::readLog(paths_.log(), visitor);
+  timeline.finish();
+  useComplete();
+}
+
+}  // namespace raven2_trainer::ros_bridge

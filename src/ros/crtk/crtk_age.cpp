@@ -1,0 +1,85 @@
+#include "ros/crtk/crtk_age.h"
+
+#include <ros/master.h>
+#include <ros/this_node.h>
+#include <xmlrpcpp/XmlRpcException.h>
+
+#include <cstdio>
+
+#include "ros/node/name_of.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+// [s] Below what a person takes for "now", above what a network that stutters adds; an arm at the default max_speed
+// goes 5 cm meanwhile. Ours.
+constexpr double kOldest = 0.5;
+
+std::string valueOf(const ros::M_string& header, const std::string& key) {
+  const auto found = header.find(key);
+  return found == header.end() ? "" : found->second;
+}
+
+CrtkAsked refuse(const ServoCommand& command, const std::string& why) {
+  return {std::nullopt, std::string(nameOf(kServoKindNames, command.kind)) + ": " + why};
+}
+
+}  // namespace
+
+std::optional<CrtkPublishers> publishersNow() {
+  XmlRpc::XmlRpcValue caller, response, state;
+  caller[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", caller, response, state, /*wait_for_master=*/false)) return {};
+  return publishersIn(state);
+}
+
+/** [publishers, subscribers, services], each a list of [topic, [node, ...]]. */
+std::optional<CrtkPublishers> publishersIn(XmlRpc::XmlRpcValue state) {
+  CrtkPublishers publishers;
+  try {
+    XmlRpc::XmlRpcValue& topics = state[0];
+    for (int i = 0; i < topics.size(); ++i) {
+      XmlRpc::XmlRpcValue& nodes = topics[i][1];
+      for (int j = 0; j < nodes.size(); ++j)
+        publishers[static_cast<std::string&>(topics[i][0])].insert(static_cast<std::string&>(nodes[j]));
+    }
+  } catch (const XmlRpc::XmlRpcException&) {
+    return {};
+  }
+  return publishers;
+}
+
+bool CrtkStored::mayBe(const ros::M_stringPtr& connection) {
+  if (!connection || valueOf(*connection, "latching") != "1") return false;
+  const std::string publisher = valueOf(*connection, "callerid");
+  const auto [found, is_new] = latching_.try_emplace(publisher, connection);
+  if (!is_new && found->second == connection) return false;
+  found->second = connection;
+  return !is_new || wasBefore(publisher);
+}
+
+bool isSafer(const ServoCommand& command) noexcept {
+  switch (command.kind) {
+    case ServoKind::kHold:
+    case ServoKind::kFree:
+      return true;
+    case ServoKind::kState:
+      return command.state == StateCommand::kPause || command.state == StateCommand::kDisable;
+    default:
+      return false;
+  }
+}
+
+CrtkAsked unlessOld(const CrtkAsked& asked, const CrtkOrigin& origin) {
+  if (!asked.command || isSafer(*asked.command)) return asked;
+  if (origin.may_be_stored)
+    return refuse(*asked.command, origin.publisher + " latches, and may have said so long ago; say it again");
+  const double age = origin.stamp.isZero() ? 0.0 : (origin.now - origin.stamp).toSec();
+  if (age <= kOldest) return asked;
+  char text[128];
+  std::snprintf(text, sizeof text, "stamped %.4g s ago, at most %.4g s; clocks must agree, or leave the stamp out", age,
+                kOldest);
+  return refuse(*asked.command, text);
+}
+
+}  // namespace raven2_trainer::ros_bridge

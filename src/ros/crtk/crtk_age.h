@@ -1,0 +1,60 @@
+#pragma once
+
+#include <ros/datatypes.h>
+#include <ros/time.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "ros/crtk/crtk_reader.h"
+
+// Commands that are older than they look: an arm must not do now what was asked for before.
+
+namespace raven2_trainer::ros_bridge {
+
+/** Names of the nodes that publish a topic, by its name. */
+using CrtkPublishers = std::map<std::string, std::set<std::string>>;
+
+/** As the master has them now; nothing if it does not answer. */
+std::optional<CrtkPublishers> publishersNow();
+/** In a master's answer to getSystemState; nothing if it is no such answer. */
+std::optional<CrtkPublishers> publishersIn(XmlRpc::XmlRpcValue state);
+
+/**
+ * Which messages of a topic may have been stored. A publisher that latches gives its last message to every new
+ * connection. If it was there before the topic was listened to, or connects again, that may be of long ago. If it came
+ * later, it is what it asks for: raven2_CRTK_Python_controller says `resume` so, before it is connected. One thread.
+ */
+class CrtkStored {
+ public:
+  /** @param[in] before who published it before it was listened to; nothing: anybody may have. */
+  explicit CrtkStored(std::optional<std::set<std::string>> before) : before_(std::move(before)) {}
+
+  /** @param[in] connection the header that a message came with; one a connection. */
+  bool mayBe(const ros::M_stringPtr& connection);
+
+ private:
+  bool wasBefore(const std::string& publisher) const { return !before_ || before_->count(publisher) > 0; }
+
+  const std::optional<std::set<std::string>> before_;
+  std::map<std::string, ros::M_stringPtr> latching_;  ///< newest connections by publisher; held, so that no other is it
+};
+
+/** Where a message comes from, and when. */
+struct CrtkOrigin {
+  std::string publisher;   ///< name of the node
+  bool may_be_stored{};    ///< CrtkStored
+  ros::Time stamp, now{};  ///< of its header, zero: none; of its receipt
+};
+
+/** hold, free, pause, disable: what lets arms stand is never too old. */
+bool isSafer(const ServoCommand& command) noexcept;
+
+/** What was asked for; in its place why not if it may have been stored, or its stamp is too old. */
+CrtkAsked unlessOld(const CrtkAsked& asked, const CrtkOrigin& origin);
+
+}  // namespace raven2_trainer::ros_bridge

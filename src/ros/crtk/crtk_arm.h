@@ -1,0 +1,77 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "ros/crtk/crtk_messages.h"
+#include "ros/crtk/crtk_states.h"
+#include "ros/crtk/crtk_topics.h"
+#include "ros/crtk/crtk_voice.h"
+#include "ros/crtk/crtk_wrench.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** What one cycle tells: set point and model of one tick, the newest of the rest. */
+struct CrtkCycle {
+  ServoState servo{};
+  ModelState model{};
+  RobotState robot{};
+  ContactList contacts{};
+  ros::Time stamp;
+};
+
+/**
+ * Publishes the states of one arm: its operating state and what its measured_* are worth, latched, and while somebody
+ * listens what is measured, where it is to be and its Jacobian. And the same of its model, under model/, which goes on
+ * alone at times. One thread.
+ */
+class CrtkArm {
+ public:
+  /** @param[in] config, voice outlive this. @param[in] body_names by the numbers of contacts. */
+  CrtkArm(ros::NodeHandle* node,
+          Arm arm,
+          const TrainerConfig& config,
+          const Pose& X_WB,
+          const std::vector<std::string>& body_names,
+          CrtkVoice* voice);
+
+  void publish(const CrtkCycle& cycle);
+  bool wantsContacts() const { return own_.wantsForce() || model_.wantsForce(); }
+
+ private:
+  void publishState(const CrtkCycle& cycle);
+  void tellAlone(const ServoState& servo);
+  void tellRunOut(const ServoArmState& arm);
+  void tellRatio(double ratio);
+  void tellSource();
+  void publishOwn(const CrtkCycle& cycle);
+  void publishModel(const CrtkCycle& cycle);
+  ArmWrench contactOn(const CrtkCycle& cycle, const Pose& X_BT) const;
+
+  const Arm arm_;
+  const ArmGeometry geometry_;
+  const Pose X_WB_;
+  const double state_period_, twist_timeout_;
+  CrtkVoice& voice_;
+  ArmContacts contacts_;
+  CrtkTopics own_, model_;
+  MeasuredSource source_;
+  SetpointRate setpoint_rate_, model_rate_;
+
+  ros::Publisher operating_state_, is_valid_, ratio_, timeout_;
+  crtk::OperatingState told_;
+  bool has_told_{false};
+  bool was_alone_{false};
+  Tick told_tick_{};
+  std::uint32_t told_run_out_{0};
+  double told_ratio_{-1.0};
+  MeasuredFrom told_from_{MeasuredFrom::kNone};
+  bool has_told_source_{false};
+};
+
+}  // namespace raven2_trainer::ros_bridge

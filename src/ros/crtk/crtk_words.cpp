@@ -1,0 +1,188 @@
+#include "ros/crtk/crtk_words.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "ros/crtk/crtk_reader.h"
+#include "ros/node/name_of.h"
+
+namespace raven2_trainer::ros_bridge {
+namespace {
+
+constexpr std::int64_t kReadingTime = 1'000'000'000;  // [ns] a person reads a sentence in about a second
+
+std::string number(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.4g %s", value, unit);
+  return text;
+}
+
+/** A length above 1 m within an arm of 0.5 m, an angle above a whole turn: the client's units are others. */
+const char* likelyCause(bool is_turn, double value) {
+  if (is_turn) return std::abs(value) > 2.0 * kPi ? "; CRTK is in radians" : "";
+  return std::abs(value) > 1.0 ? "; CRTK is in metres" : "";
+}
+
+std::string outOfRange(const ServoRefused& r) {
+  const bool is_jaw = r.joint >= kServoJointCount;
+  const bool is_turn = is_jaw || static_cast<std::size_t>(r.joint) != kInsertion;
+  const char* const name = is_jaw ? kJawName : kServoJointNames[r.joint];
+  const char* const unit = is_turn ? "rad" : "m";
+  const char* const bound = r.value > r.limit ? ", at most " : ", at least ";
+  return std::string(name) + " at " + number(r.value, unit) + bound + number(r.limit, unit) +
+         likelyCause(is_turn, r.value);
+}
+
+std::string tooFar(const ServoRefused& r) {
+  const bool is_turn = r.is_turn != 0;
+  const char* const unit = is_turn ? "rad" : "m";
+  const std::string cause = likelyCause(is_turn, r.value);
+  return number(r.value, unit) + " from the set point, at most " + number(r.limit, unit) +
+         (cause.empty() ? "; move_* goes farther" : cause);
+}
+
+std::string tooFast(const ServoRefused& r) {
+  const bool is_turn = r.is_turn != 0;
+  const char* const unit = is_turn ? "rad/s" : "m/s";
+  return number(r.value, unit) + ", at most " + number(r.limit, unit) + likelyCause(is_turn, r.value);
+}
+
+/** How ENABLED is reached from another state. */
+const char* wayToEnabled(OperatingState state) {
+  return state == OperatingState::kPaused ? "resume" : "enable";
+}
+
+std::string invalid(const ServoRefused& r) {
+  const std::string in = nameOf(kOperatingStateNames, r.in);
+  if (r.kind == ServoKind::kFree) return "the arms are " + in + ", nothing holds them but the brakes";
+  const std::string way = r.in == OperatingState::kEnabled ? "disable or pause" : wayToEnabled(r.in);
+  return std::string(nameOf(kStateCommandNames, r.state)) + " is nothing in " + in + "; there " + way + " goes on";
+}
+
+std::string notEnabled(const ServoRefused& r) {
+  if (r.in == OperatingState::kFault) return "the arms are in FAULT: an E-STOP, which is ended at the robot";
+  return std::string("the arms are ") + nameOf(kOperatingStateNames, r.in) + "; state_command \"" + wayToEnabled(r.in) +
+         "\" first";
+}
+
+std::string tooStrong(const ServoRefused& r) {
+  const bool is_jaw = r.joint >= kServoJointCount;
+  const char* const name = is_jaw ? kJawName : kServoJointNames[r.joint];
+  const char* const unit = r.is_turn != 0 ? "Nm" : "N";
+  return number(r.value, unit) + " on " + name + ", at most " + number(r.limit, unit);
+}
+
+const char* notOffered(ServoKind kind) {
+  return kind == ServoKind::kTool ? "a Raven does not look for its tool" : "a Raven cannot";
+}
+
+std::string reason(const ServoRefused& r) {
+  switch (r.reason) {
+    case ServoRefusal::kNone:
+      return "nothing is wrong";
+    case ServoRefusal::kInvalid:
+      return invalid(r);
+    case ServoRefusal::kNotEnabled:
+      return notEnabled(r);
+    case ServoRefusal::kNotHomed:
+      return "the robot is not ready to move; wait until is_homed";
+    case ServoRefusal::kConsole:
+      return "the surgeon's console has the pedal down";
+    case ServoRefusal::kMode:
+      return r.in == OperatingState::kFault ? "the model broke down: the daemon must be started anew"
+                                            : "planning, a trial, a replay or the camera comes first (topic mode)";
+    case ServoRefusal::kRobotStop:
+      return "the robot is in E-STOP, which is ended at the robot";
+    case ServoRefusal::kOperatorStop:
+      return "an operator stopped the arms; service clear_stop first";
+    case ServoRefusal::kNotFinite:
+      return "a number that is not finite, or a quaternion that is no orientation";
+    case ServoRefusal::kOutOfRange:
+      return outOfRange(r);
+    case ServoRefusal::kTooFar:
+      return tooFar(r);
+    case ServoRefusal::kTooFast:
+      return tooFast(r);
+    case ServoRefusal::kUnreachable:
+      return "no joints within their limits put the tip there";
+    case ServoRefusal::kQueueFull:
+      return "more moves wait than are kept; wait until is_busy is false";
+    case ServoRefusal::kNotOffered:
+      return notOffered(r.kind);
+    case ServoRefusal::kHasRobot:
+      return "a Raven's controllers hold positions: forces move the model alone, while no robot is there";
+    case ServoRefusal::kTooStrong:
+      return tooStrong(r);
+    case ServoRefusal::kNoRatio:
+      return number(r.value, "") + "is no ratio: 0.001 to 1";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::string sentence(const ServoRefused& refused) {
+  return std::string(nameOf(kServoKindNames, refused.kind)) + ": " + reason(refused);
+}
+
+CrtkLevel level(const ServoRefused& refused) noexcept {
+  return refused.reason == ServoRefusal::kRobotStop ? CrtkLevel::kError : CrtkLevel::kWarning;
+}
+
+std::string sentence(OperatingState state) {
+  switch (state) {
+    case OperatingState::kDisabled:
+      return "DISABLED: the robot is not asked to move";
+    case OperatingState::kEnabled:
+      return "ENABLED";
+    case OperatingState::kPaused:
+      return "PAUSED: the brakes hold the robot";
+    case OperatingState::kFault:
+      return "FAULT: the robot is in E-STOP, which is ended at the robot, or the model broke down";
+  }
+  return "unknown";
+}
+
+CrtkLevel level(OperatingState state) noexcept {
+  return state == OperatingState::kFault ? CrtkLevel::kError : CrtkLevel::kInfo;
+}
+
+std::string runOutSentence(double timeout) {
+  return "no servo_cv, servo_jv or force for " + number(timeout, "s") + ": the arm slows down and stands";
+}
+
+std::string sentence(MeasuredFrom from, Tick age) {
+  switch (from) {
+    case MeasuredFrom::kModel:
+      return "no robot is there: measured_* tells the model's joints";
+    case MeasuredFrom::kRobot:
+      return "";
+    case MeasuredFrom::kStale:
+      return "the robot's state is old: measured_* repeats the last one for " +
+             number(MeasuredSource::kRepeated * kTickSeconds, "s") + " at most (model/ goes on)";
+    case MeasuredFrom::kNone:
+      return "no state of the robot for " + number(static_cast<double>(age) * kTickSeconds, "s") +
+             ": measured_* stops until there is one (model/ goes on)";
+  }
+  return "unknown";
+}
+
+CrtkLevel level(MeasuredFrom from) noexcept {
+  return from == MeasuredFrom::kModel ? CrtkLevel::kInfo : CrtkLevel::kWarning;
+}
+
+std::optional<std::string> CrtkPatience::pass(const std::string& about,
+                                              const std::string& sentence,
+                                              std::int64_t now_ns) {
+  const auto [found, is_new] = told_.try_emplace(about, Told{now_ns, 0});
+  Told& told = found->second;
+  if (!is_new && now_ns - told.at_ns < kReadingTime) {
+    ++told.left_out;
+    return std::nullopt;
+  }
+  const std::string more = told.left_out > 0 ? " (and " + std::to_string(told.left_out) + " more like it)" : "";
+  told = {now_ns, 0};
+  return sentence + more;
+}
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "raven2_trainer/core/servo.h"
+#include "ros/crtk/crtk_states.h"
+
+// What CRTK clients are told in words.
+
+namespace raven2_trainer::ros_bridge {
+
+/** Which of a device's three topics of words. */
+enum class CrtkLevel : std::uint8_t { kInfo, kWarning, kError };
+
+/** Why a command did nothing, with value, limit, unit and the likely cause. */
+std::string sentence(const ServoRefused& refused);
+/** kError for what a person must end at the robot, else kWarning: the arms go on as before. */
+CrtkLevel level(const ServoRefused& refused) noexcept;
+
+/** What a new operating state means. */
+std::string sentence(OperatingState state);
+/** kError for FAULT. */
+CrtkLevel level(OperatingState state) noexcept;
+
+/** For ServoState::alone: nothing else tells that a motion is none of the robot's. */
+constexpr const char* kAloneSentence = "the robot that was there is not: the model moves alone";
+
+/** For ServoArmState::run_out. @param[in] timeout [s]. */
+std::string runOutSentence(double timeout);
+
+/** What measured_* has become; empty while it is the robot. @param[in] age [1 ms] of its state. */
+std::string sentence(MeasuredFrom from, Tick age);
+CrtkLevel level(MeasuredFrom from) noexcept;
+
+/** Lets a sentence through once a second: a stream of refused commands must not become a stream of words. */
+class CrtkPatience {
+ public:
+  /** @param[in] about what is repeated; of few kinds, for each is kept. @param[in] now_ns [ns] CLOCK_MONOTONIC. @return
+   * the sentence, with how many of them were left out since the last; none if it is left out. */
+  std::optional<std::string> pass(const std::string& about, const std::string& sentence, std::int64_t now_ns);
+
+ private:
+  struct Told {
+    std::int64_t at_ns{};
+    std::uint64_t left_out{};
+  };
+  std::map<std::string, Told> told_;
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ros/node/xmlrpc_call.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/** This node in the eyes of the master, by calls that give up. After ros::init(). */
+
+/** Process id of the master; 0 if none answers. @param[in] patience [s] for its answer. */
+int masterPid(double patience = kPatience);
+
+/** Does the master know this node at its address? Nothing if it gave no answer. */
+std::optional<bool> isRegistered();
+
+/** URI of another, living node that the master knows by this node's name; empty if there is none. */
+std::string rival();
+
+/** Tells the master all topics and subscriptions of this node, and `services`. @return false if a call got no answer.
+ */
+bool registerAll(const std::vector<std::string>& services);
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <actionlib/server/simple_action_server.h>
+#include <ros/node_handle.h>
+
+#include "raven2_trainer/MoveArmAction.h"
+#include "raven2_trainer/runtime/simulator.h"
+#include "ros/node/periodic_thread.h"
+#include "ros/planning/move_arm_task.h"
+#include "ros/planning/planning_client.h"
+#include "ros/planning/planning_messages.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/**
+ * Action `move_arm`: plans and executes. One goal at a time; a newer one cancels the older. A thread of its own looks
+ * 50 times a second, and tells the client 10 times a second how far it is.
+ */
+class MoveArmServer {
+ public:
+  /** `simulator`, `client` must outlive this. */
+  MoveArmServer(const ros::NodeHandle& node, const runtime::Simulator& simulator, PlanningClient* client);
+
+  /** Ends the thread; a goal under way is aborted. After PlanningClient::stop(), or it waits for answers. */
+  void stop();
+
+ private:
+  void look();
+  void begin();
+  void end();
+  void tell();
+
+  const runtime::Simulator& simulator_;
+  MoveArmTask task_;
+  StatusClock clock_;
+  int looks_{0};
+  actionlib::SimpleActionServer<MoveArmAction> server_;
+  PeriodicThread thread_;
+};
+
+}  // namespace raven2_trainer::ros_bridge

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/CancelPlan.h"
+#include "raven2_trainer/ExecutePlan.h"
+#include "raven2_trainer/PlanPath.h"
+#include "raven2_trainer/PlanningMode.h"
+#include "raven2_trainer/core/config.h"
+#include "ros/planning/planning_client.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/**
+ * plan, planning_mode, execute_plan and cancel_plan. What waits for a plan (plan, and planning_mode for the goal that
+ * was recorded) has a queue and a thread of its own; the other two have another one, so that a plan can be cancelled
+ * while somebody waits for it.
+ */
+class PlanningServices {
+ public:
+  /**
+   * @param[in] config, client must outlive this.
+   * @param[in] may_command without it only what makes things safer is offered: cancel_plan.
+   */
+  PlanningServices(const ros::NodeHandle& node, const TrainerConfig& config, PlanningClient* client, bool may_command);
+
+  /** Makes calls that wait return, and ends the threads. */
+  void stop();
+
+  /** Resolved names of what is offered. */
+  std::vector<std::string> names() const;
+
+ private:
+  bool plan(PlanPath::Request& message, PlanPath::Response& response);
+  bool planningMode(PlanningMode::Request& message, PlanningMode::Response& response);
+  bool executePlan(ExecutePlan::Request& message, ExecutePlan::Response& response);
+  bool cancelPlan(CancelPlan::Request& message, CancelPlan::Response& response);
+
+  void recordGoal(PlanningMode::Response* response);
+
+  const TrainerConfig& config_;
+  PlanningClient& client_;
+  ros::CallbackQueue plan_queue_, order_queue_;
+  ros::NodeHandle plan_node_, order_node_;
+  ros::AsyncSpinner plan_spinner_, order_spinner_;
+  ros::ServiceServer plan_, planning_mode_, execute_plan_, cancel_plan_;
+};
+
+}  // namespace raven2_trainer::ros_bridge
