@@ -81,7 +81,7 @@ class Document:
                   cone='elliptic')
         self.assets, self.world = self._add(self.root, 'asset'), self._add(self.root, 'worldbody')
         self.tendons, self.actuators = self._add(self.root, 'tendon'), self._add(self.root, 'actuator')
-        self.meshes, self.qpos = set(), []
+        self.meshes, self.qpos, self.widest = set(), [], 0.0  # widest: of the first jaw [rad], until the second one comes
 
     @staticmethod
     def _add(parent, tag, **attributes):
@@ -131,12 +131,14 @@ class Document:
                   frictionloss=number(self.model['coulomb_friction'][index]), solreffriction='0.002 1')
         bound = number(self.model['gains'][GAINS[index]]['limit'])
         self._add(self.actuators, 'motor', name=name, joint=name, ctrlrange=f'-{bound} {bound}')
+        if index == len(JOINTS) - 2:
+            self.widest = float(limit.get('upper'))
         if index == len(JOINTS) - 1:
-            self._jaw_stop(name[-2:])
+            self._jaw_stop(name[-2:], self.widest - float(limit.get('lower')))
 
-    def _jaw_stop(self, side):
+    def _jaw_stop(self, side, widest):
         """The jaws meet at an opening J6 + J7 of 0; the URDF's second jaw turns the other way."""
-        opening = self._add(self.tendons, 'fixed', name=f'opening{side}', range='0 3.7', solreflimit='0.002 1')
+        opening = self._add(self.tendons, 'fixed', name=f'opening{side}', range=f'0 {number(widest)}', solreflimit='0.002 1')
         for name, sign in zip(JOINTS[-2:], ('1', '-1')):
             self._add(opening, 'joint', joint=name + side, coef=sign)
 

@@ -121,7 +121,9 @@ void MotionAccumulator::add(const TickRecord& record) {
   counted_.resize(static_cast<std::size_t>(tick - first_) + 1, false);
   counted_.back() = true;
   ++metrics_.ticks;
-  sample(record.model, follows && !(record.model.pedal != 0 && ups_ > 0));
+  const bool is_press = record.model.pedal != 0 && is_up_;
+  is_up_ = record.model.pedal == 0;
+  sample(record.model, follows && !is_press);
   followPedals(record.model);
   followView(record.model);
   followRobot(record);

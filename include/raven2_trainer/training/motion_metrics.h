@@ -112,6 +112,7 @@ class MotionAccumulator {
 
   MotionSettings settings_;
   PerArm<Vec3> tip_W_{};  ///< [m] newest with the pedal down
+  bool is_up_{false};     ///< the pedal, in the newest tick
   std::vector<Sample> samples_;
   Sample sum_{};
   Tick in_sum_{0};

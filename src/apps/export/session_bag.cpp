@@ -63,7 +63,7 @@ class BagSink : public ros_bridge::MessageSink {
   std::map<std::string, boost::shared_ptr<ros::M_string>> topics_;
 };
 
-/** [ns] The wall clock less the log's, to a second: the session's start is told in seconds. */
+/** [ns] The wall clock less the log's, to a second: meta.json has the session's start in seconds. */
 std::int64_t wallClockOf(const session::SessionPaths& paths, std::int64_t first_tick_ns) {
   std::tm begin{};
   const std::string text = session::readStartTime(paths);
@@ -105,14 +105,18 @@ std::vector<ToldFault> faultChanges(const training::SessionMetrics& metrics) {
   return changes;
 }
 
+/** Before a file is made. */
+training::SessionMetrics metricsOf(const session::SessionPaths& paths) {
+  training::SessionMetrics metrics = training::computeMetrics(paths.log());
+  if (metrics.ticks == 0)
+    throw SessionException(paths.directory + ": the pedal was never pressed, there is nothing to export");
+  return metrics;
+}
+
 class BagWriter {
  public:
   BagWriter(const TrainerConfig& config, const session::SessionPaths& paths, const std::string& bag)
-      : paths_(paths),
-        teller_(config, paths),
-        metrics_(training::computeMetrics(paths.log())),
-        sink_(bag),
-        topics_(&sink_) {}
+      : paths_(paths), teller_(config, paths), metrics_(metricsOf(paths)), sink_(bag), topics_(&sink_) {}
 
   BagCounts write(const std::function<void(double)>& progress) {
     const double ticks = static_cast<double>(std::max<std::uint64_t>(metrics_.ticks, 1));
@@ -124,8 +128,6 @@ class BagWriter {
           stampChanges(record.model);
           if (record.model.session_tick % 1000 == 0) progress(static_cast<double>(record.model.session_tick) / ticks);
         });
-    if (!has_begun_)
-      throw SessionException(paths_.directory + ": the pedal was never pressed, there is nothing to export");
     writeChanges(ros::TIME_MAX);
     return sink_.counts();
   }

@@ -249,6 +249,20 @@ TEST(MotionMetrics, AModelThatGoesBackToItsRobotIsNoHand) {
   }
 }
 
+/** The pedal is up as the attempt begins, and the model comes from where the robot was left. */
+TEST(MotionMetrics, TheFirstPressOfAnAttemptBeginsAPieceToo) {
+  MotionAccumulator motion({});
+  for (Tick k = 0; k < 2000; ++k) {
+    const double t = kTickSeconds * static_cast<double>(k);
+    TickRecord record = makeRecord(k, {0.010 * minimumJerk(t - 1.0, 1.0), 0.024 * minimumJerk(t - 0.1, 0.2), 0.0});
+    record.model.pedal = k < 1000 ? 0 : kSurgeonsPedal;
+    motion.add(record);
+  }
+  const HandMotion hand = at(motion.result().hands, Arm::kGold);
+  EXPECT_NEAR(hand.path, 0.010, 1e-5);
+  EXPECT_LT(hand.max_speed, 0.020);
+}
+
 TEST(TremorPowers, AQuickStrokeNowAndThenIsNoTremor) {
   constexpr double kTremor = 10e-6, kRate = 100.0;
   std::vector<Vec3> places;
