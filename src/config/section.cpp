@@ -318,7 +318,7 @@ std::string Section::yaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
-/** Where a key is missing: one that nobody has read, and that may be it with a typing mistake. */
+/** For the message about a missing key: an unread key of almost that name, which may be it mistyped. */
 std::string Section::hintAt(const std::string& key) const {
   std::vector<std::string> unread;
   for (const std::string& each : keys())

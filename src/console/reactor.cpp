@@ -8,7 +8,7 @@
 namespace raven2_trainer::console {
 namespace {
 
-constexpr double kPatience = 1.0;  ///< [s] with a robot that does not follow; it joins within 0.1 s, or not at all
+constexpr double kPatience = 1.0;  ///< [s] before the surgeon lets go of a pedal that the robot does not follow
 
 class ReactingSource : public MotionSource {
  public:

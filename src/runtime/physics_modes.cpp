@@ -12,7 +12,7 @@ namespace {
 
 using control::Event;
 
-// While the pedal is up the model moves to the robot's joints, as fast as hands do (0.15 m/s of the tip), so that what
+// While the pedal is up the model moves to the robot's joints, no joint faster than hands move it, so that what
 // the jaws hold stays held. A robot farther away than this (first seen, homing) is another matter: the model is put
 // there. Shoulder to wrist.
 constexpr std::array<double, kGrasp1> kFollowReach{0.15, 0.15, 0.05, 0.8, 0.8};  // [rad, m]
