@@ -23,9 +23,9 @@ RULES = {
     "detector": (["core", "kinematics"], PURE),
     "wire": (["core"], r"zlib\.h|sodium\.h"),
     "impair": (["core"], None),
-    "config": (["core"], r"yaml-cpp/"),
+    "config": (["core", "faults"], r"yaml-cpp/"),
     "model": (["core", "kinematics"], PURE + r"|urdf_|urdf_model/|urdf_parser/|assimp/|tinyxml|console_bridge/"),
-    "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h"),
+    "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h|sodium\.h"),
     "session": (["core"], r"zlib\.h|nlohmann/|sys/|fcntl\.h|unistd\.h"),
     "raven": (["core", "kinematics", "control", "faults", "detector", "wire"], PURE),
     "preload": (["core", "config", "faults", "wire", "raven"],
@@ -38,17 +38,31 @@ RULES = {
     "planning": (["core", "kinematics", "control", "model", "physics"], PURE + r"|ompl/|fcl/|emmintrin\.h"),
     "render": (["core", "kinematics", "control", "model", "session", "training"],
                PURE + r"|GL/|dlfcn\.h|sys/|unistd\.h|fcntl\.h|sched\.h|signal\.h|spawn\.h|poll\.h"),
-    "runtime": (["core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "config", "model", "net",
-                 "session", "raven", "console", "physics", "plant", "training", "planning", "render"],
-                PURE + r"|pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|link\.h|sys/|fcntl\.h|unistd\.h|time\.h|sodium\.h|nlohmann/"),
-    "campaign": (["core", "kinematics", "config", "session", "runtime"],
+    "loop": (["core", "kinematics", "control", "haptics", "faults", "wire", "impair", "model", "physics", "planning",
+              "training"], PURE),
+    "threads": (["core", "net"],
+                r"pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|sys/|unistd\.h|time\.h"),
+    "recording": (["core", "control", "config", "loop", "model", "planning", "session", "training", "render"],
+                  PURE + r"|link\.h|nlohmann/"),
+    "lockstep": (["core", "wire", "impair", "session", "raven", "console", "plant", "loop", "recording"], PURE),
+    "robot": (["core", "wire", "model", "net", "raven", "plant", "threads"], PURE),
+    "daemon": (["core", "wire", "model", "net", "session", "console", "physics", "render", "loop", "threads", "recording"],
+               PURE),
+    "studies": (["core", "kinematics", "control", "detector", "wire", "model", "session", "raven", "console", "physics",
+                 "plant", "planning", "loop", "recording", "lockstep"], PURE + r"|sys/wait\.h|unistd\.h"),
+    "proxy": (["core", "wire", "impair", "net"], None),
+    "campaign": (["core", "kinematics", "config", "session", "console", "lockstep"],
                  PURE + r"|nlohmann/|sys/|fcntl\.h|unistd\.h|poll\.h"),
-    "ros": (["core", "kinematics", "control", "wire", "config", "model", "net", "session", "raven", "runtime"], PURE + r"|ros/|actionlib/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|turbojpeg\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(BeginReplay|CancelPlan|ExecutePlan|MoveArm[A-Z][a-z]+|Exercise(EventStamped|Progress)|Plan(Path|Execution|ning(Mode|Progress))|RepeatTrial|SessionConfiguration|StartHazard|TrainerMode)\.h"),
+    "ros": (["core", "kinematics", "control", "wire", "config", "faults", "model", "net", "session",
+             "raven", "loop", "threads", "robot", "daemon"],
+            PURE + r"|ros/|actionlib/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|turbojpeg\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(BeginReplay|CancelPlan|ExecutePlan|MoveArm[A-Z][a-z]+|Exercise(EventStamped|Progress)|Plan(Path|Execution|ning(Mode|Progress))|RepeatTrial|SessionConfiguration|StartHazard|TrainerMode)\.h"),
     "apps": (None, None),  # anything
 }
-# Standard headers that a pure module must not use: clocks, threads, files.
-PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "raven"}
-IMPURE = {"chrono", "thread", "mutex", "condition_variable", "future", "fstream", "filesystem", "iostream", "ctime"}
+# System headers that a pure module must not reach, not even through our headers: clocks, threads, files, sockets, ROS.
+PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "raven", "loop"}
+IMPURE = re.compile(r"(chrono|thread|mutex|shared_mutex|condition_variable|future|fstream|filesystem|iostream|ctime|csignal)$"
+                    r"|(pthread|semaphore|sched|time|signal|unistd|fcntl|poll|netdb|dlfcn)\.h$"
+                    r"|(sys|linux|arpa|net|netinet|ros|ode)/")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 
@@ -57,14 +71,10 @@ def violations(module, path):
     allowed, foreign = RULES[module]
     if allowed is None:
         return
-    for number, line in enumerate(path.read_text().splitlines(), 1):
-        match = INCLUDE.match(line)
-        if not match:
-            continue
-        bracket, header = match.groups()
-        if bracket == '"' and (path.parent / header).is_file():
+    for number, header, quoted in includes(path):
+        if quoted and (path.parent / header).is_file():
             continue  # a private header beside its source
-        reason = judge(module, header, bracket == '"', allowed, foreign)
+        reason = judge(module, header, quoted, allowed, foreign)
         if reason:
             yield f"{path.relative_to(ROOT)}:{number}: {header}: {reason}"
 
@@ -81,10 +91,40 @@ def judge(module, header, quoted, allowed, foreign):
         return None if public or used == module else f"a private header of {used}"
     if quoted:
         return "use the full path of the header"
-    if module in PURE_MODULES and header in IMPURE:
-        return f"{module} knows no threads, clocks or files"
     is_standard = re.fullmatch(r"[a-z_]+", header) is not None
     return None if is_standard else f"{module} may not include this"
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match:
+            yield number, match.group(2), match.group(1) == '"'
+
+
+def resolved(path, header):
+    found = [folder / header for folder in (path.parent, ROOT / "include", ROOT / "src") if (folder / header).is_file()]
+    return found[0].resolve() if found else None
+
+
+def reached(path, seen):
+    """What a pure module's file reaches that none may: (our file, line, system header)."""
+    for number, header, quoted in includes(path):
+        ours = resolved(path, header) if quoted else None
+        if ours and ours not in seen:
+            seen.add(ours)
+            yield from reached(ours, seen)
+        elif not ours and IMPURE.match(header):
+            yield path, number, header
+
+
+def impurities(files):
+    for module in sorted(PURE_MODULES):
+        seen = {path.resolve() for of, path in files if of == module}
+        for start in sorted(seen):
+            for path, number, header in reached(start, seen):
+                yield (f"{path.relative_to(ROOT)}:{number}: {header}: {module} knows no threads, clocks, files or sockets, "
+                       "and reaches this")
 
 
 def sources():
@@ -108,7 +148,7 @@ def main():
     parser.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
     args = parser.parse_args()
     files = list(sources())
-    found = [line for module, path in files for line in violations(module, path)]
+    found = [line for module, path in files for line in violations(module, path)] + list(impurities(files))
     print("\n".join(found) if found else f"{len(files)} files keep the layers")
     if not files:
         found = ["no files found"]

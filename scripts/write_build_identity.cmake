@@ -10,10 +10,10 @@ foreach(name IN LISTS files)
 endforeach()
 string(SHA1 sources "${all}")
 file(WRITE ${OUTPUT}
-"namespace raven2_trainer::runtime {
+"namespace raven2_trainer::recording {
 extern const char* const kBuildSources;
 extern const char* const kBuildCompiler;
 const char* const kBuildSources = \"${sources}\";
 const char* const kBuildCompiler = \"${COMPILER}\";
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::recording
 ")

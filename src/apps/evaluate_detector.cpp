@@ -10,16 +10,16 @@
 #include "apps/common/study_bar.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/detector_study.h"
+#include "raven2_trainer/studies/detector_study.h"
 
 namespace raven2_trainer {
 namespace {
 
-using Scenario = runtime::StudyFault::Scenario;
+using Scenario = studies::StudyFault::Scenario;
 
 struct Options {
   apps::CommonOptions common;
-  runtime::EvaluateOptions evaluate;
+  studies::EvaluateOptions evaluate;
   std::string output{"detector.csv"};
 };
 
@@ -34,7 +34,7 @@ const std::vector<std::string> kColumns{"scenario",       "seed",
                                         "published_size", "departure_alarm_ms",
                                         "departure_size"};
 
-void writeRow(const runtime::StudyOutcome& o, apps::CsvWriter* out) {
+void writeRow(const studies::StudyOutcome& o, apps::CsvWriter* out) {
   out->cell(kScenarioNames[static_cast<int>(o.fault.scenario)]);
   out->cell(static_cast<double>(o.seed));
   out->cell(kFaultKindNames[static_cast<std::size_t>(o.fault.kind)]);
@@ -50,10 +50,10 @@ void writeRow(const runtime::StudyOutcome& o, apps::CsvWriter* out) {
   out->endRow();
 }
 
-void printRates(const std::vector<runtime::StudyOutcome>& outcomes, double factor) {
+void printRates(const std::vector<studies::StudyOutcome>& outcomes, double factor) {
   for (const Scenario scenario : {Scenario::kInputs, Scenario::kTorque}) {
     for (std::size_t rule = 0; rule < kDetectorRuleNames.size(); ++rule) {
-      const runtime::StudyRates r = ratesOf(outcomes, scenario, static_cast<DetectorRule>(rule), factor);
+      const studies::StudyRates r = ratesOf(outcomes, scenario, static_cast<DetectorRule>(rule), factor);
       std::printf("%s, rule %s: true positives %d of %d (%.1f %%), false %d of %d (%.1f %%), stopped harmless %d\n",
                   kScenarioNames[static_cast<int>(scenario)], kDetectorRuleNames[rule], r.detected, r.unsafe,
                   100.0 * r.truePositive(), r.false_alarms, r.safe, 100.0 * r.falsePositive(), r.stopped);
@@ -67,16 +67,16 @@ int evaluate(Options options) {
   physics::attachOdeToThread();
   std::FILE* file = std::fopen(options.output.c_str(), "w");
   if (file == nullptr) throw SessionException(options.output + ": cannot be written");
-  std::vector<runtime::StudyOutcome> outcomes;
+  std::vector<studies::StudyOutcome> outcomes;
   {
     apps::CsvWriter csv(file);
     csv.header(kColumns);
     apps::StudyBar bar("evaluate_detector");
-    const auto take = [&](const runtime::StudyOutcome& outcome) {
+    const auto take = [&](const studies::StudyOutcome& outcome) {
       writeRow(outcome, &csv);
       outcomes.push_back(outcome);
     };
-    runtime::evaluateDetector(config, options.evaluate, take, [&](double share) { bar.update(share); });
+    studies::evaluateDetector(config, options.evaluate, take, [&](double share) { bar.update(share); });
     csv.flush();
     bar.done(std::to_string(outcomes.size()) + " runs, " + options.output);
   }
@@ -93,7 +93,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Evaluates the detector on the faults of DSN 2016, forked from fault-free lockstep runs."};
   options.common.add(&app, /*with_ports=*/false);
-  runtime::EvaluateOptions& e = options.evaluate;
+  studies::EvaluateOptions& e = options.evaluate;
   app.add_option("--first-seed", e.seed, "Seed of the first start; the next take the next")->capture_default_str();
   app.add_option("--input-starts", e.input_starts, "Starts of the 48 faults of the inputs")
       ->capture_default_str()

@@ -9,9 +9,9 @@
 #include "apps/common/impairment_report.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/net/clock.h"
-#include "raven2_trainer/runtime/cyclic_thread.h"
-#include "raven2_trainer/runtime/impairment_proxy.h"
-#include "raven2_trainer/runtime/realtime_check.h"
+#include "raven2_trainer/proxy/impairment_proxy.h"
+#include "raven2_trainer/threads/cyclic_thread.h"
+#include "raven2_trainer/threads/realtime_check.h"
 
 namespace raven2_trainer {
 namespace {
@@ -28,11 +28,11 @@ struct Options {
 };
 
 int run(const Options& options) {
-  runtime::ProxyOptions proxy_options = options.links.load();
+  proxy::ProxyOptions proxy_options = options.links.load();
   proxy_options.log = options.log;
-  runtime::takeHeap(kHeap);
-  runtime::ImpairmentProxy proxy(proxy_options);
-  runtime::applyThreadOptions({"impair", kScheduling});
+  threads::takeHeap(kHeap);
+  proxy::ImpairmentProxy proxy(proxy_options);
+  threads::applyThreadOptions({"impair", kScheduling});
   std::fprintf(stderr, "impair: ready\n");
   const std::int64_t start_ns = net::monotonicNow();
   const auto end_ns = options.duration > 0.0 ? start_ns + static_cast<std::int64_t>(options.duration * 1e9) : INT64_MAX;

@@ -7,19 +7,19 @@
 #include "apps/common/command_line.h"
 #include "apps/common/study_bar.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/detector_study.h"
 #include "raven2_trainer/session/text_file.h"
+#include "raven2_trainer/studies/detector_study.h"
 
 namespace raven2_trainer {
 namespace {
 
 struct Options {
   apps::CommonOptions common;
-  runtime::LearnOptions learn;
+  studies::LearnOptions learn;
   std::string output{"detector.yaml"};
 };
 
-std::string sourceOf(const TrainerConfig& config, const runtime::LearnOptions& options) {
+std::string sourceOf(const TrainerConfig& config, const studies::LearnOptions& options) {
   char text[200];
   std::snprintf(text, sizeof(text),
                 "learn_detector --runs %lld --seed %llu --ticks %lld --percentile %g --plant %s, motion scale %g",
@@ -35,10 +35,10 @@ int learn(Options options) {
   physics::initialiseOde();
   physics::attachOdeToThread();
   apps::StudyBar bar("learn_detector");
-  const runtime::Learned learned =
-      runtime::learnDetector(config, options.learn, [&](double share) { bar.update(share); });
+  const studies::Learned learned =
+      studies::learnDetector(config, options.learn, [&](double share) { bar.update(share); });
   session::TextWriter file(options.output);
-  file.write(runtime::detectorYaml(learned, sourceOf(config, options.learn)));
+  file.write(studies::detectorYaml(learned, sourceOf(config, options.learn)));
   file.close();
   bar.done(std::to_string(learned.runs) + " runs, " + std::to_string(learned.samples) + " ms, " + options.output);
   return 0;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/common/command_line.h"
-#include "raven2_trainer/runtime/key_file.h"
+#include "raven2_trainer/net/key_file.h"
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Makes a random 256-bit key for signed ITP (network.yaml: key_file), mode 0600. Never overwrites."};
   app.add_option("FILE", path, "File to make")->required();
   return apps::runProgram(&app, argc, argv, [&] {
-    runtime::writeKeyFile(path);
+    net::writeKeyFile(path);
     std::fprintf(stderr, "%s: 64 hexadecimal digits, mode 0600\n", path.c_str());
     return 0;
   });

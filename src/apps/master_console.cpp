@@ -8,9 +8,9 @@
 #include "apps/common/motion_options.h"
 #include "apps/common/signals.h"
 #include "apps/master/run_master.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/runtime/console_runner.h"
-#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/daemon/console_runner.h"
 
 namespace raven2_trainer {
 namespace {
@@ -34,14 +34,14 @@ constexpr double kAfterwards = 1.0;  // [s] what was let go falls and comes to r
 TrainerConfig load(const Options& options) {
   TrainerConfig config = options.common.load();
   if (options.real.scale > 0.0) config.console.scale = options.real.scale;
-  if (runtime::doesExercise(options.motion.motion) && !config.network.sight)
+  if (console::doesExercise(options.motion.motion) && !config.network.sight)
     throw ConfigException("motion is \"" + options.motion.motion + "\", which needs sight: true in network.yaml");
   return config;
 }
 
 /** Until a signal, the end of the time, or of the exercise that the hands do. */
-void watch(const Options& options, const runtime::ConsoleRunner& console) {
-  double rest = runtime::doesExercise(options.motion.motion) ? kAfterwards : std::numeric_limits<double>::infinity();
+void watch(const Options& options, const daemon::ConsoleRunner& console) {
+  double rest = console::doesExercise(options.motion.motion) ? kAfterwards : std::numeric_limits<double>::infinity();
   bool told = false, told_signing = false, told_pedals = false;
   for (double time = 0.0; options.real.duration <= 0.0 || time < options.real.duration; time += kPoll) {
     if (apps::waitForSignal(kPoll)) break;
@@ -60,8 +60,8 @@ int run(const Options& options, int argc, char** argv) {
   if (!options.real.master.empty()) return apps::runMaster(options.common.load(), options.real, argc, argv);
   const TrainerConfig config = load(options);
   apps::TruthFile truth(options.motion.truth);
-  runtime::ConsoleRunner console(config, runtime::makeMotion(config, options.motion.choice(), truth.log()));
-  console.start(!runtime::doesExercise(options.motion.motion));
+  daemon::ConsoleRunner console(config, console::makeMotion(config, options.motion.choice(), truth.log()));
+  console.start(!console::doesExercise(options.motion.motion));
   watch(options, console);
   console.stop();
   truth.write();

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "apps/common/command_line.h"
-#include "raven2_trainer/runtime/merge_truth.h"
+#include "raven2_trainer/recording/merge_truth.h"
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
   app.add_option("FILE", file, "What RAVEN2_USB_FAULTS_TRUTH named (default: what it was for the simulator)");
   return apps::runProgram(&app, argc, argv, [&] {
-    const training::TruthMerge merged = runtime::mergeTruth(directory, file);
+    const training::TruthMerge merged = recording::mergeTruth(directory, file);
     std::printf("%zu injections act in the session, %zu lie outside; found by the %s\n", merged.inside, merged.outside,
                 merged.by_clock ? "clock of the robot's computer" : "commands that the robot had taken");
     return 0;

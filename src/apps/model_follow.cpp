@@ -11,7 +11,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/csv_table.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/runtime/model_driver.h"
+#include "raven2_trainer/loop/model_driver.h"
 
 namespace raven2_trainer {
 namespace {
@@ -43,7 +43,7 @@ void follow(const TrainerConfig& config,
             apps::CsvWriter* out) {
   const model::RavenModel raven = model::loadRavenModel(config);
   physics::RavenWorld world(raven, model::loadSceneModel(config), config.model);
-  runtime::ModelDriver driver(config.model, config.arms.geometry, &world);
+  loop::ModelDriver driver(config.model, config.arms.geometry, &world);
   PerArm<JointArray> q_d{config.arms.geometry.home, config.arms.geometry.home};
   apps::ProgressBar bar("model_follow");
   for (std::size_t row = 0; row < desired.size(); ++row) {

@@ -17,17 +17,17 @@
 #include "raven2_trainer/config/load_problem.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/runtime/ompl_log.h"
-#include "raven2_trainer/runtime/plan_files.h"
-#include "raven2_trainer/runtime/plan_study.h"
-#include "raven2_trainer/runtime/plan_tables.h"
+#include "raven2_trainer/studies/ompl_log.h"
+#include "raven2_trainer/studies/plan_files.h"
+#include "raven2_trainer/studies/plan_study.h"
+#include "raven2_trainer/studies/plan_tables.h"
 
 namespace raven2_trainer {
 namespace {
 
 struct Options {
   apps::CommonOptions common;
-  runtime::PlanChoice choice;
+  studies::PlanChoice choice;
   std::string problem{"paper"}, output, ompl_log;
   int runs{20}, threads{1};
   bool plot{false};
@@ -57,15 +57,15 @@ void check(const Options& options) {
 }
 
 /** Runs and writes; the tracks themselves are only in the files. */
-std::vector<runtime::PlanRun> study(const TrainerConfig& config,
+std::vector<studies::PlanRun> study(const TrainerConfig& config,
                                     const PlanProblem& problem,
-                                    const runtime::PlanStudyOptions& options,
+                                    const studies::PlanStudyOptions& options,
                                     const std::string& label,
-                                    runtime::PlanFiles* files) {
+                                    studies::PlanFiles* files) {
   apps::StudyBar bar(label);
-  std::vector<runtime::PlanRun> runs;
+  std::vector<studies::PlanRun> runs;
   const auto all = static_cast<double>(options.cases.size()) * options.runs;
-  runtime::runPlanStudy(config, problem, options, [&](runtime::PlanRun run) {
+  studies::runPlanStudy(config, problem, options, [&](studies::PlanRun run) {
     files->add(options.cases[run.case_index], run);
     run.track.samples = {};
     runs.push_back(std::move(run));
@@ -79,37 +79,36 @@ std::vector<runtime::PlanRun> study(const TrainerConfig& config,
 /** The table and, with several planners or times, the comparison: on the terminal and as CSV. */
 void report(const std::string& directory,
             const Cases& cases,
-            const std::vector<runtime::PlanRun>& runs,
+            const std::vector<studies::PlanRun>& runs,
             bool over_time) {
-  const std::vector<runtime::PlanTableRow> rows = runtime::tableRows(cases, runs);
-  std::string csv = over_time ? runtime::comparisonHeader() : runtime::tableHeader();
-  for (const runtime::PlanTableRow& row : rows)
-    csv += over_time ? runtime::comparisonLine(row) : runtime::tableLine(row);
-  runtime::writeFile(directory + (over_time ? "/comparison.csv" : "/table.csv"), csv);
+  const std::vector<studies::PlanTableRow> rows = studies::tableRows(cases, runs);
+  std::string csv = over_time ? studies::comparisonHeader() : studies::tableHeader();
+  for (const studies::PlanTableRow& row : rows)
+    csv += over_time ? studies::comparisonLine(row) : studies::tableLine(row);
+  studies::writeFile(directory + (over_time ? "/comparison.csv" : "/table.csv"), csv);
   std::printf("%s", (over_time ? comparisonText(rows) : tableText(rows)).c_str());
-  const std::string reasons = runtime::reasonsText(runs);
+  const std::string reasons = studies::reasonsText(runs);
   if (!reasons.empty()) std::printf("without success: %s\n", reasons.c_str());
 }
 
 /** What Figure 7 needs besides: two paths, and the straight motion that stands for the user's. */
 void addFigureRuns(const TrainerConfig& config,
                    const PlanProblem& problem,
-                   runtime::PlanStudyOptions options,
+                   studies::PlanStudyOptions options,
                    const std::string& directory,
-                   const runtime::PlanChoice& choice) {
+                   const studies::PlanChoice& choice) {
   options.cases = figureCases(config.planner, choice);
   options.runs = 1;
-  runtime::PlanFiles files(directory, "figure7.csv");
-  for (const runtime::PlanRun& run : study(config, problem, options, "figure 7", &files)) {
+  studies::PlanFiles files(directory, "figure7.csv");
+  for (const studies::PlanRun& run : study(config, problem, options, "figure 7", &files)) {
     if (run.result.status != PlanStatus::kSuccess) continue;
-    const runtime::TrackedPath straight =
-        runtime::straightMotion(model::loadRavenModel(config), config.planner, run.result);
-    runtime::writeFile(directory + "/paths/straight.csv", runtime::trackCsv(straight));
+    const loop::TrackedPath straight = loop::straightMotion(model::loadRavenModel(config), config.planner, run.result);
+    studies::writeFile(directory + "/paths/straight.csv", studies::trackCsv(straight));
     break;
   }
 }
 
-runtime::OmplExperiment experimentOf(const PlanProblem& problem) {
+studies::OmplExperiment experimentOf(const PlanProblem& problem) {
   char host[256] = "UNKNOWN";
   gethostname(host, sizeof(host) - 1);
   return {problem.name, problem.description, host, utc("%Y-%m-%d %H:%M:%S"), 0.0};
@@ -121,30 +120,30 @@ int plan(Options options) {
   const PlanProblem problem =
       config::findProblem(config::shareFolder() + "/config/problems", options.problem, config.arms.geometry);
   const bool over_time = !options.choice.times.empty();
-  runtime::PlanStudyOptions study_options;
+  studies::PlanStudyOptions study_options;
   study_options.cases =
       over_time ? comparisonCases(config.planner, options.choice) : tableCases(config.planner, options.choice);
   study_options.runs = options.runs;
   study_options.seed = config.seed;
   study_options.threads = options.threads;
-  runtime::PlanFiles files(options.output.empty() ? newFolder(problem.name) : options.output, "runs.csv");
+  studies::PlanFiles files(options.output.empty() ? newFolder(problem.name) : options.output, "runs.csv");
   std::printf("%s: %s\n", problem.name.c_str(), problem.description.c_str());
   if (options.threads > 1)
     std::printf("%d plans side by side: planning times are longer than alone\n", options.threads);
-  runtime::OmplExperiment experiment = experimentOf(problem);
+  studies::OmplExperiment experiment = experimentOf(problem);
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<runtime::PlanRun> runs = study(config, problem, study_options, "plan", &files);
+  const std::vector<studies::PlanRun> runs = study(config, problem, study_options, "plan", &files);
   experiment.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   report(files.directory(), study_options.cases, runs, over_time);
   if (!options.ompl_log.empty())
-    runtime::writeFile(options.ompl_log, runtime::omplLog(experiment, study_options, runs));
+    studies::writeFile(options.ompl_log, studies::omplLog(experiment, study_options, runs));
   std::fflush(stdout);  // ahead of what the script prints
   if (!options.plot) return 0;
   addFigureRuns(config, problem, study_options, files.directory(), options.choice);
   return apps::runScript("plot_paths", {files.directory(), "--scene", config.scene_urdf});
 }
 
-void addChoice(CLI::App* app, runtime::PlanChoice* choice) {
+void addChoice(CLI::App* app, studies::PlanChoice* choice) {
   app->add_option("--samples", choice->samples, "Free samples n")
       ->delimiter(',')
       ->capture_default_str()

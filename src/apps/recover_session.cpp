@@ -6,8 +6,8 @@
 #include <string>
 
 #include "apps/common/command_line.h"
-#include "raven2_trainer/runtime/finish_session.h"
-#include "raven2_trainer/runtime/recover.h"
+#include "raven2_trainer/recording/finish_session.h"
+#include "raven2_trainer/recording/recover.h"
 #include "raven2_trainer/session/recovery.h"
 
 namespace {
@@ -19,11 +19,11 @@ int recover(const std::string& directory) {
     return 1;
   }
   if (!raven2_trainer::session::isUnclean(paths) && !raven2_trainer::session::lacksMetrics(paths) &&
-      !raven2_trainer::runtime::lacksScore(paths)) {
+      !raven2_trainer::recording::lacksScore(paths)) {
     std::fprintf(stderr, "%s: nothing to recover: it ended cleanly, or was recovered before\n", directory.c_str());
     return 0;
   }
-  return raven2_trainer::runtime::recoverAndTell(paths, {}) ? 0 : 1;
+  return raven2_trainer::recording::recoverAndTell(paths, {}) ? 0 : 1;
 }
 
 }  // namespace

@@ -11,9 +11,9 @@
 #include "apps/common/study_bar.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/recording/build_identity.h"
 #include "raven2_trainer/render/session_renderer.h"
 #include "raven2_trainer/render/video_file.h"
-#include "raven2_trainer/runtime/build_identity.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace {
@@ -184,7 +184,7 @@ std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
 }
 
 int renderSessions(Options o) {
-  o.build = raven2_trainer::runtime::pictureIdentity();
+  o.build = raven2_trainer::recording::pictureIdentity();
   o.render.replace = o.again;
   if (!o.overlays.empty()) o.render.overlays = raven2_trainer::config::overlaysOf(o.overlays);
   raven2_trainer::render::checkOptions(o.render);

@@ -16,7 +16,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/build_identity.h"
+#include "raven2_trainer/recording/build_identity.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace raven2_trainer {
@@ -48,7 +48,7 @@ void parseShard(const std::string& text, std::size_t* shard, std::size_t* shards
 
 /** Everything that decides over the outcomes: files by their contents, wherever they lie. */
 std::map<std::string, std::string> ingredients(const TrainerConfig& config, const campaign::Campaign& campaign) {
-  std::map<std::string, std::string> all = runtime::buildIdentity();
+  std::map<std::string, std::string> all = recording::buildIdentity();
   std::size_t n = 0;
   for (const std::string& file : config.files)
     all["configuration " + std::to_string(n++)] = session::fileHash(file);

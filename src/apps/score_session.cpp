@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "apps/common/command_line.h"
-#include "raven2_trainer/runtime/finish_session.h"
+#include "raven2_trainer/recording/finish_session.h"
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
       "simulator and simulate do so themselves at the end of a session with an exercise.\n"
       "Metrics, bands and both files are described in doc/scores.md. Exit status: 0 scored, 1 otherwise.");
   std::string directory;
-  runtime::ScoringOptions options;
+  recording::ScoringOptions options;
   app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
   app.add_option("--output", options.output, "File to write (default: DIR/score.json)");
   app.add_option("--band", options.band, "Band to judge by (default: the one the session was run with)");
@@ -25,8 +25,8 @@ int main(int argc, char** argv) {
   app.add_option("--index", options.index, "Index of sessions (default: index.json beside DIR)");
   app.add_flag("--no-index", options.no_index, "Leave the index as it is");
   return apps::runProgram(&app, argc, argv, [&] {
-    const runtime::ScoredSession scored = runtime::scoreRecorded(directory, options);
-    std::printf("%s%s\n", runtime::describe(scored).c_str(), scored.path.c_str());
+    const recording::ScoredSession scored = recording::scoreRecorded(directory, options);
+    std::printf("%s%s\n", recording::describe(scored).c_str(), scored.path.c_str());
     return 0;
   });
 }

@@ -12,12 +12,13 @@
 #include "apps/common/paths.h"
 #include "apps/common/resimulate_session.h"
 #include "apps/common/study_bar.h"
+#include "raven2_trainer/console/make_motion.h"
+#include "raven2_trainer/lockstep/lockstep.h"
 #include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/recording/build_identity.h"
+#include "raven2_trainer/recording/finish_session.h"
+#include "raven2_trainer/recording/start_meta.h"
 #include "raven2_trainer/render/session_renderer.h"
-#include "raven2_trainer/runtime/build_identity.h"
-#include "raven2_trainer/runtime/finish_session.h"
-#include "raven2_trainer/runtime/lockstep.h"
-#include "raven2_trainer/runtime/motion.h"
 
 namespace raven2_trainer {
 namespace {
@@ -37,7 +38,7 @@ struct Options {
 
 void renderVideo(const TrainerConfig& config, const std::string& directory) {
   apps::StudyBar bar("video");
-  render::SessionRenderer renderer(config, directory, runtime::pictureIdentity());
+  render::SessionRenderer renderer(config, directory, recording::pictureIdentity());
   const std::uint64_t frames = renderer.run({}, [&](std::uint64_t done, std::uint64_t all) {
     bar.update(static_cast<double>(done) / static_cast<double>(all));
   });
@@ -59,7 +60,7 @@ constexpr double kBeyondLimit = 60.0;  ///< [s] what an exercise's timer does no
 /** [s] at most. Hands that do an exercise are finished some time; beyond its limit the attempt has failed. */
 double secondsOf(const Options& options, const TrainerConfig& config) {
   if (options.seconds > 0.0) return options.seconds;
-  return runtime::doesExercise(options.motion.motion) ? config.exercise.time_limit + kBeyondLimit : kUsualSeconds;
+  return console::doesExercise(options.motion.motion) ? config.exercise.time_limit + kBeyondLimit : kUsualSeconds;
 }
 
 int simulate(const Options& options) {
@@ -69,19 +70,19 @@ int simulate(const Options& options) {
   const Impairment impairment = apps::impairmentByName(options.impairment);
   const double seconds = secondsOf(options, config);
   apps::TruthFile truth(options.motion.truth);
-  auto hands = runtime::makeMotion(config, options.motion.choice(), truth.log());
+  auto hands = console::makeMotion(config, options.motion.choice(), truth.log());
   physics::initialiseOde();
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
   const auto start = std::chrono::steady_clock::now();
   const std::string label = options.motion.motion + (options.impairment == "none" ? "" : " over " + impairment.name);
-  session::SessionMeta meta = runtime::startMeta("simulate", apps::version(), label);
-  runtime::Lockstep lockstep(config, std::move(hands), paths, label);
+  session::SessionMeta meta = recording::startMeta("simulate", apps::version(), label);
+  lockstep::Lockstep lockstep(config, std::move(hands), paths, label);
   if (options.impairment != "none") lockstep.impair(impairment);
   if (!options.replay.empty()) lockstep.showFirst(options.replay);
   apps::ProgressBar bar("simulate");
-  const auto end =
-      runtime::doesExercise(options.motion.motion) ? runtime::Lockstep::End::kFinished : runtime::Lockstep::End::kTime;
+  const auto end = console::doesExercise(options.motion.motion) ? lockstep::Lockstep::End::kFinished
+                                                                : lockstep::Lockstep::End::kTime;
   const bool complete = lockstep.run(
       seconds, [&](double share) { bar.update(share); }, end);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
@@ -98,7 +99,7 @@ int simulate(const Options& options) {
   std::snprintf(text, sizeof(text), "%.1f s in %.1f s (%.1f x real time), %s", simulated, wall.count(),
                 simulated / wall.count(), paths.directory.c_str());
   bar.done(text);
-  const bool scored = runtime::finishSession(paths);
+  const bool scored = recording::finishSession(paths);
   if (options.video) renderVideo(config, paths.directory);
   return scored ? 0 : 1;
 }

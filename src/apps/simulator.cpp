@@ -7,18 +7,18 @@
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
 #include "apps/common/signals.h"
+#include "raven2_trainer/daemon/simulator.h"
+#include "raven2_trainer/recording/finish_session.h"
 #include "raven2_trainer/ros/parameters.h"
 #include "raven2_trainer/ros/ros_bridge.h"
 #include "raven2_trainer/ros/supervisor.h"
-#include "raven2_trainer/runtime/finish_session.h"
-#include "raven2_trainer/runtime/simulator.h"
 #include "raven2_trainer/wire/stream_watch.h"
 
 namespace raven2_trainer {
 namespace {
 
-using runtime::Simulator;
-using runtime::SimulatorState;
+using daemon::Simulator;
+using daemon::SimulatorState;
 
 constexpr const char* kNode = "raven2_simulator";
 
@@ -64,7 +64,7 @@ struct KeyOptions {
 
 int run(const apps::CommonOptions& common,
         const KeyOptions& keys,
-        const runtime::SimulatorOptions& options,
+        const daemon::SimulatorOptions& options,
         int argc,
         char** argv) {
   const config::Overrides parameters = ros_bridge::nodeParameters(argc, argv, kNode);
@@ -83,7 +83,7 @@ int run(const apps::CommonOptions& common,
   simulator.stop();
   bool given_up = false;  // a second signal: nobody wants to wait
   const auto interrupted = [&] { return given_up = given_up || apps::waitForSignal(0.0); };
-  const bool scored = simulator.recorded() && runtime::finishSession(simulator.paths(), interrupted);
+  const bool scored = simulator.recorded() && recording::finishSession(simulator.paths(), interrupted);
   return ros.leave(good && (scored || given_up) ? 0 : 1);
 }
 
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   apps::CommonOptions common;
-  runtime::SimulatorOptions options;
+  daemon::SimulatorOptions options;
   options.version = apps::version();
   CLI::App app{"The training daemon: model, haptic cue, relay, faults, planner, pictures, record, ROS."};
   common.add(&app, /*with_ports=*/true);

@@ -9,10 +9,10 @@
 #include "apps/common/command_line.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/daemon/driven_loops.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/driven_loops.h"
-#include "raven2_trainer/runtime/realtime_check.h"
-#include "raven2_trainer/runtime/timing_report.h"
+#include "raven2_trainer/recording/timing_report.h"
+#include "raven2_trainer/threads/realtime_check.h"
 
 namespace raven2_trainer {
 namespace {
@@ -52,12 +52,12 @@ std::string nameOf(LoopId id) {
 /** What the machine gives to threads that do nothing. A signal ends it: beside a session its length is not known
  * before. */
 int measureBare(const Options& options, const TrainerConfig& config) {
-  runtime::BareLoops bare(config);
+  daemon::BareLoops bare(config);
   observe(&bare, options.calibrate, "bare threads");
   nlohmann::ordered_json json;
   for (const LoopId id : kLoops) {
-    std::printf("%s", runtime::timingText(nameOf(id), bare.timing(id), bare.timing(id)).c_str());
-    json[nameOf(id)] = runtime::timingJson(bare.timing(id), bare.timing(id));
+    std::printf("%s", recording::timingText(nameOf(id), bare.timing(id), bare.timing(id)).c_str());
+    json[nameOf(id)] = recording::timingJson(bare.timing(id), bare.timing(id));
   }
   write(options.json, json);
   return 0;
@@ -65,23 +65,23 @@ int measureBare(const Options& options, const TrainerConfig& config) {
 
 int check(const Options& options) {
   const TrainerConfig config = options.common.load();
-  const runtime::MemoryLock memory = runtime::lockMemory();
+  const threads::MemoryLock memory = threads::lockMemory();
   physics::initialiseOde();
   std::printf("%s\n", memory.words.c_str());
-  for (const std::string& reason : runtime::schedulingReasons(config.runtime))
+  for (const std::string& reason : threads::schedulingReasons(config.runtime))
     std::printf("%s\n", reason.c_str());
   if (options.only_bare) return measureBare(options, config);
-  runtime::BareLoops bare(config);
-  runtime::DrivenLoops loops(config);
+  daemon::BareLoops bare(config);
+  daemon::DrivenLoops loops(config);
   if (!observe(&bare, options.calibrate, "calibration") || !observe(&loops, options.duration, "loops")) {
     throw Exception("interrupted");  // half a measurement is none
   }
   bool pass = true;
   nlohmann::ordered_json json;
   for (const LoopId id : kLoops) {
-    std::printf("%s", runtime::timingText(nameOf(id), loops.timing(id), bare.timing(id)).c_str());
-    json[nameOf(id)] = runtime::timingJson(loops.timing(id), bare.timing(id));
-    pass = pass && runtime::judgeTiming(loops.timing(id), bare.timing(id)).pass;
+    std::printf("%s", recording::timingText(nameOf(id), loops.timing(id), bare.timing(id)).c_str());
+    json[nameOf(id)] = recording::timingJson(loops.timing(id), bare.timing(id));
+    pass = pass && recording::judgeTiming(loops.timing(id), bare.timing(id)).pass;
   }
   write(options.json, json);
   return pass ? 0 : 1;

@@ -7,11 +7,11 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/signals.h"
+#include "raven2_trainer/robot/raven_server.h"
 #include "raven2_trainer/ros/raven_publisher.h"
 #include "raven2_trainer/ros/supervisor.h"
-#include "raven2_trainer/runtime/raven_server.h"
-#include "raven2_trainer/runtime/realtime_check.h"
-#include "raven2_trainer/runtime/replay.h"
+#include "raven2_trainer/studies/replay.h"
+#include "raven2_trainer/threads/realtime_check.h"
 
 namespace raven2_trainer {
 namespace {
@@ -24,7 +24,7 @@ struct Options {
   double duration{0.0};
   std::string homing, behaviour;  ///< the configuration's if empty
   std::string replay, output;
-  runtime::ReplayOptions replay_options;
+  studies::ReplayOptions replay_options;
 
   TrainerConfig load() const {
     TrainerConfig config = common.load();
@@ -38,7 +38,7 @@ int replay(const Options& options) {
   const TrainerConfig config = options.load();
   apps::ProgressBar bar("replay");
   const auto start = std::chrono::steady_clock::now();
-  const runtime::ReplaySummary summary = runtime::replayFile(config, options.replay_options, options.replay,
+  const studies::ReplaySummary summary = studies::replayFile(config, options.replay_options, options.replay,
                                                              options.output, [&](double share) { bar.update(share); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   char text[160];
@@ -59,10 +59,10 @@ int replay(const Options& options) {
 int run(const Options& options, int argc, char** argv) {
   apps::blockSignals();
   const TrainerConfig config = options.load();
-  runtime::RavenServer server(config);
+  robot::RavenServer server(config);
   ros_bridge::RavenPublisher publisher(config, &server);
   ros_bridge::Supervisor ros(argc, argv, "virtual_raven", &publisher);
-  const runtime::MemoryLock memory = runtime::lockMemory();
+  const threads::MemoryLock memory = threads::lockMemory();
   server.start();
   const std::string refusal = server.refusal();
   std::fprintf(stderr, "behaviour %s; %s; %s\n", config.virtual_raven.behaviour.c_str(),
@@ -87,7 +87,7 @@ int run(const Options& options, int argc, char** argv) {
   ros.end();
   server.stop();
   const LinkCounts itp = server.state().itp;
-  const runtime::StateServer& link = server.stateServer();
+  const robot::StateServer& link = server.stateServer();
   const net::FrameTotals frames = link.frames();
   std::fprintf(stderr, "%llu cycles; ITP %llu received, %llu applied; %llu frames lost by slow readers\n",
                static_cast<unsigned long long>(server.state().cycle), static_cast<unsigned long long>(itp.received),

@@ -10,10 +10,10 @@
 #include "campaign/trajectory.h"
 #include "raven2_trainer/campaign/process_pool.h"
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
-#include "raven2_trainer/runtime/motion.h"
 
 namespace raven2_trainer::campaign {
 namespace {
@@ -27,7 +27,7 @@ std::int64_t forkOf(const CampaignRun& run, std::int64_t pedal_down) noexcept {
   return run.phase == Phase::kHoming ? 0 : std::max<std::int64_t>(0, pedal_down + run.offset_ticks);
 }
 
-void tick(runtime::LockstepStack* stack) {
+void tick(lockstep::LockstepStack* stack) {
   stack->tick();
   stack->discardRecords();
 }
@@ -40,7 +40,7 @@ class Group {
         campaign_(campaign),
         runs_(std::move(runs)),
         pool_(pool),
-        stack_(config_, runtime::makeMotion(config_, "scripted")),
+        stack_(config_, console::makeMotion(config_, "scripted")),
         golden_(capacity()) {}
 
   void make() {
@@ -117,7 +117,7 @@ class Group {
   const Campaign& campaign_;
   std::vector<CampaignRun> runs_;
   ProcessPool* pool_;
-  runtime::LockstepStack stack_;
+  lockstep::LockstepStack stack_;
   Trajectory golden_;
   std::int64_t now_{0};
 };
@@ -141,9 +141,9 @@ RunResult resultOf(const ChildEnd& end) {
 
 }  // namespace
 
-Sample sampleOf(const ArmsConfig& arms, const runtime::LockstepStack& stack) noexcept {
+Sample sampleOf(const ArmsConfig& arms, const lockstep::LockstepStack& stack) noexcept {
   const RobotState& robot = stack.robot();
-  const runtime::LockstepView& view = stack.view();
+  const lockstep::LockstepView& view = stack.view();
   const DaemonFaults& faults = view.model.faults;
   Sample sample;
   for (const Arm arm : kArms) {

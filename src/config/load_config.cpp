@@ -13,6 +13,7 @@
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/faults/arming.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -198,29 +199,17 @@ void selectPlant(TrainerConfig* config, const std::string& name) {
 }
 
 std::uint32_t faultId(const TrainerConfig& config, const std::string& name) {
-  if (name == "none") return 0;
+  const std::uint32_t id = faults::idOf(config.scenarios, name);
+  if (id != 0 || name == "none") return id;
   std::vector<std::string> known{"none"};
-  for (const Scenario& scenario : config.scenarios) {
-    if (scenario.name == name) return scenario.faults[0].id;
+  for (const Scenario& scenario : config.scenarios)
     known.push_back(scenario.name);
-  }
   throw ConfigException(unknownName("hazard", name, known));
 }
 
 void checkHazard(const TrainerConfig& config) {
   if (faultId(config, config.hazard) != 0 && !config.injection.enable)
     throw ConfigException("hazard " + config.hazard + " is to be armed, but injection.yaml does not enable it");
-}
-
-FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation) {
-  FaultPlan plan;
-  plan.generation = generation;
-  if (!config.injection.enable || id == 0 || id > config.scenarios.size()) return plan;
-  for (Fault fault : config.scenarios[id - 1].faults) {
-    fault.seed += config.seed;
-    plan.faults[plan.count++] = fault;
-  }
-  return plan;
 }
 
 }  // namespace raven2_trainer::config

@@ -1,7 +1,6 @@
 #include "raven2_trainer/config/load_training.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <vector>
 
@@ -11,16 +10,14 @@
 #include "raven2_trainer/config/load_scene.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/core/random.h"
 
 namespace raven2_trainer::config {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestTrainee = 32;   // a name in lists and reports, no more
-constexpr const char* kOwnDrill = "own";      // the one that the exercise names
-constexpr std::uint64_t kDrillStream = 0xD1;  // of the seed: a number for each attempt, in order
+constexpr std::size_t kLongestTrainee = 32;  // a name in lists and reports, no more
+constexpr const char* kOwnDrill = "own";     // the one that the exercise names
 
 void checkTrainee(const std::string& id) {
   const bool is_good = std::all_of(id.begin(), id.end(), [](char c) {
@@ -43,15 +40,6 @@ void readExercise(TrainerConfig* c) {
   c->runtime.plan_at = -1.0;  // a path that is shown goes through everything, and what the jaws hold is let go
   const fs::path band = fs::path(c->bands) / (c->exercise_name + ".yaml");
   if (fs::exists(band)) c->files.push_back(band.string());  // what its scores are judged by
-}
-
-/** [s] */
-double drawJitter(const TrainerConfig& config, std::uint32_t attempt) {
-  Random random(config.seed, kDrillStream);
-  double jitter = 0.0;
-  for (std::uint32_t i = 0; i < attempt; ++i)
-    jitter = random.uniform(0.0, config.exercise.drill.jitter);
-  return jitter;
 }
 
 /** When a drill strikes, and what is right then, stands in the exercise: without that it has none, by whatever name. */
@@ -83,33 +71,6 @@ void loadTraining(const TrainingNames& names, TrainerConfig* config) {
   }
   readExercise(config);
   setDrill(config);
-}
-
-bool isDrill(const TrainerConfig& config) noexcept {
-  return config.drill != "none" && config.hazard == config.drill;
-}
-
-FaultPlan drillPlan(const TrainerConfig& config, std::uint32_t attempt, std::uint64_t generation) {
-  FaultPlan plan;
-  plan.generation = generation;
-  if (!isDrill(config)) return plan;
-  plan = planFor(config, faultId(config, config.drill), generation);
-  const ExerciseDrill& drill = config.exercise.drill;
-  const auto shot = static_cast<Tick>(std::llround((drill.delay + drawJitter(config, attempt)) / kTickSeconds));
-  auto* const end = plan.faults.begin() + plan.count;
-  const Tick first =
-      plan.count == 0 ? 0 : std::min_element(plan.faults.begin(), end, [](const Fault& a, const Fault& b) {
-                              return a.first_tick < b.first_tick;
-                            })->first_tick;
-  std::for_each(plan.faults.begin(), end, [&](Fault& fault) {
-    fault.trigger = FaultTrigger::kStep;
-    fault.threshold = drill.step;
-    fault.first_tick += shot - first;
-    fault.period_ticks = 0;
-    fault.count = 1;
-    fault.probability = 1.0;
-  });
-  return plan;
 }
 
 }  // namespace raven2_trainer::config

@@ -13,7 +13,7 @@ namespace raven2_trainer::render {
  * faults, plants, links, curricula and bands do not: what they came to is in the log and in the score.
  * Not seen: another x264 behind an ffmpeg of the same banner, which may code the same pictures differently.
  * @param[in] camera the chosen one's name. @param[in] build what else decides over the pixels
- * (runtime::pictureIdentity).
+ * (recording::pictureIdentity).
  * @throw SessionException if a file cannot be read; RenderException without ffmpeg.
  */
 std::string settingsHash(const TrainerConfig& config,

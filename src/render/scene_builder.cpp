@@ -216,7 +216,7 @@ void SceneBuilder::Impl::addPlan(const Snapshot& snapshot) {
   if (at_hand == nullptr) return;
   followPlan(snapshot);
   const ModelState& model = snapshot.model;
-  const bool is_under_way = model.mode == Mode::kExecuting || model.mode == Mode::kTracking;
+  const bool is_under_way = traitsOf(model.mode).follows_plan;
   addPath(is_under_way ? path.placeOf(at(model.arms, at_hand->arm).q_d) : 0.0);
   PerArm<JointArray> q{model.arms[0].q, model.arms[1].q};
   at(q, at_hand->arm) = at_hand->waypoints[at_hand->waypoint_count - 1];

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raven2_trainer/control/reach.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::render {
@@ -18,10 +17,6 @@ Tick ticksOf(double seconds) {
   return std::max<Tick>(1, std::llround(seconds / kTickSeconds));
 }
 
-bool isPlanFollowed(Mode mode) noexcept {
-  return mode == Mode::kTracking || mode == Mode::kExecuting;
-}
-
 }  // namespace
 
 TipTrails::TipTrails(const ArmGeometry& geometry, const PerArm<Pose>& X_WB, const TrailConfig& config)
@@ -33,8 +28,8 @@ TipTrails::Past TipTrails::stateOf(const Snapshot& snapshot, Arm arm) const {
   Past now;
   now.tip_W = X_WB * toEigen(state.p_BT);
   const Mode mode = snapshot.model.mode;
-  if (control::isMovedByHand(mode)) now.wanted.by = Trail::kUser;
-  if (isPlanFollowed(mode) && snapshot.model.planning.arm == arm) now.wanted.by = Trail::kPlan;
+  if (traitsOf(mode).hands) now.wanted.by = Trail::kUser;
+  if (traitsOf(mode).follows_plan && snapshot.model.planning.arm == arm) now.wanted.by = Trail::kPlan;
   now.wanted.p_W = now.tip_W;
   if (now.wanted.by != Trail::kTrack) now.wanted.p_W = X_WB * kinematics::forward(geometry_, arm, state.q_d).p;
   return now;

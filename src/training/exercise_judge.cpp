@@ -19,25 +19,6 @@ constexpr std::int32_t kRestsFor = 1000;  // [ticks] let alone, before an object
 constexpr double kMoved = 0.005;          // [m] from where an object could be reached: it is asked for again
 constexpr double kGone = -0.5;            // [m] fallen off the table
 constexpr std::uint16_t kNoBody = 0xFFFF;
-/** Time goes on. */
-bool isTimed(Mode mode) noexcept {
-  return mode != Mode::kWaiting && mode != Mode::kPaused && mode != Mode::kReplaying;
-}
-
-/** The model moves by its own physics, or holds by it, and its arms touch what is there. */
-bool isJudged(Mode mode) noexcept {
-  switch (mode) {
-    case Mode::kWaiting:
-    case Mode::kPaused:
-    case Mode::kReplaying:
-    case Mode::kChoosing:
-    case Mode::kTracking:
-    case Mode::kReturning:
-      return false;
-    default:
-      return true;
-  }
-}
 
 /** What is remembered of one object. */
 struct ObjectStory {
@@ -212,12 +193,12 @@ void ExerciseJudge::Impl::tick(const ModelState& model, const ContactList& conta
   start_wanted = give_up_wanted = false;
   if (isOpen()) {
     if (model.mode != Mode::kReplaying && !is_rehearsal) watchBreaking(broken);
-    if (isJudged(model.mode) && !is_rehearsal) {
+    if (traitsOf(model.mode).judged && !is_rehearsal) {
       judge(model, contacts);
     } else {
       suspend();
     }
-    if (isTimed(model.mode)) countTime();
+    if (traitsOf(model.mode).timed) countTime();
   }
   if (state.status != ExerciseStatus::kNone) markBroken(broken);
   measure(model);

@@ -10,7 +10,7 @@
 
 #ifdef RAVEN2_COUNTS_ALLOCATIONS
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 using raven2_trainer::testing::allocatorCalls;
@@ -79,7 +79,7 @@ TEST(LoopsAlloc, AHapticTickWithAllItsPartsTouchesNoHeapAndNoLock) {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.haptics.guidance.enabled = config.haptics.edge.enabled = true;
   const auto shared = std::make_unique<SharedState>();
-  HapticLoop loop(config, shared.get());
+  loop::HapticLoop loop(config, shared.get());
   ModelState model;
   RobotState robot;
   GuidePath path;
@@ -223,6 +223,6 @@ TEST(LoopsAlloc, ChoosingArmingAndExecutingDoNotTouchTheHeap) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep
 
 #endif

@@ -6,7 +6,7 @@
 
 #ifdef RAVEN2_COUNTS_ALLOCATIONS
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 using raven2_trainer::testing::allocatorCalls;
@@ -126,6 +126,6 @@ TEST(ModesAlloc, SimulatingTryingRepeatingAndReturningDoNotTouchTheHeap) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep
 
 #endif

@@ -12,8 +12,8 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/daemon/driven_loops.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/driven_loops.h"
 
 namespace raven2_trainer {
 namespace {
@@ -55,7 +55,7 @@ class Loop {
   ModelState model() const { return loops_.model(); }
 
  private:
-  runtime::DrivenLoops loops_;
+  daemon::DrivenLoops loops_;
   std::int64_t now_ns_{0};
   std::vector<double> times_;
 };

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/runtime/haptic_loop.h"
+#include "raven2_trainer/loop/haptic_loop.h"
 
 namespace raven2_trainer {
 namespace {
@@ -101,7 +101,7 @@ class Bench {
 
   double deviation_;
   std::unique_ptr<SharedState> shared_;
-  runtime::HapticLoop loop_;
+  loop::HapticLoop loop_;
   ModelState model_;
   RobotState robot_;
   HapticState haptic_;

@@ -11,10 +11,10 @@
 #include <cstdlib>
 #include <vector>
 
+#include "raven2_trainer/daemon/driven_loops.h"
 #include "raven2_trainer/net/clock.h"
-#include "raven2_trainer/runtime/cyclic_thread.h"
-#include "raven2_trainer/runtime/driven_loops.h"
-#include "raven2_trainer/runtime/realtime_check.h"
+#include "raven2_trainer/threads/cyclic_thread.h"
+#include "raven2_trainer/threads/realtime_check.h"
 #include "support/rig.h"
 
 namespace raven2_trainer {
@@ -49,7 +49,7 @@ std::vector<std::int64_t> bareSleep() {
 }
 
 void measure(int ticks) {
-  runtime::DrivenLoops loops(testing::packagedConfig());
+  daemon::DrivenLoops loops(testing::packagedConfig());
   std::vector<std::int64_t> physics, haptic;
   std::int64_t now_ns = 0, contacts = 0;
   for (int i = -kWarmUp; i < ticks; ++i) {
@@ -73,9 +73,9 @@ void measure(int ticks) {
 }
 
 int run(int ticks) {
-  const int error = runtime::applyThreadOptions({"benchmark", ThreadConfig{80, sched_getcpu()}});
+  const int error = threads::applyThreadOptions({"benchmark", ThreadConfig{80, sched_getcpu()}});
   std::printf("%s; %s\n", error == 0 ? "SCHED_FIFO 80 on one core" : "SCHED_FIFO refused",
-              runtime::lockMemory().words.c_str());
+              threads::lockMemory().words.c_str());
   physics::initialiseOde();
   measure(ticks);
   print("bare sleep, late by", bareSleep());

@@ -1,4 +1,4 @@
-#include "raven2_trainer/runtime/frame_states.h"
+#include "raven2_trainer/loop/frame_states.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 // Two loops at 1 kHz, as physics and haptic: what a picture is drawn of is of one tick.
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::loop {
 namespace {
 
 using raven2_trainer::testing::effort;
@@ -42,7 +42,7 @@ ContactList contactsAt(Tick tick) {
   return list;
 }
 
-void expectWhole(const FrameStates& states) {
+void expectWhole(const loop::FrameStates& states) {
   if (states.contacts.count > 0) {
     ASSERT_EQ(states.contacts.tick, states.model.tick);
     ASSERT_EQ(states.contacts.contacts[0].f_W[2], static_cast<double>(states.model.tick));
@@ -59,7 +59,7 @@ TEST(FrameStates, TheHapticStateOfTheTickIsWaitedFor) {
   shared->model.store(modelAt(8));
   shared->haptic.store(hapticAt(7));
   int pauses = 0;
-  const FrameStates states = loadFrameStates(*shared, [&] {
+  const loop::FrameStates states = loop::loadFrameStates(*shared, [&] {
     if (++pauses == 3) shared->haptic.store(hapticAt(8));
   });
   EXPECT_TRUE(states.is_one_tick);
@@ -73,7 +73,7 @@ TEST(FrameStates, ATickThatWasMissedIsNotWaitedForForEver) {
   shared->model.store(modelAt(8));
   shared->haptic.store(hapticAt(7));
   Tick tick = 8;
-  const FrameStates states = loadFrameStates(*shared, [&] {  // each pause as long as a period
+  const loop::FrameStates states = loop::loadFrameStates(*shared, [&] {  // each pause as long as a period
     shared->model.store(modelAt(tick + 1));
     shared->haptic.store(hapticAt(++tick));
   });
@@ -86,19 +86,19 @@ TEST(FrameStates, ContactsOfAnotherTickAreLeftOut) {
   shared->model.store(modelAt(8));
   shared->haptic.store(hapticAt(8));
   shared->contacts.store(contactsAt(7));
-  EXPECT_EQ(loadFrameStates(*shared, [] {}).contacts.count, 0U);
+  EXPECT_EQ(loop::loadFrameStates(*shared, [] {}).contacts.count, 0U);
   shared->contacts.store(contactsAt(8));
-  EXPECT_EQ(loadFrameStates(*shared, [] {}).contacts.count, 1U);
+  EXPECT_EQ(loop::loadFrameStates(*shared, [] {}).contacts.count, 1U);
 }
 
 TEST(FrameStates, ALoopThatStandsEndsTheWaiting) {
   const auto shared = std::make_unique<SharedState>();
   shared->model.store(modelAt(500));
   int pauses = 0;
-  const FrameStates states = loadFrameStates(*shared, [&] { ++pauses; });
+  const loop::FrameStates states = loop::loadFrameStates(*shared, [&] { ++pauses; });
   EXPECT_FALSE(states.is_one_tick);
   EXPECT_EQ(states.model.tick, 500);
-  EXPECT_LT(pauses, kFrameStateTries);
+  EXPECT_LT(pauses, loop::kFrameStateTries);
 }
 
 TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
@@ -128,7 +128,7 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
   int of_one_tick = 0, with_contacts = 0;
   for (int i = 0; i < frames; ++i) {
     const Tick model_before = stored.load(), haptic_before = computed.load();
-    const FrameStates states = loadFrameStates(*shared, [&] { nap(100); });
+    const loop::FrameStates states = loop::loadFrameStates(*shared, [&] { nap(100); });
     expectWhole(states);
     if (states.contacts.count > 0) ++with_contacts;
     ASSERT_GE(states.model.tick, model_before) << "older than what was there when it was asked for";
@@ -149,4 +149,4 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::loop

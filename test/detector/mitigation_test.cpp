@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <vector>
 
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
-#include "raven2_trainer/runtime/detector_study.h"
-#include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/lockstep/lockstep_stack.h"
+#include "raven2_trainer/studies/detector_study.h"
 #include "support/rig.h"
 
 // The detector on guard in the emulated robot, whole stack in lockstep.
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 constexpr int kSettled = 4000;  // ms: homed, pedal down, the hands at work
@@ -25,10 +25,10 @@ struct Seen {
 
 Seen runWith(Mitigation mitigate, const FaultPlan& plan, int watched) {
   testing::useOde();
-  TrainerConfig config = studyConfig(testing::packagedConfig(), 4711);
+  TrainerConfig config = studies::studyConfig(testing::packagedConfig(), 4711);
   config.hazard = "none";
   config.detector.mitigate = mitigate;
-  LockstepStack stack(config, makeMotion(config, "scripted"));
+  LockstepStack stack(config, console::makeMotion(config, "scripted"));
   Seen seen;
   for (int k = 0; k < kSettled + watched; ++k) {
     if (k == kSettled) stack.arm(plan);
@@ -57,7 +57,7 @@ double departure(const Seen& run) {
 }
 
 FaultPlan torque(double counts, Tick length) {
-  return planOf({StudyFault::Scenario::kTorque, FaultKind::kStuckAt, counts, length});
+  return studies::planOf({studies::StudyFault::Scenario::kTorque, FaultKind::kStuckAt, counts, length});
 }
 
 const Seen& unguarded() {
@@ -91,7 +91,8 @@ TEST(Mitigation, HoldWritesTheLastSafeCommandWhileTheAlarmLasts) {
 }
 
 TEST(Mitigation, HoldKeepsTheArmWhereAnInputFaultWouldThrowIt) {
-  const FaultPlan plan = planOf({StudyFault::Scenario::kInputs, FaultKind::kAdd, 1500, 4});  // 6 mm in 4 ms
+  const FaultPlan plan =
+      studies::planOf({studies::StudyFault::Scenario::kInputs, FaultKind::kAdd, 1500, 4});  // 6 mm in 4 ms
   const double off = departure(runWith(Mitigation::kOff, plan, 100));
   ASSERT_GT(off, 0.003);
   EXPECT_LT(departure(runWith(Mitigation::kHold, plan, 100)), 0.5 * off);
@@ -106,4 +107,4 @@ TEST(Mitigation, StopIsTheSoftwareEStop) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

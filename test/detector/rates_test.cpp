@@ -6,37 +6,38 @@
 #include <vector>
 
 #include "raven2_trainer/raven/drives.h"
-#include "raven2_trainer/runtime/detector_study.h"
+#include "raven2_trainer/studies/detector_study.h"
 #include "support/effort.h"
 #include "support/rig.h"
 
 // A seeded part of what evaluate_detector runs in full (doc/detector.md), and that its parts are what they are said to
 // be.
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
-using Scenario = StudyFault::Scenario;
+using Scenario = studies::StudyFault::Scenario;
 
-std::vector<StudyOutcome> evaluate(const EvaluateOptions& options) {
+std::vector<studies::StudyOutcome> evaluate(const studies::EvaluateOptions& options) {
   testing::useOde();
-  std::vector<StudyOutcome> outcomes;
-  evaluateDetector(
-      testing::packagedConfig(), options, [&](const StudyOutcome& o) { outcomes.push_back(o); }, [](double) {});
+  std::vector<studies::StudyOutcome> outcomes;
+  studies::evaluateDetector(
+      testing::packagedConfig(), options, [&](const studies::StudyOutcome& o) { outcomes.push_back(o); },
+      [](double) {});
   return outcomes;
 }
 
 /** One stuck value, -15000 counts, at 1 to 19 ms. */
-EvaluateOptions oneTorque() {
-  EvaluateOptions options;
+studies::EvaluateOptions oneTorque() {
+  studies::EvaluateOptions options;
   options.input_starts = options.add_starts = 0;
   options.torque_starts = 1;
   return options;
 }
 
 /** Its outcomes; only once. */
-const std::vector<StudyOutcome>& outcomesOfOneTorque() {
-  static const std::vector<StudyOutcome> outcomes = evaluate(oneTorque());
+const std::vector<studies::StudyOutcome>& outcomesOfOneTorque() {
+  static const std::vector<studies::StudyOutcome> outcomes = evaluate(oneTorque());
   return outcomes;
 }
 
@@ -68,14 +69,14 @@ TEST(DetectorRates, GrantedIsTheBinomialTail) {
 }
 
 TEST(DetectorRates, AreThoseOfThePaperOnAPartOfTheGrids) {
-  EvaluateOptions options;
+  studies::EvaluateOptions options;
   options.input_starts = 2;
   options.torque_starts = static_cast<int>(testing::effort(3, 5));
   options.add_starts = 1;
-  const std::vector<StudyOutcome> outcomes = evaluate(options);
+  const std::vector<studies::StudyOutcome> outcomes = evaluate(options);
   ASSERT_EQ(outcomes.size(), 2U * 48 + static_cast<std::size_t>(options.torque_starts) * 19 + 64);
   for (const Bound& bound : {Bound{Scenario::kInputs, 0.898, 0.124}, Bound{Scenario::kTorque, 0.998, 0.118}}) {
-    const StudyRates r = ratesOf(outcomes, bound.scenario, DetectorRule::kDeparture, 1.0);
+    const studies::StudyRates r = studies::ratesOf(outcomes, bound.scenario, DetectorRule::kDeparture, 1.0);
     std::printf("scenario %d: %d of %d unsafe, %d of %d safe, %d stopped\n", static_cast<int>(bound.scenario),
                 r.detected, r.unsafe, r.false_alarms, r.safe, r.stopped);
     ASSERT_GT(r.unsafe, 10);
@@ -91,10 +92,10 @@ TEST(DetectorRates, NoAlarmWithoutAFault) {
   double largest = 0.0;
   const auto seeds = static_cast<std::uint64_t>(testing::effort(2, 4));
   for (std::uint64_t seed = 300001; seed <= 300000 + seeds; ++seed) {
-    const DetectorTrial trial(studyConfig(config, seed), 5000);
+    const studies::DetectorTrial trial(studies::studyConfig(config, seed), 5000);
     detector::AnomalyDetector detector(config.detector, raven::drivesOf(config.arms, config.virtual_raven));
-    for (const TrialTick& tick : trial.past())
-      largest = std::max(largest, detector.step(observationOf(tick)).size);
+    for (const studies::TrialTick& tick : trial.past())
+      largest = std::max(largest, detector.step(studies::observationOf(tick)).size);
   }
   // 5 s of both arms from each seed; an alarm is above 1, and what is held under an alarm must be below half of one
   EXPECT_GT(largest, 0.0);
@@ -102,7 +103,7 @@ TEST(DetectorRates, NoAlarmWithoutAFault) {
 }
 
 TEST(DetectorRates, SameSeedSameOutcomes) {
-  const std::vector<StudyOutcome>&once = outcomesOfOneTorque(), again = evaluate(oneTorque());
+  const std::vector<studies::StudyOutcome>&once = outcomesOfOneTorque(), again = evaluate(oneTorque());
   ASSERT_EQ(once.size(), again.size());
   for (std::size_t i = 0; i < once.size(); ++i) {
     EXPECT_EQ(once[i].departure, again[i].departure);
@@ -114,10 +115,10 @@ TEST(DetectorRates, SameSeedSameOutcomes) {
 TEST(DetectorRates, TruthIsAboutTheTipAlone) {
   // GIVEN one stuck value at 1 to 19 ms THEN the departure grows with the length, a run is unsafe exactly beyond 1 mm,
   // and was decided by the shortest length that is
-  const std::vector<StudyOutcome>& outcomes = outcomesOfOneTorque();
+  const std::vector<studies::StudyOutcome>& outcomes = outcomesOfOneTorque();
   ASSERT_EQ(outcomes.size(), 19U);
   Tick shortest = 0;
-  for (const StudyOutcome& o : outcomes) {
+  for (const studies::StudyOutcome& o : outcomes) {
     EXPECT_EQ(o.is_unsafe, o.departure > oneTorque().unsafe);
     if (o.is_unsafe && shortest == 0) shortest = o.fault.length;
     EXPECT_EQ(o.decided, o.is_unsafe ? shortest - 1 : -1);
@@ -130,21 +131,21 @@ TEST(DetectorRates, TruthIsAboutTheTipAlone) {
 }
 
 TEST(DetectorRates, StoppedRunsAreInNoRate) {
-  std::vector<StudyOutcome> outcomes(4);
-  for (StudyOutcome& o : outcomes)
+  std::vector<studies::StudyOutcome> outcomes(4);
+  for (studies::StudyOutcome& o : outcomes)
     o.rules[1].in_time = 2.0;
   outcomes[0].is_unsafe = true;
   outcomes[1].stopped = 5;
   outcomes[3].rules[1].in_time = 0.5;
-  const StudyRates r = ratesOf(outcomes, Scenario::kInputs, DetectorRule::kDeparture, 1.0);
+  const studies::StudyRates r = studies::ratesOf(outcomes, Scenario::kInputs, DetectorRule::kDeparture, 1.0);
   EXPECT_EQ(r.unsafe, 1);
   EXPECT_EQ(r.detected, 1);
   EXPECT_EQ(r.stopped, 1);
   EXPECT_EQ(r.alarms_before_stop, 1);
   EXPECT_EQ(r.safe, 2);
   EXPECT_EQ(r.false_alarms, 1);
-  EXPECT_EQ(ratesOf(outcomes, Scenario::kInputs, DetectorRule::kDeparture, 3.0).detected, 0);
+  EXPECT_EQ(studies::ratesOf(outcomes, Scenario::kInputs, DetectorRule::kDeparture, 3.0).detected, 0);
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

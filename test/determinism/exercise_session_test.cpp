@@ -5,15 +5,15 @@
 #include <filesystem>
 #include <set>
 
-#include "raven2_trainer/runtime/lockstep.h"
-#include "raven2_trainer/runtime/motion.h"
-#include "raven2_trainer/runtime/resimulation.h"
+#include "raven2_trainer/console/make_motion.h"
+#include "raven2_trainer/lockstep/lockstep.h"
+#include "raven2_trainer/recording/resimulation.h"
 #include "raven2_trainer/session/session_log.h"
 #include "support/rig.h"
 
 // Hands that do an exercise, in lockstep: they see pictures and hold pedals through the bytes of the sockets.
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 /** Holds the pedal for so many ticks and is finished then. */
@@ -49,17 +49,18 @@ class ExerciseSession : public ::testing::Test {
 
   session::SessionPaths run(const std::string& name,
                             const TrainerConfig& config,
-                            const MotionChoice& choice,
+                            const console::MotionChoice& choice,
                             double seconds,
                             console::TruthLog* truth = nullptr) {
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
-    Lockstep lockstep(config, makeMotion(config, choice, truth), paths, choice.motion);
+    Lockstep lockstep(config, console::makeMotion(config, choice, truth), paths, choice.motion);
     EXPECT_TRUE(lockstep.run(seconds, {}, Lockstep::End::kFinished));
     return paths;
   }
 
   static bool isSameAgain(const session::SessionPaths& paths) {
-    const ResimulationResult result = Resimulation(sessionConfig(paths), paths, "").run({});
+    const recording::ResimulationResult result =
+        recording::Resimulation(recording::sessionConfig(paths), paths, "").run({});
     if (result.difference) ADD_FAILURE() << "tick " << result.difference->tick << ": " << result.difference->field;
     return result.ticks > 0 && !result.difference;
   }
@@ -138,4 +139,4 @@ TEST_F(ExerciseSession, AReactionStandsInTheTruthAndInTheLogAtTheSamePacket) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

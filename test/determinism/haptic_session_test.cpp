@@ -5,16 +5,16 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/kinematics/eigen.h"
-#include "raven2_trainer/runtime/lockstep.h"
-#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/lockstep/lockstep.h"
 #include "support/effort.h"
 #include "support/rig.h"
 
 // The haptic port in whole sessions: console, daemon and virtual Raven in lockstep.
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 using raven2_trainer::testing::packagedConfig;
@@ -38,8 +38,8 @@ class HapticSession : public ::testing::Test {
     std::filesystem::remove_all(folder);
     PortOfSession port;
     {
-      Lockstep session(config, makeMotion(config, "scripted"), session::createSessionDirectory(folder.string()),
-                       "scripted");
+      Lockstep session(config, console::makeMotion(config, "scripted"),
+                       session::createSessionDirectory(folder.string()), "scripted");
       if (impairment != nullptr) session.impair(*impairment);
       PerArm<int> since_deviation{1000, 1000};
       while (session.view().model.session_tick < static_cast<Tick>(seconds / kTickSeconds)) {
@@ -111,4 +111,4 @@ TEST_F(HapticSession, ALooseHandBehindFiftyMillisecondsFeelsItToo) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

@@ -1,15 +1,15 @@
-#include "raven2_trainer/runtime/lockstep.h"
+#include "raven2_trainer/lockstep/lockstep.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
 
-#include "raven2_trainer/runtime/motion.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/training/session_metrics.h"
 #include "support/rig.h"
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 constexpr double kSeconds = 3.0;  // one sudden jump, at 1.5 s
@@ -30,7 +30,7 @@ class LockstepTest : public ::testing::Test {
     config.console.clutch_every = 1.0;
     raven2_trainer::testing::onlyFaultOf(&config, "sudden_jump").first_tick = 1500;
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
-    Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted");
+    Lockstep lockstep(config, console::makeMotion(config, "scripted"), paths, "scripted");
     EXPECT_TRUE(lockstep.run(kSeconds, {}));
     const char* wrong = wrongSum(training::computeMetrics(paths.log()).counts);
     EXPECT_EQ(wrong, nullptr) << wrong;
@@ -58,7 +58,7 @@ TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {
     config.seed = seed;
     config.hazard = "none";
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
-    Lockstep lockstep(config, makeMotion(config, "scripted"), paths, "scripted over a bad link");
+    Lockstep lockstep(config, console::makeMotion(config, "scripted"), paths, "scripted over a bad link");
     lockstep.impair(link);
     EXPECT_TRUE(lockstep.run(2.0, {}));
     return paths.log();
@@ -96,4 +96,4 @@ TEST_F(LockstepTest, EveryLinksCountersAddUp) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

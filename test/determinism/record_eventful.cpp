@@ -13,6 +13,6 @@ int main(int argc, char** argv) {
   }
   testing::InitGoogleTest();
   raven2_trainer::testing::useOde();
-  raven2_trainer::runtime::EventfulSession(argv[1], std::strtoull(argv[2], nullptr, 10)).run();
+  raven2_trainer::lockstep::EventfulSession(argv[1], std::strtoull(argv[2], nullptr, 10)).run();
   return testing::UnitTest::GetInstance()->Failed() ? 1 : 0;
 }

@@ -1,4 +1,4 @@
-#include "raven2_trainer/runtime/resimulation.h"
+#include "raven2_trainer/recording/resimulation.h"
 
 #include <gtest/gtest.h>
 #include <ode/ode.h>
@@ -12,16 +12,16 @@
 #include <vector>
 
 #include "drill/drill.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
-#include "raven2_trainer/runtime/lockstep.h"
-#include "raven2_trainer/runtime/motion.h"
-#include "raven2_trainer/runtime/planner_worker.h"
-#include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/lockstep/lockstep.h"
+#include "raven2_trainer/loop/planner_worker.h"
+#include "raven2_trainer/recording/recorder.h"
 #include "support/eventful_session.h"
 #include "support/made_up_session.h"
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 class ResimulationTest : public ::testing::Test {
@@ -37,13 +37,14 @@ class ResimulationTest : public ::testing::Test {
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder); }
 
-  static ResimulationResult resimulate(const session::SessionPaths& session, const std::string& output = "") {
-    return Resimulation(config, session, output).run({});
+  static recording::ResimulationResult resimulate(const session::SessionPaths& session,
+                                                  const std::string& output = "") {
+    return recording::Resimulation(config, session, output).run({});
   }
 
   /** That of the eventful session, without a copy; only once. */
-  static const ResimulationResult& whole() {
-    static const ResimulationResult result = resimulate(paths);
+  static const recording::ResimulationResult& whole() {
+    static const recording::ResimulationResult result = resimulate(paths);
     return result;
   }
 
@@ -140,7 +141,7 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
 }
 
 TEST_F(ResimulationTest, GivesTheSameBitsInEveryTickContactAndForce) {
-  const ResimulationResult& result = whole();
+  const recording::ResimulationResult& result = whole();
   EXPECT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
   EXPECT_GT(result.ticks, 6000U);
   EXPECT_GE(result.forces, result.ticks - 1) << "every haptic tick but the one before the first model";
@@ -150,7 +151,7 @@ TEST_F(ResimulationTest, GivesTheSameBitsInAProcessThatRanAnotherSession) {
   TrainerConfig other = packagedConfig();
   other.seed = 99;
   {
-    Lockstep lockstep(other, makeMotion(other, "scripted"),
+    Lockstep lockstep(other, console::makeMotion(other, "scripted"),
                       session::createSessionDirectory((folder / "other").string()), "scripted");
     ASSERT_TRUE(lockstep.run(1.0, {}));
   }
@@ -224,7 +225,7 @@ TEST_F(ResimulationTest, GivesFaultsOfEveryHostAgainAndWhatTheirTriggersLookAt) 
   const TrainerConfig faulty = allHosts();
   const session::SessionPaths first = session::createSessionDirectory((folder / "all_hosts").string());
   {
-    Lockstep lockstep(faulty, makeMotion(faulty, "scripted"), first, "scripted");
+    Lockstep lockstep(faulty, console::makeMotion(faulty, "scripted"), first, "scripted");
     FaultSignals signals;
     while (lockstep.view().model.session_tick < 2500) {
       signals.tissue_distance = 0.02 - 1e-5 * static_cast<double>(lockstep.view().model.session_tick);
@@ -234,7 +235,7 @@ TEST_F(ResimulationTest, GivesFaultsOfEveryHostAgainAndWhatTheirTriggersLookAt) 
     lockstep.finish();
   }
   const session::SessionPaths again{(folder / "all_hosts_again").string()};
-  const ResimulationResult result = Resimulation(faulty, first, again.directory).run({});
+  const recording::ResimulationResult result = recording::Resimulation(faulty, first, again.directory).run({});
   ASSERT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
   const auto changes = changesIn(first);
   EXPECT_EQ(changes, changesIn(again));
@@ -250,10 +251,10 @@ TEST_F(ResimulationTest, GivesFaultsOfEveryHostAgainAndWhatTheirTriggersLookAt) 
 TEST_F(ResimulationTest, GivesADrillAgainFromWhatTheJudgeSees) {
   const TrainerConfig drilled = raven2_trainer::testing::drillConfig("pick_hand_over_place", "own", 1);
   const session::SessionPaths first = session::createSessionDirectory((folder / "drill").string());
-  Lockstep lockstep(drilled, makeMotion(drilled, "scripted"), first, "scripted");
+  Lockstep lockstep(drilled, console::makeMotion(drilled, "scripted"), first, "scripted");
   ASSERT_TRUE(lockstep.run(4.0, {}));
   const session::SessionPaths again{(folder / "drill_again").string()};
-  const ResimulationResult result = Resimulation(drilled, first, again.directory).run({});
+  const recording::ResimulationResult result = recording::Resimulation(drilled, first, again.directory).run({});
   ASSERT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
   EXPECT_EQ(changesIn(first), changesIn(again));
   ASSERT_EQ(changesIn(first).size(), 2U) << "it came and went";
@@ -263,7 +264,7 @@ TEST_F(ResimulationTest, TheSameSeedGivesTheSameDrill) {
   const auto bytes = [](const char* name) {
     const TrainerConfig drilled = raven2_trainer::testing::drillConfig("pick_hand_over_place", "own", 2);
     const session::SessionPaths session = session::createSessionDirectory((folder / name).string());
-    Lockstep lockstep(drilled, makeMotion(drilled, "scripted"), session, "scripted");
+    Lockstep lockstep(drilled, console::makeMotion(drilled, "scripted"), session, "scripted");
     EXPECT_TRUE(lockstep.run(2.5, {}));
     std::ostringstream text;
     text << std::ifstream(session.log(), std::ios::binary).rdbuf();
@@ -284,7 +285,7 @@ TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {
     std::memcpy(&record.command.dp_I[0][0], &bits, sizeof(bits));
     return true;
   });
-  const ResimulationResult result = resimulate(other);
+  const recording::ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, flipped);
   EXPECT_EQ(result.difference->field.rfind("model.master_I[0][0]", 0), 0U) << result.difference->field;
@@ -298,7 +299,7 @@ TEST_F(ResimulationTest, NamesAReportThatIsNotThatOfItsExecution) {
     return true;
   });
   ASSERT_GE(changed, 0);
-  const ResimulationResult result = resimulate(other);
+  const recording::ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->field.rfind("execution.report.robot.mean", 0), 0U) << result.difference->field;
   const auto without = rewritten<ExecutionRecord>("no_report", [](ExecutionRecord&) { return false; });
@@ -312,7 +313,7 @@ TEST_F(ResimulationTest, NamesAnEventOfAnExerciseThatDoesNotHappenAgain) {
     record.event.kind = ExerciseEventKind::kDropped;
     if (tick == 3000) log.write(record);
   });
-  const ResimulationResult result = resimulate(other);
+  const recording::ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, 3000);
   EXPECT_EQ(result.difference->field, "exercise.dropped is missing");
@@ -327,7 +328,7 @@ TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {
     return true;
   });
   ASSERT_GE(changed, 0) << "the hazard was not felt";
-  const ResimulationResult result = resimulate(other);
+  const recording::ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, changed);
   EXPECT_EQ(result.difference->field.rfind("haptic.force_B[0][0]", 0), 0U) << result.difference->field;
@@ -342,7 +343,7 @@ TEST_F(ResimulationTest, GoesOnBehindMissingForcesOnceNothingOfThemIsLeft) {
     return false;
   });
   ASSERT_EQ(left_out, 20);
-  const ResimulationResult result = resimulate(other);
+  const recording::ResimulationResult result = resimulate(other);
   EXPECT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
   EXPECT_GT(result.forces_unknown, whole().forces_unknown + 600) << "a rest of half a second and what was under way";
   EXPECT_GT(result.forces, whole().forces / 2);
@@ -369,17 +370,17 @@ TEST_F(ResimulationTest, FindsTheConfigurationInTheSessionItself) {
   recorded.model.arm_contacts = {false, true};
   const session::SessionPaths own = session::createSessionDirectory((folder / "own").string());
   {
-    Lockstep lockstep(recorded, makeMotion(recorded, "scripted"), own, "scripted");
+    Lockstep lockstep(recorded, console::makeMotion(recorded, "scripted"), own, "scripted");
     ASSERT_TRUE(lockstep.run(1.0, {}));
   }
-  const TrainerConfig found = sessionConfig(own);
+  const TrainerConfig found = recording::sessionConfig(own);
   EXPECT_EQ(found.seed, 5U);
   EXPECT_EQ(found.hazard, "none");
   EXPECT_EQ(found.model.arm_contacts, recorded.model.arm_contacts);
   EXPECT_EQ(found.robot_urdf.rfind(own.directory, 0), 0U) << found.robot_urdf;
-  EXPECT_FALSE(Resimulation(found, own, "").run({}).difference);
+  EXPECT_FALSE(recording::Resimulation(found, own, "").run({}).difference);
   std::ofstream(own.directory + "/configuration/config/model.yaml", std::ios::app) << "# changed\n";
-  EXPECT_THROW(sessionConfig(own), SessionException);
+  EXPECT_THROW(recording::sessionConfig(own), SessionException);
 }
 
 TEST_F(ResimulationTest, OfASessionOfAnotherModelIsRefusedInASentence) {
@@ -388,7 +389,7 @@ TEST_F(ResimulationTest, OfASessionOfAnotherModelIsRefusedInASentence) {
   header.model_version = 1;
   session::LogWriter(old.log(), header).finish({});
   try {
-    sessionConfig(old);
+    recording::sessionConfig(old);
     FAIL() << "taken";
   } catch (const SessionException& e) {
     const std::string said = "recorded with version 1 of the nominal model, this program has version ";
@@ -397,4 +398,4 @@ TEST_F(ResimulationTest, OfASessionOfAnotherModelIsRefusedInASentence) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

@@ -4,10 +4,11 @@
 #include <memory>
 
 #include "drill/drill.h"
+#include "raven2_trainer/console/make_motion.h"
+#include "raven2_trainer/faults/arming.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/lockstep/lockstep_stack.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/training/hazard_response.h"
 
 // Every exercise's drill strikes when and as the exercise says, in the whole: judge, link, robot, hands.
@@ -19,7 +20,7 @@ struct DrillRun {
   explicit DrillRun(const TrainerConfig& configuration) : config(configuration) {
     physics::initialiseOde();
     physics::attachOdeToThread();
-    stack = std::make_unique<runtime::LockstepStack>(config, runtime::makeMotion(config, "scripted"));
+    stack = std::make_unique<lockstep::LockstepStack>(config, console::makeMotion(config, "scripted"));
   }
 
   void tick() {
@@ -49,7 +50,7 @@ struct DrillRun {
   }
 
   const TrainerConfig config;
-  std::unique_ptr<runtime::LockstepStack> stack;
+  std::unique_ptr<lockstep::LockstepStack> stack;
   Tick reached{-1};           ///< the step that starts the drill's clock
   std::vector<Tick> began{};  ///< activations
   double largest_force{0.0};  ///< [N] on a hand
@@ -61,7 +62,7 @@ class OwnDrill : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(OwnDrill, StrikesItsDelayAfterTheStepAndIsFelt) {
   DrillRun run(drillConfig(GetParam(), "own", 1));
-  const Tick delay = config::drillPlan(run.config, 1, 1).faults[0].first_tick;
+  const Tick delay = faults::drillPlan(run.config, 1, 1).faults[0].first_tick;
   ASSERT_TRUE(run.strike());
   ASSERT_GT(run.reached, 0);
   EXPECT_GE(run.began[0], run.reached + delay);
@@ -101,8 +102,8 @@ TEST(Drill, ComesOnceInAnAttemptAndAgainInTheNext) {
   EXPECT_EQ(run.began.size(), 1U) << "the step of the attempt before is not its step";
   run.reached = -1;
   ASSERT_TRUE(run.strike());
-  const Tick delay = config::drillPlan(run.config, 2, 1).faults[0].first_tick;
-  EXPECT_NE(delay, config::drillPlan(run.config, 1, 1).faults[0].first_tick);
+  const Tick delay = faults::drillPlan(run.config, 2, 1).faults[0].first_tick;
+  EXPECT_NE(delay, faults::drillPlan(run.config, 1, 1).faults[0].first_tick);
   EXPECT_GE(run.began[1], run.reached + delay);
   EXPECT_LE(run.began[1], run.reached + delay + kLinkWay);
   EXPECT_EQ(run.stack->view().model.exercise.attempt, 2);

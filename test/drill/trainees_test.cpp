@@ -10,10 +10,11 @@
 #include <sstream>
 
 #include "drill/drill.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/console/reactor.h"
+#include "raven2_trainer/faults/arming.h"
+#include "raven2_trainer/lockstep/lockstep.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/lockstep.h"
-#include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/session/session_log.h"
 #include "raven2_trainer/training/session_metrics.h"
 #include "raven2_trainer/training/session_score.h"
@@ -45,11 +46,11 @@ class Session {
     paths_ = session::createSessionDirectory(
         (fs::temp_directory_path() / ("raven2_drill_" + std::to_string(getpid()) + "_" + std::to_string(++count)))
             .string());
-    auto source = runtime::makeMotion(config, "scripted");
+    auto source = console::makeMotion(config, "scripted");
     console::Reaction reaction;
     reaction.delay = kReactionTime;
     if (reacts) source = console::makeReacting(std::move(source), reaction, &truth_);
-    runtime::Lockstep lockstep(config, std::move(source), paths_, "scripted");
+    lockstep::Lockstep lockstep(config, std::move(source), paths_, "scripted");
     ran_ = lockstep.run(kSeconds, {});
   }
   ~Session() { fs::remove_all(paths_.directory); }
@@ -158,7 +159,7 @@ TEST(Trainees, TheLogTellsTheDrillAndItsInjection) {
   const training::Injection& injection = metrics.injections[0];
   EXPECT_EQ(injection.name, "sudden_jump");
   EXPECT_EQ(injection.fault.trigger, FaultTrigger::kStep);
-  EXPECT_EQ(injection.fault.first_tick, config::drillPlan(config, 1, 1).faults[0].first_tick);
+  EXPECT_EQ(injection.fault.first_tick, faults::drillPlan(config, 1, 1).faults[0].first_tick);
   std::ostringstream text;
   text << std::ifstream(fs::path(session.directory()) / "faults.json").rdbuf();
   EXPECT_NE(text.str().find("\"sudden_jump\""), std::string::npos);

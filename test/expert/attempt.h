@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/console/script.h"
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/lockstep/lockstep_stack.h"
 #include "raven2_trainer/model/raven_model.h"
-#include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/motion.h"
 #include "raven2_trainer/training/motion_metrics.h"
 #include "support/rig.h"
 
@@ -56,7 +56,7 @@ class Attempt {
       : config_(config), verbs_(console::verbsOf(config.exercise, config.roles)), motion_(motionSettings(config.arms)) {
     config_.seed = seed;
     const std::string motion = clumsy.empty() ? "expert" : "clumsy:" + clumsy;
-    stack_ = std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, {motion, {}}, &truth_));
+    stack_ = std::make_unique<lockstep::LockstepStack>(config_, console::makeMotion(config_, {motion, {}}, &truth_));
     names_ = stack_->bodyNames();
     for (const SceneObject& object : config_.roles.objects) {
       bodies_.push_back(numberOf(object.link));
@@ -130,7 +130,7 @@ class Attempt {
   const ModelState& model() const { return stack_->view().model; }
   const RobotState& robot() const { return stack_->view().robot; }
   const std::string& nameOf(std::uint16_t body) const { return body < names_.size() ? names_[body] : kNone; }
-  runtime::LockstepStack& stack() { return *stack_; }
+  lockstep::LockstepStack& stack() { return *stack_; }
 
  private:
   std::uint16_t numberOf(const std::string& link) const {
@@ -176,7 +176,7 @@ class Attempt {
   std::vector<console::Verb> verbs_;
   training::MotionAccumulator motion_;
   console::TruthLog truth_;
-  std::unique_ptr<runtime::LockstepStack> stack_;
+  std::unique_ptr<lockstep::LockstepStack> stack_;
   std::vector<std::string> names_;
   std::vector<std::uint16_t> bodies_;  ///< numbers of the scene's objects in contacts
   std::vector<bool> is_tool_, touched_;

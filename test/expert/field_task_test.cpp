@@ -6,6 +6,7 @@
 
 #include "expert/truth.h"
 #include "expert/worse.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 
 // Rings along rails, an instrument out of the field, camera and clutch: done by scripted hands through ITP and pedals
 // alone.

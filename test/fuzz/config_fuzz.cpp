@@ -1,6 +1,7 @@
 #include "fuzz/fuzz_target.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/faults/arming.h"
 
 // The packaged configuration with one file edited. Input: a byte that chooses the file, then edits (fuzz_target.h).
 
@@ -30,7 +31,7 @@ class Folder {
     try {
       const TrainerConfig config = config::loadTrainerConfig(scratch_.path("trainer.yaml"));
       for (std::uint32_t id = 0; id <= config.scenarios.size() + 1; ++id)
-        config::planFor(config, id, 1);
+        faults::planFor(config, id, 1);
     } catch (const ConfigException& e) {
       require(std::string(e.what()).size() < 2000, "a refusal fits a screen");
     }

@@ -5,10 +5,10 @@
 #include <cstring>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/faults/fault_engine.h"
+#include "raven2_trainer/lockstep/lockstep_stack.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/lockstep_stack.h"
-#include "raven2_trainer/runtime/motion.h"
 
 namespace raven2_trainer {
 namespace {
@@ -40,7 +40,7 @@ int run() {
   config.runtime.plan_at = -1.0;
   physics::initialiseOde();
   physics::attachOdeToThread();
-  runtime::LockstepStack stack(config, runtime::makeMotion(config, "scripted"));
+  lockstep::LockstepStack stack(config, console::makeMotion(config, "scripted"));
   Digest digest;
   for (int i = 0; i < kTicks; ++i) {
     stack.tick();

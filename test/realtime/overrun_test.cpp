@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "raven2_trainer/net/clock.h"
-#include "raven2_trainer/runtime/cyclic_thread.h"
+#include "raven2_trainer/threads/cyclic_thread.h"
 #include "support/effort.h"
 
 // The bookkeeping of late ticks, judged by what the body itself read from the clock: a busy machine delays the thread
 // and the readings alike.
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 using raven2_trainer::testing::effort;
 
 constexpr std::int64_t kMicrosecond = 1000;
 
-ThreadOptions fifo() {
+threads::ThreadOptions fifo() {
   return {"stalling", ThreadConfig{80, -1}, 0, 256 * 1024};
 }
 
@@ -83,10 +83,10 @@ TEST(Overruns, AStallOfFiveMillisecondsIsOneEventOfItsLength) {
   const auto wanted = static_cast<int>(effort(20, 100));
   StateCell<LoopTiming> timing;
   StallingBody body(&timing);
-  CyclicThread thread;
-  CyclicThread::Hooks hooks;
+  threads::CyclicThread thread;
+  threads::CyclicThread::Hooks hooks;
   hooks.tick = [&](std::int64_t now_ns) { body.tick(now_ns); };
-  thread.start(fifo(), CyclicPolicy{}, std::move(hooks), &timing);
+  thread.start(fifo(), threads::CyclicPolicy{}, std::move(hooks), &timing);
   while (body.judged < wanted && body.disturbed < 20 * wanted)
     ::usleep(2000);
   thread.stop();
@@ -102,8 +102,8 @@ TEST(Overruns, AStallOfFiveMillisecondsIsOneEventOfItsLength) {
 
 /** Stalls once and counts what the policy makes of it. */
 struct OneStall {
-  explicit OneStall(std::int64_t stall_ms, CyclicPolicy policy = {}) {
-    CyclicThread::Hooks hooks;
+  explicit OneStall(std::int64_t stall_ms, threads::CyclicPolicy policy = {}) {
+    threads::CyclicThread::Hooks hooks;
     hooks.tick = [this, stall_ms](std::int64_t now_ns) {
       if (ticks == 0) first_ns = now_ns;
       begins[std::min(ticks, begins.size() - 1)] = now_ns;
@@ -123,7 +123,7 @@ struct OneStall {
   std::int64_t first_ns{0}, last_ns{0};
   std::vector<std::int64_t> begins = std::vector<std::int64_t>(4096);
   StateCell<LoopTiming> timing;
-  CyclicThread thread;
+  threads::CyclicThread thread;
   LoopTiming counts;
 };
 
@@ -162,4 +162,4 @@ TEST(Overruns, TheHistogramsHoldEveryTickAndWakeUp) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

@@ -13,9 +13,9 @@
 #include <cerrno>
 #include <string>
 
-#include "raven2_trainer/runtime/cyclic_thread.h"
-#include "raven2_trainer/runtime/driven_loops.h"
-#include "raven2_trainer/runtime/realtime_check.h"
+#include "raven2_trainer/daemon/driven_loops.h"
+#include "raven2_trainer/threads/cyclic_thread.h"
+#include "raven2_trainer/threads/realtime_check.h"
 #include "support/effort.h"
 #include "support/rig.h"
 #include "support/sanitizer.h"
@@ -25,7 +25,7 @@
 
 #if defined(__x86_64__) && !defined(RAVEN2_HAS_SANITIZER)
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 namespace {
 
 using raven2_trainer::testing::effort;
@@ -86,8 +86,8 @@ TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
   // GIVEN the daemon's two loops in contact, with records, relay and force, warm for half a second
   expectSignals();
   raven2_trainer::testing::useOde();
-  const MemoryLock memory = lockMemory();
-  DrivenLoops loops(raven2_trainer::testing::packagedConfig());
+  const threads::MemoryLock memory = threads::lockMemory();
+  daemon::DrivenLoops loops(raven2_trainer::testing::packagedConfig());
   std::atomic<int> filtered{0};
   loops.observer = [&](LoopId, std::uint64_t tick) {
     if (tick == 500 && installFilter()) ++filtered;
@@ -114,7 +114,7 @@ TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
 }
 
 /** A tick of a session that never was, and in each clutch the request that it be shown. */
-void offerReplay(DrivenLoops* loops, std::uint64_t tick) noexcept {
+void offerReplay(daemon::DrivenLoops* loops, std::uint64_t tick) noexcept {
   const ModelState model = loops->model();
   ReplayFrame frame;
   for (const Arm arm : kArms) {
@@ -133,7 +133,7 @@ void offerReplay(DrivenLoops* loops, std::uint64_t tick) noexcept {
 TEST(SystemCalls, AShownSessionMakesNoneEither) {
   expectSignals();
   raven2_trainer::testing::useOde();
-  DrivenLoops loops(raven2_trainer::testing::packagedConfig());
+  daemon::DrivenLoops loops(raven2_trainer::testing::packagedConfig());
   std::atomic<int> filtered{0}, shown{0}, returned{0};
   loops.observer = [&](LoopId loop, std::uint64_t tick) {
     if (tick == 400 && installFilter()) ++filtered;
@@ -158,8 +158,8 @@ TEST(SystemCalls, AShownSessionMakesNoneEither) {
 TEST(SystemCalls, AForbiddenOneIsCaught) {
   expectSignals();
   StateCell<LoopTiming> timing;
-  CyclicThread thread;
-  CyclicThread::Hooks hooks;
+  threads::CyclicThread thread;
+  threads::CyclicThread::Hooks hooks;
   std::atomic<bool> filtered{false};
   hooks.before = [&] { filtered.store(installFilter()); };
   hooks.tick = [n = 0](std::int64_t) mutable {
@@ -167,7 +167,7 @@ TEST(SystemCalls, AForbiddenOneIsCaught) {
     if (n == 20) syscall(SYS_write, STDOUT_FILENO, "12345678", 8);
   };
   counting.store(true);
-  thread.start({"forbidden", ThreadConfig{80, -1}}, CyclicPolicy{}, std::move(hooks), &timing);
+  thread.start({"forbidden", ThreadConfig{80, -1}}, threads::CyclicPolicy{}, std::move(hooks), &timing);
   while (timing.load().ticks < 30)
     ::usleep(1000);
   counting.store(false);
@@ -178,6 +178,6 @@ TEST(SystemCalls, AForbiddenOneIsCaught) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep
 
 #endif

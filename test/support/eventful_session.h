@@ -8,13 +8,13 @@
 
 #include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/fault_variables.h"
-#include "raven2_trainer/runtime/lockstep.h"
-#include "raven2_trainer/runtime/planner_worker.h"
-#include "raven2_trainer/runtime/recorder.h"
+#include "raven2_trainer/lockstep/lockstep.h"
+#include "raven2_trainer/loop/planner_worker.h"
+#include "raven2_trainer/recording/recorder.h"
 #include "support/rig.h"
 #include "support/servo_client.h"
 
-namespace raven2_trainer::runtime {
+namespace raven2_trainer::lockstep {
 
 using raven2_trainer::testing::beside;
 using raven2_trainer::testing::packagedConfig;
@@ -323,8 +323,8 @@ class EventfulSession {
   }
 
   Rig rig;
-  PlannerWorker planner;
-  Recorder recorder;
+  loop::PlannerWorker planner;
+  recording::Recorder recorder;
 };
 
-}  // namespace raven2_trainer::runtime
+}  // namespace raven2_trainer::lockstep

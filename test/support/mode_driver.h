@@ -28,7 +28,7 @@ class ModeDriver {
     return config;
   }
 
-  explicit ModeDriver(const TrainerConfig& config = configuration(), double trial_limit = runtime::kTrialLimit)
+  explicit ModeDriver(const TrainerConfig& config = configuration(), double trial_limit = loop::kTrialLimit)
       : rig(config, trial_limit) {}
 
   /** Homes the robot. @return whether it is. */

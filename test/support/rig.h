@@ -12,14 +12,15 @@
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/loop/fault_director.h"
+#include "raven2_trainer/loop/haptic_loop.h"
+#include "raven2_trainer/loop/master_ingest.h"
+#include "raven2_trainer/loop/physics_loop.h"
+#include "raven2_trainer/loop/robot_link.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
-#include "raven2_trainer/runtime/fault_director.h"
-#include "raven2_trainer/runtime/haptic_loop.h"
-#include "raven2_trainer/runtime/master_ingest.h"
-#include "raven2_trainer/runtime/physics_loop.h"
-#include "raven2_trainer/runtime/robot_link.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::testing {
@@ -64,7 +65,7 @@ inline void useOde() {
 /** The loops of daemon and virtual Raven, stepped by the test; the test is the console. */
 class Rig {
  public:
-  explicit Rig(const TrainerConfig& configuration, double trial_limit = runtime::kTrialLimit)
+  explicit Rig(const TrainerConfig& configuration, double trial_limit = loop::kTrialLimit)
       : config(configuration),
         raven(robotOf(config)),
         scene(model::loadSceneModel(config)),
@@ -159,11 +160,11 @@ class Rig {
   const model::RavenModel raven;
   const model::SceneModel scene;
   std::unique_ptr<SharedState> shared;
-  runtime::MasterIngest ingest;
-  runtime::FaultDirector faults;
-  runtime::PhysicsLoop physics;
-  runtime::HapticLoop haptic;
-  runtime::RobotLink link;
+  loop::MasterIngest ingest;
+  loop::FaultDirector faults;
+  loop::PhysicsLoop physics;
+  loop::HapticLoop haptic;
+  loop::RobotLink link;
   raven::ControlSoftware software;
   plant::Plant plant;
   bool robot_connected{true};  ///< false: the robot's frames are lost, ours do not reach it

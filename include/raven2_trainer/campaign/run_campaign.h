@@ -8,12 +8,12 @@
 #include "raven2_trainer/campaign/plan.h"
 #include "raven2_trainer/campaign/results.h"
 #include "raven2_trainer/core/config.h"
-#include "raven2_trainer/runtime/lockstep_stack.h"
+#include "raven2_trainer/lockstep/lockstep_stack.h"
 
 namespace raven2_trainer::campaign {
 
 /** What a campaign compares, of a stack after its last tick. */
-Sample sampleOf(const ArmsConfig& arms, const runtime::LockstepStack& stack) noexcept;
+Sample sampleOf(const ArmsConfig& arms, const lockstep::LockstepStack& stack) noexcept;
 
 /** The configuration of a campaign's runs: its plant, homing and contacts, nothing armed, no scheduled plan.
  *  @throw ConfigException. */

@@ -40,8 +40,4 @@ std::uint32_t faultId(const TrainerConfig& config, const std::string& name);
 /** @throw ConfigException if config.hazard is not in the library, or may not be armed. */
 void checkHazard(const TrainerConfig& config);
 
-/** The plan that arms one scenario (id from faultId; 0 = nothing), drawing from the configuration's seed; an empty one
- *  where injection is not enabled. */
-FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation);
-
 }  // namespace raven2_trainer::config

@@ -25,16 +25,4 @@ struct TrainingNames {
  */
 void loadTraining(const TrainingNames& names, TrainerConfig* config);
 
-/** Is the hazard that is armed at the start the exercise's drill? */
-bool isDrill(const TrainerConfig& config) noexcept;
-
-/**
- * The drill of one attempt: the rows of its scenario, each to come once and for certain, on the exercise's trigger
- * instead of their own. The first comes `delay` after the exercise's step began, plus a share of `jitter` that is drawn
- * from the configuration's seed and the attempt; the others as long after it as in the scenario. An empty plan without
- * a drill, or where injection is not enabled.
- * @param[in] attempt ExerciseState::attempt.
- */
-FaultPlan drillPlan(const TrainerConfig& config, std::uint32_t attempt, std::uint64_t generation);
-
 }  // namespace raven2_trainer::config

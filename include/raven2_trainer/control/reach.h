@@ -5,18 +5,12 @@
 
 namespace raven2_trainer::control {
 
-/** Whether a hand moves the model in this mode, so that ArmState::q_d is what it asks for, and ik_status of this tick.
- */
-constexpr bool isMovedByHand(Mode mode) noexcept {
-  return mode == Mode::kTeleoperating || mode == Mode::kChoosing || mode == Mode::kSimulating || mode == Mode::kTrial;
-}
-
 /** Whether an arm of the model is at the edge of its workspace: the hand that moves it asks for a pose beyond the
  * joints' limits, out of its reach, or too near to the remote centre. What a topic tells, and a video sounds.
  * Real-time safe. */
 constexpr bool isAtEdge(const ModelState& model, Arm arm) noexcept {
   const auto status = static_cast<kinematics::IkStatus>(model.arms[static_cast<std::size_t>(arm)].ik_status);
-  return isMovedByHand(model.mode) && status != kinematics::IkStatus::kOk &&
+  return traitsOf(model.mode).hands && status != kinematics::IkStatus::kOk &&
          status != kinematics::IkStatus::kSingularWrist;
 }
 

@@ -109,7 +109,7 @@ struct Request {
   std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id; 0:
                             ///< no answer is wanted, and a plan gets one of kOwnRequestIds
   std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there. kBeginReplay: what
-                            ///< runtime::SessionPlayer::open() gave
+                            ///< recording::SessionPlayer::open() gave
 };
 
 /** Orders to the fault director. */

@@ -64,6 +64,8 @@ struct SharedState {
   StateCell<ExerciseNews> exercise_news;
   // written by physics: how the arms stand to CRTK clients
   StateCell<ServoState> servo;
+  // counted up by ros: Request::id of the next request that wants an answer
+  std::atomic<std::uint32_t> next_request{kOwnRequestIds + 1};
   // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest picture; 0 none yet
   StateCell<std::int64_t> real_picture_ns;
   // written by ros: 1 while somebody looks at a live picture, or asks where its camera is
@@ -109,6 +111,11 @@ struct SharedState {
   ServoQueue servo_commands;
   // physics -> ros (crtk): those that did nothing
   SpscRing<ServoRefused, 256> servo_refused;
+  // physics -> ros: what became of requests, each once, but for the daemon's own; not counted: without a ROS master
+  // nobody reads them, and who asked for nothing gets none
+  SpscRing<RequestAnswer, 64> answers;
+  SpscRing<PlanResult, kMaxPlansUnderWay> plan_answers;
+  SpscRing<ExecutionReport, 8> execution_answers;
   // ros -> faults
   SpscRing<FaultRequest, 32> fault_requests;
   // robot_link -> physics

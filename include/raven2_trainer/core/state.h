@@ -7,39 +7,13 @@
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/fault.h"
+#include "raven2_trainer/core/mode.h"
 #include "raven2_trainer/core/types.h"
 
 // State structs that cross threads word by word, so everything is a plain array. Joint coordinates are the robot's
 // own (raven2.md 2.3), not the URDF's: kinematics/joint_conventions.h converts.
 
 namespace raven2_trainer {
-
-/** What the daemon is doing. The table of events is in control/mode_table.h. */
-enum class Mode : std::uint8_t {
-  kWaiting,        ///< no pedal seen yet, or the robot is not ready
-  kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds where there is none
-  kTeleoperating,  ///< pedal down: increments move model and robot
-  kPlanning,       ///< pedal up, a plan is being computed; the model holds
-  kTracking,       ///< the model follows a planned path; the robot holds
-  kStopped,        ///< the robot is in E-STOP; the model holds
-  kPaused,         ///< simulated time was lost: the model holds, the session's clock stands, until a new pedal-down
-  kChoosing,   ///< planning mode: pedal down moves one arm of the model, through everything, to a goal; the robot holds
-  kArmed,      ///< pedal up: the model stands where the plan to be executed starts, and waits for the pedal
-  kExecuting,  ///< pedal held: the model follows the plan's path, and the robot too if that was asked for
-  kSimulating,      ///< pure simulation, pedal down: increments move the model alone, the robot is disengaged
-  kSimulationHeld,  ///< the same, pedal up: the model holds
-  kTrial,           ///< virtual trial, pedal down: as kSimulating, and what the model does is kept
-  kTrialHeld,       ///< the same, pedal up: the model holds
-  kTrialReady,      ///< the trial is over and waits for what shall become of it
-  kReturning,       ///< pedal up: the model glides to where the robot is, through everything
-  kReplaying,       ///< pedal up: a recorded session is shown, the world stands still; the robot holds
-  kCameraMoving,    ///< camera pedal held: the masters move the camera, model and robot hold
-};
-constexpr std::size_t kModeCount = 18;
-constexpr std::array<const char*, kModeCount> kModeNames{
-    "waiting", "pedal_up",   "teleoperating", "planning",  "tracking",   "stopped",
-    "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
-    "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
 /** How far planning and executing are. Between requests the newest plan is kept, as long as it may be executed. */
 enum class PlanningStatus : std::uint8_t {
@@ -67,6 +41,12 @@ enum class PlanningAnswer : std::uint8_t {
 constexpr std::size_t kPlanningAnswerCount = 7;
 constexpr std::array<const char*, kPlanningAnswerCount> kPlanningAnswerNames{
     "none", "accepted", "not_now", "no_plan", "moved", "no_robot", "robot_cannot_follow"};
+
+/** To the request with this id. */
+struct RequestAnswer {
+  std::uint32_t id{};
+  PlanningAnswer answer{PlanningAnswer::kNone};
+};
 
 /** Planning and executing, at the end of one tick. */
 struct PlanningState {

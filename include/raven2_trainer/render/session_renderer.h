@@ -53,8 +53,8 @@ class SessionRenderer {
 
   /**
    * Size and rate are those of config.render.
-   * @param[in] build what else decides over the pixels (runtime::pictureIdentity): parts and videos of another one are
-   * drawn again.
+   * @param[in] build what else decides over the pixels (recording::pictureIdentity): parts and videos of another one
+   * are drawn again.
    * @throw SessionException if the directory holds no session, or one that is still being recorded.
    */
   SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build);

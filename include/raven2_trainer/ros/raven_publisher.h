@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/robot/raven_server.h"
 #include "raven2_trainer/ros/ros_face.h"
-#include "raven2_trainer/runtime/raven_server.h"
 
 namespace raven2_trainer::ros_bridge {
 
@@ -24,7 +24,7 @@ namespace raven2_trainer::ros_bridge {
 class RavenPublisher : public RosFace {
  public:
   /** `server` must outlive this. */
-  RavenPublisher(const TrainerConfig& config, runtime::RavenServer* server);
+  RavenPublisher(const TrainerConfig& config, robot::RavenServer* server);
   ~RavenPublisher() override;
   RavenPublisher(const RavenPublisher&) = delete;
   RavenPublisher& operator=(const RavenPublisher&) = delete;
@@ -40,7 +40,7 @@ class RavenPublisher : public RosFace {
   struct Impl;
   const double d4_;
   const bool enable_remote_control_;
-  runtime::RavenServer& server_;
+  robot::RavenServer& server_;
   std::atomic<std::uint64_t> lost_before_{0};  ///< reports that nobody took while there was no master
   std::unique_ptr<Impl> impl_;                 ///< between start() and stop()
 };

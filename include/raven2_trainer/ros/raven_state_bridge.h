@@ -5,8 +5,8 @@
 #include <string>
 
 #include "raven2_trainer/core/config.h"
+#include "raven2_trainer/robot/state_server.h"
 #include "raven2_trainer/ros/ros_face.h"
-#include "raven2_trainer/runtime/state_server.h"
 
 namespace raven2_trainer::ros_bridge {
 
@@ -18,7 +18,7 @@ namespace raven2_trainer::ros_bridge {
 class RavenStateBridge : public RosFace {
  public:
   /** `server` must outlive this. @throw ConfigException. */
-  RavenStateBridge(const TrainerConfig& config, const std::string& topic, runtime::StateServer* server);
+  RavenStateBridge(const TrainerConfig& config, const std::string& topic, robot::StateServer* server);
   ~RavenStateBridge() override;
   RavenStateBridge(const RavenStateBridge&) = delete;
   RavenStateBridge& operator=(const RavenStateBridge&) = delete;

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "raven2_trainer/daemon/simulator.h"
 #include "raven2_trainer/ros/ros_face.h"
-#include "raven2_trainer/runtime/simulator.h"
 
 namespace raven2_trainer::ros_bridge {
 
@@ -17,7 +17,7 @@ namespace raven2_trainer::ros_bridge {
 class RosBridge : public RosFace {
  public:
   /** `simulator` must outlive this. @throw SessionException if a file of its configuration cannot be read. */
-  explicit RosBridge(runtime::Simulator* simulator);
+  explicit RosBridge(daemon::Simulator* simulator);
   ~RosBridge() override;
   RosBridge(const RosBridge&) = delete;
   RosBridge& operator=(const RosBridge&) = delete;
@@ -28,7 +28,7 @@ class RosBridge : public RosFace {
 
  private:
   struct Impl;
-  runtime::Simulator& simulator_;
+  daemon::Simulator& simulator_;
   const std::vector<std::pair<std::string, std::string>> hashes_;  ///< of the configuration, as the program began
   std::unique_ptr<Impl> impl_;                                     ///< between start() and stop()
 };

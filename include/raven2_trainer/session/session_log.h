@@ -48,7 +48,7 @@ struct LogHeader {
   HeaderCamera camera{};
   std::vector<std::vector<std::string>> step_names;  ///< of the exercise, by ExerciseEvent::track and ::step
   std::vector<std::string> object_names;             ///< of its scene, in the order of SceneRoles::objects
-  std::string motion;                                ///< as the console was started (runtime/motion.h); "" unknown
+  std::string motion;                                ///< as the console was started (console/make_motion.h); "" unknown
   double d4{};                                       ///< [m] for conversions of joint coordinates
   double tolerance{};                                ///< [m] of the haptic cue
   int model_version{1};                              ///< kModelVersion of the program that recorded

@@ -36,11 +36,11 @@ std::uint16_t toPort(const std::string& text, const std::string& all, long low) 
   return static_cast<std::uint16_t>(port);
 }
 
-runtime::ProxyLink toLink(const std::string& text, impair::Medium medium) {
+proxy::ProxyLink toLink(const std::string& text, impair::Medium medium) {
   std::vector<std::string> parts = splitAtColons(text);
   if (parts.size() == 3) parts.insert(parts.begin(), "127.0.0.1");
   if (parts.size() != 4) throw ConfigException("link \"" + text + "\", expected [ADDRESS:]PORT:HOST:PORT");
-  runtime::ProxyLink link;
+  proxy::ProxyLink link;
   link.medium = medium;
   link.listen_address = parts[0];
   link.listen_port = toPort(parts[1], text, 0);
@@ -134,8 +134,8 @@ void ImpairmentOptions::replaceIn(Impairment* c) const {
   }
 }
 
-runtime::ProxyOptions ImpairmentOptions::load() const {
-  runtime::ProxyOptions options;
+proxy::ProxyOptions ImpairmentOptions::load() const {
+  proxy::ProxyOptions options;
   options.seed = seed;
   Impairment forward = impairmentByName(profile);
   replaceIn(&forward);
@@ -145,7 +145,7 @@ runtime::ProxyOptions ImpairmentOptions::load() const {
   for (const std::string& text : tcp)
     options.links.push_back(toLink(text, impair::Medium::kStream));
   if (options.links.empty()) throw ConfigException("no link given: --udp or --tcp [ADDRESS:]PORT:HOST:PORT");
-  for (runtime::ProxyLink& link : options.links) {
+  for (proxy::ProxyLink& link : options.links) {
     link.forward = forward;
     link.back = back;
   }

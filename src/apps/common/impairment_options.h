@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/runtime/impairment_proxy.h"
+#include "raven2_trainer/proxy/impairment_proxy.h"
 
 namespace CLI {
 class App;
@@ -31,7 +31,7 @@ struct ImpairmentOptions {
 
   void add(CLI::App* app);
   /** @throw ConfigException. */
-  runtime::ProxyOptions load() const;
+  proxy::ProxyOptions load() const;
 
  private:
   void replaceIn(Impairment* impairment) const;

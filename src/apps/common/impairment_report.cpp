@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(const runtime::ProxyReport& r) {
+Json toJson(const proxy::ProxyReport& r) {
   const impair::ChannelCounts& c = r.counts;
   Json dropped;
   for (std::size_t i = 1; i < impair::kLossCount; ++i)
@@ -30,8 +30,8 @@ unsigned long long wide(std::uint64_t n) {
 
 }  // namespace
 
-void printReports(const std::vector<runtime::ProxyReport>& reports, double seconds) {
-  for (const runtime::ProxyReport& r : reports) {
+void printReports(const std::vector<proxy::ProxyReport>& reports, double seconds) {
+  for (const proxy::ProxyReport& r : reports) {
     const impair::ChannelCounts& c = r.counts;
     if (c.in == 0) continue;
     const double share = 100.0 * static_cast<double>(c.droppedTotal()) / static_cast<double>(c.in);
@@ -42,13 +42,13 @@ void printReports(const std::vector<runtime::ProxyReport>& reports, double secon
 }
 
 void writeReports(const std::string& path,
-                  const runtime::ProxyOptions& options,
-                  const std::vector<runtime::ProxyReport>& reports) {
+                  const proxy::ProxyOptions& options,
+                  const std::vector<proxy::ProxyReport>& reports) {
   Json json{{"seed", options.seed},
             {"profile", options.links.front().forward.name},
             {"back_profile", options.links.front().back.name},
             {"links", Json::array()}};
-  for (const runtime::ProxyReport& report : reports)
+  for (const proxy::ProxyReport& report : reports)
     json["links"].push_back(toJson(report));
   std::ofstream file(path);
   file << json.dump(2) << '\n';

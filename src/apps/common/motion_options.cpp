@@ -23,8 +23,8 @@ void MotionOptions::add(CLI::App* app) {
   app->add_option("--truth", truth, "Write what the scripted hands did, packet by packet, to this CSV file");
 }
 
-runtime::MotionChoice MotionOptions::choice() const {
-  runtime::MotionChoice result;
+console::MotionChoice MotionOptions::choice() const {
+  console::MotionChoice result;
   result.motion = motion;
   if (reaction == "none") return result;
   char* end = nullptr;

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <string>
 
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/console/truth_log.h"
-#include "raven2_trainer/runtime/motion.h"
 
 namespace CLI {
 class App;
@@ -20,7 +20,7 @@ struct MotionOptions {
 
   void add(CLI::App* app);
   /** @throw ConfigException. */
-  runtime::MotionChoice choice() const;
+  console::MotionChoice choice() const;
 };
 
 /** What scripted hands know that they did, in a file of its own. */

@@ -6,9 +6,9 @@
 #include "apps/common/command_line.h"
 #include "apps/common/paths.h"
 #include "raven2_trainer/physics/raven_world.h"
-#include "raven2_trainer/runtime/build_identity.h"
-#include "raven2_trainer/runtime/motion.h"
-#include "raven2_trainer/runtime/resimulation.h"
+#include "raven2_trainer/recording/build_identity.h"
+#include "raven2_trainer/recording/resimulation.h"
+#include "raven2_trainer/recording/start_meta.h"
 #include "raven2_trainer/session/session_log.h"
 
 namespace raven2_trainer::apps {
@@ -19,7 +19,7 @@ void warnOfOtherBuild(const session::SessionPaths& paths) {
   const auto then = session::readBuild(paths);
   if (then.empty())
     return (void)std::fprintf(stderr, "no meta.json: with which build the session was made is unknown\n");
-  for (const auto& [name, now] : runtime::buildIdentity()) {
+  for (const auto& [name, now] : recording::buildIdentity()) {
     const auto entry = then.find(name);
     const std::string before = entry == then.end() ? "unknown" : entry->second;
     if (before == now) continue;
@@ -36,7 +36,7 @@ std::string speed(std::uint64_t ticks, double wall) {
 }
 
 /** @return the exit code. */
-int tell(const runtime::ResimulationResult& result, double wall, ProgressBar* bar) {
+int tell(const recording::ResimulationResult& result, double wall, ProgressBar* bar) {
   bar->done(speed(result.ticks, wall));
   if (result.difference) {
     std::printf("different: first at tick %lld: %s\n", static_cast<long long>(result.difference->tick),
@@ -53,14 +53,14 @@ int tell(const runtime::ResimulationResult& result, double wall, ProgressBar* ba
 
 int resimulateSession(const std::string& directory, const std::string& output) {
   const session::SessionPaths paths = session::openSessionDirectory(directory);
-  const TrainerConfig config = runtime::sessionConfig(paths);
+  const TrainerConfig config = recording::sessionConfig(paths);
   warnOfOtherBuild(paths);
   physics::initialiseOde();
-  session::SessionMeta meta = runtime::startMeta("resimulate", version(), session::readLogHeader(paths.log()).motion);
-  runtime::Resimulation resimulation(config, paths, output);
+  session::SessionMeta meta = recording::startMeta("resimulate", version(), session::readLogHeader(paths.log()).motion);
+  recording::Resimulation resimulation(config, paths, output);
   ProgressBar bar("resimulate");
   const auto start = std::chrono::steady_clock::now();
-  const runtime::ResimulationResult result = resimulation.run([&](double share) { bar.update(share); });
+  const recording::ResimulationResult result = resimulation.run([&](double share) { bar.update(share); });
   meta.wall_duration = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   meta.realtime = "re-simulated";
   if (!output.empty()) session::writeMeta(session::SessionPaths{output}, meta, config);

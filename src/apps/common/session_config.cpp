@@ -5,7 +5,7 @@
 #include "apps/common/paths.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/runtime/resimulation.h"
+#include "raven2_trainer/recording/resimulation.h"
 #include "raven2_trainer/session/session_log.h"
 
 namespace raven2_trainer::apps {
@@ -22,7 +22,7 @@ TrainerConfig loadFor(const session::SessionPaths& paths, const std::string& roo
 TrainerConfig viewingConfig(const session::SessionPaths& paths, const std::string& root) {
   if (!root.empty()) return loadFor(paths, root);
   try {
-    TrainerConfig config = runtime::sessionConfig(paths);
+    TrainerConfig config = recording::sessionConfig(paths);
     config.render = config::loadTrainerConfig(defaultConfigPath()).render;
     return config;
   } catch (const Exception& e) {

@@ -7,10 +7,10 @@
 #include "raven2_trainer/config/load_master.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/daemon/console_runner.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/ros/master_devices.h"
 #include "raven2_trainer/ros/supervisor.h"
-#include "raven2_trainer/runtime/console_runner.h"
 
 namespace raven2_trainer::apps {
 namespace {
@@ -75,7 +75,7 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   config.console.scale = master.scale;
   config.network.sight = false;  // the eyes are the surgeon's own
   MasterLink link;
-  runtime::ConsoleRunner console(config, console::makeDeviceHands(master, jawsAtHome(config), &link));
+  daemon::ConsoleRunner console(config, console::makeDeviceHands(master, jawsAtHome(config), &link));
   ros_bridge::MasterDevices devices(master, &link);
   ros_bridge::Supervisor ros(argc, argv, "master_console", &devices);
   console.start();

@@ -233,7 +233,7 @@ ros::Time stampOf(std::int64_t then_ns, std::int64_t now_ns, const ros::Time& no
   return stamp;
 }
 
-sensor_msgs::Image image(const runtime::LiveImage& picture, const std::string& frame, const ros::Time& stamp) {
+sensor_msgs::Image image(const daemon::LiveImage& picture, const std::string& frame, const ros::Time& stamp) {
   sensor_msgs::Image message;
   message.header.stamp = stamp;
   message.header.frame_id = frame;

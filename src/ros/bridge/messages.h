@@ -16,8 +16,8 @@
 #include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/daemon/render_loop.h"
 #include "raven2_trainer/kinematics/eigen.h"
-#include "raven2_trainer/runtime/render_loop.h"
 
 // Our structs to ROS messages. Names and joint coordinates as the real robot's /joint_states (raven2.md 5.4).
 
@@ -41,7 +41,7 @@ std::string opticalFrame(const std::string& camera);
 /** Time of something that was at `then_ns`, both in CLOCK_MONOTONIC; `now` if that was never (0) or is yet to come. */
 ros::Time stampOf(std::int64_t then_ns, std::int64_t now_ns, const ros::Time& now);
 
-sensor_msgs::Image image(const runtime::LiveImage& picture, const std::string& frame, const ros::Time& stamp);
+sensor_msgs::Image image(const daemon::LiveImage& picture, const std::string& frame, const ros::Time& stamp);
 
 /** Without its data, which is to be JPEG of image(): format as compressed_image_transport writes it for an rgb8
  * picture, which decoders give as bgr8 and then turn to what it was. */

@@ -11,11 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** To open another one would end the one that is shown, or be for nothing. */
-bool mayShow(Mode mode) noexcept {
-  return mode == Mode::kWaiting || mode == Mode::kPedalUp;
-}
-
 /** "DIR" and "DIR/" alike. */
 std::string folderOf(const std::string& session) {
   return (fs::absolute(session) / "").lexically_normal().parent_path().parent_path();
@@ -31,7 +26,7 @@ ReplayTask::Outcome ReplayTask::begin(const std::string& session) {
   std::error_code none;
   if (session.empty() || !fs::is_directory(directory, none))
     return {ErrorCode::kFailure, directory + ": no directory of a session"};
-  if (!mayShow(client_.mode())) return {errorCode(PlanningAnswer::kNotNow), words(PlanningAnswer::kNotNow)};
+  if (!traitsOf(client_.mode()).may_replay) return {errorCode(PlanningAnswer::kNotNow), words(PlanningAnswer::kNotNow)};
   Request request;
   request.kind = RequestKind::kBeginReplay;
   try {

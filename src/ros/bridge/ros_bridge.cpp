@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "raven2_trainer/loop/frame_states.h"
 #include "raven2_trainer/net/clock.h"
-#include "raven2_trainer/runtime/frame_states.h"
 #include "ros/bridge/messages.h"
 #include "ros/bridge/services.h"
 #include "ros/bridge/session_topic.h"
@@ -40,7 +40,7 @@ using News = std::array<std::uint64_t, 6>;  // counts and flags of what cannot w
 }  // namespace
 
 struct RosBridge::Impl {
-  Impl(runtime::Simulator* daemon, const FileHashes& hashes)
+  Impl(daemon::Simulator* daemon, const FileHashes& hashes)
       : simulator(*daemon),
         may_command(mayCommand(daemon->config().runtime.enable_remote_control)),
         client(&daemon->shared()),
@@ -66,7 +66,7 @@ struct RosBridge::Impl {
     configuration.publish(sessionConfiguration(daemon->config(), daemon->paths().directory, hashes, ros::Time::now()));
     spinner.start();
     publisher.start(simulator.config().runtime.ros_period, [this] { publish(); });
-    simulator.setImageSink([this](const runtime::LiveImage& picture) { publishImage(picture); });
+    simulator.setImageSink([this](const daemon::LiveImage& picture) { publishImage(picture); });
   }
 
   ~Impl() {
@@ -98,7 +98,7 @@ struct RosBridge::Impl {
     const ros::Time stamp = ros::Time::now();
     const SharedState& shared = simulator.shared();
     ToldStates states;
-    runtime::loadModel(shared, &states.model, &states.contacts);
+    loop::loadModel(shared, &states.model, &states.contacts);
     states.robot = shared.robot.load();
     states.haptic = shared.haptic.load();
     topics.publish(states, stamp);
@@ -150,13 +150,13 @@ struct RosBridge::Impl {
   }
 
   /** On the render thread; roscpp's publish is thread-safe. */
-  void publishImage(const runtime::LiveImage& picture) {
+  void publishImage(const daemon::LiveImage& picture) {
     const ros::Time stamp = picture_stamp.of(picture.time_ns, net::monotonicNow(), ros::Time::now());
-    if (picture.eye != runtime::Eye::kMiddle) return stereo.show(picture, stamp);
+    if (picture.eye != daemon::Eye::kMiddle) return stereo.show(picture, stamp);
     camera.show(picture, stamp);
   }
 
-  runtime::Simulator& simulator;
+  daemon::Simulator& simulator;
   ros::NodeHandle node;
   const bool may_command;
   PlanningClient client;
@@ -181,7 +181,7 @@ struct RosBridge::Impl {
   News told{};
 };
 
-RosBridge::RosBridge(runtime::Simulator* simulator)
+RosBridge::RosBridge(daemon::Simulator* simulator)
     : simulator_(*simulator), hashes_(hashConfiguration(simulator->config())) {}
 
 RosBridge::~RosBridge() {

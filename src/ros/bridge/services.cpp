@@ -2,10 +2,11 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/runtime/fault_director.h"
+#include "raven2_trainer/faults/arming.h"
+#include "raven2_trainer/loop/fault_director.h"
 
 namespace raven2_trainer::ros_bridge {
-Services::Services(ros::NodeHandle* node, runtime::Simulator* simulator, PlanningClient* client, bool may_command)
+Services::Services(ros::NodeHandle* node, daemon::Simulator* simulator, PlanningClient* client, bool may_command)
     : simulator_(*simulator),
       client_(*client),
       stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
@@ -51,8 +52,8 @@ bool Services::startHazard(StartHazard::Request& request, StartHazard::Response&
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
     refuseInjection(id);
-    const FaultPlan wanted = config::planFor(simulator_.config(), id, 0);
-    if (!runtime::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
+    const FaultPlan wanted = faults::planFor(simulator_.config(), id, 0);
+    if (!loop::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
       throw ConfigException("too many faults are armed: stop_hazard first");
     response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
     response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";

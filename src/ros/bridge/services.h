@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "raven2_trainer/StartHazard.h"
-#include "raven2_trainer/runtime/simulator.h"
+#include "raven2_trainer/daemon/simulator.h"
 #include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -21,7 +21,7 @@ class Services {
    * @param[in] simulator, client must outlive this.
    * @param[in] may_command without it only what makes things safer is offered: stop_hazard and disengage.
    */
-  Services(ros::NodeHandle* node, runtime::Simulator* simulator, PlanningClient* client, bool may_command);
+  Services(ros::NodeHandle* node, daemon::Simulator* simulator, PlanningClient* client, bool may_command);
 
   /** Resolved names of what is offered. */
   std::vector<std::string> names() const;
@@ -37,7 +37,7 @@ class Services {
   bool setCollisions(Arm arm, const std_srvs::SetBool::Request& request, std_srvs::SetBool::Response* response);
   bool post(RequestKind kind, std_srvs::Trigger::Response* response);
 
-  runtime::Simulator& simulator_;
+  daemon::Simulator& simulator_;
   PlanningClient& client_;
   ros::ServiceServer start_hazard_, stop_hazard_, engage_, disengage_;
   PerArm<ros::ServiceServer> set_collisions_;

@@ -22,7 +22,7 @@ TrainerMode trainerMode(const ModelState& model, const ros::Time& stamp);
 /** @param[in] exercise of the session, without tracks if there is none. */
 ExerciseProgress exerciseProgress(const ModelState& model, const Exercise& exercise, const ros::Time& stamp);
 
-/** @param[in] number of the event, from 1 on. @param[in] body_names runtime::Simulator::bodyNames(). */
+/** @param[in] number of the event, from 1 on. @param[in] body_names daemon::Simulator::bodyNames(). */
 ExerciseEventStamped exerciseEvent(std::uint64_t number,
                                    const ExerciseRecord& record,
                                    const Exercise& exercise,

@@ -31,7 +31,7 @@ void JoyPedals::idle(std::int64_t now_ns) {
   ask(gate_.idle(now_ns));
 }
 
-void JoyPedals::ask(const runtime::PedalRequests& requests) {
+void JoyPedals::ask(const loop::PedalRequests& requests) {
   for (std::size_t i = 0; i < requests.count; ++i)
     client_.post(requests.items[i]);
 }

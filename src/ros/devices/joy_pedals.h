@@ -7,7 +7,7 @@
 
 #include "raven2_trainer/core/network_config.h"
 #include "raven2_trainer/core/shared_state.h"
-#include "raven2_trainer/runtime/pedal_gate.h"
+#include "raven2_trainer/loop/pedal_gate.h"
 #include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -17,7 +17,7 @@ std::uint32_t heldPedals(const sensor_msgs::Joy& joy, const JoyConfig& config) n
 
 /**
  * Pedals and buttons that come as sensor_msgs/Joy. Their edges ask for what those of the packet beside ITP ask for
- * (runtime::PedalGate), but as an operator's requests do. Any thread.
+ * (loop::PedalGate), but as an operator's requests do. Any thread.
  */
 class JoyPedals {
  public:
@@ -33,14 +33,14 @@ class JoyPedals {
   void idle(std::int64_t now_ns);
 
  private:
-  void ask(const runtime::PedalRequests& requests);
+  void ask(const loop::PedalRequests& requests);
 
   const JoyConfig config_;
   const std::uint32_t heeded_;  ///< bits by Pedal
   const SharedState& shared_;
   PlanningClient& client_;
   std::mutex mutex_;  ///< guards what follows
-  runtime::PedalGate gate_;
+  loop::PedalGate gate_;
   std::uint32_t sequence_{0};
 };
 

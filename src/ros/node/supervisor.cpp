@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <mutex>
 
-#include "raven2_trainer/runtime/cyclic_thread.h"
+#include "raven2_trainer/threads/cyclic_thread.h"
 #include "ros/node/init_node.h"
 #include "ros/node/registration.h"
 
@@ -124,7 +124,7 @@ struct Supervisor::Impl {
   bool started{false};
   int known_pid{0};
   std::string known_rival;
-  runtime::Thread thread;
+  threads::Thread thread;
 };
 
 Supervisor::Supervisor(int argc, char** argv, const char* node, RosFace* face) : impl_(std::make_unique<Impl>(face)) {

@@ -5,7 +5,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-bool compress(const runtime::LiveImage& picture,
+bool compress(const daemon::LiveImage& picture,
               const std::string& frame,
               const ros::Time& stamp,
               JpegEncoder* encoder,

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "raven2_trainer/runtime/render_loop.h"
+#include "raven2_trainer/daemon/render_loop.h"
 #include "ros/pictures/jpeg_encoder.h"
 
 // Pictures for the topics BASE/compressed, as compressed_image_transport names and fills them.
@@ -13,7 +13,7 @@
 namespace raven2_trainer::ros_bridge {
 
 /** A live picture. @return false if it cannot be encoded. */
-bool compress(const runtime::LiveImage& picture,
+bool compress(const daemon::LiveImage& picture,
               const std::string& frame,
               const ros::Time& stamp,
               JpegEncoder* encoder,

@@ -19,7 +19,7 @@ bool LiveCamera::isWatched() const {
   return images_.getNumSubscribers() > 0 || infos_.getNumSubscribers() > 0 || compressed_.getNumSubscribers() > 0;
 }
 
-void LiveCamera::show(const runtime::LiveImage& picture, const ros::Time& stamp) {
+void LiveCamera::show(const daemon::LiveImage& picture, const ros::Time& stamp) {
   if (images_.getNumSubscribers() > 0 || (picture.is_view && view_.isRawWatched())) {
     const sensor_msgs::Image message = image(picture, frame_, stamp);
     images_.publish(message);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "raven2_trainer/core/render_config.h"
-#include "raven2_trainer/runtime/render_loop.h"
+#include "raven2_trainer/daemon/render_loop.h"
 #include "ros/pictures/camera_view.h"
 #include "ros/pictures/jpeg_encoder.h"
 
@@ -25,7 +25,7 @@ class LiveCamera {
   /** Whether anybody looks, or asks where the camera is. */
   bool isWatched() const;
   /** A picture of the live camera. On the render thread; roscpp's publish is thread-safe. */
-  void show(const runtime::LiveImage& picture, const ros::Time& stamp);
+  void show(const daemon::LiveImage& picture, const ros::Time& stamp);
 
  private:
   const std::string frame_;

@@ -29,9 +29,9 @@ bool StereoView::isWatched() const {
   return false;
 }
 
-void StereoView::show(const runtime::LiveImage& picture, const ros::Time& stamp) {
-  if (picture.eye == runtime::Eye::kMiddle) return;
-  const bool is_right = picture.eye == runtime::Eye::kRight;
+void StereoView::show(const daemon::LiveImage& picture, const ros::Time& stamp) {
+  if (picture.eye == daemon::Eye::kMiddle) return;
+  const bool is_right = picture.eye == daemon::Eye::kRight;
   const std::size_t side = is_right ? 1 : 0;
   const std::string frame = opticalFrame(config_.camera + "_left");
   if (images_[side].getNumSubscribers() > 0) images_[side].publish(image(picture, frame, stamp));

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "raven2_trainer/core/render_config.h"
-#include "raven2_trainer/runtime/render_loop.h"
+#include "raven2_trainer/daemon/render_loop.h"
 #include "ros/pictures/jpeg_encoder.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -21,7 +21,7 @@ class StereoView {
   /** Whether anybody looks at either: else there is no need to draw them. */
   bool isWatched() const;
   /** A picture of the left or the right eye. One thread. */
-  void show(const runtime::LiveImage& picture, const ros::Time& stamp);
+  void show(const daemon::LiveImage& picture, const ros::Time& stamp);
 
  private:
   StereoConfig config_;

@@ -16,7 +16,7 @@ MoveArmResult refusal(const ReadRequest& read) {
 
 }  // namespace
 
-MoveArmServer::MoveArmServer(const ros::NodeHandle& node, const runtime::Simulator& simulator, PlanningClient* client)
+MoveArmServer::MoveArmServer(const ros::NodeHandle& node, const daemon::Simulator& simulator, PlanningClient* client)
     : simulator_(simulator), task_(client), server_(node, "move_arm", kStartsLater) {
   server_.start();
   thread_.start(kLookPeriod, [this] { look(); });

@@ -4,7 +4,7 @@
 #include <ros/node_handle.h>
 
 #include "raven2_trainer/MoveArmAction.h"
-#include "raven2_trainer/runtime/simulator.h"
+#include "raven2_trainer/daemon/simulator.h"
 #include "ros/node/periodic_thread.h"
 #include "ros/planning/move_arm_task.h"
 #include "ros/planning/planning_client.h"
@@ -19,7 +19,7 @@ namespace raven2_trainer::ros_bridge {
 class MoveArmServer {
  public:
   /** `simulator`, `client` must outlive this. */
-  MoveArmServer(const ros::NodeHandle& node, const runtime::Simulator& simulator, PlanningClient* client);
+  MoveArmServer(const ros::NodeHandle& node, const daemon::Simulator& simulator, PlanningClient* client);
 
   /** Ends the thread; a goal under way is aborted. After PlanningClient::stop(), or it waits for answers. */
   void stop();
@@ -30,7 +30,7 @@ class MoveArmServer {
   void end();
   void tell();
 
-  const runtime::Simulator& simulator_;
+  const daemon::Simulator& simulator_;
   MoveArmTask task_;
   StatusClock clock_;
   int looks_{0};

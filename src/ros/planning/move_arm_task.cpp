@@ -3,10 +3,6 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-// The loop has dropped our order and its last word on it is overwritten, or still to come: a cancelled planner takes up
-// to 100 ms, and looks are some 20 ms apart.
-constexpr int kLooksInVain = 25;
-
 const char* word(PlanningAnswer answer) {
   return answer == PlanningAnswer::kNone ? "no answer" : kPlanningAnswerNames[static_cast<std::size_t>(answer)];
 }
@@ -16,7 +12,6 @@ const char* word(PlanningAnswer answer) {
 void MoveArmTask::begin(const Request& request, bool on_robot) {
   outcome_ = {};
   on_robot_ = on_robot;
-  looks_in_vain_ = 0;
   phase_ = Phase::kPlanning;
   const PlanningClient::Asked asked = client_.ask(request);
   plan_ = asked.id;
@@ -43,9 +38,8 @@ bool MoveArmTask::look() {
 }
 
 void MoveArmTask::lookForPlan() {
-  const PlanningState state = client_.state();  // first: what it had dropped by then it has reported, or will soon
   const std::optional<PlanResult> plan = client_.plan(plan_);
-  if (!plan) return endUnlessItComes(state);
+  if (!plan) return;
   outcome_.plan = *plan;
   if (plan->status == PlanStatus::kSuccess) return execute();
   end(errorCode(plan->status), kPlanStatusNames[static_cast<std::size_t>(plan->status)]);
@@ -63,17 +57,10 @@ void MoveArmTask::execute() {
 }
 
 void MoveArmTask::lookForReport() {
-  const PlanningState state = client_.state();
   const std::optional<ExecutionReport> report = client_.execution(execution_);
-  if (!report) return endUnlessItComes(state);
+  if (!report) return;
   outcome_.report = *report;
   end(errorCode(report->end), kExecutionEndNames[static_cast<std::size_t>(report->end)]);
-}
-
-void MoveArmTask::endUnlessItComes(const PlanningState& state) {
-  const bool is_worked_on = state.plan == plan_ && state.status != PlanningStatus::kReady;
-  looks_in_vain_ = is_worked_on ? 0 : looks_in_vain_ + 1;
-  if (looks_in_vain_ > kLooksInVain) end(ErrorCode::kPreempted, "another order took its place");
 }
 
 void MoveArmTask::end(ErrorCode code, const std::string& status) {

@@ -46,13 +46,11 @@ class MoveArmTask {
   void lookForReport();
   void execute();
   void end(ErrorCode code, const std::string& status);
-  void endUnlessItComes(const PlanningState& state);
 
   PlanningClient& client_;
   Phase phase_{Phase::kOver};
   bool on_robot_{};
   std::uint32_t plan_{}, execution_{};  ///< ids
-  int looks_in_vain_{0};                ///< since the loop no longer works on it
   Outcome outcome_;
 };
 

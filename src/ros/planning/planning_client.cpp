@@ -1,6 +1,5 @@
 #include "ros/planning/planning_client.h"
 
-#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -8,22 +7,13 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr std::uint32_t kFirstId = kOwnRequestIds + 1;
-constexpr double kPause = 0.001;     // [s] the loop answers at the end of its tick
-constexpr double kAnswerTime = 0.5;  // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
-// The loop has dropped the plan and another one's answer stands where its own stood: a cancelled planner takes 100 ms.
-constexpr int kLooksForPlan = 250;
+constexpr std::size_t kKept = 12;     // of a kind: those of a dozen requests ago nobody waits for
+constexpr double kPause = 0.001;      // [s] the loop answers at the end of its tick
+constexpr double kAnswerTime = 0.5;   // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
 constexpr double kGiveUpTime = 0.03;  // [s] so that who cancels has an answer within 100 ms
 
 void sleep() {
   std::this_thread::sleep_for(std::chrono::duration<double>(kPause));
-}
-
-/** Above those of a client before: what it was told still stands in the cells. */
-std::uint32_t firstId(const SharedState& shared) {
-  const std::uint32_t newest =
-      std::max({shared.model.load().planning.answered, shared.last_plan.load().id, shared.last_execution.load().id});
-  return std::max(kFirstId, newest + 1);
 }
 
 /** Something moves at the next pedal-down if it is accepted. */
@@ -31,14 +21,10 @@ bool armsSomething(RequestKind kind) {
   return kind == RequestKind::kExecutePlan || kind == RequestKind::kRepeatTrial;
 }
 
-bool makesPlan(RequestKind kind) {
-  return kind == RequestKind::kPlan || kind == RequestKind::kRecordGoal;
-}
-
 }  // namespace
 
 PlanningClient::PlanningClient(SharedState* shared, std::function<void()> pause)
-    : shared_(*shared), pause_(std::move(pause)), next_id_(firstId(*shared)) {}
+    : shared_(*shared), pause_(std::move(pause)) {}
 
 PlanningClient::PlanningClient(SharedState* shared) : PlanningClient(shared, &sleep) {}
 
@@ -47,14 +33,28 @@ bool PlanningClient::post(const Request& request) {
   return shared_.requests.tryPush(request);
 }
 
+template <typename Ring, typename Answer>
+std::optional<Answer> PlanningClient::find(Ring* ring, std::map<std::uint32_t, Answer>* kept, std::uint32_t id) {
+  const std::lock_guard<std::mutex> lock(answers_mutex_);
+  Answer answer;
+  while (ring->tryPop(&answer)) {
+    (*kept)[answer.id] = answer;
+    if (kept->size() > kKept) kept->erase(kept->begin());
+  }
+  const auto found = kept->find(id);
+  return found == kept->end() ? std::nullopt : std::optional<Answer>(found->second);
+}
+
 PlanningClient::Asked PlanningClient::ask(Request request) {
-  const std::lock_guard<std::mutex> lock(ask_mutex_);
-  request.id = next_id_++;
+  request.id = shared_.next_request.fetch_add(1);
   Asked asked{request.id, PlanningAnswer::kNone};
+  plan(request.id);  // so that the rings have room for what comes of it
+  execution(request.id);
   if (!post(request)) return asked;
   await(kAnswerTime, [&] {
-    asked.answer = answerTo(request);
-    return asked.answer != PlanningAnswer::kNone;
+    const auto answer = find(&shared_.answers, &answers_, request.id);
+    asked.answer = answer ? answer->answer : PlanningAnswer::kNone;
+    return answer.has_value();
   });
   // Who is told that there was no answer must not find a robot armed by it later. The ring keeps the order.
   if (asked.answer == PlanningAnswer::kNone && armsSomething(request.kind)) postCancel();
@@ -64,16 +64,7 @@ PlanningClient::Asked PlanningClient::ask(Request request) {
 void PlanningClient::postCancel() {
   Request cancel;
   cancel.kind = RequestKind::kCancelPlan;
-  cancel.id = next_id_++;
   post(cancel);
-}
-
-/** A plan shows in three places, of which one may be overtaken by what happens next. */
-PlanningAnswer PlanningClient::answerTo(const Request& request) const {
-  const PlanningState state = this->state();
-  if (state.answered == request.id) return state.answer;
-  if (!makesPlan(request.kind)) return PlanningAnswer::kNone;
-  return state.plan == request.id || plan(request.id) ? PlanningAnswer::kAccepted : PlanningAnswer::kNone;
 }
 
 PlanningClient::Cancelled PlanningClient::cancel() {
@@ -85,25 +76,21 @@ PlanningClient::Cancelled PlanningClient::cancel() {
   return {before.status, answer, !is_at_work || await(kGiveUpTime, [&] { return plan(before.plan).has_value(); })};
 }
 
-std::optional<PlanResult> PlanningClient::plan(std::uint32_t id) const {
-  const PlanResult newest = shared_.last_plan.load();
-  return newest.id == id ? std::optional<PlanResult>(newest) : std::nullopt;
+std::optional<PlanResult> PlanningClient::plan(std::uint32_t id) {
+  return find(&shared_.plan_answers, &plans_, id);
 }
 
 std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double limit) {
   std::optional<PlanResult> result;
-  int in_vain = 0;
   await(limit, [&] {
     result = plan(id);
-    in_vain = state().plan == id ? 0 : in_vain + 1;
-    return result.has_value() || in_vain > kLooksForPlan;
+    return result.has_value();
   });
   return result;
 }
 
-std::optional<ExecutionReport> PlanningClient::execution(std::uint32_t id) const {
-  const ExecutionReport newest = shared_.last_execution.load();
-  return newest.id == id ? std::optional<ExecutionReport>(newest) : std::nullopt;
+std::optional<ExecutionReport> PlanningClient::execution(std::uint32_t id) {
+  return find(&shared_.execution_answers, &executions_, id);
 }
 
 bool PlanningClient::awaitMode(Mode mode) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 
@@ -11,16 +12,15 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * Posts requests to the physics loop and finds what became of them in the shared state. The one producer of its ring of
- * requests: whoever posts does so through here. Any thread; never a real-time one, for ask() and the await...() wait.
- *
- * The loop keeps the newest answer alone, so one request that is answered is under way at a time.
+ * Posts requests to the physics loop, and takes its answers. The one producer of its ring of requests and the one
+ * consumer of its rings of answers: whoever asks does so through here. Any thread; never a real-time one, for ask() and
+ * the await...() wait.
  */
 class PlanningClient {
  public:
   /**
    * @param[in] shared must outlive this.
-   * @param[in] pause called between two looks at the shared state; lets about a millisecond pass.
+   * @param[in] pause called between two looks at the answers; lets about a millisecond pass.
    */
   PlanningClient(SharedState* shared, std::function<void()> pause);
   /** With a pause that sleeps. */
@@ -34,8 +34,7 @@ class PlanningClient {
     PlanningAnswer answer{PlanningAnswer::kNone};
   };
   /**
-   * Gives a request an id of its own and waits for the loop's answer, at most half a second. A plan that the loop
-   * refused counts as accepted here: its PlanResult says the rest.
+   * Gives a request an id of its own and waits for the loop's answer, at most half a second.
    * @return kNone if there was no answer; an execution or repetition that was asked for is called off then.
    */
   Asked ask(Request request);
@@ -49,13 +48,13 @@ class PlanningClient {
    * comes before, at most 30 ms. */
   Cancelled cancel();
 
-  /** The answer to the plan with this id, if it is the newest there is. */
-  std::optional<PlanResult> plan(std::uint32_t id) const;
+  /** The plan that this request got, once it is there; a dozen are kept. */
+  std::optional<PlanResult> plan(std::uint32_t id);
   /** Waits for it. @param[in] limit [s] at least. */
   std::optional<PlanResult> awaitPlan(std::uint32_t id, double limit);
 
-  /** The report of the execution with this id, if it is the newest there is. */
-  std::optional<ExecutionReport> execution(std::uint32_t id) const;
+  /** The report of the execution that this request began, once it is over; a dozen are kept. */
+  std::optional<ExecutionReport> execution(std::uint32_t id);
 
   /** Waits for a mode as long as for an answer. @return false if it did not come. */
   bool awaitMode(Mode mode);
@@ -68,16 +67,20 @@ class PlanningClient {
 
  private:
   void postCancel();
-  PlanningAnswer answerTo(const Request& request) const;
+  /** Takes what came of one kind. @return what belongs to the request. */
+  template <typename Ring, typename Answer>
+  std::optional<Answer> find(Ring* ring, std::map<std::uint32_t, Answer>* kept, std::uint32_t id);
   /** Looks again and again. @param[in] limit [s] @return false if `found` did not hold within that time. */
   bool await(double limit, const std::function<bool()>& found);
 
   SharedState& shared_;
   const std::function<void()> pause_;
   std::atomic<bool> stopped_{false};
-  std::mutex push_mutex_;  ///< the ring of requests has one producer at a time
-  std::mutex ask_mutex_;   ///< guards next_id_; held until the answer is there
-  std::uint32_t next_id_;
+  std::mutex push_mutex_;     ///< the ring of requests has one producer at a time
+  std::mutex answers_mutex_;  ///< guards what follows, and the rings of answers
+  std::map<std::uint32_t, RequestAnswer> answers_;
+  std::map<std::uint32_t, PlanResult> plans_;
+  std::map<std::uint32_t, ExecutionReport> executions_;
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -19,7 +19,7 @@ constexpr int kWaitMs = 20;
 }  // namespace
 
 struct RavenPublisher::Impl {
-  Impl(double shaft, bool may_command, runtime::RavenServer* virtual_raven)
+  Impl(double shaft, bool may_command, robot::RavenServer* virtual_raven)
       : d4(shaft),
         server(*virtual_raven),
         states(node.advertise<raven_2::RavenState>("/ravenstate", kStateQueue)),
@@ -75,7 +75,7 @@ struct RavenPublisher::Impl {
   }
 
   double d4;
-  runtime::RavenServer& server;
+  robot::RavenServer& server;
   ros::NodeHandle node;
   ros::Publisher states, joints;
   ros::Subscriber automoves;
@@ -84,10 +84,10 @@ struct RavenPublisher::Impl {
   raven_2::RavenState state;
   ros::Time last_state, last_joints;
   std::atomic<bool> stop{false};
-  runtime::Thread thread;
+  threads::Thread thread;
 };
 
-RavenPublisher::RavenPublisher(const TrainerConfig& config, runtime::RavenServer* server)
+RavenPublisher::RavenPublisher(const TrainerConfig& config, robot::RavenServer* server)
     : d4_(config.arms.geometry.d4), enable_remote_control_(config.runtime.enable_remote_control), server_(*server) {}
 
 RavenPublisher::~RavenPublisher() {

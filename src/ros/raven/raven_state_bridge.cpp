@@ -19,7 +19,7 @@ constexpr std::uint32_t kBridgeQueue = 100;  // [messages]
 }  // namespace
 
 struct RavenStateBridge::Impl {
-  Impl(const TrainerConfig& config, const std::string& topic_name, runtime::StateServer* state_server)
+  Impl(const TrainerConfig& config, const std::string& topic_name, robot::StateServer* state_server)
       : reader(config.virtual_raven), topic(topic_name), server(*state_server) {}
 
   void take(const topic_tools::ShapeShifter& message) {
@@ -76,14 +76,14 @@ struct RavenStateBridge::Impl {
 
   RavenStateReader reader;
   const std::string topic;
-  runtime::StateServer& server;
+  robot::StateServer& server;
   std::string reported_md5;
   std::atomic<std::uint64_t> received{0}, refused{0};
   std::atomic<std::int64_t> newest_ns{0};
   std::unique_ptr<Subscription> subscription;
 };
 
-RavenStateBridge::RavenStateBridge(const TrainerConfig& config, const std::string& topic, runtime::StateServer* server)
+RavenStateBridge::RavenStateBridge(const TrainerConfig& config, const std::string& topic, robot::StateServer* server)
     : impl_(std::make_unique<Impl>(config, topic, server)) {}
 
 RavenStateBridge::~RavenStateBridge() {

@@ -9,7 +9,7 @@
 namespace raven2_trainer::apps {
 namespace {
 
-runtime::ProxyOptions parsed(const std::string& arguments) {
+proxy::ProxyOptions parsed(const std::string& arguments) {
   CLI::App app;
   ImpairmentOptions options;
   options.add(&app);

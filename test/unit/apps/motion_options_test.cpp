@@ -21,10 +21,10 @@ MotionOptions parsed(const std::string& arguments) {
 }
 
 TEST(MotionOptions, AReactionIsInMillisecondsAndNoneUnlessAskedFor) {
-  const runtime::MotionChoice usual = parsed("").choice();
+  const console::MotionChoice usual = parsed("").choice();
   EXPECT_EQ(usual.motion, "scripted");
   EXPECT_FALSE(usual.reaction.has_value());
-  const runtime::MotionChoice choice = parsed("--motion clumsy:slow --reaction 400").choice();
+  const console::MotionChoice choice = parsed("--motion clumsy:slow --reaction 400").choice();
   EXPECT_EQ(choice.motion, "clumsy:slow");
   ASSERT_TRUE(choice.reaction.has_value());
   EXPECT_DOUBLE_EQ(*choice.reaction, 0.4);

@@ -10,9 +10,9 @@
 #include <map>
 #include <vector>
 
+#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
-#include "raven2_trainer/runtime/motion.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::campaign {
@@ -115,8 +115,8 @@ class Unforked {
     config.seed = run.motion_seed;
     return config;
   }
-  std::unique_ptr<runtime::LockstepStack> stack() const {
-    return std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, "scripted"));
+  std::unique_ptr<lockstep::LockstepStack> stack() const {
+    return std::make_unique<lockstep::LockstepStack>(config_, console::makeMotion(config_, "scripted"));
   }
   std::vector<Sample> samples(const FaultPlan& plan, std::int64_t ticks) const {
     const auto stack = this->stack();
@@ -203,7 +203,7 @@ class Sampled : public ::testing::Test {
   Sampled() {
     raven2_trainer::testing::useOde();
     config_ = configurationFor(everyClock(), raven2_trainer::testing::packagedConfig());
-    stack_ = std::make_unique<runtime::LockstepStack>(config_, runtime::makeMotion(config_, "scripted"));
+    stack_ = std::make_unique<lockstep::LockstepStack>(config_, console::makeMotion(config_, "scripted"));
   }
 
   void ticks(int count) {
@@ -280,7 +280,7 @@ class Sampled : public ::testing::Test {
   }
 
   TrainerConfig config_;
-  std::unique_ptr<runtime::LockstepStack> stack_;
+  std::unique_ptr<lockstep::LockstepStack> stack_;
   std::uint32_t armings_{0};
 };
 

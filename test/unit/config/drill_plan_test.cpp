@@ -7,6 +7,7 @@
 #include "raven2_trainer/config/load_training.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
+#include "raven2_trainer/faults/arming.h"
 
 namespace raven2_trainer::config {
 namespace {
@@ -34,14 +35,14 @@ TEST(DrillPlan, OwnIsTheScenarioThatTheExerciseNames) {
     EXPECT_FALSE(config.exercise.drill.scenario.empty()) << name;
     EXPECT_EQ(config.drill, config.exercise.drill.scenario) << name;
     EXPECT_EQ(config.hazard, config.drill) << name;
-    EXPECT_TRUE(isDrill(config)) << name;
+    EXPECT_TRUE(faults::isDrill(config)) << name;
     EXPECT_NE(faultId(config, config.drill), 0U) << name;
   }
 }
 
 TEST(DrillPlan, NoneOrAnUnknownOneIsNone) {
   EXPECT_EQ(drilled("camera_clutch", "none").hazard, "none") << "it takes the place of the root's hazard";
-  EXPECT_FALSE(isDrill(drilled("camera_clutch", "none")));
+  EXPECT_FALSE(faults::isDrill(drilled("camera_clutch", "none")));
   EXPECT_NE(message("pick_hand_over_place", "no_such_hazard").find("no hazard is called \"no_such_hazard\""),
             std::string::npos);
   EXPECT_NE(message("none", "own").find("there is no exercise"), std::string::npos);
@@ -50,7 +51,8 @@ TEST(DrillPlan, NoneOrAnUnknownOneIsNone) {
 TEST(DrillPlan, ComesOnceOnTheExercisesTrigger) {
   const TrainerConfig config = drilled("pick_hand_over_place", "own");
   const ExerciseDrill& drill = config.exercise.drill;
-  const FaultPlan plan = drillPlan(config, 1, 7), library = planFor(config, faultId(config, "sudden_jump"), 7);
+  const FaultPlan plan = faults::drillPlan(config, 1, 7),
+                  library = faults::planFor(config, faultId(config, "sudden_jump"), 7);
   ASSERT_EQ(plan.count, 1U);
   EXPECT_EQ(plan.generation, 7U);
   const Fault& row = plan.faults[0];
@@ -72,8 +74,8 @@ TEST(DrillPlan, TheSeedAndTheAttemptDrawTheJitter) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     config.seed = seed;
     for (std::uint32_t attempt = 1; attempt <= 10; ++attempt) {
-      const Tick tick = drillPlan(config, attempt, 1).faults[0].first_tick;
-      EXPECT_EQ(tick, drillPlan(config, attempt, 2).faults[0].first_tick);
+      const Tick tick = faults::drillPlan(config, attempt, 1).faults[0].first_tick;
+      EXPECT_EQ(tick, faults::drillPlan(config, attempt, 2).faults[0].first_tick);
       drawn.insert(tick);
     }
   }
@@ -86,7 +88,7 @@ TEST(DrillPlan, EveryScenarioOfTheLibraryMakesASoundDrillAndKeepsItsOrder) {
   TrainerConfig config = drilled("pick_hand_over_place", "own");
   for (const Scenario& scenario : config.scenarios) {
     config.drill = config.hazard = scenario.name;
-    const FaultPlan plan = drillPlan(config, 3, 1);
+    const FaultPlan plan = faults::drillPlan(config, 3, 1);
     ASSERT_EQ(plan.count, scenario.faults.size()) << scenario.name;
     for (std::size_t i = 0; i < plan.count; ++i) {
       EXPECT_TRUE(isSound(plan.faults[i])) << scenario.name;
@@ -111,7 +113,7 @@ TEST(DrillPlan, KeepsItsRowsApartAndComesForSureAndOnce) {
     fault.count = 9;
     fault.probability = 0.25;
   }
-  const FaultPlan plan = drillPlan(config, 1, 1);
+  const FaultPlan plan = faults::drillPlan(config, 1, 1);
   ASSERT_EQ(plan.count, 2U);
   EXPECT_EQ(plan.faults[0].first_tick - plan.faults[1].first_tick, 60);
   EXPECT_GE(plan.faults[1].first_tick, static_cast<Tick>(1000 * config.exercise.drill.delay));
@@ -125,11 +127,11 @@ TEST(DrillPlan, KeepsItsRowsApartAndComesForSureAndOnce) {
 TEST(DrillPlan, IsEmptyWithoutADrillAndWhereNothingMayBeInjected) {
   TrainerConfig config = drilled("pick_hand_over_place", "own");
   config.injection.enable = false;
-  EXPECT_EQ(drillPlan(config, 1, 1).count, 0U);
+  EXPECT_EQ(faults::drillPlan(config, 1, 1).count, 0U);
   EXPECT_THROW(checkHazard(config), ConfigException);
   config.injection.enable = true;
   config.hazard = "none";
-  EXPECT_EQ(drillPlan(config, 1, 1).count, 0U);
+  EXPECT_EQ(faults::drillPlan(config, 1, 1).count, 0U);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_scenario.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/faults/arming.h"
 
 // Single files of the configuration, with values put in the place of the packaged ones.
 
@@ -236,7 +237,7 @@ TEST(PlanFor, TheSeedOfTheSessionSeedsEveryFault) {
   for (const Scenario& scenario : config.scenarios) {
     for (const std::uint64_t seed : {0U, 7U}) {
       config.seed = seed;
-      const FaultPlan plan = planFor(config, faultId(config, scenario.name), 1);
+      const FaultPlan plan = faults::planFor(config, faultId(config, scenario.name), 1);
       ASSERT_EQ(plan.count, scenario.faults.size());
       for (std::size_t i = 0; i < plan.count; ++i)
         EXPECT_EQ(plan.faults[i].seed, scenario.faults[i].seed + seed) << scenario.name;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/faults/arming.h"
 #include "raven2_trainer/faults/fault_engine.h"
 #include "raven2_trainer/faults/packet_stream.h"
 
@@ -52,7 +53,7 @@ const TrainerConfig& packaged() {
 }
 
 FaultPlan planOf(const std::string& name) {
-  return config::planFor(packaged(), config::faultId(packaged(), name), 1);
+  return faults::planFor(packaged(), config::faultId(packaged(), name), 1);
 }
 
 TEST(FaultLibrary, EveryFaultActsFromItsFirstTickToItsLast) {

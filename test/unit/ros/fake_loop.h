@@ -28,10 +28,7 @@ class FakeLoop {
     tell();
   }
 
-  void answer(const Request& request, PlanningAnswer answer) {
-    planning.answered = request.id;
-    planning.answer = answer;
-  }
+  void answer(const Request& request, PlanningAnswer answer) { shared.answers.tryPush({request.id, answer}); }
 
   void tell() {
     ModelState model;
@@ -41,19 +38,19 @@ class FakeLoop {
     shared.model.store(model);
   }
 
-  /** The newest answer of the planner. */
+  /** An answer of the planner. */
   void plan(std::uint32_t id, PlanStatus status) {
     PlanResult result;
     result.id = id;
     result.status = status;
-    shared.last_plan.store(result);
+    shared.plan_answers.tryPush(result);
   }
 
   void report(std::uint32_t id, ExecutionEnd end) {
     ExecutionReport result;
     result.id = id;
     result.end = end;
-    shared.last_execution.store(result);
+    shared.execution_answers.tryPush(result);
   }
 
   /** Requests of a kind that came. */

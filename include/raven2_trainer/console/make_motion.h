@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/console/truth_log.h"
+#include "raven2_trainer/core/config.h"
+
+namespace raven2_trainer::console {
+
+/** What moves the hands. */
+struct MotionChoice {
+  std::string motion{"scripted"};  ///< scripted, recording:FILE, expert or clumsy:NAME
+  std::optional<double> reaction;  ///< [s] from a force on a hand to the pedal; none: it is not heeded
+};
+
+/**
+ * Motion of the console by its name: strokes in a box ("scripted"), a recording ("recording:FILE"), or what the
+ * exercise's file has its expert ("expert") or one of its clumsy hands ("clumsy:NAME") do; everything random from the
+ * configuration's seed.
+ * @param[in] truth Told what scripted hands did and that they reacted; may be null, else it must outlive the source.
+ * @throw ConfigException for anything else, for an expert without an exercise or in one that has none, listing the
+ * clumsy hands that there are, and as console/script.h.
+ */
+std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config,
+                                         const MotionChoice& choice,
+                                         TruthLog* truth = nullptr);
+
+/** The same without a reaction. */
+std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config, const std::string& motion);
+
+/** Whether it does the exercise, and is finished then. */
+bool doesExercise(const std::string& motion) noexcept;
+
+}  // namespace raven2_trainer::console

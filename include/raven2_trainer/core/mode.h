@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace raven2_trainer {
+
+/** What the daemon is doing. The table of events is in control/mode_table.h. */
+enum class Mode : std::uint8_t {
+  kWaiting,        ///< no pedal seen yet, or the robot is not ready
+  kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds where there is none
+  kTeleoperating,  ///< pedal down: increments move model and robot
+  kPlanning,       ///< pedal up, a plan is being computed; the model holds
+  kTracking,       ///< the model follows a planned path; the robot holds
+  kStopped,        ///< the robot is in E-STOP; the model holds
+  kPaused,         ///< simulated time was lost: the model holds, the session's clock stands, until a new pedal-down
+  kChoosing,   ///< planning mode: pedal down moves one arm of the model, through everything, to a goal; the robot holds
+  kArmed,      ///< pedal up: the model stands where the plan to be executed starts, and waits for the pedal
+  kExecuting,  ///< pedal held: the model follows the plan's path, and the robot too if that was asked for
+  kSimulating,      ///< pure simulation, pedal down: increments move the model alone, the robot is disengaged
+  kSimulationHeld,  ///< the same, pedal up: the model holds
+  kTrial,           ///< virtual trial, pedal down: as kSimulating, and what the model does is kept
+  kTrialHeld,       ///< the same, pedal up: the model holds
+  kTrialReady,      ///< the trial is over and waits for what shall become of it
+  kReturning,       ///< pedal up: the model glides to where the robot is, through everything
+  kReplaying,       ///< pedal up: a recorded session is shown, the world stands still; the robot holds
+  kCameraMoving,    ///< camera pedal held: the masters move the camera, model and robot hold
+};
+constexpr std::size_t kModeCount = 18;
+constexpr std::array<const char*, kModeCount> kModeNames{
+    "waiting", "pedal_up",   "teleoperating", "planning",  "tracking",   "stopped",
+    "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
+    "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
+
+/** The part of the physics loop that does a mode's work. */
+enum class ActivityKind : std::uint8_t {
+  kHold,
+  kTeleoperation,
+  kPlanning,
+  kGoalSelection,
+  kExecution,
+  kTrial,
+  kReturning,
+  kReplay,
+  kCamera,
+};
+constexpr std::size_t kActivityCount = 9;
+
+/** Which robot a mode can move. */
+enum class Moves : std::uint8_t {
+  kNothing,
+  kModel,      ///< the model moves or holds away from the robot, which stands
+  kBoth,       ///< model and robot from a common pose, or the model alone where no robot joins
+  kBothIfTold  ///< the same if the robot was asked to move
+};
+
+/** What the world does. */
+enum class WorldMotion : std::uint8_t {
+  kMeets,   ///< it is stepped, and the arms meet what is there
+  kPasses,  ///< it is stepped, and the arms pass through everything
+  kStands,  ///< it stands still: what is shown is put where it is, touches nothing, and moves nothing
+};
+
+/** What a mode is: a row for each, in traitsOf(). doc/modes.md shows them; a test compares. */
+struct ModeTraits {
+  ActivityKind activity{};
+  Moves moves{};
+  WorldMotion world{};
+  bool hands{};         ///< the masters move an arm of the model
+  bool keeps_plan{};    ///< a plan that was made, or is being shown or executed, may be kept
+  bool keeps_trial{};   ///< so may a virtual trial
+  bool keeps_repeat{};  ///< a repetition that was asked for may still come, or goes on
+  bool clients_hold{};  ///< a CRTK client may hold the pedal
+  bool begins{};        ///< the session's clock starts with it
+  bool timed{};         ///< an exercise's timer runs
+  bool judged{};        ///< what the arms touch and the objects do counts in an exercise
+  bool follows_plan{};  ///< the model follows a plan's path
+  bool may_replay{};    ///< a recorded session may be shown from here
+};
+
+constexpr bool kYes = true, kNo = false;
+
+/** Real-time safe. A mode without a row does not compile (-Wswitch). */
+constexpr ModeTraits traitsOf(Mode mode) noexcept {
+  using A = ActivityKind;
+  using M = Moves;
+  using W = WorldMotion;
+  switch (mode) {
+      // clang-format off
+                                    //                                                hands plan   trial  repeat clients begins timed judged follows replay
+    case Mode::kWaiting:        return {A::kHold,          M::kNothing,    W::kPasses, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes};
+    case Mode::kPedalUp:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kYes};
+    case Mode::kTeleoperating:  return {A::kTeleoperation, M::kBoth,       W::kMeets,  kYes, kYes, kNo,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo};
+    case Mode::kPlanning:       return {A::kPlanning,      M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
+    case Mode::kTracking:       return {A::kPlanning,      M::kModel,      W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kYes, kNo};
+    case Mode::kStopped:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
+    case Mode::kPaused:         return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
+    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStands, kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo};
+    case Mode::kArmed:          return {A::kExecution,     M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo};
+    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfTold, W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo};
+    case Mode::kSimulating:     return {A::kTeleoperation, M::kModel,      W::kMeets,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo};
+    case Mode::kSimulationHeld: return {A::kHold,          M::kModel,      W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
+    case Mode::kTrial:          return {A::kTrial,         M::kModel,      W::kMeets,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo};
+    case Mode::kTrialHeld:      return {A::kTrial,         M::kModel,      W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
+    case Mode::kTrialReady:     return {A::kTrial,         M::kNothing,    W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
+    case Mode::kReturning:      return {A::kReturning,     M::kNothing,    W::kPasses, kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kNo,  kNo,  kNo};
+    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStands, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
+    case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo};
+      // clang-format on
+  }
+  return {};  // nothing that is a mode
+}
+
+}  // namespace raven2_trainer

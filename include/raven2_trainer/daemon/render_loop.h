@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/daemon/live_pace.h"
+#include "raven2_trainer/model/camera.h"
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/render/picture_line.h"
+#include "raven2_trainer/render/renderer.h"
+#include "raven2_trainer/render/tool_contacts.h"
+
+namespace raven2_trainer::daemon {
+
+/** Which of a state's pictures. */
+enum class Eye : std::uint8_t { kMiddle, kLeft, kRight };
+constexpr std::size_t kEyeCount = 3;
+
+/** A live picture, valid during the call that hands it out. */
+struct LiveImage {
+  const std::vector<std::uint8_t>& rgb;  ///< top row first
+  const model::Camera& camera;
+  Tick tick;     ///< of the model state drawn
+  bool is_view;  ///< what is asked for now (ModelState::view), or stands in for the real camera, which is silent
+  Eye eye;       ///< kMiddle: the live camera; else one of the stereo pair
+  std::int64_t time_ns;  ///< ModelState::time_ns of what is shown: of a frozen picture the old one
+};
+using ImageSink = std::function<void(const LiveImage&)>;
+
+/** Body of the render thread. Its OpenGL context lives and dies on that thread: construct it there. */
+class RenderLoop {
+ public:
+  using Clock = std::function<std::int64_t()>;  ///< [ns]
+
+  /**
+   * All but the sink and the clock must outlive it.
+   * @param[in] body_names by the numbers of contacts. @param[in] clock by which frames are long, and the real camera is
+   * silent. @throw RenderException.
+   */
+  RenderLoop(const TrainerConfig& config,
+             const model::RavenModel& raven,
+             const model::SceneModel& scene,
+             const std::vector<std::string>& body_names,
+             SharedState* shared,
+             ImageSink sink,
+             Clock clock = net::monotonicNow);
+  /**
+   * Draws the newest states, as far as faults of the video let them be seen, and hands the picture out; with those of
+   * both eyes, while SharedState::stereo_watched. Where that takes too long, the next ones are fewer or smaller
+   * (LivePace); that is said on stderr, and in SharedState::live_picture. While nobody looks
+   * (SharedState::picture_watched) most calls only follow the states, so that what is seen does not depend on who
+   * looked before: one in kUnwatchedPeriod draws.
+   */
+  void frame();
+  static constexpr double kUnwatchedPeriod = 1.0;  ///< [s] shows on /diagnostics that pictures still can be drawn
+  /** [s] from the beginning of a frame to that of the next. */
+  double period() const noexcept { return pace_.period(); }
+
+ private:
+  /** What draws pictures of one size. */
+  struct Stage {
+    Stage(const TrainerConfig& config, const model::RavenModel& raven, const model::SceneModel& scene, double scale);
+    render::Renderer renderer;
+    render::SceneBuilder builder;
+  };
+
+  void hearOfPlans();
+  bool isCameraSilent() const;
+  render::Snapshot newest();
+  bool isWatched() const noexcept;
+  void drawAll(const render::Snapshot& seen, bool is_view);
+  void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view);
+  void adapt(double busy, bool is_measure);
+  void tell(bool has_changed);
+
+  const TrainerConfig& config_;
+  const model::RavenModel& raven_;
+  const model::SceneModel& scene_;
+  SharedState& shared_;
+  ImageSink sink_;
+  Clock clock_;
+  const render::ToolContacts contacts_;
+  const std::array<CameraConfig, kEyeCount> cameras_;  // by Eye
+  render::PictureLine line_;
+  LivePace pace_;
+  std::optional<Stage> stage_;  // for pace_'s level; none: to be made for the next frame
+  std::int64_t drawn_ns_{0};    // when the newest picture was begun
+  LivePicture told_;
+  render::PlanNews plans_;
+  std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells
+};
+
+/**
+ * All that the render thread does: frames, at the loop's pace, until it is told to end. Whatever goes wrong there,
+ * memory and who takes the pictures included, ends the live picture and nothing else: LivePicture::failed and stderr
+ * say so.
+ * @param[in] make constructs the loop, on this thread. @param[in] wait Waits so many seconds, zero included; true: end.
+ */
+void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
+                 const std::function<bool(double)>& wait,
+                 SharedState* shared) noexcept;
+
+}  // namespace raven2_trainer::daemon

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/console/console.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/impairment.h"
+#include "raven2_trainer/core/raven_report.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/core/state.h"
+#include "raven2_trainer/raven/control_software.h"
+
+namespace raven2_trainer::lockstep {
+
+/** Newest states of a lockstep run. */
+struct LockstepView {
+  ModelState model{};
+  RobotState robot{};
+  HapticState haptic{};
+};
+
+/**
+ * Console, daemon and virtual Raven in one thread, stepped together tick by tick through the same bytes that
+ * otherwise cross the sockets, pictures and pedals among them: no sockets, no threads, no clocks, no files, faster than
+ * real time, and the same states from the same seed and configuration. A process that holds nothing else may fork it.
+ *
+ * Records are left in their rings: whoever records takes them (Lockstep), whoever does not discards them.
+ */
+class LockstepStack {
+ public:
+  /** ODE must be initialised. @throw ModelException. */
+  LockstepStack(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source);
+  ~LockstepStack();
+
+  /** One millisecond of everything. */
+  void tick();
+
+  /** The hands are done; the pedal stays up. */
+  bool finished() const noexcept;
+
+  /** From now on the link between console and daemon is bad, in both directions and from the configuration's seed. */
+  void impair(const Impairment& impairment);
+  /** What faults' triggers look at, from the next tick on. */
+  void setSignals(const FaultSignals& signals) noexcept;
+  /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is of no account. */
+  void arm(const FaultPlan& plan);
+
+  /** As soon as model and robot wait for the pedal this session is shown (mode `replaying`), and the surgeon waits for
+   *  its end. Before the first tick. @throw SessionException as SessionPlayer::open(). */
+  void showFirst(const std::string& session);
+
+  /** What the daemon knows. */
+  const LockstepView& view() const noexcept;
+  /** What is true: the robot's program, its plant, its PLC. */
+  const RobotState& robot() const noexcept;
+  const RavenReport& report() const noexcept;
+  raven::DetectorReport detectorReport() const noexcept;
+  JointArray trueJoints(Arm arm) const noexcept;
+  RunLevel plcLevel() const noexcept;
+
+  SharedState* shared() noexcept;
+  std::vector<std::string> bodyNames() const;
+  SessionCounts counts() const;
+  void discardRecords() noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raven2_trainer::lockstep

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <atomic>
+
+#include "raven2_trainer/control/path_relay.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/core/plan_counts.h"
+#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/planning/path_planner.h"
+
+namespace raven2_trainer::loop {
+
+/** Body of the planner thread. Allocates, takes as long as it takes; never on a real-time thread. */
+class PlannerWorker {
+ public:
+  PlannerWorker(const TrainerConfig& config,
+                const model::RavenModel& raven,
+                const model::SceneModel& scene,
+                SharedState* shared);
+
+  /** What belongs to the scene alone, some tenths of a second: done ahead, no first plan waits for it. What goes wrong
+   *  is told by the plan that wants it. */
+  void prepare() noexcept;
+
+  /** Serves waiting requests. @return true if there was one. */
+  bool serve();
+  /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. A single plan that
+   *  nobody waits for any more is given up by its flag in SharedState::plan_cancelled, as fast. */
+  void cancel() noexcept;
+  /** Any thread. */
+  PlanCounts counts() const noexcept;
+
+  /** Lockstep: plans at once; the caller delivers the result a fixed number of ticks later. */
+  PlanResult planNow(const PlanRequest& request);
+
+ private:
+  PlanResult plan(const PlanRequest& request, bool lockstep);
+  void publishPath(const PlanResult& result);
+
+  planning::PathPlanner planner_;
+  const ArmsConfig arms_;
+  const control::IncrementLimits limits_;  ///< of a packet to the robot
+  const PerArm<control::ArmController> laws_;
+  SharedState& shared_;
+  std::uint64_t seed_;
+  std::atomic<bool> ended_{false};
+};
+
+}  // namespace raven2_trainer::loop

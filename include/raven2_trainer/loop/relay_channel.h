@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "raven2_trainer/core/command.h"
+#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/impair/channel.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::loop {
+
+/**
+ * The way of the relayed packets out of the daemon: straight, or through the bad network that a fault of kind `impair`
+ * put there. Each time one begins it begins anew, from the configuration's seed. What it still holds when the fault
+ * ends comes when it is due, unless a packet is held clean (RelayPacket::is_held): then it is lost. For the sender's
+ * thread: it allocates.
+ */
+class RelayChannel {
+ public:
+  using Send = std::function<void(const wire::ItpPacket&)>;
+
+  /** @param[in] config outlives this. */
+  explicit RelayChannel(const TrainerConfig& config) : config_(config) {}
+
+  /** One packet in; whatever comes out by now is sent. Calls in order of time. */
+  void pass(const RelayPacket& packet, std::int64_t now_ns, const Send& send);
+  /** What has come due meanwhile. */
+  void flush(std::int64_t now_ns, const Send& send);
+
+  /** Since the start: given to `send` = passed + added - lost - held. */
+  FaultedPackets counts() const;
+
+ private:
+  void begin(std::uint32_t impairment, std::int64_t now_ns);
+  void end();
+
+  const TrainerConfig& config_;
+  std::optional<impair::Channel> channel_;
+  FaultedPackets before_{};  ///< of the channels before this one
+  std::uint64_t cut_{0};     ///< came out too short to be a packet
+  std::uint32_t impairment_{0};
+};
+
+}  // namespace raven2_trainer::loop

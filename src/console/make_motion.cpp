@@ -1,0 +1,82 @@
+#include "raven2_trainer/console/make_motion.h"
+
+#include "raven2_trainer/console/reactor.h"
+#include "raven2_trainer/console/script.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::console {
+namespace {
+
+const std::string kRecording = "recording:";
+const std::string kExpert = "expert";
+const std::string kClumsy = "clumsy:";
+
+bool startsWith(const std::string& text, const std::string& beginning) noexcept {
+  return text.compare(0, beginning.size(), beginning) == 0;
+}
+
+std::string clumsyHandsOf(const Exercise& exercise) {
+  std::string names;
+  for (const ClumsyHand& hand : exercise.clumsy)
+    names += (names.empty() ? "" : ", ") + hand.name;
+  return names.empty() ? "none" : names;
+}
+
+void demandExpert(const TrainerConfig& config, const std::string& motion) {
+  if (config.exercise_name == "none")
+    throw ConfigException("motion is \"" + motion + "\", which needs an exercise (--exercise)");
+  if (config.exercise.expert.empty())
+    throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name + " has no expert");
+}
+
+void demandClumsy(const TrainerConfig& config, const std::string& motion) {
+  const std::string name = motion.substr(kClumsy.size());
+  for (const ClumsyHand& hand : config.exercise.clumsy) {
+    if (hand.name == name) return;
+  }
+  throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name +
+                        " has no such clumsy hand; those it has: " + clumsyHandsOf(config.exercise));
+}
+
+std::unique_ptr<MotionSource> makeSurgeon(const TrainerConfig& config, const std::string& motion, TruthLog* truth) {
+  demandExpert(config, motion);
+  std::vector<Verb> verbs = verbsOf(config.exercise, config.roles);
+  Skill skill;
+  if (startsWith(motion, kClumsy)) {
+    demandClumsy(config, motion);
+    const std::string name = motion.substr(kClumsy.size());
+    makeClumsy(clumsinessOf(config.exercise, config.roles, name), &verbs, &skill);
+  }
+  return makeExpert(config.console, config.arms, config.roles, verbs, skill, config.seed, truth);
+}
+
+std::unique_ptr<MotionSource> makeHands(const TrainerConfig& config, const std::string& motion, TruthLog* truth) {
+  if (motion == "scripted") return makeScripted(config.console, config.arms, config.seed);
+  if (startsWith(motion, kRecording)) {
+    return makeRecorded(config.console, config.arms, loadRecording(motion.substr(kRecording.size())));
+  }
+  if (doesExercise(motion)) return makeSurgeon(config, motion, truth);
+  throw ConfigException("motion is \"" + motion +
+                        "\", expected scripted, recording:FILE, expert or clumsy:NAME (clumsy hands of exercise " +
+                        config.exercise_name + ": " + clumsyHandsOf(config.exercise) + ")");
+}
+
+}  // namespace
+
+std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config, const MotionChoice& choice, TruthLog* truth) {
+  std::unique_ptr<MotionSource> hands = makeHands(config, choice.motion, truth);
+  if (!choice.reaction) return hands;
+  Reaction reaction;
+  reaction.delay = *choice.reaction;
+  return makeReacting(std::move(hands), reaction, truth);
+}
+
+std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config, const std::string& motion) {
+  return makeMotion(config, MotionChoice{motion, {}});
+}
+
+bool doesExercise(const std::string& motion) noexcept {
+  return motion == kExpert || startsWith(motion, kClumsy);
+}
+
+}  // namespace raven2_trainer::console

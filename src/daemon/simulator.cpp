@@ -1,0 +1,594 @@
+#include "raven2_trainer/daemon/simulator.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/daemon/sight_sender.h"
+#include "raven2_trainer/loop/fault_director.h"
+#include "raven2_trainer/loop/haptic_loop.h"
+#include "raven2_trainer/loop/master_ingest.h"
+#include "raven2_trainer/loop/physics_loop.h"
+#include "raven2_trainer/loop/planner_worker.h"
+#include "raven2_trainer/loop/relay_channel.h"
+#include "raven2_trainer/loop/robot_link.h"
+#include "raven2_trainer/loop/sight_of.h"
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/net/event_fd.h"
+#include "raven2_trainer/net/itp_sender.h"
+#include "raven2_trainer/net/key_file.h"
+#include "raven2_trainer/net/tcp_client.h"
+#include "raven2_trainer/net/udp_receiver.h"
+#include "raven2_trainer/net/udp_sender.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/recording/recorder.h"
+#include "raven2_trainer/recording/recover.h"
+#include "raven2_trainer/recording/session_player.h"
+#include "raven2_trainer/recording/start_meta.h"
+#include "raven2_trainer/session/recovery.h"
+#include "raven2_trainer/threads/cyclic_thread.h"
+#include "raven2_trainer/threads/realtime_check.h"
+#include "raven2_trainer/wire/itp.h"
+
+namespace raven2_trainer::daemon {
+namespace {
+
+constexpr int kIngestWaitMs = 50;
+constexpr int kLinkWaitMs = 5;
+constexpr std::int64_t kResendPlanNs = 1'000'000'000;
+constexpr int kSenderWaitMs = 20;
+constexpr int kMaxDatagrams = 64;                     // datagrams a wake-up: a flood cannot keep the thread
+constexpr int kMaxForeign = 16;                       // of others, for the count; the kernel drops the rest
+constexpr std::size_t kRecoverNewest = 64;            // [sessions] at a start; the next start takes the rest
+constexpr double kPlayerPeriod = 0.05;                // [s] of the second that waits to be shown
+constexpr std::size_t kBackgroundStack = 16U << 20U;  // llvmpipe compiles its shaders on the render thread
+
+std::int64_t toNanoseconds(double seconds) {
+  return static_cast<std::int64_t>(std::llround(seconds * 1e9));
+}
+
+/** The ingest in words, for stderr, diagnostics and the record. */
+std::string describeIngest(const NetworkConfig& network) {
+  std::string text = network.itp.hardened ? "hardened" : "compat";
+  text += std::string(", signing ") + kItpAuthNames[static_cast<std::size_t>(network.itp.auth)];
+  text += ", on " + network.bind_address;
+  if (network.allow_plaintext_remote) text += "; unsigned ITP from other computers is allowed";
+  return text;
+}
+
+void sleepFor(double seconds) {
+  const std::int64_t length = toNanoseconds(seconds);
+  timespec time{};
+  time.tv_sec = length / 1'000'000'000;
+  time.tv_nsec = length % 1'000'000'000;
+  clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
+}
+
+/** Another one in every run: a robot that hears it again knows that it is the same run. */
+std::uint32_t sessionNumber() noexcept {
+  const wire::Nonce nonce = net::freshNonce();
+  std::uint32_t number = 0;
+  std::memcpy(&number, nonce.data(), sizeof(number));
+  return number;
+}
+
+}  // namespace
+
+struct Simulator::Impl {
+  Impl(const TrainerConfig& configuration, const SimulatorOptions& wanted)
+      : config(configuration),
+        options(wanted),
+        started(std::chrono::steady_clock::now()),
+        raven(model::loadRavenModel(config)),
+        scene(model::loadSceneModel(config)),
+        flight(config.runtime.flight_recorder),
+        shared(std::make_unique<SharedState>(flight.rings())),
+        receiver(config.network.bind_address, config.network.master_port),
+        key(net::loadKey(config.network)),
+        to_robot(config.network.robot_host,
+                 config.network.robot_port,
+                 wire::Audience::kRobot,
+                 key.get(),
+                 net::ItpSender::Unanswered::kPlain),
+        to_console(config.network.console_host, config.network.force_port),
+        robot_client(config.network.robot_host,
+                     config.network.state_port,
+                     config.network.reconnect_min,
+                     config.network.reconnect_max),
+        ingest(config.network.itp, key.get(), shared.get()),
+        link(config, shared.get(), sessionNumber()),
+        faults(config, shared.get()),
+        physics(config, raven, scene, shared.get()),
+        haptic(config, shared.get()),
+        planner(config, raven, scene, shared.get()),
+        player(config, physics.bodyNames(), shared.get()),
+        paths(session::createSessionDirectory(options.output)),
+        meta(recording::startMeta("simulator", options.version, options.motion)),
+        recorder(config, physics.bodyNames(), paths, options.motion, shared.get(), &flight) {
+    if (config.network.sight) sight_sender.emplace(config, scene.free_bodies.size(), shared.get());
+    meta.flight_recorder = flight.description();
+    meta.ingest = describeIngest(config.network);
+    if (const char* truth = std::getenv("RAVEN2_USB_FAULTS_TRUTH"); truth != nullptr && *truth != '\0')
+      meta.usb_truth = std::filesystem::absolute(truth).string();
+    writeMeta("unknown: not ended cleanly");
+    if (config.network.allow_plaintext_remote) std::fprintf(stderr, "warning: ITP ingest %s\n", meta.ingest.c_str());
+    if (config.network.master_address.empty()) return;
+    ingest.allowOnly(net::sourceId(net::resolve(config.network.master_address, 0)));
+  }
+
+  void startLoops() {
+    const threads::CyclicPolicy policy{
+        config.runtime.max_catch_up,
+        static_cast<std::int64_t>(std::llround(config.runtime.max_backlog / kTickSeconds))};
+    threads::CyclicThread::Hooks physics_hooks;
+    physics_hooks.before = [] { physics::attachOdeToThread(); };
+    physics_hooks.tick = [this](std::int64_t now_ns) {
+      physics.tick(now_ns);
+      outgoing.signal();
+    };
+    physics_hooks.on_slip = [this] { physics.timeSlip(); };
+    threads::CyclicThread::Hooks haptic_hooks;
+    haptic_hooks.tick = [this](std::int64_t now_ns) {
+      haptic.tick(now_ns);
+      outgoing.signal();
+    };
+    haptic_hooks.on_slip = [this] { physics.requestPause(); };
+    haptic_hooks.stale_reads = [this] { return haptic.staleReads(); };
+    physics_thread.start(threads::realtimeThread("physics", config.runtime.physics, config.runtime), policy,
+                         std::move(physics_hooks), &shared->physics_timing);
+    haptic_thread.start(threads::realtimeThread("haptic", config.runtime.haptic, config.runtime), policy,
+                        std::move(haptic_hooks), &shared->haptic_timing);
+  }
+
+  void startIo() {
+    const RuntimeConfig& runtime = config.runtime;
+    ingest_thread.start(threads::realtimeThread("ingest", runtime.ingest, runtime), [this] { ingestLoop(); });
+    link_thread.start(threads::realtimeThread("robot_link", runtime.robot_link, runtime), [this] { linkLoop(); });
+    sender_thread.start(threads::realtimeThread("sender", runtime.sender, runtime), [this] { senderLoop(); });
+  }
+
+  void startBackground() {
+    const auto background = [this](const char* name) {
+      return threads::ThreadOptions{name, ThreadConfig{0, -1}, config.runtime.background_nice, kBackgroundStack};
+    };
+    recorder.takeMemory();
+    // Not nice: beside other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
+    recorder_thread.start({"recorder", ThreadConfig{0, -1}}, [this] { recorderLoop(); });
+    if (sight_sender) sight_thread.start({"sight", ThreadConfig{0, -1}}, [this] { sightLoop(); });
+    recovery_thread.start(background("recovery"), [this] { recoveryLoop(); });
+    faults_thread.start(background("faults"), [this] { faultsLoop(); });
+    planner_thread.start(background("planner"), [this] { plannerLoop(); });
+    player_thread.start(background("player"), [this] { playerLoop(); });
+    if (options.render) render_thread.start(background("render"), [this] { renderLoop(); });
+  }
+
+  bool stopping() const noexcept { return stop.load(std::memory_order_relaxed); }
+
+  void ingestLoop() {
+    while (!stopping()) {
+      receiver.wait(kIngestWaitMs);
+      takeDatagrams();
+      ingest.idle(net::monotonicNow());
+      followPin();
+    }
+  }
+
+  void takeDatagrams() {
+    std::array<std::uint8_t, 2 * wire::kSignedItpSize> buffer;
+    for (int i = 0; i < kMaxDatagrams; ++i) {
+      const auto datagram = receiver.receive(buffer.data(), buffer.size());
+      if (!datagram) break;
+      takeDatagram(buffer.data(), *datagram);
+      followPin();
+    }
+    for (int i = 0; i < kMaxForeign; ++i) {
+      const auto datagram = receiver.receiveForeign(buffer.data(), buffer.size());
+      if (!datagram) break;
+      takeDatagram(buffer.data(), *datagram);
+    }
+  }
+
+  void takeDatagram(const std::uint8_t* bytes, const net::Datagram& datagram) {
+    const wire::Arrival arrival{bytes, datagram.size, net::sourceId(datagram.source), net::monotonicNow()};
+    if (!ingest.isHello(arrival)) {
+      ingest.receive(arrival);
+      return;
+    }
+    wire::HandshakeBytes reply;
+    if (ingest.answer(arrival, net::freshNonce(), &reply) != Reject::kNone) return;
+    receiver.sendTo(datagram.source, reply.data(), reply.size());
+  }
+
+  /** The socket hears whom the ingest hears. */
+  void followPin() {
+    const auto& pinned = receiver.pinnedSource();
+    if (!ingest.isPinned()) {
+      if (pinned) receiver.unpinSource();
+    } else if (!pinned || net::sourceId(*pinned) != ingest.source()) {
+      receiver.pinSource(net::endpointOf(ingest.source()));
+    }
+  }
+
+  void linkLoop() {
+    std::array<std::uint8_t, 8192> buffer;
+    std::int64_t resend_ns = 0;
+    while (!stopping()) {
+      switch (robot_client.poll(net::monotonicNow(), kLinkWaitMs)) {
+        case net::TcpClient::Event::kConnected:
+          link.connected();
+          break;
+        case net::TcpClient::Event::kDisconnected:
+          link.disconnected();
+          break;
+        case net::TcpClient::Event::kReadable:
+          receiveFrames(buffer.data(), buffer.size());
+          break;
+        case net::TcpClient::Event::kNone:
+          break;
+      }
+      const std::int64_t now_ns = net::monotonicNow();
+      if (robot_client.isConnected() && link.isSilent(now_ns)) robot_client.disconnect();
+      if (now_ns >= resend_ns) {
+        link.resendPlan();
+        resend_ns = now_ns + kResendPlanNs;
+      }
+      while (const std::size_t size = link.pendingFrame(buffer.data()))
+        robot_client.send(buffer.data(), size);
+      reportRefusal(shared->plan_refused.load() != 0);
+    }
+    link.disconnected();
+  }
+
+  /** What waits, in bounded pieces: a peer that never stops sending must not keep this thread. */
+  void receiveFrames(std::uint8_t* buffer, std::size_t capacity) {
+    constexpr int kReads = 64;
+    for (int i = 0; i < kReads; ++i) {
+      const std::size_t size = robot_client.receive(buffer, capacity);
+      if (size == 0) return;
+      if (link.receive(buffer, size, net::monotonicNow())) continue;
+      reportVersion(shared->robot_version_refused.load());
+      robot_client.disconnect();
+      return;
+    }
+  }
+
+  /** Each time that it begins. */
+  void reportRefusal(bool is_refused) {
+    if (is_refused && !reported_refusal)
+      std::fprintf(stderr, "robot: it refuses our fault plan (its own words say why)\n");
+    reported_refusal = is_refused;
+  }
+
+  /** Once for each version met, however often the robot is tried again. */
+  void reportVersion(std::uint16_t version) {
+    if (version == reported_version) return;
+    reported_version = version;
+    if (version != 0) std::fprintf(stderr, "%s\n", wire::refusalText("robot", version).c_str());
+  }
+
+  void senderLoop() {
+    while (!stopping()) {
+      outgoing.wait(kSenderWaitMs);
+      sendWaiting();
+      if (haptic_ended.load()) sendSilence();  // at once: the other threads may take their time
+    }
+    sendWaiting();
+    releasePedal();
+    sendSilence();
+  }
+
+  /** Whatever happens next, the hand feels nothing from us. */
+  void sendSilence() {
+    last_force.force_I = {};
+    ++last_force.sequence;
+    shared->force_silent.add();
+    sendForce(last_force);
+  }
+
+  /** A robot left with the pedal down would wait for its own time-out, seconds in a real Raven, ready to move. */
+  void releasePedal() {
+    if (last_sent.surgeon_mode == 0) return;  // not what was given out: a fault's bad network may still hold the rest
+    MasterCommand release;
+    release.sequence = last_sent.sequence + 1;  // in order for the robot, which drops what comes behind a gap
+    shared->relay_released.add();
+    sendRelay(wire::fromCommand(release));
+  }
+
+  void sendWaiting() {
+    const std::int64_t now = net::monotonicNow();
+    const auto send = [this](const wire::ItpPacket& sent) { sendRelay(sent); };
+    RelayPacket packet;
+    while (shared->relay_packets.tryPop(&packet))
+      relay_channel.pass(packet, now, send);
+    relay_channel.flush(now, send);
+    shared->relay_network.store(relay_channel.counts());
+    while (shared->force_packets.tryPop(&last_force))
+      sendForce(last_force);
+  }
+
+  void sendRelay(const wire::ItpPacket& packet) {
+    const bool taken = to_robot.send(packet, net::monotonicNow());
+    last_sent = packet;
+    (taken ? shared->relay_sent : shared->relay_failed).add();
+  }
+
+  void sendForce(const ForcePacket& force) {
+    const wire::ForceBytes bytes = wire::encodeForce(force);
+    const bool taken = to_console.send(bytes.data(), bytes.size());
+    (taken ? shared->force_sent : shared->force_failed).add();
+  }
+
+  void recorderLoop() {
+    while (!stopping()) {
+      recorder.drain(net::monotonicNow());
+      sleepFor(config.runtime.recorder_period);
+    }
+  }
+
+  /** Completes the logs of processes that were killed, so that their sessions can be read and their memory is freed. */
+  void recoveryLoop() {
+    const std::filesystem::path own = std::filesystem::absolute(paths.directory) / "";  // "DIR" and "DIR/" alike
+    const std::string parent = own.parent_path().parent_path().string();
+    for (const std::string& directory : session::findUnfinishedSessions(parent, kRecoverNewest)) {
+      if (stopping()) return;
+      recording::recoverAndTell({directory}, [this] { return stopping(); });
+    }
+  }
+
+  void sightLoop() {
+    while (!stopping()) {
+      sight_sender->tick();
+      sleepFor(static_cast<double>(loop::kPicturePeriod) * kTickSeconds);
+    }
+  }
+
+  void faultsLoop() {
+    while (!stopping()) {
+      faults.tick();
+      sleepFor(config.runtime.fault_period);
+    }
+  }
+
+  void plannerLoop() {
+    planner.prepare();
+    while (!stopping()) {
+      if (!planner.serve()) sleepFor(0.005);
+    }
+  }
+
+  void playerLoop() {
+    while (!stopping()) {
+      player.serve();
+      sleepFor(kPlayerPeriod);
+    }
+  }
+
+  void renderLoop() {
+    const auto make = [this] {
+      return std::make_unique<RenderLoop>(config, raven, scene, physics.bodyNames(), shared.get(),
+                                          [this](const LiveImage& picture) { show(picture); });
+    };
+    const auto wait = [this](double seconds) {
+      if (seconds > 0.0) sleepFor(seconds);
+      return stopping();
+    };
+    keepDrawing(make, wait, shared.get());
+  }
+
+  void show(const LiveImage& picture) {
+    const std::lock_guard<std::mutex> lock(sink_mutex);
+    if (sink) sink(picture);
+  }
+
+  /** Loud, because nobody reads it elsewhere before it matters. */
+  void reportRealtime() const {
+    if (!refusals().empty()) std::fprintf(stderr, "WARNING: %s\n", realtimeStatus().c_str());
+  }
+
+  /** What was asked for and not granted. */
+  std::vector<std::string> refusals() const {
+    std::vector<std::string> all{physics_thread.refusal(), haptic_thread.refusal(), ingest_thread.refusal(),
+                                 link_thread.refusal(), sender_thread.refusal()};
+    if (!memory.locked) all.push_back(memory.words);
+    all.erase(std::remove(all.begin(), all.end(), ""), all.end());
+    return all;
+  }
+
+  bool isRealtime() const { return physics_thread.realtime() && haptic_thread.realtime(); }
+
+  void stopThreads() {
+    haptic_thread.stop();
+    haptic_ended.store(true);
+    outgoing.signal();
+    planner.cancel();
+    physics_thread.stop();  // before the sender takes its last look: nothing they gave out stays behind
+    stop.store(true);
+    outgoing.signal();
+    for (threads::Thread* thread :
+         {&planner_thread, &player_thread, &faults_thread, &render_thread, &recorder_thread, &recovery_thread}) {
+      thread->hurry();
+    }
+    for (threads::Thread* thread :
+         {&sender_thread, &ingest_thread, &link_thread, &planner_thread, &player_thread, &faults_thread, &render_thread,
+          &recorder_thread, &recovery_thread, &sight_thread}) {
+      thread->join();
+    }
+  }
+
+  void writeMeta(const std::string& realtime) {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - started;
+    meta.wall_duration = wall.count();
+    meta.realtime = realtime;
+    session::writeMeta(paths, meta, config);
+  }
+
+  /** The log first: on a full disk it has room of its own, and gives some back. */
+  void writeFiles() {
+    recorder.drain(net::monotonicNow() + kResendPlanNs);  // a last try though it may not be due; the counts tell of it
+    try {
+      recorder.finish(counts());
+      meta.flight_recorder = "removed";
+      writeMeta(realtimeStatus());
+    } catch (const SessionException& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+      record_failed = true;
+    }
+  }
+
+  std::string realtimeStatus() const {
+    std::string words;
+    for (const std::string& refusal : refusals())
+      words += (words.empty() ? "DEGRADED_RT: " : "; ") + refusal;
+    return words.empty() ? "SCHED_FIFO; memory locked" : words;
+  }
+
+  SessionCounts counts() const {
+    SessionCounts c = sharedCounts(*shared);
+    c.master = shared->master_link.load();
+    c.robot_state = shared->robot_link.load();
+    c.relay = shared->robot.load().itp;
+    c.loops = {shared->physics_timing.load(), shared->haptic_timing.load()};
+    c.realtime = isRealtime() ? 1 : 0;
+    return c;
+  }
+
+  const TrainerConfig config;
+  const SimulatorOptions options;
+  const std::chrono::steady_clock::time_point started;
+  const model::RavenModel raven;
+  const model::SceneModel scene;
+  session::FlightRecorder flight;
+  std::unique_ptr<SharedState> shared;
+
+  net::UdpReceiver receiver;
+  std::unique_ptr<const wire::ItpKey> key;
+  net::ItpSender to_robot;
+  net::UdpSender to_console;
+  std::optional<SightSender> sight_sender;
+  net::TcpClient robot_client;
+  net::EventFd outgoing;
+
+  loop::MasterIngest ingest;
+  loop::RobotLink link;
+  std::uint16_t reported_version{0};  // robot_link's own
+  bool reported_refusal{false};       // the same
+  loop::FaultDirector faults;
+  loop::PhysicsLoop physics;
+  loop::HapticLoop haptic;
+  loop::PlannerWorker planner;
+  recording::SessionPlayer player;
+  session::SessionPaths paths;
+  session::SessionMeta meta;
+  recording::Recorder recorder;
+
+  std::mutex sink_mutex;  // of the render thread and whoever sets the sink; never of a 1 kHz thread
+  ImageSink sink;
+  ForcePacket last_force{};     // the sender's own, as the next
+  wire::ItpPacket last_sent{};  // to the robot
+  loop::RelayChannel relay_channel{config};
+  std::atomic<bool> haptic_ended{false};
+  threads::MemoryLock memory;
+  std::atomic<bool> stop{false};
+  bool record_failed{false};
+  bool running{false};
+
+  threads::CyclicThread physics_thread, haptic_thread;
+  threads::Thread ingest_thread, link_thread, sender_thread, recorder_thread, faults_thread, planner_thread,
+      render_thread;
+  threads::Thread recovery_thread, sight_thread, player_thread;
+};
+
+Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {
+  if (options.strict) threads::demandRealtime(config);
+  physics::initialiseOde();
+  physics::attachOdeToThread();  // the world is built on this thread
+  impl_ = std::make_unique<Impl>(config, options);
+}
+
+Simulator::~Simulator() {
+  stop();
+}
+
+void Simulator::setImageSink(ImageSink sink) {
+  const std::lock_guard<std::mutex> lock(impl_->sink_mutex);
+  impl_->sink = std::move(sink);
+}
+
+void Simulator::start() {
+  impl_->memory = threads::lockMemory();
+  impl_->running = true;
+  impl_->startBackground();
+  impl_->startIo();
+  impl_->startLoops();
+  impl_->reportRealtime();
+}
+
+SimulatorState Simulator::state() const {
+  const ModelState model = impl_->shared->model.load();
+  const double session = static_cast<double>(model.session_tick + 1) * kTickSeconds;
+  if (impl_->options.duration <= 0.0) return SimulatorState::kRunning;  // no end was asked for: waiting is no error
+  if (session >= impl_->options.duration) return SimulatorState::kComplete;
+  const double timeout = impl_->config.runtime.start_timeout;
+  const bool waited = static_cast<double>(model.tick) * kTickSeconds > timeout;
+  if (timeout > 0.0 && model.session_tick < 0 && waited) return SimulatorState::kNoPedal;
+  return SimulatorState::kRunning;
+}
+
+void Simulator::stop() {
+  if (!impl_->running) return;
+  impl_->running = false;
+  impl_->stopThreads();
+  impl_->writeFiles();
+}
+
+bool Simulator::recorded() const noexcept {
+  return !impl_->record_failed;
+}
+
+std::uint32_t Simulator::openReplay(const std::string& path) {
+  return impl_->player.open(path);
+}
+
+SharedState& Simulator::shared() const noexcept {
+  return *impl_->shared;
+}
+
+const TrainerConfig& Simulator::config() const noexcept {
+  return impl_->config;
+}
+
+const model::RavenModel& Simulator::raven() const noexcept {
+  return impl_->raven;
+}
+
+const session::SessionPaths& Simulator::paths() const noexcept {
+  return impl_->paths;
+}
+
+const std::vector<std::string>& Simulator::bodyNames() const noexcept {
+  return impl_->physics.bodyNames();
+}
+
+SessionCounts Simulator::counts() const {
+  return impl_->counts();
+}
+
+PlanCounts Simulator::planCounts() const noexcept {
+  return impl_->planner.counts();
+}
+
+std::string Simulator::realtimeStatus() const {
+  return impl_->realtimeStatus();
+}
+
+std::uint16_t Simulator::masterPort() const noexcept {
+  return impl_->receiver.port();
+}
+
+}  // namespace raven2_trainer::daemon

@@ -1,0 +1,69 @@
+#include "raven2_trainer/faults/arming.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raven2_trainer/core/random.h"
+
+namespace raven2_trainer::faults {
+namespace {
+
+constexpr std::uint64_t kDrillStream = 0xD1;  // of the seed: a number for each attempt, in order
+
+/** [s] */
+double drawJitter(const TrainerConfig& config, std::uint32_t attempt) {
+  Random random(config.seed, kDrillStream);
+  double jitter = 0.0;
+  for (std::uint32_t i = 0; i < attempt; ++i)
+    jitter = random.uniform(0.0, config.exercise.drill.jitter);
+  return jitter;
+}
+
+}  // namespace
+
+std::uint32_t idOf(const std::vector<Scenario>& library, const std::string& name) noexcept {
+  for (const Scenario& scenario : library) {
+    if (scenario.name == name) return scenario.faults[0].id;
+  }
+  return 0;
+}
+
+FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation) {
+  FaultPlan plan;
+  plan.generation = generation;
+  if (!config.injection.enable || id == 0 || id > config.scenarios.size()) return plan;
+  for (Fault fault : config.scenarios[id - 1].faults) {
+    fault.seed += config.seed;
+    plan.faults[plan.count++] = fault;
+  }
+  return plan;
+}
+
+bool isDrill(const TrainerConfig& config) noexcept {
+  return config.drill != "none" && config.hazard == config.drill;
+}
+
+FaultPlan drillPlan(const TrainerConfig& config, std::uint32_t attempt, std::uint64_t generation) {
+  FaultPlan plan;
+  plan.generation = generation;
+  if (!isDrill(config)) return plan;
+  plan = planFor(config, idOf(config.scenarios, config.drill), generation);
+  const ExerciseDrill& drill = config.exercise.drill;
+  const auto shot = static_cast<Tick>(std::llround((drill.delay + drawJitter(config, attempt)) / kTickSeconds));
+  auto* const end = plan.faults.begin() + plan.count;
+  const Tick first =
+      plan.count == 0 ? 0 : std::min_element(plan.faults.begin(), end, [](const Fault& a, const Fault& b) {
+                              return a.first_tick < b.first_tick;
+                            })->first_tick;
+  std::for_each(plan.faults.begin(), end, [&](Fault& fault) {
+    fault.trigger = FaultTrigger::kStep;
+    fault.threshold = drill.step;
+    fault.first_tick += shot - first;
+    fault.period_ticks = 0;
+    fault.count = 1;
+    fault.probability = 1.0;
+  });
+  return plan;
+}
+
+}  // namespace raven2_trainer::faults

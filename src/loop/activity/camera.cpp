@@ -1,0 +1,56 @@
+#include "loop/activity/camera.h"
+
+namespace raven2_trainer::loop {
+namespace {
+
+using control::Event;
+
+/** What releasing the camera's pedal leads back to. */
+Event cameraLeft(Mode from) noexcept {
+  switch (from) {
+    case Mode::kSimulating:
+    case Mode::kSimulationHeld:
+      return Event::kCameraLeftAlone;
+    case Mode::kTrial:
+    case Mode::kTrialHeld:
+      return Event::kCameraLeftOnTape;
+    default:
+      return Event::kCameraLeft;
+  }
+}
+
+}  // namespace
+
+void Camera::enter(Mode before) noexcept {
+  from_ = before;
+  Activity::enter(before);
+}
+
+/** A pedal that is still down when the camera's goes up is pressed anew in the same tick; not when silence took the
+ *  camera from a surgeon who goes on moving it: then it takes a pedal-down of its own. */
+PlanningAnswer Camera::request(const Request& request) noexcept {
+  const auto pedal = static_cast<CameraPedal>(request.enabled);
+  const bool is_moving = mode() == Mode::kCameraMoving;
+  if ((pedal == CameraPedal::kPressed) == is_moving) return PlanningAnswer::kNotNow;
+  if (!is_moving) return ask(Event::kCameraPressed);
+  stage_.increments.drop();
+  stage_.pedal.was_down = pedal == CameraPedal::kSilent && stage_.pedal.is_down;
+  return ask(cameraLeft(from_));
+}
+
+void Camera::tick() noexcept {
+  Vec3 mean_I{};
+  for (const Vec3& dp : stage_.increments.dp_I) {
+    for (std::size_t i = 0; i < mean_I.size(); ++i)
+      mean_I[i] += 0.5 * dp[i];
+  }
+  orbit_.move(mean_I);
+  stage_.useCommands();
+  stage_.increments.drop();
+}
+
+void Camera::lead(PerArm<JointArray>* target) noexcept {
+  if (!stage_.arms.isApart()) followRobot(target);
+}
+
+}  // namespace raven2_trainer::loop

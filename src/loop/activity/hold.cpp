@@ -1,0 +1,30 @@
+#include "loop/activity/hold.h"
+
+namespace raven2_trainer::loop {
+
+using control::Event;
+
+void Hold::supervise() noexcept {
+  if (mode() == Mode::kPedalUp && stage_.mustReturn()) raise(Event::kReturnWanted);
+}
+
+void Hold::lead(PerArm<JointArray>* target) noexcept {
+  if (mode() == Mode::kWaiting || mode() == Mode::kPedalUp) followRobot(target);
+}
+
+/** The robot is told pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */
+PlanningAnswer Hold::request(const Request& request) noexcept {
+  if (request.kind == RequestKind::kClearStop) return clearStop();
+  stage_.stop_asked = true;
+  raise(Event::kEmergencyStop);
+  return PlanningAnswer::kAccepted;
+}
+
+PlanningAnswer Hold::clearStop() noexcept {
+  if (!stage_.stop_asked || !stage_.pedal.isUp() || !stage_.arms.world().healthy()) return PlanningAnswer::kNotNow;
+  stage_.stop_asked = false;
+  if (!stage_.stopped_by_robot) raise(Event::kStopCleared);
+  return PlanningAnswer::kAccepted;
+}
+
+}  // namespace raven2_trainer::loop

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "loop/activity/activity.h"
+#include "raven2_trainer/core/replay_frame.h"
+
+namespace raven2_trainer::loop {
+
+/** A recorded session is shown: kinematically, from a ring that recording/session_player.h fills. The world stands
+ * still meanwhile, and goes on as if nothing had been. */
+class Replay final : public Activity {
+ public:
+  explicit Replay(Stage* stage) noexcept : Activity(stage) {}
+
+  /** The bodies' poses that are shown. */
+  const ReplayFrame& shown() const noexcept { return shown_; }
+
+  void leave(Mode next) noexcept override;
+  void supervise() noexcept override;
+  void move() noexcept override;
+  PlanningAnswer request(const Request& request) noexcept override;
+
+ private:
+  PlanningAnswer begin(const Request& request) noexcept;
+  bool isOver() noexcept;
+
+  std::uint32_t number_{0};  ///< Request::plan of the newest replay
+  ReplayFrame shown_{};
+  PerArm<JointArray> stood_q_{}, stood_dq_{};  ///< before it
+};
+
+}  // namespace raven2_trainer::loop

@@ -1,0 +1,97 @@
+#include "loop/activity/trial.h"
+
+namespace raven2_trainer::loop {
+
+using control::Event;
+
+Trial::Trial(const model::RavenModel& raven, const model::SceneModel& scene, double limit, Stage* stage)
+    : Activity(stage), desk_(stage->config, raven, scene, &stage->answers, &stage->shared, limit) {}
+
+PlanningAnswer Trial::request(const Request& request) noexcept {
+  switch (request.kind) {
+    case RequestKind::kBeginTrial:
+      return begin();
+    case RequestKind::kEndTrial:
+      return ask(Event::kTrialDone);
+    case RequestKind::kDiscardTrial:
+      return stage_.pedal.isUp() ? ask(Event::kTrialDiscarded) : PlanningAnswer::kNotNow;
+    default:
+      return repeat(request);
+  }
+}
+
+PlanningAnswer Trial::begin() noexcept {
+  const PlanningAnswer answer = stage_.mayBegin() ? ask(Event::kTrialWanted) : PlanningAnswer::kNotNow;
+  if (answer != PlanningAnswer::kAccepted) return answer;
+  const bool has_robot = stage_.robot.isThere();
+  if (!has_robot) stage_.arms.keepOpenings();  // it was away before, and what its jaws hold now they shall hold again
+  desk_.open(has_robot ? stage_.robot.joints() : stage_.arms.standing());
+  stage_.arms.world().saveScene(&scene_);
+  rehearses_ = true;
+  return answer;
+}
+
+void Trial::enter(Mode before) noexcept {
+  Activity::enter(before);
+  if (mode() == Mode::kTrial) desk_.mark();
+}
+
+void Trial::supervise() noexcept {
+  if (mode() == Mode::kTrial && desk_.isFull()) raise(Event::kTrialDone);
+}
+
+void Trial::tick() noexcept {
+  if (mode() == Mode::kTrial) return aimByHand();
+  stage_.increments.drop();
+}
+
+void Trial::keep() noexcept {
+  if (mode() == Mode::kTrial) desk_.keep(stage_.state.arms);
+}
+
+void Trial::endRehearsal() noexcept {
+  const bool waits = traitsOf(mode()).keeps_trial || mode() == Mode::kStopped || mode() == Mode::kPaused;
+  if (!rehearses_ || waits) return;
+  stage_.arms.world().restoreScene(scene_);
+  rehearses_ = false;
+}
+
+/** Its repetition is ended by who executes it. */
+void Trial::settle(Mode next, Event /*event*/) noexcept {
+  if (!traitsOf(next).keeps_trial) desk_.close();
+}
+
+// ---- repeating it ------------------------------------------------------------------------------------------------
+
+PlanningAnswer Trial::repeat(const Request& request) noexcept {
+  const PlanningAnswer answer = checkRepeat(request);
+  if (answer != PlanningAnswer::kAccepted) return answer;
+  raise(Event::kRepeatWanted);
+  desk_.arm(request);
+  return answer;
+}
+
+PlanningAnswer Trial::checkRepeat(const Request& request) const noexcept {
+  if (mode() != Mode::kTrialReady || !stage_.pedal.isUp()) return PlanningAnswer::kNotNow;
+  if (desk_.ticks() == 0) return PlanningAnswer::kNoPlan;
+  if (request.on_robot != 0 && !stage_.robotJoins()) return PlanningAnswer::kNoRobot;
+  return hasMoved() ? PlanningAnswer::kMoved : PlanningAnswer::kAccepted;
+}
+
+bool Trial::hasMoved() const noexcept {
+  return stage_.robot.isThere() && desk_.hasMoved(stage_.robot.joints());
+}
+
+/** What is repeated finds what it found. On the robot it is for good. */
+void Trial::armRepeat() noexcept {
+  const bool lacks_robot = desk_.onRobot() && !stage_.robotJoins();
+  if (lacks_robot || hasMoved()) {
+    desk_.end(lacks_robot ? ExecutionEnd::kRobotLost : ExecutionEnd::kMoved, stage_.thisTick());
+    return raise(Event::kReturned);
+  }
+  stage_.arms.world().restoreScene(scene_);
+  rehearses_ = !desk_.onRobot();
+  raise(Event::kRepeatArmed);
+}
+
+}  // namespace raven2_trainer::loop

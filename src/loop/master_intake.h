@@ -1,0 +1,34 @@
+#pragma once
+
+#include "loop/loop_faults.h"
+#include "loop/servo_desk.h"
+#include "loop/stage.h"
+
+namespace raven2_trainer::loop {
+
+/** Takes the masters' commands, and what CRTK clients ask for, and makes one tick's increments and pedal of them,
+ * through what faults do to them on the way. One thread; real-time safe. */
+class MasterIntake {
+ public:
+  MasterIntake(LoopFaults* faults, ServoDesk* servo, Stage* stage) noexcept;
+
+  /** Once a tick. @param[in] may_teleoperate a pedal-down leads to teleoperation, now or once the robot is ready. */
+  void tick(bool may_teleoperate) noexcept;
+
+ private:
+  void begin() noexcept;
+  void takeConsole() noexcept;
+  void takeHeld() noexcept;
+  ServoStand servoStand(bool may_teleoperate) const noexcept;
+  void consume(const MasterCommand& command) noexcept;
+  void take(const MasterCommand& command) noexcept;
+  bool fits(const MasterCommand& command) const noexcept;
+
+  LoopFaults& faults_;
+  ServoDesk& servo_;
+  Stage& stage_;
+  Tick silent_ticks_{0};  ///< since the last command
+  Tick silence_limit_;
+};
+
+}  // namespace raven2_trainer::loop

@@ -1,0 +1,99 @@
+#include "raven2_trainer/console/make_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
+
+namespace raven2_trainer::console {
+namespace {
+
+TrainerConfig configOf(const std::string& exercise) {
+  config::TrainingNames names;
+  names.exercise = exercise;
+  return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", names);
+}
+
+std::string refusal(const TrainerConfig& config, const std::string& motion) {
+  try {
+    makeMotion(config, motion);
+  } catch (const ConfigException& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Motion, AnUnknownNameIsRefusedWithThoseThatThereAre) {
+  const std::string words = refusal(configOf("pick_hand_over_place"), "exprt");
+  for (const char* part : {"exprt", "scripted", "recording:FILE", "expert", "clumsy:NAME", "dropper, slow, shaky"})
+    EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
+  EXPECT_NE(refusal(configOf("none"), "").find("none"), std::string::npos);
+}
+
+TEST(Motion, AnExpertNeedsAnExerciseThatHasOne) {
+  EXPECT_NE(refusal(configOf("none"), "expert").find("--exercise"), std::string::npos);
+  EXPECT_NE(refusal(configOf("none"), "clumsy:slow").find("--exercise"), std::string::npos);
+  TrainerConfig config = configOf("pick_hand_over_place");
+  EXPECT_NE(makeMotion(config, "expert"), nullptr);
+  config.exercise.expert.clear();
+  EXPECT_NE(refusal(config, "expert").find("no expert"), std::string::npos);
+}
+
+TEST(Motion, AClumsyHandMustBeOneOfTheExercises) {
+  TrainerConfig config = configOf("pick_hand_over_place");
+  for (const ClumsyHand& hand : config.exercise.clumsy)
+    EXPECT_NE(makeMotion(config, "clumsy:" + hand.name), nullptr) << hand.name;
+  const std::string words = refusal(config, "clumsy:sleepy");
+  for (const char* part : {"sleepy", "pick_hand_over_place", "dropper, slow, shaky"})
+    EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
+  config.exercise.clumsy.clear();
+  EXPECT_NE(refusal(config, "clumsy:slow").find("has: none"), std::string::npos);
+}
+
+TEST(Motion, EveryPackagedExerciseHasAnExpertAndClumsyHandsThatCanBeHad) {
+  int exercises = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RAVEN2_TRAINER_SOURCE_DIR "/config/exercises")) {
+    const TrainerConfig config = configOf(entry.path().stem().string());
+    ++exercises;
+    EXPECT_NE(makeMotion(config, "expert"), nullptr) << entry.path();
+    EXPECT_FALSE(config.exercise.clumsy.empty()) << entry.path();
+    for (const ClumsyHand& hand : config.exercise.clumsy)
+      EXPECT_NE(makeMotion(config, "clumsy:" + hand.name), nullptr) << entry.path() << hand.name;
+  }
+  EXPECT_GE(exercises, 6);
+}
+
+TEST(Motion, OnlyExpertAndClumsyHandsDoTheExercise) {
+  EXPECT_TRUE(doesExercise("expert"));
+  EXPECT_TRUE(doesExercise("clumsy:slow"));
+  for (const char* motion : {"scripted", "recording:expert", "experts", "clumsy", ""})
+    EXPECT_FALSE(doesExercise(motion)) << motion;
+}
+
+/** Hands that hold the pedal down. */
+int ticksToPedalUp(console::MotionSource* hands, bool with_force) {
+  console::Senses senses;
+  for (int tick = 0; tick < 3000; ++tick) {
+    senses.force.force_I[0] = {with_force ? 1.0 : 0.0, 0.0, 0.0};
+    if (tick > 0 && !hands->tick(senses).pedal) return tick;
+    if (tick == 0) hands->tick(senses);
+  }
+  return -1;
+}
+
+TEST(Motion, AnyHandsReactAfterTheTimeAskedForAndTellOfIt) {
+  TrainerConfig config = configOf("none");
+  console::TruthLog truth;
+  const auto reacting = makeMotion(config, MotionChoice{"scripted", 0.25}, &truth);
+  EXPECT_NEAR(ticksToPedalUp(reacting.get(), /*with_force=*/true), 250, 2);
+  ASSERT_EQ(truth.events().size(), 2U);
+  EXPECT_EQ(truth.events()[0].what, "felt");
+  EXPECT_EQ(truth.events()[1].what, "pedal_up");
+  const auto calm = makeMotion(config, "scripted");
+  EXPECT_NE(ticksToPedalUp(calm.get(), true), ticksToPedalUp(reacting.get(), false));
+}
+
+}  // namespace
+}  // namespace raven2_trainer::console

@@ -1,0 +1,489 @@
+#include "raven2_trainer/daemon/render_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "render/frame_timeline.h"
+#include "unit/render/plan_fixture.h"
+
+namespace raven2_trainer::daemon {
+namespace {
+
+using Picture = std::vector<std::uint8_t>;
+
+constexpr Tick kTick = 7000;
+
+/** The render thread's body over a shared state that the test fills as the other threads would. */
+class RenderLoopTest : public ::testing::Test {
+ protected:
+  RenderLoopTest()
+      : config_(smallPictures()),
+        raven_(model::loadRavenModel(config_)),
+        scene_(model::loadSceneModel(config_)),
+        shared_(std::make_unique<SharedState>()),
+        loop_(
+            config_,
+            raven_,
+            scene_,
+            {},
+            shared_.get(),
+            [this](const LiveImage& image) { take(image); },
+            [this] { return now_ns_; }) {
+    shared_->picture_watched.store(1);
+    state_.tick = kTick;
+    state_.session_tick = 0;
+    for (ArmState& arm : state_.arms)
+      arm.q = config_.arms.geometry.home;
+    for (std::size_t i = 0; i < scene_.free_bodies.size(); ++i)
+      state_.bodies[i] = toArray(scene_.X_WL[static_cast<std::size_t>(scene_.free_bodies[i])]);
+  }
+
+  static TrainerConfig smallPictures() {
+    static const TrainerConfig packaged = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
+    TrainerConfig config = packaged;
+    config.render.live_width /= 2;
+    config.render.live_height /= 2;
+    return config;
+  }
+
+  struct EyePicture {
+    Eye eye;
+    Picture rgb;
+    model::Camera camera;
+  };
+
+  void take(const LiveImage& image) {
+    ++drawn_;
+    now_ns_ += takes_ns_;
+    if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
+    picture_ = image.rgb;
+    is_view_ = image.is_view;
+    camera_ = image.camera;
+    tick_ = image.tick;
+    time_ns_ = image.time_ns;
+  }
+
+  Picture frame() {
+    eyes_.clear();
+    shared_->model.store(state_);
+    haptic_.tick = state_.tick;  // or the loop waits for it
+    shared_->haptic.store(haptic_);
+    loop_.frame();
+    return picture_;
+  }
+
+  void setPicture(PictureFault fault) { state_.faults.picture = static_cast<std::uint8_t>(fault); }
+
+  /** As the planner answers: the cell first, then the state of that tick. */
+  void answer(const PlanResult& plan, PlanningStatus status) {
+    shared_->last_plan.store(plan);
+    state_.planning.status = status;
+    state_.planning.plan = plan.id;
+    state_.planning.arm = plan.arm;
+  }
+
+  TrainerConfig config_;
+  model::RavenModel raven_;
+  model::SceneModel scene_;
+  std::unique_ptr<SharedState> shared_;
+  Picture picture_;
+  bool is_view_{false};
+  model::Camera camera_;
+  Tick tick_{-1};
+  std::int64_t time_ns_{-1};
+  std::vector<EyePicture> eyes_;
+  int drawn_{0};                            // pictures, those of the eyes included
+  std::int64_t now_ns_{1'000'000'000'000};  // the loop's clock
+  std::int64_t takes_ns_{0};                // each picture
+  RenderLoop loop_;
+  ModelState state_;
+  HapticState haptic_;
+};
+
+TEST_F(RenderLoopTest, APlanIsInTheLivePictureUntilItIsForgotten) {
+  const Picture before = frame();
+  EXPECT_EQ(frame(), before);
+  answer(render::makePlan(config_.arms.geometry, Arm::kGreen), PlanningStatus::kReady);
+  const Picture planned = frame();
+  EXPECT_NE(planned, before);
+  PlanResult refusal;
+  refusal.id = render::kPlan + 1;
+  refusal.status = PlanStatus::kCancelled;
+  shared_->last_plan.store(refusal);
+  EXPECT_EQ(frame(), planned) << "a refused request leaves the plan where it is";
+  state_.planning = {};
+  EXPECT_NE(frame(), planned);
+}
+
+TEST_F(RenderLoopTest, TheSameIdWithAnotherPathIsDrawnAnew) {
+  PlanResult plan = render::makePlan(config_.arms.geometry, Arm::kGreen);
+  answer(plan, PlanningStatus::kReady);
+  const Picture first = frame();
+  plan.waypoints[2][kInsertion] -= 0.04;
+  answer(plan, PlanningStatus::kReady);
+  EXPECT_NE(frame(), first);
+}
+
+TEST_F(RenderLoopTest, TheVirtualPictureStandsInForTheCamerasWhileThatIsSilentAndSaysSo) {
+  const Picture virtual_one = frame();
+  EXPECT_TRUE(is_view_) << "it is what is asked for";
+  state_.view = 1;
+  const Picture marked = frame();
+  EXPECT_TRUE(is_view_) << "the camera was never heard";
+  EXPECT_NE(marked, virtual_one);
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  EXPECT_EQ(frame(), virtual_one);
+  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  state_.view = 0;
+  frame();
+  EXPECT_TRUE(is_view_);
+}
+
+TEST_F(RenderLoopTest, ThePictureAndItsCameraGoWithTheClutch) {
+  ASSERT_EQ(config_.render.live_camera, "endoscope");
+  const Picture before = frame();
+  const Vector3 configured = camera_.X_WC.p;
+  state_.camera = {{-0.1, -0.15, 0.2}, {0.0, 0.0, 0.035}, {0.0, 0.0, 1.0}};
+  EXPECT_NE(frame(), before);
+  EXPECT_LT((camera_.X_WC.p - Vector3(-0.1, -0.15, 0.2)).norm(), 1e-12);
+  state_.camera = {};
+  EXPECT_EQ(frame(), before);
+  EXPECT_EQ((camera_.X_WC.p - configured).norm(), 0.0);
+}
+
+TEST_F(RenderLoopTest, BothEyesAreDrawnWhileSomebodyLooks) {
+  frame();
+  EXPECT_TRUE(eyes_.empty());
+  shared_->stereo_watched.store(1);
+  const Picture middle = frame();
+  ASSERT_EQ(eyes_.size(), 2U);
+  EXPECT_EQ(eyes_[0].eye, Eye::kLeft);
+  EXPECT_EQ(eyes_[1].eye, Eye::kRight);
+  const Vector3 apart_C = camera_.X_WC.R.transpose() * (eyes_[1].camera.X_WC.p - eyes_[0].camera.X_WC.p);
+  EXPECT_LT((apart_C - Vector3(config_.render.stereo.baseline, 0.0, 0.0)).norm(), 1e-12);
+  EXPECT_NE(eyes_[0].rgb, eyes_[1].rgb);
+  EXPECT_NE(eyes_[0].rgb, middle);
+  shared_->stereo_watched.store(0);
+  frame();
+  EXPECT_TRUE(eyes_.empty());
+}
+
+TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
+  state_.time_ns = 5'000'000'000;
+  const Picture last = frame();
+  state_.tick += 33;
+  state_.time_ns += 33'000'000;
+  state_.arms[0].q[kElbow] += 0.2;
+  setPicture(PictureFault::kFrozen);
+  EXPECT_EQ(frame(), last);
+  EXPECT_EQ(tick_, kTick);
+  EXPECT_EQ(time_ns_, 5'000'000'000);
+  setPicture(PictureFault::kNone);
+  EXPECT_NE(frame(), last);
+  EXPECT_EQ(tick_, kTick + 33);
+  EXPECT_EQ(time_ns_, 5'033'000'000);
+}
+
+TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughTheLastOneIsFrozen) {
+  state_.view = 1;
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  const Picture last = frame();
+  EXPECT_FALSE(is_view_);
+  state_.tick += 33;
+  setPicture(PictureFault::kFrozen);
+  state_.view = 0;
+  EXPECT_EQ(frame(), last);
+  EXPECT_TRUE(is_view_) << "it is asked for, as old as it is";
+  EXPECT_EQ(tick_, kTick);
+  state_.view = 1;
+  frame();
+  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  shared_->real_picture_ns.store(0);
+  EXPECT_NE(frame(), last) << "that it is not the one that was asked for is said on a frozen picture, too";
+  EXPECT_TRUE(is_view_);
+  EXPECT_EQ(tick_, kTick);
+}
+
+TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughPicturesAreLate) {
+  state_.view = 1;
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());
+  frame();
+  state_.tick += 33;
+  state_.faults.picture_delay_ms = 2000;
+  state_.view = 0;
+  frame();
+  EXPECT_TRUE(is_view_);
+  EXPECT_EQ(tick_, kTick) << "what is seen is late";
+}
+
+TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
+  const Picture seen = frame();
+  setPicture(PictureFault::kBlack);
+  shared_->stereo_watched.store(1);
+  const Picture black = frame();
+  EXPECT_EQ(black, Picture(seen.size(), 0));
+  EXPECT_TRUE(is_view_);
+  ASSERT_EQ(eyes_.size(), 2U);
+  EXPECT_EQ(eyes_[0].rgb, black);
+  setPicture(PictureFault::kNone);
+  EXPECT_EQ(frame(), seen);
+}
+
+TEST_F(RenderLoopTest, EyesThatAreChangedOverKeepTheirNamesAndCameras) {
+  shared_->stereo_watched.store(1);
+  const Picture middle = frame();
+  const std::vector<EyePicture> right_way = eyes_;
+  setPicture(PictureFault::kEyesSwapped);
+  EXPECT_EQ(frame(), middle);
+  ASSERT_EQ(eyes_.size(), 2U);
+  EXPECT_EQ(eyes_[0].rgb, right_way[1].rgb);
+  EXPECT_EQ(eyes_[1].rgb, right_way[0].rgb);
+  EXPECT_EQ((eyes_[0].camera.X_WC.p - right_way[0].camera.X_WC.p).norm(), 0.0);
+}
+
+TEST_F(RenderLoopTest, TheNameOfAFaultIsNotInTheTraineesPicture) {
+  const Picture quiet = frame();
+  state_.faults.active = 1;
+  ASSERT_FALSE(config_.scenarios.empty());
+  EXPECT_EQ(frame(), quiet);
+}
+
+TEST_F(RenderLoopTest, APictureHasTheTickAndTheTimeOfTheStateDrawn) {
+  Tick tick = 0;
+  std::int64_t time_ns = 0;
+  RenderLoop loop(config_, raven_, scene_, {}, shared_.get(), [&](const LiveImage& image) {
+    tick = image.tick;
+    time_ns = image.time_ns;
+  });
+  state_.time_ns = 123'456'789;
+  shared_->model.store(state_);
+  loop.frame();
+  EXPECT_EQ(tick, kTick);
+  EXPECT_EQ(time_ns, 123'456'789);
+}
+
+TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
+  shared_->picture_watched.store(0);
+  const auto run = [this](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      frame();
+      now_ns_ += 40'000'000;
+    }
+  };
+  run(1);
+  EXPECT_EQ(drawn_, 1) << "the first at once";
+  run(249);
+  EXPECT_EQ(drawn_, 10) << "of ten seconds";
+  EXPECT_EQ(shared_->live_picture.load().frames, 10U);
+  EXPECT_EQ(shared_->frames.value(), 10U);
+  EXPECT_EQ(shared_->live_picture.load().watched, 0);
+  run(1);
+  EXPECT_EQ(drawn_, 11);
+  shared_->picture_watched.store(1);
+  run(1);
+  EXPECT_EQ(drawn_, 12) << "the first for who comes, at once";
+  run(25);
+  EXPECT_EQ(drawn_, 37);
+  EXPECT_EQ(shared_->live_picture.load().watched, 1);
+  shared_->picture_watched.store(0);
+  run(1);
+  EXPECT_EQ(drawn_, 37);
+  shared_->stereo_watched.store(1);
+  run(1);
+  EXPECT_EQ(drawn_, 40) << "who looks at both eyes looks";
+}
+
+/** So that what is seen does not depend on who looked before. */
+TEST_F(RenderLoopTest, WhatNobodyLookedAtIsKnownAllTheSame) {
+  frame();
+  shared_->picture_watched.store(0);
+  state_.tick += 400;
+  state_.arms[0].q[kElbow] += 0.1;
+  frame();
+  ASSERT_EQ(drawn_, 1);
+  state_.tick += 33;
+  setPicture(PictureFault::kFrozen);
+  shared_->picture_watched.store(1);
+  frame();
+  EXPECT_EQ(tick_, kTick + 400) << "when it froze";
+}
+
+TEST_F(RenderLoopTest, PicturesThatNobodyLooksAtSayNothingOfTheirPace) {
+  takes_ns_ = 200'000'000;
+  shared_->picture_watched.store(0);
+  for (int i = 0; i < 100; ++i) {
+    frame();
+    now_ns_ += 1'000'000'000;
+  }
+  EXPECT_EQ(drawn_, 100);
+  EXPECT_EQ(shared_->live_picture.load().level, 0U);
+  shared_->picture_watched.store(1);
+  for (int i = 0; i < 5; ++i)
+    frame();
+  EXPECT_EQ(shared_->live_picture.load().level, 1U) << "the same, looked at";
+}
+
+TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWithIt) {
+  TrainerConfig config = config_;
+  config.render.live_fps = config.render.live_slowest = 120;
+  std::vector<model::Camera> cameras;
+  std::vector<std::size_t> sizes;
+  const auto show = [&](const LiveImage& image) {
+    cameras.push_back(image.camera);
+    sizes.push_back(image.rgb.size());
+    now_ns_ += 20'000'000;  // longer than the 8 ms that there are
+  };
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
+  shared_->model.store(state_);
+  while (cameras.size() < 500 && shared_->live_picture.load().level < 2)
+    loop.frame();
+  loop.frame();
+  const LivePicture told = shared_->live_picture.load();
+  EXPECT_EQ(told.level, 2U);
+  EXPECT_EQ(told.changes, 2U);
+  EXPECT_EQ(told.frames, cameras.size());
+  EXPECT_EQ(told.width, config.render.live_width / 2);
+  EXPECT_EQ(told.height, config.render.live_height / 2);
+  EXPECT_DOUBLE_EQ(loop.period(), 1.0 / 120.0);
+  EXPECT_EQ(cameras.front().width, config.render.live_width);
+  EXPECT_EQ(cameras.back().width, told.width);
+  EXPECT_EQ(cameras.back().height, told.height);
+  EXPECT_EQ(sizes.back(), static_cast<std::size_t>(told.width) * static_cast<std::size_t>(told.height) * 3);
+  EXPECT_NEAR(cameras.back().fx, cameras.front().fx / 2, 1e-9) << "the same field of view";
+  EXPECT_DOUBLE_EQ(cameras.back().cx, (told.width - 1) / 2.0);
+}
+
+/** They cost nothing: counted, they would raise what has to come down again once there is something to be seen. */
+TEST_F(RenderLoopTest, BlackPicturesSayNothingOfTheirPace) {
+  takes_ns_ = 200'000'000;
+  while (drawn_ < 100 && shared_->live_picture.load().level < 3)
+    frame();
+  ASSERT_EQ(shared_->live_picture.load().level, 3U);
+  takes_ns_ = 0;
+  setPicture(PictureFault::kBlack);
+  constexpr int kFrames = 50;  // 5 s at 10 Hz; it goes up after 3
+  for (int i = 0; i < kFrames; ++i)
+    frame();
+  EXPECT_EQ(shared_->live_picture.load().level, 3U);
+  setPicture(PictureFault::kNone);
+  for (int i = 0; i < kFrames; ++i)
+    frame();
+  EXPECT_LT(shared_->live_picture.load().level, 3U) << "the same, seen";
+}
+
+/** The eyes alone take longer than the period, the live camera's picture by far not. */
+TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
+  TrainerConfig config = config_;
+  config.render.live_fps = config.render.live_slowest = 10;
+  std::vector<model::Camera> cameras;
+  const auto show = [&](const LiveImage& image) {
+    if (image.eye == Eye::kMiddle) return;
+    cameras.push_back(image.camera);
+    now_ns_ += 60'000'000;
+  };
+  RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
+  shared_->stereo_watched.store(1);
+  shared_->model.store(state_);
+  while (cameras.size() < 100 && shared_->live_picture.load().level < 1)
+    loop.frame();
+  loop.frame();
+  const LivePicture told = shared_->live_picture.load();
+  EXPECT_EQ(told.level, 1U);
+  EXPECT_EQ(told.frames, cameras.size() / 2) << "a frame is one, with all its eyes";
+  ASSERT_GE(cameras.size(), 4U);
+  for (const model::Camera& camera : {cameras[cameras.size() - 2], cameras.back()}) {
+    EXPECT_EQ(camera.width, told.width);
+    EXPECT_EQ(camera.height, told.height);
+  }
+  EXPECT_LT(told.width, config.render.live_width);
+}
+
+/** On a thread of the daemon's: what leaves it ends the process. */
+TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
+  const std::vector<std::function<void()>> failures{[] { throw std::bad_alloc(); },
+                                                    [] { throw std::runtime_error("of who takes the pictures"); },
+                                                    [] { throw RenderException("ours"); }};
+  for (const auto& fail : failures) {
+    shared_->live_picture.store({});
+    std::uint64_t shown = 0;
+    const auto make = [&] {
+      return std::make_unique<RenderLoop>(config_, raven_, scene_, std::vector<std::string>{}, shared_.get(),
+                                          [&](const LiveImage&) {
+                                            if (++shown > 2) fail();
+                                          });
+    };
+    shared_->model.store(state_);
+    int waits = 0;
+    keepDrawing(
+        make, [&](double) { return ++waits > 100; }, shared_.get());
+    EXPECT_EQ(shown, 3U);
+    EXPECT_EQ(shared_->live_picture.load().failed, 1);
+    EXPECT_EQ(shared_->live_picture.load().frames, 2U) << "what there was before is still told";
+  }
+}
+
+TEST_F(RenderLoopTest, PicturesThatCannotBeBegunAreTold) {
+  const auto make = []() -> std::unique_ptr<RenderLoop> { throw std::runtime_error("no OpenGL"); };
+  keepDrawing(
+      make, [](double) { return false; }, shared_.get());
+  EXPECT_EQ(shared_->live_picture.load().failed, 1);
+  EXPECT_EQ(shared_->live_picture.load().fps, 0);
+}
+
+TEST_F(RenderLoopTest, AnEndThatWasAskedForIsNoFailure) {
+  std::uint64_t shown = 0;
+  const auto make = [&] {
+    return std::make_unique<RenderLoop>(config_, raven_, scene_, std::vector<std::string>{}, shared_.get(),
+                                        [&](const LiveImage&) { ++shown; });
+  };
+  shared_->model.store(state_);
+  std::vector<double> waits;
+  const auto wait = [&](double seconds) {
+    waits.push_back(seconds);
+    return waits.size() > 2;
+  };
+  keepDrawing(make, wait, shared_.get());
+  EXPECT_EQ(shown, 2U);
+  EXPECT_EQ(shared_->live_picture.load().failed, 0);
+  ASSERT_EQ(waits.size(), 3U);
+  EXPECT_EQ(waits[0], 0.0) << "the first at once";
+  for (const double seconds : waits) {
+    EXPECT_GE(seconds, 0.0);
+    EXPECT_LE(seconds, 1.0 / config_.render.live_fps);
+  }
+}
+
+TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
+  const PlanResult plan = render::makePlan(config_.arms.geometry, Arm::kGold);
+  const ExecutionReport report = render::makeReport(ExecutionEnd::kReleased, 0.4);
+  answer(plan, PlanningStatus::kExecuting);
+  state_.mode = Mode::kExecuting;
+  state_.planning.progress = 0.6;
+  state_.arms[0].q_d = plan.waypoints[1];
+  shared_->last_execution.store(report);
+  const Picture live = frame();
+
+  render::FrameTimeline timeline(1000, 0.0, -1.0);
+  timeline.add(PlanRecord{kTick, plan, 0});
+  timeline.add(ExecutionRecord{kTick, report});
+  timeline.add(TickRecord{state_, RobotState{}, 0});
+  const std::vector<render::Snapshot> frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 1U);
+  render::Renderer renderer(config_.render.live_width, config_.render.live_height);
+  render::SceneBuilder builder(raven_, scene_, render::SceneOptions(config_, config_.render.live_overlays), &renderer);
+  const model::Camera camera = model::makeCamera(model::requireCamera(config_.render, config_.render.live_camera),
+                                                 config_.render.live_width, config_.render.live_height);
+  EXPECT_EQ(renderer.draw(builder.build(frames[0]), camera), live);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::daemon

@@ -1,0 +1,33 @@
+#include "raven2_trainer/loop/planner_worker.h"
+
+#include <gtest/gtest.h>
+
+#include "support/rig.h"
+
+namespace raven2_trainer::loop {
+namespace {
+
+TEST(PlannerWorkers, CountWhatThePlanTook) {
+  raven2_trainer::testing::useOde();
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.planner.samples = 100;
+  raven2_trainer::testing::Rig rig(config);
+  PlannerWorker worker(config, rig.raven, rig.scene, rig.shared.get());
+  EXPECT_EQ(worker.counts().samples, 0U);
+  EXPECT_EQ(worker.counts().best_cost, 0.0);
+
+  PlanRequest request;
+  request.id = 1;
+  request.start = config.arms.geometry.home;
+  request.other = config.arms.geometry.home;
+  const PlanResult result = worker.planNow(request);
+  ASSERT_EQ(result.status, PlanStatus::kSuccess);
+  const PlanCounts counts = worker.counts();
+  EXPECT_GE(counts.samples, 100U);
+  EXPECT_GT(counts.edges, 0U);
+  EXPECT_GT(counts.rollouts, 0U) << "no plan is returned that was not followed by the dynamics";
+  EXPECT_EQ(counts.best_cost, result.cost);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::loop

@@ -1,0 +1,195 @@
+#include "raven2_trainer/proxy/impairment_proxy.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/net/stream_socket.h"
+#include "raven2_trainer/net/udp_socket.h"
+
+namespace raven2_trainer::proxy {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+const std::string kLoopback = "127.0.0.1";
+
+ProxyOptions linkTo(impair::Medium medium, std::uint16_t port, const Impairment& impairment) {
+  ProxyOptions options;
+  ProxyLink link;
+  link.medium = medium;
+  link.target_port = port;
+  link.forward = impairment;
+  link.back = impairment;
+  options.links.push_back(link);
+  return options;
+}
+
+void serve(ImpairmentProxy* proxy) {
+  proxy->serve(net::monotonicNow() + 2 * kMillisecond);
+}
+
+/** Serves until the condition holds, which is asked once a round; gives up after so many rounds. */
+template <typename Condition>
+void serveUntil(ImpairmentProxy* proxy, Condition condition) {
+  bool holds = false;
+  for (int round = 0; round < 5000 && !holds; ++round) {
+    serve(proxy);
+    holds = condition();
+  }
+  ASSERT_TRUE(holds);
+}
+
+TEST(ImpairmentProxyTest, DatagramsGoToTheTargetAndAnswersBackToTheSender) {
+  net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+  ImpairmentProxy proxy(linkTo(impair::Medium::kDatagrams, target.port(), {}));
+  net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
+  const std::uint8_t question[] = {1, 2, 3}, answer[] = {4, 5};
+  client.send(question, sizeof(question));
+  std::uint8_t buffer[64];
+  std::optional<net::Datagram> got;
+  serveUntil(&proxy, [&] { return (got = target.receive(buffer, sizeof(buffer))).has_value(); });
+  EXPECT_EQ(std::vector<std::uint8_t>(buffer, buffer + got->size), std::vector<std::uint8_t>({1, 2, 3}));
+  target.sendTo(got->source, answer, sizeof(answer));
+  serveUntil(&proxy, [&] { return (got = client.receive(buffer, sizeof(buffer))).has_value(); });
+  EXPECT_EQ(std::vector<std::uint8_t>(buffer, buffer + got->size), std::vector<std::uint8_t>({4, 5}));
+}
+
+TEST(ImpairmentProxyTest, TheSameSeedLosesTheSameDatagramsAndTheFiguresAddUp) {
+  Impairment impairment;
+  impairment.loss = 0.3;
+  std::vector<std::vector<int>> arrived(2);
+  for (auto& numbers : arrived) {
+    net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+    ImpairmentProxy proxy(linkTo(impair::Medium::kDatagrams, target.port(), impairment));
+    net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
+    for (int i = 0; i < 200; ++i) {
+      const auto byte = static_cast<std::uint8_t>(i);
+      client.send(&byte, 1);
+    }
+    std::uint8_t buffer[8];
+    serveUntil(&proxy, [&] { return proxy.report()[0].counts.in == 200; });
+    while (target.receive(buffer, sizeof(buffer)))
+      numbers.push_back(buffer[0]);
+    const ProxyReport report = proxy.report()[0];
+    EXPECT_TRUE(report.counts.addsUp());
+    EXPECT_EQ(report.counts.forwarded, numbers.size());
+    EXPECT_EQ(report.unsent, 0U);
+  }
+  EXPECT_LT(arrived[0].size(), 180U);
+  EXPECT_EQ(arrived[0], arrived[1]);
+}
+
+TEST(ImpairmentProxyTest, TheLogTellsEveryPacketWithItsSequenceAndWhatIsStillHeld) {
+  const auto path = std::filesystem::temp_directory_path() / ("raven2_proxy_" + std::to_string(getpid()) + ".csv");
+  Impairment impairment;
+  impairment.loss = 0.5;
+  impairment.delay.constant_ns = 3600'000 * kMillisecond;
+  net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+  ProxyOptions options = linkTo(impair::Medium::kDatagrams, target.port(), impairment);
+  options.log = path.string();
+  ImpairmentProxy proxy(options);
+  net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
+  std::vector<std::uint8_t> itp(124);
+  itp[0] = 77;
+  for (int i = 0; i < 20; ++i)
+    client.send(itp.data(), itp.size());
+  serveUntil(&proxy, [&] { return proxy.report()[0].counts.in == 20; });
+  proxy.finish();
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line,
+            "link,direction,packet,copy,sequence,bytes,in_ns,action,due_ns,out_ns,flipped_bits,truncated,reordered");
+  std::uint64_t lost = 0, held = 0;
+  const std::string link = "udp " + std::to_string(proxy.port(0)) + ",forward,";
+  while (std::getline(file, line)) {
+    EXPECT_EQ(line.rfind(link, 0), 0U) << line;
+    EXPECT_NE(line.find(",0,77,124,"), std::string::npos) << line;
+    lost += line.find(",lost,") != std::string::npos ? 1 : 0;
+    held += line.find(",held,") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(lost, proxy.report()[0].counts.droppedTotal());
+  EXPECT_EQ(held, proxy.report()[0].counts.held);
+  EXPECT_EQ(lost + held, 20U);
+  std::filesystem::remove(path);
+}
+
+TEST(ImpairmentProxyTest, AStreamArrivesWholeInBothDirectionsAndItsEndIsPassedOn) {
+  Impairment impairment;
+  impairment.loss = 0.01;  // costs time, no bytes
+  impairment.delay.constant_ns = 3 * kMillisecond;
+  impairment.delay.uniform_ns = 2 * kMillisecond;
+  net::StreamListener target(kLoopback, 0);
+  ImpairmentProxy proxy(linkTo(impair::Medium::kStream, target.port(), impairment));
+  auto client = net::StreamSocket::connecting({0x7F000001, proxy.port(0)});
+  ASSERT_TRUE(client);
+  std::optional<net::StreamSocket> server;
+  serveUntil(&proxy, [&] { return (server = target.accept()).has_value(); });
+
+  std::vector<std::uint8_t> sent(2'000'000);
+  std::iota(sent.begin(), sent.end(), std::uint8_t{0});
+  std::vector<std::uint8_t> got;
+  std::size_t done = 0;
+  bool ended = false;
+  std::vector<std::uint8_t> buffer(65536);
+  serveUntil(&proxy, [&] {
+    if (done < sent.size()) {
+      done += client->send(sent.data() + done, sent.size() - done).count;
+      if (done == sent.size()) client->endSending();
+    }
+    const auto moved = server->receive(buffer.data(), buffer.size());
+    got.insert(got.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(moved.count));
+    ended = ended || moved.result == net::StreamSocket::Result::kEnd;
+    return ended;
+  });
+  EXPECT_EQ(got, sent);
+  const std::uint8_t answer[] = {9, 8, 7};
+  server->send(answer, sizeof(answer));
+  std::size_t back = 0;
+  serveUntil(&proxy, [&] { return (back += client->receive(buffer.data(), buffer.size()).count) == 3; });
+  EXPECT_EQ(proxy.report()[0].connections, 1U);
+  EXPECT_EQ(proxy.report()[0].counts.droppedTotal(), 0U);
+}
+
+TEST(ImpairmentProxyTest, AStreamIsHeldUpByAnOutageAndGoesOnBehindIt) {
+  Impairment impairment;
+  impairment.outages = {{0, 300 * kMillisecond}};
+  net::StreamListener target(kLoopback, 0);
+  const std::int64_t start = net::monotonicNow();
+  ImpairmentProxy proxy(linkTo(impair::Medium::kStream, target.port(), impairment));
+  auto client = net::StreamSocket::connecting({0x7F000001, proxy.port(0)});
+  std::optional<net::StreamSocket> server;
+  serveUntil(&proxy, [&] { return (server = target.accept()).has_value(); });
+  const std::uint8_t byte = 1;
+  client->send(&byte, 1);
+  std::uint8_t buffer[8];
+  serveUntil(&proxy, [&] { return server->receive(buffer, sizeof(buffer)).count == 1; });
+  EXPECT_GE(net::monotonicNow() - start, 300 * kMillisecond);
+}
+
+TEST(ImpairmentProxyTest, ATargetThatIsNotThereClosesTheClientsConnection) {
+  std::uint16_t free_port = 0;
+  { free_port = net::StreamListener(kLoopback, 0).port(); }
+  ImpairmentProxy proxy(linkTo(impair::Medium::kStream, free_port, {}));
+  auto client = net::StreamSocket::connecting({0x7F000001, proxy.port(0)});
+  std::uint8_t buffer[8];
+  serveUntil(&proxy, [&] {
+    const auto result = client->receive(buffer, sizeof(buffer)).result;
+    return result == net::StreamSocket::Result::kEnd || result == net::StreamSocket::Result::kError;
+  });
+}
+
+TEST(ImpairmentProxyTest, APortThatIsTakenIsTold) {
+  net::UdpSocket taken = net::UdpSocket::bound(kLoopback, 0);
+  ProxyOptions options = linkTo(impair::Medium::kDatagrams, 9, {});
+  options.links[0].listen_port = taken.port();
+  EXPECT_THROW(ImpairmentProxy{options}, NetworkException);
+}
+
+}  // namespace
+}  // namespace raven2_trainer::proxy

@@ -1,0 +1,112 @@
+#include "raven2_trainer/recording/finish_session.h"
+#include "raven2_trainer/recording/start_meta.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "gtest/gtest.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/console/make_motion.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/lockstep/lockstep.h"
+#include "support/rig.h"
+
+namespace raven2_trainer::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+nlohmann::json readJson(const std::string& path) {
+  std::ifstream file(path);
+  return nlohmann::json::parse(file);
+}
+
+/** Sessions of half a second, in a folder for the time of a test. */
+class FinishSession : public ::testing::Test {
+ protected:
+  FinishSession() { raven2_trainer::testing::useOde(); }
+  ~FinishSession() override { fs::remove_all(folder_); }
+  FinishSession(const FinishSession&) = delete;
+  FinishSession& operator=(const FinishSession&) = delete;
+
+  session::SessionPaths record(const config::TrainingNames& training, const std::string& name = "session") const {
+    TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", training);
+    raven2_trainer::testing::homeQuickly(&config);
+    const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
+    lockstep::Lockstep lockstep(config, console::makeMotion(config, "scripted"), paths, "scripted");
+    EXPECT_TRUE(lockstep.run(0.5, {}));
+    session::writeMeta(paths, startMeta("test", "0", "scripted"), config);
+    return paths;
+  }
+  std::string index() const { return (folder_ / "index.json").string(); }
+
+  fs::path folder_{fs::temp_directory_path() / ("finish_session_test_" + std::to_string(::getpid()))};
+};
+
+TEST_F(FinishSession, WithoutAnExerciseThereIsNothingToDo) {
+  const session::SessionPaths paths = record({"none", "none", "ann", "none"});
+  EXPECT_FALSE(lacksScore(paths));
+  EXPECT_TRUE(finishSession(paths));
+  EXPECT_FALSE(fs::exists(paths.score()));
+  EXPECT_FALSE(fs::exists(index()));
+}
+
+TEST_F(FinishSession, ScoresAnExerciseOnceAndForAll) {
+  const session::SessionPaths paths = record({"camera_clutch", "none", "ann", "frs_basics"});
+  EXPECT_TRUE(lacksScore(paths));
+  EXPECT_TRUE(finishSession(paths));
+  EXPECT_FALSE(lacksScore(paths));
+  const nlohmann::json score = readJson(paths.score());
+  EXPECT_EQ(score["exercise"], "camera_clutch");
+  ASSERT_EQ(score["attempts"].size(), 1u);  // its timer starts with the pedal
+  EXPECT_EQ(score["attempts"][0]["status"], "running");
+  EXPECT_EQ(score["attempts"][0]["metrics"]["peak_force"]["bound"], 5.0);
+  const nlohmann::json sessions = readJson(index())["sessions"];
+  ASSERT_EQ(sessions.size(), 1u);
+  EXPECT_EQ(sessions[0]["trainee"], "ann");
+  EXPECT_EQ(sessions[0]["directory"], "session");
+}
+
+TEST_F(FinishSession, OfNobodyIsInNoIndex) {
+  EXPECT_TRUE(finishSession(record({"camera_clutch", "none", "", "none"})));
+  EXPECT_FALSE(fs::exists(index()));
+}
+
+TEST_F(FinishSession, GivesUpWhenItIsTold) {
+  const session::SessionPaths paths = record({"camera_clutch", "none", "ann", "none"});
+  EXPECT_FALSE(finishSession(paths, [] { return true; }));
+  EXPECT_TRUE(lacksScore(paths));
+  EXPECT_FALSE(fs::exists(index()));
+}
+
+TEST_F(FinishSession, SaysSoWhereThereIsNoScore) {
+  const session::SessionPaths paths = record({"camera_clutch", "none", "ann", "none"});
+  std::ofstream(index()) << "[]";  // somebody else's
+  EXPECT_FALSE(finishSession(paths));
+  EXPECT_FALSE(finishSession({(folder_ / "nowhere").string()}));
+  EXPECT_FALSE(lacksScore({(folder_ / "nowhere").string()}));
+}
+
+TEST_F(FinishSession, ABandOfItsOwnJudges) {
+  const session::SessionPaths paths = record({"camera_clutch", "none", "ann", "frs_basics"});
+  const std::string band = (folder_ / "band.yaml").string();
+  std::ofstream(band) << "origin: a test\nsessions: 2\nleast_spread: 0\nmetrics:\n"
+                         "  time: {mean: 10, deviation: 1, better: lower, least: 0}\n";
+  ScoringOptions options;
+  options.band = band;
+  options.no_index = true;
+  const ScoredSession scored = scoreRecorded(paths.directory, options);
+  EXPECT_EQ(scored.path, paths.score());
+  ASSERT_TRUE(scored.score.attempts[0].passed.has_value());
+  EXPECT_FALSE(*scored.score.attempts[0].passed) << "it was not done";
+  EXPECT_FALSE(fs::exists(index()));
+  const std::string text = describe(scored);
+  EXPECT_NE(text.find("attempt 1: running, not passed"), std::string::npos) << text;
+  EXPECT_NE(text.find("<= 11.0000: passed"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace raven2_trainer::recording
