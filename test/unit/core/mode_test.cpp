@@ -1,0 +1,72 @@
+#include "raven2_trainer/core/mode.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace raven2_trainer {
+namespace {
+
+constexpr std::array<const char*, kActivityCount> kActivityNames{
+    "hold", "teleoperation", "planning", "goal selection", "execution", "trial", "returning", "replay", "camera"};
+constexpr std::array<const char*, 4> kMovesNames{"", "model", "both", "both if told"};
+constexpr std::array<const char*, 3> kWorldNames{"meets", "passes", "stands"};
+
+/** The page's row of a mode. */
+std::string rowOf(std::size_t mode) {
+  const ModeTraits t = traitsOf(static_cast<Mode>(mode));
+  std::string row = std::string("| ") + kModeNames[mode];
+  for (const char* cell :
+       {kActivityNames[static_cast<std::size_t>(t.activity)], kMovesNames[static_cast<std::size_t>(t.moves)],
+        kWorldNames[static_cast<std::size_t>(t.world)]})
+    row += std::string(" |") + (*cell != '\0' ? " " : "") + cell;
+  for (const bool mark : {t.hands, t.keeps_plan, t.keeps_trial, t.keeps_repeat, t.clients_hold, t.begins, t.timed,
+                          t.judged, t.follows_plan, t.may_replay})
+    row += mark ? " | x" : " |";
+  return row + " |";
+}
+
+/** Lines of the table of doc/modes.md whose first column is a mode. */
+std::vector<std::string> rowsOfPage() {
+  std::ifstream page(RAVEN2_TRAINER_SOURCE_DIR "/doc/modes.md");
+  std::vector<std::string> rows;
+  std::string line;
+  bool in_table = false;
+  while (std::getline(page, line)) {
+    if (line.rfind("| mode |", 0) == 0) in_table = true;
+    if (line.empty()) in_table = false;
+    if (in_table) rows.push_back(line);
+  }
+  if (rows.size() > 2) rows.erase(rows.begin(), rows.begin() + 2);
+  return rows;
+}
+
+std::vector<std::string> rowsOfTraits() {
+  std::vector<std::string> rows;
+  for (std::size_t mode = 0; mode < kModeCount; ++mode)
+    rows.push_back(rowOf(mode));
+  return rows;
+}
+
+TEST(ModeTraits, AreWhatThePageSays) {
+  EXPECT_EQ(rowsOfPage(), rowsOfTraits());
+}
+
+// What moves the robot moves the model with it in a world that they meet, and where a plan is shown it may be kept.
+TEST(ModeTraits, GoTogether) {
+  for (std::size_t mode = 0; mode < kModeCount; ++mode) {
+    const ModeTraits t = traitsOf(static_cast<Mode>(mode));
+    const bool moves_robot = t.moves == Moves::kBoth || t.moves == Moves::kBothIfTold;
+    EXPECT_TRUE(!moves_robot || t.world == WorldMotion::kMeets) << kModeNames[mode];
+    EXPECT_TRUE(!t.judged || t.world == WorldMotion::kMeets) << kModeNames[mode];
+    EXPECT_TRUE(!t.follows_plan || t.keeps_plan) << kModeNames[mode];
+    EXPECT_TRUE(!t.hands || t.world != WorldMotion::kPasses) << kModeNames[mode];
+    EXPECT_TRUE(!t.keeps_repeat || t.keeps_trial) << kModeNames[mode];
+  }
+}
+
+}  // namespace
+}  // namespace raven2_trainer
