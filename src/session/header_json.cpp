@@ -19,7 +19,7 @@ Json describeRecord(const char* name) {
   return {{"type", static_cast<int>(RecordTypeOf<T>::kType)},
           {"name", name},
           {"version", kRecordVersion},
-          {"meaning", Layout<T>::kMeaning},
+          {"meaning", Meanings::of(Is<T>{})},
           {"fields", SchemaWriter::fieldsOf<T>()}};
 }
 

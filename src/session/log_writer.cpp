@@ -86,7 +86,7 @@ struct LogWriter::Impl {
   void write(const T& record) {
     ByteWriter out(frame.data() + kFrameHeaderSize, kMaxPayload);
     FieldWriter fields(out);
-    Layout<T>::visit(fields, record);
+    visitFields(fields, record);
     seal(RecordTypeOf<T>::kType, out.size(), frame.data());
   }
 

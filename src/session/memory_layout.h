@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::session {
 
-/** A visitor of Layout<T>: describes where the fields lie in memory, as JSON: name, type, shape, offset, size, fields.
+/** A visitor of the fields: describes where the fields lie in memory, as JSON: name, type, shape, offset, size, fields.
  */
 class MemoryLayoutWriter {
  public:
@@ -29,7 +29,7 @@ class MemoryLayoutWriter {
   static nlohmann::ordered_json fieldsOf() {
     const T value{};
     MemoryLayoutWriter visitor(&value);
-    Layout<T>::visit(visitor, value);
+    visitFields(visitor, value);
     return visitor.fields_;
   }
 

@@ -16,7 +16,7 @@ template <typename T>
 bool decode(const FrameHeader& header, const std::uint8_t* payload, T* record) {
   ByteReader in(payload, header.length);
   FieldReader fields(in);
-  Layout<T>::visit(fields, *record);
+  visitFields(fields, *record);
   return !fields.invalid() && in.left() == 0;
 }
 

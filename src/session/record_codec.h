@@ -9,7 +9,7 @@
 #include "log_layout.h"
 #include "raven2_trainer/core/bytes.h"
 
-// The three visitors of Layout<T>: to bytes, from bytes, to JSON.
+// The three visitors of the fields: to bytes, from bytes, to JSON.
 
 namespace raven2_trainer::session {
 
@@ -41,7 +41,7 @@ class FieldWriter {
       for (const auto& element : value)
         write(element);
     } else {
-      Layout<T>::visit(*this, value);
+      visitFields(*this, value);
     }
   }
 
@@ -70,7 +70,7 @@ class FieldReader {
   void read(T& value) noexcept {
     if constexpr (std::is_enum<T>::value) {
       const auto number = in_.get<std::underlying_type_t<T>>();
-      if (number >= EnumNames<T>::kNames.size()) {
+      if (number >= EnumNames::of(T{}).size()) {
         invalid_ = true;
       } else {
         value = static_cast<T>(number);
@@ -81,7 +81,7 @@ class FieldReader {
       for (auto& element : value)
         read(element);
     } else {
-      Layout<T>::visit(*this, value);
+      visitFields(*this, value);
     }
   }
 
@@ -110,7 +110,7 @@ class SchemaWriter {
   static nlohmann::ordered_json fieldsOf() {
     SchemaWriter visitor;
     const T value{};
-    Layout<T>::visit(visitor, value);
+    visitFields(visitor, value);
     return visitor.fields_;
   }
 
@@ -129,7 +129,7 @@ class SchemaWriter {
     } else {
       if constexpr (std::is_enum<T>::value) {
         (*entry)["type"] = numberName<std::underlying_type_t<T>>();
-        (*entry)["names"] = EnumNames<T>::kNames;
+        (*entry)["names"] = EnumNames::of(T{});
       } else if constexpr (std::is_arithmetic<T>::value) {
         (*entry)["type"] = numberName<T>();
       } else {

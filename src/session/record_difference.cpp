@@ -18,7 +18,7 @@ struct Value {
   std::string text;
 };
 
-/** Visitor of Layout<T> that spells out every value. */
+/** Visitor of the fields that spells out every value. */
 class ValueLister {
  public:
   template <typename T>
@@ -39,7 +39,7 @@ class ValueLister {
   template <typename T>
   void list(const T& value) {
     if constexpr (std::is_enum<T>::value) {
-      append(sizeof(T), EnumNames<T>::kNames[static_cast<std::size_t>(value)]);
+      append(sizeof(T), EnumNames::of(T{})[static_cast<std::size_t>(value)]);
     } else if constexpr (std::is_floating_point<T>::value) {
       char text[40];
       std::snprintf(text, sizeof(text), "%.17g", static_cast<double>(value));
@@ -54,7 +54,7 @@ class ValueLister {
       }
       prefix_ = outer;
     } else {
-      Layout<T>::visit(*this, value);
+      visitFields(*this, value);
     }
   }
 
@@ -74,14 +74,14 @@ template <typename T>
 std::size_t bytesOf(const T& record, Bytes* bytes) {
   ByteWriter out(bytes->data(), bytes->size());
   FieldWriter fields(out);
-  Layout<T>::visit(fields, record);
+  visitFields(fields, record);
   return out.size();
 }
 
 template <typename T>
 std::vector<Value> valuesOf(const T& record) {
   ValueLister lister;
-  Layout<T>::visit(lister, record);
+  visitFields(lister, record);
   return lister.values();
 }
 

@@ -174,7 +174,7 @@ void appendRecord(const T& record, Bytes* bytes) {
   Bytes payload(session::kMaxPayload);
   ByteWriter out(payload.data(), payload.size());
   session::FieldWriter fields(out);
-  session::Layout<T>::visit(fields, record);
+  session::visitFields(fields, record);
   payload.resize(out.size());
   append(Bytes{static_cast<std::uint8_t>(session::RecordTypeOf<T>::kType), 0, static_cast<std::uint8_t>(out.size()),
                static_cast<std::uint8_t>(out.size() >> 8U)},

@@ -149,7 +149,7 @@ std::size_t payloadSize() {
   ByteWriter out(bytes.data(), bytes.size());
   FieldWriter fields(out);
   const T record{};
-  Layout<T>::visit(fields, record);
+  visitFields(fields, record);
   return out.size();
 }
 

@@ -230,7 +230,7 @@ TEST(SessionLog, KeepsPaddingOutOfItsBytes) {
     std::memset(static_cast<void*>(&records[i]), i == 0 ? 0x00 : 0xFF, sizeof(TickRecord));
     Random random(3);
     RandomFiller filler(random);
-    Layout<TickRecord>::visit(filler, records[i]);
+    visitFields(filler, records[i]);
     LogWriter log(scratchPath("padding.rlog"), LogHeader{});
     log.write(records[i]);
     log.finish({});

@@ -16,12 +16,12 @@ T withBitFlipped(const T& record, std::size_t offset, unsigned bit) {
   std::array<std::uint8_t, 2048> bytes{};
   ByteWriter out(bytes.data(), bytes.size());
   FieldWriter writer(out);
-  Layout<T>::visit(writer, record);
+  visitFields(writer, record);
   bytes[offset] = static_cast<std::uint8_t>(bytes[offset] ^ (1U << bit));
   ByteReader in(bytes.data(), out.size());
   FieldReader reader(in);
   T flipped{};
-  Layout<T>::visit(reader, flipped);
+  visitFields(reader, flipped);
   return flipped;
 }
 

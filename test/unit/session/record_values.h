@@ -7,7 +7,7 @@
 #include "raven2_trainer/core/random.h"
 #include "session/record_codec.h"
 
-// Two more visitors of Layout<T>, for tests: fill a record with random values, and list its values for comparison.
+// Two more visitors of the fields, for tests: fill a record with random values, and list its values for comparison.
 
 namespace raven2_trainer::session {
 
@@ -29,7 +29,7 @@ class RandomFiller {
   template <typename T>
   void fill(T& value) {
     if constexpr (std::is_enum<T>::value) {
-      value = static_cast<T>(random_.next() % EnumNames<T>::kNames.size());
+      value = static_cast<T>(random_.next() % EnumNames::of(T{}).size());
     } else if constexpr (std::is_arithmetic<T>::value) {
       const std::uint64_t bits = (static_cast<std::uint64_t>(random_.next()) << 32U) | random_.next();
       std::memcpy(&value, &bits, sizeof(T));
@@ -37,7 +37,7 @@ class RandomFiller {
       for (auto& element : value)
         fill(element);
     } else {
-      Layout<T>::visit(*this, value);
+      visitFields(*this, value);
     }
   }
 
@@ -67,7 +67,7 @@ class ValueLister {
       for (const auto& element : value)
         list(element);
     } else {
-      Layout<T>::visit(*this, value);
+      visitFields(*this, value);
     }
   }
 };
@@ -76,14 +76,14 @@ template <typename T>
 T randomRecord(Random& random) {
   T record{};
   RandomFiller filler(random);
-  Layout<T>::visit(filler, record);
+  visitFields(filler, record);
   return record;
 }
 
 template <typename T>
 std::vector<std::uint64_t> valuesOf(const T& record) {
   ValueLister lister;
-  Layout<T>::visit(lister, record);
+  visitFields(lister, record);
   return lister.values;
 }
 
