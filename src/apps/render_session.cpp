@@ -119,7 +119,8 @@ std::string thereAlready(const SessionRenderer& renderer, const Options& o) {
 }
 
 void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
-  SessionRenderer renderer(load(o, directory), directory, o.build);
+  const auto config = load(o, directory);
+  SessionRenderer renderer(config, directory, o.build);
   // Another render may have drawn it since it was looked at.
   if (!o.again && renderer.hasVideo(o.render)) return progress->end(i, 1.0, thereAlready(renderer, o));
   double reused = 0.0;
@@ -137,7 +138,8 @@ void renderOne(const Options& o, const std::string& directory, std::size_t i, Pr
 
 /** Whether there is a video to be drawn of a session. */
 bool isToBeDrawn(const Options& o, const std::string& directory) {
-  const SessionRenderer renderer(load(o, directory), directory, o.build);
+  const auto config = load(o, directory);
+  const SessionRenderer renderer(config, directory, o.build);
   if (o.again) {
     raven2_trainer::render::markUnfinished(renderer.outputOf(o.render));  // a run without --again goes on with it
     return true;

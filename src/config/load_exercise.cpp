@@ -9,7 +9,7 @@
 #include "config/read_script.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/core/metric_names.h"
+#include "raven2_trainer/training/metric_names.h"
 
 namespace raven2_trainer::config {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "raven2_trainer/config/section.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 
 // One reader for each file of config/ that the trainer's configuration is made of (config/load_config.h); ranges and
 // whatever must hold between two keys are checked there. What a file holds besides is found by whoever opened it.

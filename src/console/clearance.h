@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/scene_roles.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 // What a surgeon sees that a tool could hit: pegs, wires, objects, the floor, the other tool. Rough shapes: a few

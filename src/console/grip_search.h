@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "clearance.h"
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/scene_roles.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 // How to take hold of a ring so that all that comes after can be done with that grip. Poses of the ring are those of

@@ -22,14 +22,14 @@ std::string clumsyHandsOf(const Exercise& exercise) {
   return names.empty() ? "none" : names;
 }
 
-void demandExpert(const TrainerConfig& config, const std::string& motion) {
+void demandExpert(const HandsConfig& config, const std::string& motion) {
   if (config.exercise_name == "none")
     throw ConfigException("motion is \"" + motion + "\", which needs an exercise (--exercise)");
   if (config.exercise.expert.empty())
     throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name + " has no expert");
 }
 
-void demandClumsy(const TrainerConfig& config, const std::string& motion) {
+void demandClumsy(const HandsConfig& config, const std::string& motion) {
   const std::string name = motion.substr(kClumsy.size());
   for (const ClumsyHand& hand : config.exercise.clumsy) {
     if (hand.name == name) return;
@@ -38,7 +38,7 @@ void demandClumsy(const TrainerConfig& config, const std::string& motion) {
                         " has no such clumsy hand; those it has: " + clumsyHandsOf(config.exercise));
 }
 
-std::unique_ptr<MotionSource> makeSurgeon(const TrainerConfig& config, const std::string& motion, TruthLog* truth) {
+std::unique_ptr<MotionSource> makeSurgeon(const HandsConfig& config, const std::string& motion, TruthLog* truth) {
   demandExpert(config, motion);
   std::vector<Verb> verbs = verbsOf(config.exercise, config.roles);
   Skill skill;
@@ -50,7 +50,7 @@ std::unique_ptr<MotionSource> makeSurgeon(const TrainerConfig& config, const std
   return makeExpert(config.console, config.arms, config.roles, verbs, skill, config.seed, truth);
 }
 
-std::unique_ptr<MotionSource> makeHands(const TrainerConfig& config, const std::string& motion, TruthLog* truth) {
+std::unique_ptr<MotionSource> makeHands(const HandsConfig& config, const std::string& motion, TruthLog* truth) {
   if (motion == "scripted") return makeScripted(config.console, config.arms, config.seed);
   if (startsWith(motion, kRecording)) {
     return makeRecorded(config.console, config.arms, loadRecording(motion.substr(kRecording.size())));
@@ -63,7 +63,7 @@ std::unique_ptr<MotionSource> makeHands(const TrainerConfig& config, const std::
 
 }  // namespace
 
-std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config, const MotionChoice& choice, TruthLog* truth) {
+std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config, const MotionChoice& choice, TruthLog* truth) {
   std::unique_ptr<MotionSource> hands = makeHands(config, choice.motion, truth);
   if (!choice.reaction) return hands;
   Reaction reaction;
@@ -71,7 +71,7 @@ std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config, const Moti
   return makeReacting(std::move(hands), reaction, truth);
 }
 
-std::unique_ptr<MotionSource> makeMotion(const TrainerConfig& config, const std::string& motion) {
+std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config, const std::string& motion) {
   return makeMotion(config, MotionChoice{motion, {}});
 }
 

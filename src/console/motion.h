@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/console_config.h"
+#include "raven2_trainer/console/console_config.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 // What scripted and recorded hands share. Positions of the robot's tips are in ITP axes I, from the tip at home.

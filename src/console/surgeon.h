@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "grip_search.h"
+#include "raven2_trainer/console/console_config.h"
 #include "raven2_trainer/console/expert.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/ticks.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "tool_hand.h"
 
 namespace raven2_trainer::console {

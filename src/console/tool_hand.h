@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "motion.h"
-#include "raven2_trainer/core/console_config.h"
+#include "raven2_trainer/console/console_config.h"
 
 namespace raven2_trainer::console {
 

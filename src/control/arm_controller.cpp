@@ -3,7 +3,7 @@
 namespace raven2_trainer::control {
 namespace {
 
-std::array<JointGains, kJointCount> gainsOf(const ModelConfig& config, Arm arm) noexcept {
+std::array<JointGains, kJointCount> gainsOf(const ControllerConfig& config, Arm arm) noexcept {
   std::array<JointGains, kJointCount> gains = config.gains;
   if (arm == Arm::kGreen) gains[kInsertion].kd = config.green_insertion_kd;
   return gains;
@@ -11,7 +11,7 @@ std::array<JointGains, kJointCount> gainsOf(const ModelConfig& config, Arm arm) 
 
 }  // namespace
 
-ArmController::ArmController(const ModelConfig& config, Arm arm) noexcept
+ArmController::ArmController(const ControllerConfig& config, Arm arm) noexcept
     : gravity_compensation_(config.gravity_compensation), pid_(gainsOf(config, arm)) {
   const std::array<JointGains, kJointCount> gains = gainsOf(config, arm);
   for (std::size_t j = 0; j < kJointCount; ++j) {

@@ -1,7 +1,7 @@
 #include <type_traits>
 
 #include "raven2_trainer/core/bytes.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/core/record.h"
 
 // What every other module relies on, checked where it is compiled first.
 

@@ -9,9 +9,9 @@
 #include <memory>
 #include <thread>
 
-#include "raven2_trainer/core/active_fault.h"
 #include "raven2_trainer/loop/frame_states.h"
 #include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/session/active_fault.h"
 
 namespace raven2_trainer::daemon {
 
@@ -70,9 +70,9 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
       sink_(std::move(sink)),
       clock_(std::move(clock)),
       contacts_(body_names),
-      cameras_{model::requireCamera(config.render, config.render.live_camera),
-               model::requireCamera(config.render, config.render.stereo.camera + "_left"),
-               model::requireCamera(config.render, config.render.stereo.camera + "_right")},
+      cameras_{model::requireCamera(config.render.cameras, config.render.live_camera),
+               model::requireCamera(config.render.cameras, config.render.stereo.camera + "_left"),
+               model::requireCamera(config.render.cameras, config.render.stereo.camera + "_right")},
       pace_(config.render) {
   stage_.emplace(config_, raven_, scene_, pace_.level().scale);
 }

@@ -70,6 +70,13 @@ void sleepFor(double seconds) {
   clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
 }
 
+/** All that must not be anybody's to change. */
+std::vector<std::string> filesOf(const TrainerConfig& config) {
+  std::vector<std::string> files = config.files;
+  files.insert(files.end(), {config.robot_urdf, config.scene_urdf});
+  return files;
+}
+
 /** Another one in every run: a robot that hears it again knows that it is the same run. */
 std::uint32_t sessionNumber() noexcept {
   const wire::Nonce nonce = net::freshNonce();
@@ -505,7 +512,7 @@ struct Simulator::Impl {
 };
 
 Simulator::Simulator(const TrainerConfig& config, const SimulatorOptions& options) {
-  if (options.strict) threads::demandRealtime(config);
+  if (options.strict) threads::demandRealtime(config.runtime, filesOf(config));
   physics::initialiseOde();
   physics::attachOdeToThread();  // the world is built on this thread
   impl_ = std::make_unique<Impl>(config, options);

@@ -11,45 +11,45 @@ namespace {
 constexpr std::uint64_t kDrillStream = 0xD1;  // of the seed: a number for each attempt, in order
 
 /** [s] */
-double drawJitter(const TrainerConfig& config, std::uint32_t attempt) {
-  Random random(config.seed, kDrillStream);
+double drawJitter(const FaultLibrary& library, std::uint32_t attempt) {
+  Random random(library.seed, kDrillStream);
   double jitter = 0.0;
   for (std::uint32_t i = 0; i < attempt; ++i)
-    jitter = random.uniform(0.0, config.exercise.drill.jitter);
+    jitter = random.uniform(0.0, library.trigger.jitter);
   return jitter;
 }
 
 }  // namespace
 
-std::uint32_t idOf(const std::vector<Scenario>& library, const std::string& name) noexcept {
-  for (const Scenario& scenario : library) {
+std::uint32_t idOf(const std::vector<Scenario>& scenarios, const std::string& name) noexcept {
+  for (const Scenario& scenario : scenarios) {
     if (scenario.name == name) return scenario.faults[0].id;
   }
   return 0;
 }
 
-FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation) {
+FaultPlan planFor(const FaultLibrary& library, std::uint32_t id, std::uint64_t generation) {
   FaultPlan plan;
   plan.generation = generation;
-  if (!config.injection.enable || id == 0 || id > config.scenarios.size()) return plan;
-  for (Fault fault : config.scenarios[id - 1].faults) {
-    fault.seed += config.seed;
+  if (!library.injection.enable || id == 0 || id > library.scenarios.size()) return plan;
+  for (Fault fault : library.scenarios[id - 1].faults) {
+    fault.seed += library.seed;
     plan.faults[plan.count++] = fault;
   }
   return plan;
 }
 
-bool isDrill(const TrainerConfig& config) noexcept {
-  return config.drill != "none" && config.hazard == config.drill;
+bool isDrill(const FaultLibrary& library) noexcept {
+  return library.drill != "none" && library.hazard == library.drill;
 }
 
-FaultPlan drillPlan(const TrainerConfig& config, std::uint32_t attempt, std::uint64_t generation) {
+FaultPlan drillPlan(const FaultLibrary& library, std::uint32_t attempt, std::uint64_t generation) {
   FaultPlan plan;
   plan.generation = generation;
-  if (!isDrill(config)) return plan;
-  plan = planFor(config, idOf(config.scenarios, config.drill), generation);
-  const ExerciseDrill& drill = config.exercise.drill;
-  const auto shot = static_cast<Tick>(std::llround((drill.delay + drawJitter(config, attempt)) / kTickSeconds));
+  if (!isDrill(library)) return plan;
+  plan = planFor(library, idOf(library.scenarios, library.drill), generation);
+  const ExerciseDrill& drill = library.trigger;
+  const auto shot = static_cast<Tick>(std::llround((drill.delay + drawJitter(library, attempt)) / kTickSeconds));
   auto* const end = plan.faults.begin() + plan.count;
   const Tick first =
       plan.count == 0 ? 0 : std::min_element(plan.faults.begin(), end, [](const Fault& a, const Fault& b) {

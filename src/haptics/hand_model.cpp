@@ -2,7 +2,7 @@
 
 namespace raven2_trainer::haptics {
 
-HandModel::HandModel(const ConsoleConfig& config) noexcept
+HandModel::HandModel(const HandConfig& config) noexcept
     : stiffness_over_mass_(config.hand_stiffness / config.hand_mass),
       damping_over_mass_(config.hand_damping / config.hand_mass),
       inverse_mass_(1.0 / config.hand_mass) {}

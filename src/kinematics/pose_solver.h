@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/chain.h"
 
 namespace raven2_trainer::kinematics {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 

@@ -2,7 +2,7 @@
 
 namespace raven2_trainer::loop {
 
-ExerciseDesk::ExerciseDesk(const TrainerConfig& config,
+ExerciseDesk::ExerciseDesk(const LoopConfig& config,
                            const model::SceneModel& scene,
                            const CameraConfig& camera,
                            physics::RavenWorld* world,

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/training/exercise_judge.h"
 
@@ -20,7 +20,7 @@ class ExerciseDesk {
  public:
   /** The first attempt begins with the first tick. @param[in] world as the session begins; outlives this.
    *  @throw ConfigException as training::ExerciseJudge. */
-  ExerciseDesk(const TrainerConfig& config,
+  ExerciseDesk(const LoopConfig& config,
                const model::SceneModel& scene,
                const CameraConfig& camera,
                physics::RavenWorld* world,

@@ -4,12 +4,12 @@
 
 namespace raven2_trainer::loop {
 
-FaultDirector::FaultDirector(const TrainerConfig& config, SharedState* shared)
-    : config_(config),
+FaultDirector::FaultDirector(const faults::FaultLibrary& library, SharedState* shared)
+    : library_(library),
       shared_(*shared),
-      drill_(faults::isDrill(config) ? faults::idOf(config.scenarios, config.drill) : 0) {
-  plan_ = drill_ != 0 ? faults::drillPlan(config, attempt_, 1)
-                      : faults::planFor(config, faults::idOf(config.scenarios, config.hazard), 1);
+      drill_(faults::isDrill(library_) ? faults::idOf(library_.scenarios, library_.drill) : 0) {
+  plan_ = drill_ != 0 ? faults::drillPlan(library_, attempt_, 1)
+                      : faults::planFor(library_, faults::idOf(library_.scenarios, library_.hazard), 1);
   shared_.faults.store(plan_);
 }
 
@@ -23,7 +23,7 @@ void FaultDirector::tick() {
 void FaultDirector::serve(const FaultRequest& request) {
   if (request.fault_id == 0 || request.fault_id == drill_) drill_ = 0;
   remove(request.fault_id);
-  if (request.start != 0) add(faults::planFor(config_, request.fault_id, 0));
+  if (request.start != 0) add(faults::planFor(library_, request.fault_id, 0));
 }
 
 /** What triggers look at in an attempt's first tick is still of the one before: it is armed a tick later. */
@@ -39,7 +39,7 @@ void FaultDirector::followAttempts() {
   if (is_over || next_ != attempt_) remove(drill_);
   if (next_ == attempt_ || model.tick <= next_seen_) return;
   attempt_ = next_;
-  add(faults::drillPlan(config_, attempt_, 0));
+  add(faults::drillPlan(library_, attempt_, 0));
 }
 
 void FaultDirector::remove(std::uint32_t id) {

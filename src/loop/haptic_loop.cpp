@@ -14,10 +14,10 @@ constexpr double kNoForce = 1e-9;  ///< [N] rounding of two limiters that go the
 
 }  // namespace
 
-HapticLoop::HapticLoop(const TrainerConfig& config, SharedState* shared)
+HapticLoop::HapticLoop(const LoopConfig& config, SharedState* shared)
     : gains_(config.haptics),
-      scale_(config.console.scale),
-      stale_ns_(static_cast<std::int64_t>(config.network.stale_after * 1e9)),
+      scale_(config.master_scale),
+      stale_ns_(static_cast<std::int64_t>(config.stale_after * 1e9)),
       shared_(*shared),
       has_fixtures_(gains_.guidance.enabled || gains_.edge.enabled),
       limiters_{haptics::ForceLimiter(gains_), haptics::ForceLimiter(gains_)},

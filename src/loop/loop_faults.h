@@ -1,8 +1,8 @@
 #pragma once
 
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/faults/fault_engine.h"
 #include "raven2_trainer/faults/packet_stream.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 

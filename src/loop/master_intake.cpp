@@ -29,7 +29,7 @@ MasterIntake::MasterIntake(LoopFaults* faults, ServoDesk* servo, Stage* stage) n
     : faults_(*faults),
       servo_(*servo),
       stage_(*stage),
-      silence_limit_(static_cast<Tick>(std::llround(stage->config.network.itp.pedalTimeout() / kTickSeconds))) {}
+      silence_limit_(static_cast<Tick>(std::llround(stage->config.itp.pedalTimeout() / kTickSeconds))) {}
 
 void MasterIntake::tick(bool may_teleoperate) noexcept {
   begin();
@@ -134,7 +134,7 @@ bool MasterIntake::fits(const MasterCommand& command) const noexcept {
   const Increments& total = stage_.increments;
   if (total.commands == 0 || command.pedal == 0) return true;
   if (!stage_.pedal.is_down) return false;  // a press after a release: in one tick nobody would see that it was up
-  const ItpRules& rules = stage_.config.network.itp;
+  const ItpRules& rules = stage_.config.itp;
   for (const Arm arm : kArms) {
     for (const double dp : sum(at(total.dp_I, arm), at(command.dp_I, arm))) {
       if (std::abs(dp) > rules.max_increment_um * 1e-6) return false;

@@ -2,8 +2,8 @@
 
 #include "loop/increments.h"
 #include "raven2_trainer/control/teleop_mapper.h"
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/loop/model_driver.h"
 #include "raven2_trainer/physics/raven_world.h"
 

@@ -12,21 +12,9 @@
 #include "raven2_trainer/loop/contact_records.h"
 
 namespace raven2_trainer::loop {
-namespace {
-
-/** The one through which the surgeon looks. */
-const CameraConfig& liveCamera(const RenderConfig& render) {
-  for (const CameraConfig& camera : render.cameras) {
-    if (camera.name == render.live_camera) return camera;
-  }
-  return render.cameras.front();
-}
-
-}  // namespace
-
 /** What a tick is made of, in the order in which it uses them. */
 struct PhysicsLoop::Parts {
-  Parts(const TrainerConfig& config,
+  Parts(const LoopConfig& config,
         const model::RavenModel& raven,
         const model::SceneModel& scene,
         SharedState* shared_state,
@@ -36,9 +24,9 @@ struct PhysicsLoop::Parts {
         faults(shared_state),
         servo(config, shared_state),
         intake(&faults, &servo, &stage),
-        activities(raven, scene, liveCamera(config.render), trial_limit, &stage),
+        activities(raven, scene, config.live_camera, trial_limit, &stage),
         relay(&faults, &stage),
-        exercise(config, scene, liveCamera(config.render), &stage.arms.world(), shared_state) {}
+        exercise(config, scene, config.live_camera, &stage.arms.world(), shared_state) {}
 
   void readInputs(std::int64_t now_ns) noexcept;
   void takeRequests() noexcept;
@@ -66,7 +54,7 @@ struct PhysicsLoop::Parts {
   std::atomic<bool> pause_requested{false};
 };
 
-PhysicsLoop::PhysicsLoop(const TrainerConfig& config,
+PhysicsLoop::PhysicsLoop(const LoopConfig& config,
                          const model::RavenModel& raven,
                          const model::SceneModel& scene,
                          SharedState* shared,
@@ -130,7 +118,7 @@ void PhysicsLoop::Parts::readInputs(std::int64_t now_ns) noexcept {
  *  packets may reach a real one, whether its state reaches us or not. */
 bool PhysicsLoop::Parts::mayInject() const noexcept {
   const RobotTie& robot = stage.robot;
-  return stage.config.injection.real_robot || !robot.wasHeard() || (robot.isHeard() && robot.state().is_virtual != 0);
+  return stage.config.library.injection.real_robot || !robot.wasHeard() || (robot.isHeard() && robot.state().is_virtual != 0);
 }
 
 void PhysicsLoop::Parts::takeRequests() noexcept {

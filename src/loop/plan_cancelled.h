@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 

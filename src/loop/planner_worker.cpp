@@ -7,16 +7,16 @@
 
 namespace raven2_trainer::loop {
 
-PlannerWorker::PlannerWorker(const TrainerConfig& config,
+PlannerWorker::PlannerWorker(const LoopConfig& config,
                              const model::RavenModel& raven,
                              const model::SceneModel& scene,
                              SharedState* shared)
     : planner_(raven, scene, config.planner, config.model),
       arms_(config.arms),
-      limits_{static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation},
+      limits_{static_cast<double>(config.itp.max_increment_um), config.itp.max_rotation},
       laws_{control::ArmController(config.model, Arm::kGold), control::ArmController(config.model, Arm::kGreen)},
       shared_(*shared),
-      seed_(config.seed) {}
+      seed_(config.library.seed) {}
 
 /** The end is noted first: a request that physics clears a flag for afterwards is not begun. */
 void PlannerWorker::cancel() noexcept {

@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::loop {
 
-RobotLink::RobotLink(const TrainerConfig& config, SharedState* shared, std::uint32_t session)
+RobotLink::RobotLink(const LoopConfig& config, SharedState* shared, std::uint32_t session)
     : geometry_(config.arms.geometry), session_(session), shared_(*shared) {}
 
 void RobotLink::connected() noexcept {

@@ -105,9 +105,9 @@ Quaternion turnStep(const Matrix3& from, const Matrix3& to, double most) noexcep
 
 }  // namespace
 
-ServoDesk::ServoDesk(const TrainerConfig& config, SharedState* shared)
+ServoDesk::ServoDesk(const LoopConfig& config, SharedState* shared)
     : geometry_(config.arms.geometry),
-      rules_(config.network.itp),
+      rules_(config.itp),
       shared_(*shared),
       targets_{control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGold),
                control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGreen)},

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 
+#include "raven2_trainer/control/effort.h"
 #include "raven2_trainer/control/servo_target.h"
 #include "raven2_trainer/control/servo_trim.h"
 #include "raven2_trainer/control/teleop_mapper.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/effort.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 
@@ -39,7 +39,7 @@ struct ServoStand {
  */
 class ServoDesk {
  public:
-  ServoDesk(const TrainerConfig& config, SharedState* shared);
+  ServoDesk(const LoopConfig& config, SharedState* shared);
 
   /** The console's pedal is up, and a client holds its own: this command of it is not used. */
   bool overrules(const MasterCommand& command) const noexcept { return holds_pedal_ && command.pedal == 0; }

@@ -4,14 +4,14 @@
 
 namespace raven2_trainer::loop {
 
-Stage::Stage(const TrainerConfig& configuration,
+Stage::Stage(const LoopConfig& configuration,
              const model::RavenModel& raven,
              const model::SceneModel& scene,
              SharedState* shared_state)
     : config(configuration),
       shared(*shared_state),
       arms(configuration.model, configuration.arms, raven, scene),
-      robot(configuration.network.stale_after),
+      robot(configuration.stale_after),
       answers(shared_state) {
   if (configuration.execution.drive == ExecutionDrive::kOpenLoop)
     arms.driver().allowOpenLoop(raven, configuration.model);

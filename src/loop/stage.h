@@ -5,8 +5,8 @@
 #include "loop/model_arms.h"
 #include "loop/robot_tie.h"
 #include "raven2_trainer/control/mode_table.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 
@@ -34,12 +34,12 @@ class ModeMachine {
 
 /** What the activities of one physics loop share. One thread. */
 struct Stage {
-  Stage(const TrainerConfig& configuration,
+  Stage(const LoopConfig& configuration,
         const model::RavenModel& raven,
         const model::SceneModel& scene,
         SharedState* shared_state);
 
-  const TrainerConfig& config;
+  const LoopConfig config;
   SharedState& shared;
   ModelArms arms;
   RobotTie robot;

@@ -40,16 +40,16 @@ void lookAtTool(const ArmState& arm, const Pose& X_WB, CameraConfig* config) noe
 
 }  // namespace
 
-const CameraConfig* findCamera(const RenderConfig& config, const std::string& name) noexcept {
-  const auto found = std::find_if(config.cameras.begin(), config.cameras.end(),
+const CameraConfig* findCamera(const std::vector<CameraConfig>& cameras, const std::string& name) noexcept {
+  const auto found = std::find_if(cameras.begin(), cameras.end(),
                                   [&name](const CameraConfig& camera) { return camera.name == name; });
-  return found == config.cameras.end() ? nullptr : &*found;
+  return found == cameras.end() ? nullptr : &*found;
 }
 
-const CameraConfig& requireCamera(const RenderConfig& config, const std::string& name) {
-  if (const CameraConfig* camera = findCamera(config, name)) return *camera;
+const CameraConfig& requireCamera(const std::vector<CameraConfig>& cameras, const std::string& name) {
+  if (const CameraConfig* camera = findCamera(cameras, name)) return *camera;
   std::string known;
-  for (const CameraConfig& camera : config.cameras)
+  for (const CameraConfig& camera : cameras)
     known += " " + camera.name;
   throw ConfigException("camera " + name + " is not one of:" + known);
 }

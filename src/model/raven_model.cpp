@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "model/xml_outline.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -130,7 +129,7 @@ Matrix3 armBaseRotation(Arm arm) noexcept {
   return R_WB;
 }
 
-RavenModel loadRavenModel(const TrainerConfig& config) {
+RavenModel loadRavenModel(const ModelSource& config) {
   RavenModel model;
   model.description = loadUrdf(config.robot_urdf);
   model.arms = config.arms;

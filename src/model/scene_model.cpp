@@ -1,5 +1,4 @@
 #include "model/xml_outline.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/raven_model.h"
 
@@ -84,7 +83,7 @@ std::vector<int> SceneModel::movingBodies() const {
   return moving;
 }
 
-SceneModel loadSceneModel(const TrainerConfig& config) {
+SceneModel loadSceneModel(const ModelSource& config) {
   SceneModel scene;
   scene.description = loadUrdf(config.scene_urdf);
   const std::vector<Link>& links = scene.description.links;

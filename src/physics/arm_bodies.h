@@ -7,9 +7,9 @@
 
 #include "physics/arm_recursion.h"
 #include "physics/rigid_links.h"
-#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/arm_world.h"
+#include "raven2_trainer/physics/model_config.h"
 
 namespace raven2_trainer::physics {
 

@@ -13,8 +13,8 @@
 #include "physics/ode_handles.h"
 #include "physics/parked_contacts.h"
 #include "raven2_trainer/core/contact.h"
-#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/types.h"
+#include "raven2_trainer/physics/model_config.h"
 
 namespace raven2_trainer::physics {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "raven2_trainer/core/model_config.h"
+#include "raven2_trainer/physics/model_config.h"
 
 namespace raven2_trainer::physics {
 

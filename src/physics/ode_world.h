@@ -5,7 +5,7 @@
 #include <ode/ode.h>
 
 #include "physics/ode_handles.h"
-#include "raven2_trainer/core/model_config.h"
+#include "raven2_trainer/physics/model_config.h"
 
 namespace raven2_trainer::physics {
 

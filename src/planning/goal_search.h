@@ -3,8 +3,8 @@
 #include <functional>
 
 #include "planning/joint_space.h"
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::planning {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "planning/joint_space.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/planner_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/planning/planner_config.h"
 
 namespace raven2_trainer::planning {
 

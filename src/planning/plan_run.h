@@ -10,8 +10,8 @@
 #include "planning/arm_choice.h"
 #include "planning/path_search.h"
 #include "planning/roll_out.h"
-#include "raven2_trainer/core/planner_config.h"
 #include "raven2_trainer/planning/path_planner.h"
+#include "raven2_trainer/planning/planner_config.h"
 
 namespace raven2_trainer::planning {
 

@@ -5,9 +5,9 @@
 
 #include "plant/arm_dynamics.h"
 #include "plant/friction_solver.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/raven/usb_packets.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 
 namespace raven2_trainer::plant {
 

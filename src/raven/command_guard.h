@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "raven/motor_controller.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/detector_config.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
+#include "raven2_trainer/detector/detector_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/raven/control_software.h"
 #include "raven2_trainer/raven/usb_packets.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 
 namespace raven2_trainer::raven {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "raven2_trainer/core/virtual_raven_config.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 
 namespace raven2_trainer::raven {
 

@@ -5,8 +5,8 @@
 
 #include "raven/master_target.h"
 #include "raven2_trainer/core/counters.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/raven/itp_faults.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 #include "raven2_trainer/wire/itp_gate.h"
 #include "raven2_trainer/wire/sequence_rule.h"
 

@@ -7,13 +7,13 @@
 #include "raven2_trainer/config/load_band.h"
 #include "raven2_trainer/config/load_curriculum.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/core/metric_names.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/recording/format.h"
 #include "raven2_trainer/recording/merge_truth.h"
 #include "raven2_trainer/recording/reference_paths.h"
 #include "raven2_trainer/recording/resimulation.h"
 #include "raven2_trainer/session/recovery.h"
+#include "raven2_trainer/training/metric_names.h"
 
 namespace raven2_trainer::recording {
 namespace {

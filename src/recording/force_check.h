@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/loop/haptic_loop.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/recording/resimulation.h"
 
 namespace raven2_trainer::recording {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "raven2_trainer/core/active_fault.h"
+#include "raven2_trainer/session/active_fault.h"
 
 namespace raven2_trainer::render {
 

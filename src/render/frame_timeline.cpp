@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "raven2_trainer/core/active_fault.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/session/active_fault.h"
 
 namespace raven2_trainer::render {
 

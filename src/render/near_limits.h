@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/haptics_config.h"
+#include "raven2_trainer/haptics/haptics_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/render/scene.h"
 

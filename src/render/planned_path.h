@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/model/mesh.h"
 #include "raven2_trainer/render/scene.h"
 

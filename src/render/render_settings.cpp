@@ -26,10 +26,10 @@ bool isOfPictures(const std::string& file) {
   return std::find(kNotOfPictures.begin(), kNotOfPictures.end(), folder) == kNotOfPictures.end();
 }
 
-void addFiles(const TrainerConfig& config, std::ostringstream* out) {
+void addFiles(const PictureConfig& config, std::ostringstream* out) {
   std::vector<std::string> files;
   std::copy_if(config.files.begin(), config.files.end(), std::back_inserter(files), isOfPictures);
-  for (const std::string& urdf : {config.robot_urdf, config.scene_urdf}) {
+  for (const std::string& urdf : {config.source.robot_urdf, config.source.scene_urdf}) {
     files.push_back(urdf);
     for (const std::string& mesh : model::meshFiles(urdf))
       files.push_back(mesh);
@@ -68,7 +68,7 @@ void add(const RenderConfig& config, std::ostringstream* out) {
 
 }  // namespace
 
-std::string settingsHash(const TrainerConfig& config,
+std::string settingsHash(const PictureConfig& config,
                          const SessionRenderOptions& options,
                          const std::string& camera,
                          const session::SessionPaths& paths,

@@ -16,7 +16,7 @@ namespace raven2_trainer::render {
  * (recording::pictureIdentity).
  * @throw SessionException if a file cannot be read; RenderException without ffmpeg.
  */
-std::string settingsHash(const TrainerConfig& config,
+std::string settingsHash(const PictureConfig& config,
                          const SessionRenderOptions& options,
                          const std::string& camera,
                          const session::SessionPaths& paths,

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/shortest_turn.h"
+#include "raven2_trainer/render/picture_config.h"
 #include "raven2_trainer/render/renderer.h"
 #include "render/near_limits.h"
 #include "render/overlay_text.h"
@@ -269,9 +269,9 @@ void SceneBuilder::Impl::addTrails() {
   }
 }
 
-SceneOptions::SceneOptions(const TrainerConfig& config, OverlaySet wanted)
-    : haptics(config.haptics), overlays(wanted), trails(config.render.trails), stale_after(config.network.stale_after) {
-  for (const ExerciseTrack& track : config.exercise.tracks)
+SceneOptions::SceneOptions(const PictureConfig& config, OverlaySet wanted)
+    : haptics(config.haptics), overlays(wanted), trails(config.render.trails), stale_after(config.stale_after) {
+  for (const ExerciseTrack& track : config.tracks)
     exercise_steps += static_cast<std::uint32_t>(track.steps.size());
 }
 

@@ -89,7 +89,7 @@ std::string describe(const VideoContents& contents, const SessionRenderOptions& 
   std::array<char, 96> span{};
   std::snprintf(span.data(), span.size(), "; %.2f s to %.2f s of the session", from,
                 from + static_cast<double>(contents.count()) / fps);
-  const bool has_inset = options.inset != contents.camera && model::findCamera(render, options.inset) != nullptr;
+  const bool has_inset = options.inset != contents.camera && model::findCamera(render.cameras, options.inset) != nullptr;
   return "Camera " + contents.camera + (has_inset ? ", in the corner " + options.inset : "") + span.data();
 }
 
@@ -173,14 +173,14 @@ void addVerdicts(const std::string& score, std::vector<Snapshot>* frames) {
 /** Everything that draws one frame after the other; made once in each process. */
 class FrameDrawer {
  public:
-  FrameDrawer(const TrainerConfig& config, const VideoContents& contents, const std::string& inset)
+  FrameDrawer(const PictureConfig& config, const VideoContents& contents, const std::string& inset)
       : frames_(contents.frames),
         lead_(contents.lead),
-        raven_(model::loadRavenModel(config)),
+        raven_(model::loadRavenModel(config.source)),
         renderer_(config.render.video_width, config.render.video_height),
-        builder_(raven_, model::loadSceneModel(config), contents.scene, &renderer_),
-        camera_(model::requireCamera(config.render, contents.camera)),
-        inset_(inset != contents.camera ? model::findCamera(config.render, inset) : nullptr) {}
+        builder_(raven_, model::loadSceneModel(config.source), contents.scene, &renderer_),
+        camera_(model::requireCamera(config.render.cameras, contents.camera)),
+        inset_(inset != contents.camera ? model::findCamera(config.render.cameras, inset) : nullptr) {}
 
   /** @param[in] frame of the video. */
   const std::vector<std::uint8_t>& draw(std::size_t frame) {
@@ -236,18 +236,18 @@ void checkOptions(const SessionRenderOptions& options) {
   }
 }
 
-SessionRenderer::SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build)
+SessionRenderer::SessionRenderer(const PictureConfig& config, const std::string& directory, std::string build)
     : config_(config), paths_(session::openSessionDirectory(directory)), build_(std::move(build)) {
   // A video of what there is so far would be taken for the session's.
   if (session::isBeingWritten(paths_)) throw SessionException(directory + ": is still being recorded");
 }
 
 void SessionRenderer::checkFiles(const session::LogSummary& summary) {
-  if (session::fileHash(config_.robot_urdf) != summary.header.robot_urdf_hash) {
-    warnings_.push_back("the robot's description has changed since the session: " + config_.robot_urdf);
+  if (session::fileHash(config_.source.robot_urdf) != summary.header.robot_urdf_hash) {
+    warnings_.push_back("the robot's description has changed since the session: " + config_.source.robot_urdf);
   }
-  if (session::fileHash(config_.scene_urdf) != summary.header.scene_urdf_hash) {
-    warnings_.push_back("the scene's description has changed since the session: " + config_.scene_urdf);
+  if (session::fileHash(config_.source.scene_urdf) != summary.header.scene_urdf_hash) {
+    warnings_.push_back("the scene's description has changed since the session: " + config_.source.scene_urdf);
   }
   if (!summary.clean) warnings_.push_back(paths_.log() + " has no end record: the session did not end well");
   if (summary.bad_bytes > 0)
@@ -286,7 +286,7 @@ VideoContents SessionRenderer::read(const SessionRenderOptions& options) {
   out.scene = SceneOptions(config_, overlaysOf(options));
   out.scene.haptics.tolerance = summary.header.tolerance;
   out.camera = options.camera.empty() ? render.video_camera : options.camera;
-  model::requireCamera(render, out.camera);
+  model::requireCamera(render.cameras, out.camera);
   out.part_frames = static_cast<std::size_t>(kPartSeconds) * static_cast<std::size_t>(render.video_fps);
   return out;
 }
@@ -348,7 +348,7 @@ std::string SessionRenderer::outputOf(const SessionRenderOptions& options) const
 
 std::string SessionRenderer::settingsOf(const SessionRenderOptions& options) const {
   const std::string camera = options.camera.empty() ? config_.render.video_camera : options.camera;
-  return settingsHash(config_, options, model::requireCamera(config_.render, camera).name, paths_, build_);
+  return settingsHash(config_, options, model::requireCamera(config_.render.cameras, camera).name, paths_, build_);
 }
 
 bool SessionRenderer::hasVideo(const SessionRenderOptions& options) const {

@@ -4,9 +4,9 @@
 #include <deque>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/render/render_config.h"
 #include "raven2_trainer/render/scene.h"
 
 namespace raven2_trainer::render {

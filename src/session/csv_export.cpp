@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/active_fault.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/session/active_fault.h"
 #include "raven2_trainer/session/session_log.h"
 
 namespace raven2_trainer::session {

@@ -5,8 +5,8 @@
 
 // What a record looks like in the log, said once. visitFields() names each field of a T in order, with its unit
 // and meaning; the writer, the reader and the schema in the log's first record are three visitors of it, so they
-// cannot drift apart. A new field goes here and nowhere else (and raises kRecordVersion in record_frame.h): that is why this
-// file is long.
+// cannot drift apart. A new field goes here and nowhere else (and raises kRecordVersion in record_frame.h): that is why
+// this file is long.
 
 namespace raven2_trainer::session {
 
@@ -262,7 +262,7 @@ void fieldsOf(Is<Request> /*type*/, Visitor& v, Order& s) {
   v.field("choose_arm", s.choose_arm, "", "plan: 1 the planner chooses the arm");
   v.field("goal", s.goal, "", "plan: where it shall lead");
   v.field("enabled", s.enabled, "",
-          "set_collisions: 1 the arm meets scene and other arm; set_effort: which (core/effort.h)");
+          "set_collisions: 1 the arm meets scene and other arm; set_effort: which (control/effort.h)");
   v.field("on_robot", s.on_robot, "", "execute_plan: 1 the robot moves too");
   v.field("goal_W", s.goal_W, "m", "goal tip: position to reach, in the world frame W");
   v.field("goal_q", s.goal_q, "rad, [2] m", "goal joints: positions to reach; set_effort: Nm and N");

@@ -9,7 +9,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/recovery.h"
 
@@ -39,11 +38,11 @@ std::string unusedStampedDirectory() {
   return name;
 }
 
-Json describeFile(const TrainerConfig& config, const std::string& path) {
+Json describeFile(const ConfigSource& config, const std::string& path) {
   return {{"name", fs::path(path).filename().string()}, {"path", path}, {"fnv1a", readHash(config, path)}};
 }
 
-Json describeFiles(const TrainerConfig& config) {
+Json describeFiles(const ConfigSource& config) {
   Json files = Json::array();
   for (const std::string& path : config.files) {
     files.push_back(describeFile(config, path));
@@ -97,7 +96,7 @@ SessionPaths openSessionDirectory(const std::string& directory) {
   return paths;
 }
 
-void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const TrainerConfig& config) {
+void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const ConfigSource& config) {
   Json json{{"program", meta.program},
             {"version", meta.version},
             {"start_time_utc", meta.start_time_utc},
@@ -185,7 +184,7 @@ std::string textHash(const std::string& text) {
   return hexadecimal(extended(kHashBasis, text.data(), text.size()));
 }
 
-std::string readHash(const TrainerConfig& config, const std::string& path) {
+std::string readHash(const ConfigSource& config, const std::string& path) {
   const auto found = config.overridden.find(path);
   return found == config.overridden.end() ? fileHash(path) : textHash(found->second);
 }

@@ -125,13 +125,11 @@ std::vector<std::string> schedulingReasons(const RuntimeConfig& config) {
   return reasons;
 }
 
-void demandRealtime(const TrainerConfig& config) {
-  std::vector<std::string> reasons = schedulingReasons(config.runtime);
+void demandRealtime(const RuntimeConfig& config, const std::vector<std::string>& files) {
+  std::vector<std::string> reasons = schedulingReasons(config);
   const MemoryLock memory = lockMemory();
   if (!memory.locked) reasons.push_back(memory.words);
   append(preloadReasons(std::getenv("LD_PRELOAD"), "/etc/ld.so.preload"), &reasons);
-  std::vector<std::string> files = config.files;
-  append({config.robot_urdf, config.scene_urdf}, &files);
   append(writableReasons(files), &reasons);
   if (reasons.empty()) return;
   std::string text = "--strict:";

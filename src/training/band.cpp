@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raven2_trainer/core/metric_names.h"
+#include "raven2_trainer/training/metric_names.h"
 
 namespace raven2_trainer::training {
 

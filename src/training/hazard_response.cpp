@@ -328,7 +328,7 @@ Tick watchOf(const ResponseRule& rule) noexcept {
   return static_cast<Tick>(std::ceil(rule.within / kTickSeconds)) + disengagedFor(kLongestHabit);
 }
 
-ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand) {
+ForceMotion explainByForce(const std::vector<HandSample>& samples, const HandConfig& hand) {
   ForceMotion motion;
   for (const Arm arm : kArms) {
     haptics::HandModel model(hand);

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/core/camera_config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "training/hold_watch.h"
 #include "training/judge_scene.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "raven2_trainer/core/metric_names.h"
 #include "raven2_trainer/core/ticks.h"
+#include "raven2_trainer/training/metric_names.h"
 #include "training/units.h"
 
 namespace raven2_trainer::training {

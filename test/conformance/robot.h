@@ -8,8 +8,8 @@
 #include <string>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/control/axis_map.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/board_channels.h"

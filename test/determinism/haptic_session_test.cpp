@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "raven2_trainer/console/make_motion.h"
-#include "raven2_trainer/core/impairment.h"
+#include "raven2_trainer/impair/impairment.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/lockstep/lockstep.h"
 #include "support/effort.h"

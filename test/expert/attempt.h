@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_training.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/console/script.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/lockstep/lockstep_stack.h"
 #include "raven2_trainer/model/raven_model.h"

@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/control/joint_pid.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/physics/raven_world.h"

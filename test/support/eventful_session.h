@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/lockstep/lockstep.h"
 #include "raven2_trainer/loop/planner_worker.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::testing {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/control/path_follower.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "support/made_up_session.h"
 #include "support/rig.h"

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/control/axis_map.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/loop/fault_director.h"
 #include "raven2_trainer/loop/haptic_loop.h"
 #include "raven2_trainer/loop/master_ingest.h"

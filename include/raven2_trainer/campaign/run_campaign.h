@@ -7,7 +7,7 @@
 #include "raven2_trainer/campaign/outcome.h"
 #include "raven2_trainer/campaign/plan.h"
 #include "raven2_trainer/campaign/results.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/lockstep/lockstep_stack.h"
 
 namespace raven2_trainer::campaign {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "raven2_trainer/core/band.h"
+#include "raven2_trainer/training/band.h"
 
 namespace raven2_trainer::config {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/curriculum.h"
+#include "raven2_trainer/training/curriculum.h"
 
 namespace raven2_trainer::config {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/impairment.h"
+#include "raven2_trainer/impair/impairment.h"
 
 namespace raven2_trainer::config {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/plan_problem.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/planning/plan_problem.h"
 
 namespace raven2_trainer::config {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/scenario.h"
+#include "raven2_trainer/faults/scenario.h"
 
 namespace raven2_trainer::config {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "raven2_trainer/core/stream_profile.h"
+#include "raven2_trainer/wire/stream_profile.h"
 
 namespace raven2_trainer::config {
 

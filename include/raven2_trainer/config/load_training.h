@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 
 namespace raven2_trainer::config {
 

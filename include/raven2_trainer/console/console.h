@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/console/console_config.h"
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/pedals.h"
 #include "raven2_trainer/core/sight.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::console {

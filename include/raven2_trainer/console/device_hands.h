@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "raven2_trainer/console/console.h"
-#include "raven2_trainer/core/master.h"
+#include "raven2_trainer/console/master.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::console {

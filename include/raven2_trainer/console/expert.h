@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "raven2_trainer/console/console.h"
+#include "raven2_trainer/console/console_config.h"
 #include "raven2_trainer/console/truth_log.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/scene_roles.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::console {
 

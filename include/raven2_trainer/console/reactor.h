@@ -4,7 +4,7 @@
 
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/console/truth_log.h"
-#include "raven2_trainer/core/perception.h"
+#include "raven2_trainer/haptics/perception.h"
 
 namespace raven2_trainer::console {
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "raven2_trainer/control/controller_config.h"
 #include "raven2_trainer/control/joint_pid.h"
-#include "raven2_trainer/core/model_config.h"
 
 namespace raven2_trainer::control {
 
@@ -15,7 +15,7 @@ struct JointTarget {
  *  that arm's gains. One law for the live model and for what is predicted of it. Real-time safe. */
 class ArmController {
  public:
-  ArmController(const ModelConfig& config, Arm arm) noexcept;
+  ArmController(const ControllerConfig& config, Arm arm) noexcept;
 
   /** Forgets the integral: the arm starts anew from where it is. */
   void reset() noexcept { pid_.reset(); }

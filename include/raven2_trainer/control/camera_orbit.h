@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/core/camera_config.h"
 #include "raven2_trainer/core/state.h"
 
 namespace raven2_trainer::control {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "raven2_trainer/core/model_config.h"
+#include "raven2_trainer/control/controller_config.h"
 
 namespace raven2_trainer::control {
 

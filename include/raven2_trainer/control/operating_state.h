@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/control/servo.h"
 
 namespace raven2_trainer::control {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "raven2_trainer/control/arm_controller.h"
+#include "raven2_trainer/control/execution_config.h"
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/execution_config.h"
 
 namespace raven2_trainer::control {
 

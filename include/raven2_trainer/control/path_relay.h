@@ -3,9 +3,9 @@
 #include <array>
 
 #include "raven2_trainer/control/arm_controller.h"
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::control {
 

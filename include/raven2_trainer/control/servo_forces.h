@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/effort.h"
-#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/control/effort.h"
+#include "raven2_trainer/control/servo.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 // Forces and the Jacobian in the joints that CRTK clients use: shoulder to wrist, the jaws' mid-line, and beside them
 // the jaws' opening. Pure; real-time safe.

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/crtk_config.h"
-#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/control/crtk_config.h"
+#include "raven2_trainer/control/servo.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::control {
 

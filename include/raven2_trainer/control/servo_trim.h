@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::control {
 

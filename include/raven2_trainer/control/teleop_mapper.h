@@ -1,7 +1,7 @@
 #pragma once
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::control {
 

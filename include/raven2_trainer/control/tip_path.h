@@ -1,8 +1,8 @@
 #pragma once
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/guide_path.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::control {
 

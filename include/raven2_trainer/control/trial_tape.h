@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "raven2_trainer/core/execution_config.h"
+#include "raven2_trainer/control/execution_config.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::control {

@@ -66,7 +66,7 @@ enum class RequestKind : std::uint8_t {
   kStartExercise,   ///< anew: scene and arms' objects back to where they were, timer and mistakes at nothing
   kBeginReplay,     ///< the model shows a recorded session
   kEndReplay,
-  kSetEffort,  ///< of a CRTK client, to `arm` of the model (core/effort.h); asked for within the daemon only
+  kSetEffort,  ///< of a CRTK client, to `arm` of the model (control/effort.h); asked for within the daemon only
 };
 constexpr std::size_t kRequestKindCount = 25;
 constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{

@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/console.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/loop/pedal_beat.h"
 #include "raven2_trainer/net/itp_sender.h"
 #include "raven2_trainer/net/udp_receiver.h"

@@ -4,9 +4,9 @@
 #include <functional>
 #include <memory>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/record.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::daemon {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/render/render_config.h"
 
 namespace raven2_trainer::daemon {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/daemon/live_pace.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/render/picture_line.h"

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/net/udp_sender.h"
 
 namespace raven2_trainer::daemon {

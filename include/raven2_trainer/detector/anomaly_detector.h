@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/detector_config.h"
 #include "raven2_trainer/core/types.h"
+#include "raven2_trainer/detector/detector_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::detector {
 

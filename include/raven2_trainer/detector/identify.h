@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "raven2_trainer/core/detector_config.h"
+#include "raven2_trainer/detector/detector_config.h"
 
 // Set-up, not real time: what the detector is told of a robot, from commands and encoders of fault-free runs.
 

@@ -4,19 +4,19 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/faults/fault_library.h"
 
 namespace raven2_trainer::faults {
 
 /** Fault::id of a scenario by its name; 0 for a name that is not in the library. */
-std::uint32_t idOf(const std::vector<Scenario>& library, const std::string& name) noexcept;
+std::uint32_t idOf(const std::vector<Scenario>& scenarios, const std::string& name) noexcept;
 
 /** The plan that arms one scenario (id from idOf; 0 = nothing), drawing from the configuration's seed; an empty one
  *  where injection is not enabled. */
-FaultPlan planFor(const TrainerConfig& config, std::uint32_t id, std::uint64_t generation);
+FaultPlan planFor(const FaultLibrary& library, std::uint32_t id, std::uint64_t generation);
 
 /** Is the hazard that is armed at the start the exercise's drill? */
-bool isDrill(const TrainerConfig& config) noexcept;
+bool isDrill(const FaultLibrary& library) noexcept;
 
 /**
  * The drill of one attempt: the rows of its scenario, each to come once and for certain, on the exercise's trigger
@@ -25,6 +25,6 @@ bool isDrill(const TrainerConfig& config) noexcept;
  * a drill, or where injection is not enabled.
  * @param[in] attempt ExerciseState::attempt.
  */
-FaultPlan drillPlan(const TrainerConfig& config, std::uint32_t attempt, std::uint64_t generation);
+FaultPlan drillPlan(const FaultLibrary& library, std::uint32_t attempt, std::uint64_t generation);
 
 }  // namespace raven2_trainer::faults

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "raven2_trainer/core/console_config.h"
+#include "raven2_trainer/haptics/hand_config.h"
 
 namespace raven2_trainer::haptics {
 
@@ -14,7 +14,7 @@ namespace raven2_trainer::haptics {
  */
 class HandModel {
  public:
-  explicit HandModel(const ConsoleConfig& config) noexcept;
+  explicit HandModel(const HandConfig& config) noexcept;
 
   /** One millisecond under `force` [N]. */
   void step(const Eigen::Vector3d& force) noexcept;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/haptics_config.h"
+#include "raven2_trainer/haptics/haptics_config.h"
 
 namespace raven2_trainer::haptics {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "raven2_trainer/core/guide_path.h"
-#include "raven2_trainer/core/haptics_config.h"
+#include "raven2_trainer/haptics/haptics_config.h"
 
 namespace raven2_trainer::haptics {
 

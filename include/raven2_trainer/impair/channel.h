@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/impair/delay_model.h"
+#include "raven2_trainer/impair/impairment.h"
 #include "raven2_trainer/impair/loss_model.h"
 #include "raven2_trainer/impair/outage_clock.h"
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/impair/impairment.h"
 
 namespace raven2_trainer::impair {
 

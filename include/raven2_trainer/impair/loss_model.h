@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/impair/impairment.h"
 
 namespace raven2_trainer::impair {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/impair/impairment.h"
 
 namespace raven2_trainer::impair {
 

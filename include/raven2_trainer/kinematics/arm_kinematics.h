@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::kinematics {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/console.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/impairment.h"
+#include "raven2_trainer/impair/impairment.h"
 #include "raven2_trainer/lockstep/lockstep_stack.h"
 #include "raven2_trainer/session/session_directory.h"
 

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/console.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/impairment.h"
-#include "raven2_trainer/core/raven_report.h"
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/impair/impairment.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/raven/control_software.h"
+#include "raven2_trainer/raven/raven_report.h"
 
 namespace raven2_trainer::lockstep {
 

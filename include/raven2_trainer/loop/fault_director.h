@@ -1,7 +1,7 @@
 #pragma once
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/faults/fault_library.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 
@@ -15,7 +15,7 @@ namespace raven2_trainer::loop {
 class FaultDirector {
  public:
   /** Arms config.hazard; as the drill of the first attempt if it is one. */
-  FaultDirector(const TrainerConfig& config, SharedState* shared);
+  FaultDirector(const faults::FaultLibrary& library, SharedState* shared);
   void tick();
 
   /** Whether there is room for a scenario's plan beside what is armed. */
@@ -28,7 +28,7 @@ class FaultDirector {
   void add(const FaultPlan& added);
   void publish(FaultPlan next);
 
-  const TrainerConfig& config_;
+  const faults::FaultLibrary library_;
   SharedState& shared_;
   FaultPlan plan_{};
   std::uint32_t armings_{0};

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "raven2_trainer/core/contact.h"
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 

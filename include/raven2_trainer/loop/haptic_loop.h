@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/haptics/force_limiter.h"
 #include "raven2_trainer/haptics/passivity_guard.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::loop {
 
@@ -28,7 +28,7 @@ namespace raven2_trainer::loop {
  */
 class HapticLoop {
  public:
-  HapticLoop(const TrainerConfig& config, SharedState* shared);
+  HapticLoop(const LoopConfig& config, SharedState* shared);
   /** @param[in] now_ns CLOCK_MONOTONIC, judges the age of both states. */
   void tick(std::int64_t now_ns) noexcept;
 

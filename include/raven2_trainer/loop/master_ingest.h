@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/itp_rules.h"
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/loop/pedal_gate.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/wire/itp_gate.h"
+#include "raven2_trainer/wire/itp_rules.h"
 #include "raven2_trainer/wire/stream_watch.h"
 #include "raven2_trainer/wire/token_bucket.h"
 

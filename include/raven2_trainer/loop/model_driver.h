@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "raven2_trainer/control/arm_controller.h"
-#include "raven2_trainer/core/effort.h"
-#include "raven2_trainer/core/model_config.h"
+#include "raven2_trainer/control/effort.h"
 #include "raven2_trainer/physics/arm_world.h"
+#include "raven2_trainer/physics/model_config.h"
 #include "raven2_trainer/physics/raven_world.h"
 
 namespace raven2_trainer::loop {

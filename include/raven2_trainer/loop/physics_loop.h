@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::loop {
@@ -33,7 +33,7 @@ constexpr double kTrialLimit = 120.0;
 class PhysicsLoop {
  public:
   /** @param[in] config outlives the loop. @param[in] trial_limit [s] longest virtual trial. @throw ModelException. */
-  PhysicsLoop(const TrainerConfig& config,
+  PhysicsLoop(const LoopConfig& config,
               const model::RavenModel& raven,
               const model::SceneModel& scene,
               SharedState* shared,

@@ -3,9 +3,9 @@
 #include <atomic>
 
 #include "raven2_trainer/control/path_relay.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/plan_counts.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/plan_counts.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/planning/path_planner.h"
 
 namespace raven2_trainer::loop {
@@ -13,7 +13,7 @@ namespace raven2_trainer::loop {
 /** Body of the planner thread. Allocates, takes as long as it takes; never on a real-time thread. */
 class PlannerWorker {
  public:
-  PlannerWorker(const TrainerConfig& config,
+  PlannerWorker(const LoopConfig& config,
                 const model::RavenModel& raven,
                 const model::SceneModel& scene,
                 SharedState* shared);

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/impair/channel.h"
+#include "raven2_trainer/loop/loop_config.h"
 #include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::loop {
@@ -21,8 +21,7 @@ class RelayChannel {
  public:
   using Send = std::function<void(const wire::ItpPacket&)>;
 
-  /** @param[in] config outlives this. */
-  explicit RelayChannel(const TrainerConfig& config) : config_(config) {}
+  explicit RelayChannel(const LoopConfig& config) : config_(config) {}
 
   /** One packet in; whatever comes out by now is sent. Calls in order of time. */
   void pass(const RelayPacket& packet, std::int64_t now_ns, const Send& send);
@@ -36,7 +35,7 @@ class RelayChannel {
   void begin(std::uint32_t impairment, std::int64_t now_ns);
   void end();
 
-  const TrainerConfig& config_;
+  const LoopConfig config_;
   std::optional<impair::Channel> channel_;
   FaultedPackets before_{};  ///< of the channels before this one
   std::uint64_t cut_{0};     ///< came out too short to be a packet

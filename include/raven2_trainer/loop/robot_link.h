@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/wire/frame_delay.h"
 #include "raven2_trainer/wire/robot_frame.h"
 
@@ -29,7 +29,7 @@ class RobotLink {
 
   /** @param[in] session tells this daemon's run from every other: a robot goes on with the faults of the session it
    *  knows, and begins anew with another's. */
-  RobotLink(const TrainerConfig& config, SharedState* shared, std::uint32_t session = 0);
+  RobotLink(const LoopConfig& config, SharedState* shared, std::uint32_t session = 0);
 
   /** The TCP connection came up, or went away. */
   void connected() noexcept;

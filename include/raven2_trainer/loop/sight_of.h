@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/sight.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::loop {
 

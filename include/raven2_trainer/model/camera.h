@@ -1,8 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/core/camera_config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
@@ -19,10 +20,10 @@ struct Camera {
   bool project(const Vector3& p_W, double* u, double* v) const noexcept;
 };
 
-/** Camera of the configuration by name; null if it has none of this name. */
-const CameraConfig* findCamera(const RenderConfig& config, const std::string& name) noexcept;
+/** The camera of this name; null if there is none. */
+const CameraConfig* findCamera(const std::vector<CameraConfig>& cameras, const std::string& name) noexcept;
 /** The same. @throw ConfigException listing the known names. */
-const CameraConfig& requireCamera(const RenderConfig& config, const std::string& name);
+const CameraConfig& requireCamera(const std::vector<CameraConfig>& cameras, const std::string& name);
 
 /** Where the configuration puts it. */
 Camera makeCamera(const CameraConfig& config, int width, int height) noexcept;

@@ -3,15 +3,10 @@
 #include <array>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/model/model_source.h"
 #include "raven2_trainer/model/robot_model.h"
-
-namespace raven2_trainer {
-
-struct TrainerConfig;  // core/config.h
-
-}  // namespace raven2_trainer
 
 namespace raven2_trainer::model {
 
@@ -56,9 +51,9 @@ Matrix3 armBaseRotation(Arm arm) noexcept;
  * Reads both files of the configuration.
  * @throw ModelException also if a joint or link named in raven2.md 5.5 is missing, if an arm's URDF chain and its DH
  * chain disagree by more than 1e-9, if the scene has more than kMaxSceneBodies bodies that can move, or if
- * TrainerConfig::roles names a link that is not there or cannot have that role.
+ * ModelSource::roles names a link that is not there or cannot have that role.
  */
-RavenModel loadRavenModel(const TrainerConfig& config);
-SceneModel loadSceneModel(const TrainerConfig& config);
+RavenModel loadRavenModel(const ModelSource& config);
+SceneModel loadSceneModel(const ModelSource& config);
 
 }  // namespace raven2_trainer::model

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/core/network_config.h"
+#include "raven2_trainer/net/network_config.h"
 #include "raven2_trainer/wire/itp_key.h"
 #include "raven2_trainer/wire/itp_session.h"
 

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/model_config.h"
 
 namespace raven2_trainer::physics {
 

@@ -8,9 +8,9 @@
 
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/exercise.h"
-#include "raven2_trainer/core/model_config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/model_config.h"
 #include "raven2_trainer/physics/scene_snapshot.h"
 
 namespace raven2_trainer::physics {

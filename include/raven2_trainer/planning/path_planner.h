@@ -7,9 +7,9 @@
 #include <string>
 
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/model_config.h"
-#include "raven2_trainer/core/planner_config.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/model_config.h"
+#include "raven2_trainer/planning/planner_config.h"
 
 namespace raven2_trainer::planning {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/plant/motor_recording.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 
 namespace raven2_trainer::plant {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "raven2_trainer/core/scenario.h"
+#include "raven2_trainer/faults/scenario.h"
 
 namespace raven2_trainer::preload {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/impairment.h"
 #include "raven2_trainer/impair/channel.h"
+#include "raven2_trainer/impair/impairment.h"
 
 namespace raven2_trainer::proxy {
 

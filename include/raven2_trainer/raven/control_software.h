@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <memory>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/detector_config.h"
-#include "raven2_trainer/core/raven_report.h"
 #include "raven2_trainer/core/state.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
+#include "raven2_trainer/detector/detector_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/raven/raven_report.h"
 #include "raven2_trainer/raven/usb_packets.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 #include "raven2_trainer/wire/itp_session.h"
 
 namespace raven2_trainer::raven {

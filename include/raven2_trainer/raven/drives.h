@@ -1,8 +1,8 @@
 #pragma once
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 
 namespace raven2_trainer::raven {
 

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/band.h"
-#include "raven2_trainer/core/curriculum.h"
 #include "raven2_trainer/session/session_directory.h"
+#include "raven2_trainer/training/band.h"
 #include "raven2_trainer/training/curriculum.h"
 #include "raven2_trainer/training/session_index.h"
 #include "raven2_trainer/training/session_score.h"

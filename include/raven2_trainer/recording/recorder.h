@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/session/flight_recorder.h"
 #include "raven2_trainer/session/session_directory.h"
 #include "raven2_trainer/session/session_log.h"

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/planning/path_planner.h"
 #include "raven2_trainer/training/transit.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace raven2_trainer::recording {

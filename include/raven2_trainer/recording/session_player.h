@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::recording {
 

@@ -5,17 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "raven2_trainer/core/haptics_config.h"
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/haptics/haptics_config.h"
 #include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/model/mesh.h"
+#include "raven2_trainer/render/picture_config.h"
+#include "raven2_trainer/render/render_config.h"
 #include "raven2_trainer/render/scene.h"
-
-namespace raven2_trainer {
-
-struct TrainerConfig;  // core/config.h
-
-}  // namespace raven2_trainer
 
 namespace raven2_trainer::render {
 
@@ -69,7 +64,7 @@ class Renderer {
 struct SceneOptions {
   SceneOptions(const HapticGains& haptic_gains, OverlaySet wanted = OverlaySet::all())
       : haptics(haptic_gains), overlays(wanted) {}
-  SceneOptions(const TrainerConfig& config, OverlaySet wanted);
+  SceneOptions(const PictureConfig& config, OverlaySet wanted);
 
   HapticGains haptics;
   OverlaySet overlays;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/render/picture_config.h"
 #include "raven2_trainer/render/scene.h"
 #include "raven2_trainer/session/session_directory.h"
 #include "raven2_trainer/session/session_log.h"
@@ -57,7 +57,7 @@ class SessionRenderer {
    * are drawn again.
    * @throw SessionException if the directory holds no session, or one that is still being recorded.
    */
-  SessionRenderer(const TrainerConfig& config, const std::string& directory, std::string build);
+  SessionRenderer(const PictureConfig& config, const std::string& directory, std::string build);
 
   /** Whether the video that run() would write is there: whole, and of this log, these options, this configuration and
    * this build. Reads the log for its hash. @throw as run() does for options and missing files. */
@@ -94,7 +94,7 @@ class SessionRenderer {
                   const Progress& progress);
   std::string settingsOf(const SessionRenderOptions& options) const;
 
-  TrainerConfig config_;
+  const PictureConfig config_;
   session::SessionPaths paths_;
   std::string build_;
   std::uint64_t reused_{0};

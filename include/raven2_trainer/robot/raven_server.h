@@ -5,9 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/raven_automove.h"
-#include "raven2_trainer/core/raven_report.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state_cell.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -15,6 +13,8 @@
 #include "raven2_trainer/net/udp_receiver.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
+#include "raven2_trainer/raven/raven_report.h"
+#include "raven2_trainer/robot/raven_automove.h"
 #include "raven2_trainer/robot/state_server.h"
 #include "raven2_trainer/threads/cyclic_thread.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/master.h"
+#include "raven2_trainer/console/master.h"
 #include "raven2_trainer/ros/ros_face.h"
 
 namespace raven2_trainer::ros_bridge {

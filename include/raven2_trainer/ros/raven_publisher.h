@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/robot/raven_server.h"
 #include "raven2_trainer/ros/ros_face.h"
 

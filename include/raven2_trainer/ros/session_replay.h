@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/ros/ros_face.h"
 #include "raven2_trainer/session/session_directory.h"
 

@@ -3,11 +3,7 @@
 #include <map>
 #include <string>
 
-namespace raven2_trainer {
-
-struct TrainerConfig;  // core/config.h
-
-}  // namespace raven2_trainer
+#include "raven2_trainer/session/config_source.h"
 
 namespace raven2_trainer::session {
 
@@ -53,7 +49,7 @@ struct SessionMeta {
 
 /** Writes meta.json: the meta, seed, hazard, and name and FNV-1a hash of every configuration file, as it was read;
  * "overridden" where that is not as it stands. */
-void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const TrainerConfig& config);
+void writeMeta(const SessionPaths& paths, const SessionMeta& meta, const ConfigSource& config);
 
 /** SessionMeta::build of a session; empty if there is no readable meta.json or nothing in it about the build. */
 std::map<std::string, std::string> readBuild(const SessionPaths& paths);
@@ -74,6 +70,6 @@ std::string fileHash(const std::string& path);
 std::string textHash(const std::string& text);
 
 /** The same of one of the configuration's files, as it was read: with what parameters override in it. */
-std::string readHash(const TrainerConfig& config, const std::string& path);
+std::string readHash(const ConfigSource& config, const std::string& path);
 
 }  // namespace raven2_trainer::session

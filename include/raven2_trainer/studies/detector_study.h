@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/studies/detector_trial.h"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
 

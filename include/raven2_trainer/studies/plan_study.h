@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/plan_problem.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/loop/path_tracker.h"
 #include "raven2_trainer/planning/path_planner.h"
+#include "raven2_trainer/planning/plan_problem.h"
 
 // What stands behind the program `plan`: one problem planned and tracked again and again (paper, 3.3, Table 2).
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/raven_report.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/raven/raven_report.h"
 
 namespace raven2_trainer::studies {
 

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "raven2_trainer/core/record.h"
-#include "raven2_trainer/core/runtime_config.h"
 #include "raven2_trainer/core/state_cell.h"
+#include "raven2_trainer/threads/runtime_config.h"
 
 namespace raven2_trainer::threads {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/threads/runtime_config.h"
 
 // What a real-time program asks of the machine it starts on. Each function that returns texts returns one for each
 // reason against it, in words for the operator; none means all is well.
@@ -40,7 +40,8 @@ std::vector<std::string> writableReasons(const std::vector<std::string>& files);
 /** Threads to which SCHED_FIFO is refused: tried on a short-lived thread each. */
 std::vector<std::string> schedulingReasons(const RuntimeConfig& config);
 
-/** All of the above for this process, memory included. @throw RealtimeException that names every reason. */
-void demandRealtime(const TrainerConfig& config);
+/** All of the above for this process, memory included. @param[in] files that decide over it. @throw RealtimeException
+ * that names every reason. */
+void demandRealtime(const RuntimeConfig& config, const std::vector<std::string>& files);
 
 }  // namespace raven2_trainer::threads

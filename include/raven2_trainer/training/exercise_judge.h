@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/core/camera_config.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/exercise.h"
-#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::training {

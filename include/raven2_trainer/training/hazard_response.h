@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/console_config.h"
 #include "raven2_trainer/core/exercise.h"
-#include "raven2_trainer/core/perception.h"
 #include "raven2_trainer/core/types.h"
+#include "raven2_trainer/haptics/hand_config.h"
+#include "raven2_trainer/haptics/perception.h"
 #include "raven2_trainer/training/contact_tally.h"
 
 // What a surgeon could notice of a hazard, and did about it. Ours (field.md 5.4, "reaction time to hazard"); thresholds
@@ -77,7 +77,7 @@ struct HazardWindow {
 using ForceMotion = PerArm<std::vector<Vec3>>;  // [m] [@frame I]
 
 /** The hand of config/console.yaml under the samples' forces, from rest at the first. */
-ForceMotion explainByForce(const std::vector<HandSample>& samples, const ConsoleConfig& hand);
+ForceMotion explainByForce(const std::vector<HandSample>& samples, const HandConfig& hand);
 
 struct TimedResponse {
   Response response{Response::kNone};

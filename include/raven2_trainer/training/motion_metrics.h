@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/camera_config.h"
 #include "raven2_trainer/core/record.h"
-#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/training/contact_tally.h"

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/band.h"
 #include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/training/band.h"
 #include "raven2_trainer/training/hazard_response.h"

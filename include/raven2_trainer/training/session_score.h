@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/band.h"
-#include "raven2_trainer/core/console_config.h"
+#include "raven2_trainer/haptics/hand_config.h"
 #include "raven2_trainer/session/session_log.h"
+#include "raven2_trainer/training/band.h"
 #include "raven2_trainer/training/score.h"
 #include "raven2_trainer/training/transit.h"
 
@@ -19,7 +19,7 @@ namespace raven2_trainer::training {
 struct ScoreSettings {
   MotionSettings motion;
   std::vector<ExerciseTrack> tracks;  ///< of the exercise, for the ways to where its steps wait for a tip
-  ConsoleConfig hand;                 ///< mass, stiffness, damping: what forces explain of its motion
+  HandConfig hand;                    ///< mass, stiffness, damping: what forces explain of its motion
   ResponseRule response;              ///< to a hazard
   Standard standard;                  ///< of its attempts
   WayPlanner plan;                    ///< of transits; none: no economy

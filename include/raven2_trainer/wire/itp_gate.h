@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/itp_rules.h"
 #include "raven2_trainer/wire/itp.h"
+#include "raven2_trainer/wire/itp_rules.h"
 #include "raven2_trainer/wire/sequence_rule.h"
 #include "raven2_trainer/wire/sequence_window.h"
 #include "raven2_trainer/wire/session_table.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "raven2_trainer/core/stream_profile.h"
 #include "raven2_trainer/wire/itp.h"
+#include "raven2_trainer/wire/stream_profile.h"
 
 namespace raven2_trainer::wire {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "raven2_trainer/core/stream_finding.h"
+#include "raven2_trainer/wire/stream_finding.h"
 
 namespace raven2_trainer::wire {
 

@@ -5,7 +5,7 @@
 
 #include "raven2_trainer/config/load_training.h"
 #include "raven2_trainer/config/overrides.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 
 namespace CLI {
 class App;

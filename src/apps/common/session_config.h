@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/session/session_directory.h"
 
 namespace raven2_trainer::apps {

@@ -28,7 +28,7 @@ PlanRequest toPlanRequest(const Request& request, const PerArm<JointArray>& stan
 
 }  // namespace
 
-PlanDesk::PlanDesk(const TrainerConfig& config,
+PlanDesk::PlanDesk(const LoopConfig& config,
                    const model::RavenModel& raven,
                    const model::SceneModel& scene,
                    Answers* answers,
@@ -38,8 +38,7 @@ PlanDesk::PlanDesk(const TrainerConfig& config,
       answers_(*answers),
       shared_(*shared),
       execution_(config.execution),
-      relay_(config.arms.geometry,
-             {static_cast<double>(config.network.itp.max_increment_um), config.network.itp.max_rotation}),
+      relay_(config.arms.geometry, {static_cast<double>(config.itp.max_increment_um), config.itp.max_rotation}),
       gauge_(raven, scene) {}
 
 std::uint32_t PlanDesk::guidePlan() const noexcept {

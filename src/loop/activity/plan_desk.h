@@ -6,8 +6,8 @@
 #include "raven2_trainer/control/execution_tally.h"
 #include "raven2_trainer/control/path_execution.h"
 #include "raven2_trainer/control/path_relay.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/planning/clearance_gauge.h"
 
 namespace raven2_trainer::loop {
@@ -22,7 +22,7 @@ namespace raven2_trainer::loop {
 class PlanDesk {
  public:
   /** @throw ModelException for a collision shape that is a mesh. */
-  PlanDesk(const TrainerConfig& config,
+  PlanDesk(const LoopConfig& config,
            const model::RavenModel& raven,
            const model::SceneModel& scene,
            Answers* answers,

@@ -9,7 +9,7 @@ using control::Event;
 Planning::Planning(const model::RavenModel& raven, const model::SceneModel& scene, Stage* stage)
     : Activity(stage),
       desk_(stage->config, raven, scene, &stage->answers, &stage->shared),
-      is_scheduled_(stage->config.runtime.plan_at >= 0.0) {}
+      is_scheduled_(stage->config.plan_at >= 0.0) {}
 
 PlanningAnswer Planning::plan(Request request) noexcept {
   const bool is_busy = mode() == Mode::kPlanning || desk_.isFull();
@@ -32,7 +32,7 @@ std::uint32_t Planning::nextOwnId() noexcept {
 
 void Planning::planBySchedule() noexcept {
   if (!is_scheduled_) return;
-  const auto due = static_cast<Tick>(std::llround(stage_.config.runtime.plan_at / kTickSeconds));
+  const auto due = static_cast<Tick>(std::llround(stage_.config.plan_at / kTickSeconds));
   if (stage_.state.session_tick < due || mode() != Mode::kPedalUp || stage_.pedal.is_down) return;
   is_scheduled_ = false;
   Request request;

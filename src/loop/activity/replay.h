@@ -1,7 +1,7 @@
 #pragma once
 
 #include "loop/activity/activity.h"
-#include "raven2_trainer/core/replay_frame.h"
+#include "raven2_trainer/loop/replay_frame.h"
 
 namespace raven2_trainer::loop {
 

@@ -1,6 +1,6 @@
 #include "loop/activity/teleoperation.h"
 
-#include "raven2_trainer/core/effort.h"
+#include "raven2_trainer/control/effort.h"
 
 namespace raven2_trainer::loop {
 

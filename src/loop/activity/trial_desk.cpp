@@ -27,7 +27,7 @@ control::IncrementLimits limitsOf(const ItpRules& rules) {
 
 }  // namespace
 
-TrialDesk::TrialDesk(const TrainerConfig& config,
+TrialDesk::TrialDesk(const LoopConfig& config,
                      const model::RavenModel& raven,
                      const model::SceneModel& scene,
                      Answers* answers,
@@ -39,8 +39,8 @@ TrialDesk::TrialDesk(const TrainerConfig& config,
       shared_(*shared),
       tape_(static_cast<std::size_t>(std::llround(limit / kTickSeconds))),
       execution_(config.execution),
-      relays_{control::PathRelay(config.arms.geometry, limitsOf(config.network.itp)),
-              control::PathRelay(config.arms.geometry, limitsOf(config.network.itp))},
+      relays_{control::PathRelay(config.arms.geometry, limitsOf(config.itp)),
+              control::PathRelay(config.arms.geometry, limitsOf(config.itp))},
       gauge_(raven, scene) {}
 
 void TrialDesk::open(const PerArm<JointArray>& standing) noexcept {

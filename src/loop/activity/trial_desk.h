@@ -4,8 +4,8 @@
 #include "raven2_trainer/control/execution_tally.h"
 #include "raven2_trainer/control/path_relay.h"
 #include "raven2_trainer/control/trial_tape.h"
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/planning/clearance_gauge.h"
 
 namespace raven2_trainer::loop {
@@ -19,7 +19,7 @@ namespace raven2_trainer::loop {
 class TrialDesk {
  public:
   /** @param[in] limit [s] longest trial that is kept. @throw ModelException for a collision shape that is a mesh. */
-  TrialDesk(const TrainerConfig& config,
+  TrialDesk(const LoopConfig& config,
             const model::RavenModel& raven,
             const model::SceneModel& scene,
             Answers* answers,

@@ -30,7 +30,7 @@ tf2_msgs::TFMessage fixedFrames(const model::RavenModel& raven, const RenderConf
       if (fixed[i]) message.transforms.push_back(transform(poses[i], prefix + links[i].name, stamp));
   }
   for (const std::string& name : liveCameras(render)) {
-    const CameraConfig& config = model::requireCamera(render, name);
+    const CameraConfig& config = model::requireCamera(render.cameras, name);
     if (config.moves != CameraMoves::kNever) continue;
     message.transforms.push_back(transform(model::makeCamera(config, 2, 2).X_WC, opticalFrame(name), stamp));
   }

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/render/render_config.h"
 
 namespace raven2_trainer::ros_bridge {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "raven2_trainer/core/overlays.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/render/overlays.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -7,7 +7,7 @@
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/model/raven_model.h"
 
-// Contacts and forces as markers of RViz, in frame world and in the picture's colours (core/overlays.h). What is not
+// Contacts and forces as markers of RViz, in frame world and in the picture's colours (render/overlays.h). What is not
 // finite is left out.
 
 namespace raven2_trainer::ros_bridge {

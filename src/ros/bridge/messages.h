@@ -13,11 +13,11 @@
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/record.h"
-#include "raven2_trainer/core/render_config.h"
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/daemon/render_loop.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/loop/shared_state.h"
+#include "raven2_trainer/render/render_config.h"
 
 // Our structs to ROS messages. Names and joint coordinates as the real robot's /joint_states (raven2.md 5.4).
 

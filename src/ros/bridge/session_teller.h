@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/session/replay_timeline.h"
 #include "raven2_trainer/session/session_directory.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "raven2_trainer/SessionConfiguration.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 
 namespace raven2_trainer::ros_bridge {
 

@@ -104,7 +104,7 @@ void StateTopics::addCameras(const ModelState& model,
                              std::vector<geometry_msgs::TransformStamped>* transforms) {
   const RenderConfig& render = source_.config.render;
   for (const std::string& name : liveCameras(render)) {
-    const CameraConfig& config = model::requireCamera(render, name);
+    const CameraConfig& config = model::requireCamera(render.cameras, name);
     if (config.moves == CameraMoves::kNever) continue;
     const model::Camera camera = model::cameraAt(config, model, source_.raven.X_WB, 2, 2);
     transforms->push_back(transform(camera.X_WC, opticalFrame(name), stamp));

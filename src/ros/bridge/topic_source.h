@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/plan_counts.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/loop/plan_counts.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/model/raven_model.h"
 
 namespace raven2_trainer::ros_bridge {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "ros/crtk/crtk_messages.h"
 #include "ros/crtk/crtk_states.h"
 #include "ros/crtk/crtk_topics.h"

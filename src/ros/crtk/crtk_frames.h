@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/crtk_config.h"
+#include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 // Frames that CRTK clients may speak of poses in, and where jaws are called (doc/crtk.md).

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "ros/crtk/crtk_reader.h"
 
 namespace raven2_trainer::ros_bridge {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_frames.h"
 #include "ros/crtk/crtk_query.h"
 

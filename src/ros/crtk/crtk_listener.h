@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "ros/crtk/crtk_age.h"
 #include "ros/crtk/crtk_inbox.h"
 #include "ros/crtk/crtk_voice.h"

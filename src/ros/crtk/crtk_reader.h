@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/control/servo.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_frames.h"
 
 // What a CRTK client's message asks for. Lengths, names, frames and numbers are judged here; what the arms may do is

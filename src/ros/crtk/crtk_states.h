@@ -7,10 +7,10 @@
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64MultiArray.h>
 
+#include "raven2_trainer/control/servo.h"
 #include "raven2_trainer/control/servo_forces.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/servo.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_frames.h"
 
 // States of an arm as CRTK tells them. Messages are filled in place, so that they keep their memory.

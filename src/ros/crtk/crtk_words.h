@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/control/servo.h"
 #include "ros/crtk/crtk_states.h"
 
 // What CRTK clients are told in words.

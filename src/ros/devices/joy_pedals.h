@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <mutex>
 
-#include "raven2_trainer/core/network_config.h"
-#include "raven2_trainer/core/shared_state.h"
 #include "raven2_trainer/loop/pedal_gate.h"
+#include "raven2_trainer/loop/shared_state.h"
+#include "raven2_trainer/net/network_config.h"
 #include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {

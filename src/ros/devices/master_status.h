@@ -2,7 +2,7 @@
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
-#include "raven2_trainer/core/master.h"
+#include "raven2_trainer/console/master.h"
 
 namespace raven2_trainer::ros_bridge {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/live_picture.h"
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/loop/live_picture.h"
 
 namespace raven2_trainer::ros_bridge {
 

@@ -9,8 +9,8 @@
 
 #include <cstdint>
 
-#include "raven2_trainer/core/render_config.h"
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
+#include "raven2_trainer/render/render_config.h"
 #include "ros/pictures/jpeg_encoder.h"
 
 namespace raven2_trainer::ros_bridge {

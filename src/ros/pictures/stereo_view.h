@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/daemon/render_loop.h"
+#include "raven2_trainer/render/render_config.h"
 #include "ros/pictures/jpeg_encoder.h"
 
 namespace raven2_trainer::ros_bridge {

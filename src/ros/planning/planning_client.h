@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer::ros_bridge {
 

@@ -12,11 +12,11 @@
 #include "raven2_trainer/PlanExecution.h"
 #include "raven2_trainer/PlanPath.h"
 #include "raven2_trainer/PlanningProgress.h"
-#include "raven2_trainer/core/arms_config.h"
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/plan_counts.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
+#include "raven2_trainer/loop/plan_counts.h"
 #include "ros/planning/move_arm_task.h"
 #include "ros/raven/error_codes.h"
 

@@ -11,7 +11,7 @@
 #include "raven2_trainer/ExecutePlan.h"
 #include "raven2_trainer/PlanPath.h"
 #include "raven2_trainer/PlanningMode.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "raven2_trainer/core/raven_automove.h"
-#include "raven2_trainer/core/raven_report.h"
+#include "raven2_trainer/raven/raven_report.h"
+#include "raven2_trainer/robot/raven_automove.h"
 #include "ros/raven/raven_messages.h"
 
 // The virtual Raven's cycle in the messages of the real robot's package: units, order and signs as there.

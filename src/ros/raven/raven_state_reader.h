@@ -1,9 +1,9 @@
 #pragma once
 
 #include "raven2_trainer/core/state.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
 #include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/raven/low_pass.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 #include "ros/raven/raven_messages.h"
 
 namespace raven2_trainer::ros_bridge {

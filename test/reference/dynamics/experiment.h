@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "reference/dynamics/reference_chain.h"
 

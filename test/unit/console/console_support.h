@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "raven2_trainer/console/console.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/console_config.h"
+#include "raven2_trainer/console/console_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::console {
 

@@ -6,10 +6,10 @@
 #include <optional>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/teleop_mapper.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 

@@ -5,8 +5,8 @@
 namespace raven2_trainer::control {
 namespace {
 
-ModelConfig config() {
-  ModelConfig c;
+ControllerConfig config() {
+  ControllerConfig c;
   c.gravity_compensation = true;
   c.gains.fill({100.0, 2.0, 0.0, 50.0});
   c.gains[kInsertion].ki = 40.0;
@@ -29,7 +29,7 @@ TEST(ArmController, AddsGravityToThePd) {
 }
 
 TEST(ArmController, LeavesGravityAloneWhereTheConfigurationSaysSo) {
-  ModelConfig bare = config();
+  ControllerConfig bare = config();
   bare.gravity_compensation = false;
   ArmController controller(bare, Arm::kGold);
   EXPECT_EQ(controller.torque({}, {}, {}, only(kElbow, 1.25)), JointArray{});

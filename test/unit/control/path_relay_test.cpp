@@ -12,8 +12,8 @@ namespace raven2_trainer::control {
 namespace {
 
 constexpr double kDegree = kPi / 180.0;
-constexpr IncrementLimits kLimits{2000.0, 0.1};          // network.yaml
-const ArmController kNoLead(ModelConfig{}, Arm::kGold);  // a law without gains
+constexpr IncrementLimits kLimits{2000.0, 0.1};               // network.yaml
+const ArmController kNoLead(ControllerConfig{}, Arm::kGold);  // a law without gains
 constexpr JointArray kVelocity{0.5, 0.5, 0.1, 2.0, 2.0, 2.0, 2.0};
 constexpr JointArray kAcceleration{2.0, 2.0, 0.5, 10.0, 10.0, 10.0, 10.0};
 
@@ -227,7 +227,7 @@ TEST(PathRelay, FillsNoPacketBeyondItsLimitInAnyDirection) {
 TEST(RobotFollows, NotWhereTheLawLeadsBeyondALimitThatThePathItselfKeeps) {
   // GIVEN the wrist to 69 of its 70 degrees in 2 s: a lead of 0.2 s is beyond the end of a quintic by
   // 40 (0.2 / 2)^3 = 4 % at most, 2.8 degrees
-  ModelConfig leading;
+  ControllerConfig leading;
   leading.gains.fill({100.0, 20.0, 0.0, 50.0});
   for (const Arm arm : kArms) {
     for (const double degrees : {-69.0, 69.0}) {

@@ -480,7 +480,7 @@ TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
   ASSERT_EQ(frames.size(), 1U);
   render::Renderer renderer(config_.render.live_width, config_.render.live_height);
   render::SceneBuilder builder(raven_, scene_, render::SceneOptions(config_, config_.render.live_overlays), &renderer);
-  const model::Camera camera = model::makeCamera(model::requireCamera(config_.render, config_.render.live_camera),
+  const model::Camera camera = model::makeCamera(model::requireCamera(config_.render.cameras, config_.render.live_camera),
                                                  config_.render.live_width, config_.render.live_height);
   EXPECT_EQ(renderer.draw(builder.build(frames[0]), camera), live);
 }

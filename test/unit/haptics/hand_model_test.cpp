@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-ConsoleConfig hand(double mass, double stiffness, double damping) {
-  ConsoleConfig config;
+HandConfig hand(double mass, double stiffness, double damping) {
+  HandConfig config;
   config.hand_mass = mass;
   config.hand_stiffness = stiffness;
   config.hand_damping = damping;

@@ -182,15 +182,14 @@ TEST_F(MovingCamera, TwoEyesSeeAPointApartByFocalLengthTimesBaselineOverDepth) {
 }
 
 TEST(CameraByName, IsFoundOrTheKnownOnesAreTold) {
-  RenderConfig config;
-  config.cameras.resize(2);
-  config.cameras[0].name = "overview";
-  config.cameras[1].name = "top";
-  EXPECT_EQ(findCamera(config, "top"), &config.cameras[1]);
-  EXPECT_EQ(&requireCamera(config, "overview"), &config.cameras[0]);
-  EXPECT_EQ(findCamera(config, "side"), nullptr);
+  std::vector<CameraConfig> cameras(2);
+  cameras[0].name = "overview";
+  cameras[1].name = "top";
+  EXPECT_EQ(findCamera(cameras, "top"), &cameras[1]);
+  EXPECT_EQ(&requireCamera(cameras, "overview"), &cameras[0]);
+  EXPECT_EQ(findCamera(cameras, "side"), nullptr);
   try {
-    requireCamera(config, "side");
+    requireCamera(cameras, "side");
     FAIL() << "there is none";
   } catch (const ConfigException& e) {
     EXPECT_NE(std::string(e.what()).find("side is not one of: overview top"), std::string::npos) << e.what();

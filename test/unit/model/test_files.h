@@ -7,7 +7,7 @@
 #include <string>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 
 namespace raven2_trainer::model {
 

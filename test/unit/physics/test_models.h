@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/model_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/physics/model_config.h"
 
 // Models built by hand, so that a test says what it stands on. The chain is the DH table of raven2.md 2.1 and 2.2, the
 // masses those of its 6.2; tool links are rods of about the real size.

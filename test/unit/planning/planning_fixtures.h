@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/planner_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/model/raven_model.h"
+#include "raven2_trainer/planning/planner_config.h"
 
 // A Raven and scenes by hand: the DH chain of raven2.md 2.1 with the least of collision shapes. Planned for by the
 // packaged configuration.

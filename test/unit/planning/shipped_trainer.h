@@ -1,7 +1,7 @@
 #pragma once
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/model/raven_model.h"
 

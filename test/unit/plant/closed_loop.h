@@ -3,7 +3,7 @@
 #include <string>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"

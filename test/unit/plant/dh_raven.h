@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "raven2_trainer/core/arms_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 #include "raven2_trainer/model/raven_model.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/raven/board_channels.h"
 #include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/raven/control_software.h"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "raven2_trainer/core/render_config.h"
 #include "raven2_trainer/model/camera.h"
+#include "raven2_trainer/render/render_config.h"
 #include "raven2_trainer/render/renderer.h"
 #include "render/primitives.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 #include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "raven2_trainer/core/exercise_news.h"
+#include "raven2_trainer/loop/exercise_news.h"
 #include "ros/pictures/camera_view.h"
 
 namespace raven2_trainer::ros_bridge {

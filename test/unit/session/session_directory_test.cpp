@@ -6,7 +6,6 @@
 #include <set>
 
 #include "log_file.h"
-#include "raven2_trainer/core/config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "support/file_size_limit.h"
 
@@ -88,11 +87,21 @@ TEST(FileHash, IsFnv1a64) {
   EXPECT_THROW(fileHash(::testing::TempDir()), SessionException);
 }
 
+/** What a ConfigSource refers to. */
+struct Configured {
+  std::vector<std::string> files;
+  std::map<std::string, std::string> overridden;
+  std::string robot_urdf, scene_urdf, hazard;
+  std::uint64_t seed{};
+
+  operator ConfigSource() const { return {files, overridden, robot_urdf, scene_urdf, hazard, seed}; }
+};
+
 TEST(SessionMeta, HoldsWhatWasGiven) {
   const SessionPaths paths = createSessionDirectory(freshFolder("meta"));
   const std::string file = scratchPath("haptics.yaml");
   writeText(file, "foobar");
-  TrainerConfig config;
+  Configured config;
   config.seed = 18446744073709551615ULL;
   config.hazard = "sudden_jump";
   config.files = {file};
@@ -119,7 +128,7 @@ TEST(SessionMeta, TellsWhichFilesWereNotReadAsTheyStand) {
   const SessionPaths paths = createSessionDirectory(freshFolder("meta_overridden"));
   const std::string file = scratchPath("overridden.yaml");
   writeText(file, "a");
-  TrainerConfig config;
+  Configured config;
   config.files = {file};
   config.overridden[file] = "foobar";
   writeMeta(paths, {}, config);
@@ -141,7 +150,7 @@ TEST(SessionMeta, IsReadAsItWasWritten) {
   const SessionPaths paths = createSessionDirectory(freshFolder("meta_read"));
   EXPECT_EQ(readStartTime(paths), "") << "there is none";
   EXPECT_TRUE(readBuild(paths).empty());
-  writeMeta(paths, makeMeta("1"), {});
+  writeMeta(paths, makeMeta("1"), Configured{});
   EXPECT_EQ(readStartTime(paths), "2026-01-31T12:00:00Z");
   EXPECT_EQ(readBuild(paths), makeMeta("1").build);
   writeText(paths.meta(), R"({"start_time_utc": 7, "build": {"compiler": 7, "flags": "-O2"}})");
@@ -151,14 +160,14 @@ TEST(SessionMeta, IsReadAsItWasWritten) {
 
 TEST(SessionMeta, OfAFullDiskIsTheOneFromBefore) {
   const SessionPaths paths = createSessionDirectory(freshFolder("meta_full"));
-  writeMeta(paths, makeMeta("1"), {});
+  writeMeta(paths, makeMeta("1"), Configured{});
   const Bytes before = readBytes(paths.meta());
   {
     const FileSizeLimit limit(20);
-    EXPECT_THROW(writeMeta(paths, makeMeta("2"), {}), SessionException);
+    EXPECT_THROW(writeMeta(paths, makeMeta("2"), Configured{}), SessionException);
   }
   EXPECT_EQ(readBytes(paths.meta()), before);
-  writeMeta(paths, makeMeta("2"), {});
+  writeMeta(paths, makeMeta("2"), Configured{});
   EXPECT_NE(readBytes(paths.meta()), before);
 }
 

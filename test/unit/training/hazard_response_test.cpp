@@ -461,8 +461,8 @@ TEST(HazardResponse, WhatTheRuleDoesNotNameIsNoReactionToACueThatCameWithIt) {
 }
 
 /** A hand on 200 N/m and 10 Ns/m with 0.5 kg: as config/console.yaml's kind. */
-ConsoleConfig makeHand() {
-  ConsoleConfig hand;
+HandConfig makeHand() {
+  HandConfig hand;
   hand.hand_mass = 0.5;
   hand.hand_stiffness = 200.0;
   hand.hand_damping = 10.0;

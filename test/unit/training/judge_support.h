@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/render_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/render/render_config.h"
 #include "raven2_trainer/training/exercise_judge.h"
 
 // A scene of a few parts, made by hand, and ticks made of contacts and poses.

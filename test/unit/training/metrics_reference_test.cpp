@@ -8,8 +8,8 @@
 
 #include "gtest/gtest.h"
 #include "motion_support.h"
-#include "raven2_trainer/core/metric_names.h"
 #include "raven2_trainer/core/pedals.h"
+#include "raven2_trainer/training/metric_names.h"
 #include "raven2_trainer/training/session_score.h"
 #include "support/scratch_path.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "gtest/gtest.h"
-#include "raven2_trainer/core/metric_names.h"
+#include "raven2_trainer/training/metric_names.h"
 
 namespace raven2_trainer::training {
 namespace {

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <vector>
 
-#include "raven2_trainer/core/itp_rules.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/wire/itp_gate.h"
+#include "raven2_trainer/wire/itp_rules.h"
 #include "raven2_trainer/wire/signed_sender.h"
 
 namespace raven2_trainer::wire {

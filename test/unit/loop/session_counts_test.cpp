@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/core/shared_state.h"
+#include "raven2_trainer/loop/shared_state.h"
 
 namespace raven2_trainer {
 namespace {

@@ -1,4 +1,4 @@
-#include "raven2_trainer/core/master.h"
+#include "raven2_trainer/console/master.h"
 
 #include <cstdarg>
 #include <cstdio>

@@ -4,17 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/control/controller_config.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer {
-
-/** Gains of one joint controller of the nominal model. */
-struct JointGains {
-  double kp{};     ///< [Nm/rad; N/m]
-  double kd{};     ///< [Nms/rad; Ns/m] on the joint velocity (the robot never sets a desired velocity)
-  double ki{};     ///< [Nm/(rad s); N/(m s)] only the insertion joint (paper, 3.1)
-  double limit{};  ///< [Nm; N] bound of |tau|
-};
 
 /** Of the nominal model's equations: two sessions with the same configuration and version move alike. 1: contacts as
  * hard as ODE makes them; 2: surfaces and arms give way (ContactMaterial, ArmGive); 3: with the pedal up no faster back
@@ -36,14 +29,10 @@ struct ArmGive {
 };
 
 /** config/model.yaml: dynamics and control of the nominal model. */
-struct ModelConfig {
-  std::array<JointGains, kJointCount> gains{};
-  double green_insertion_kd{};  ///< [Ns/m] the one gain that differs between the robot's arms (raven2.md 3.6)
-  bool gravity_compensation{};
+struct ModelConfig : ControllerConfig {
   double gravity{};                        ///< [m/s2] along -z of W
   int sub_steps{1};                        ///< [-] steps of ODE a tick
   JointArray rotor_inertia{};              ///< [kg m2; kg] of the motors, as the joints feel it
-  JointArray viscous_friction{};           ///< [Nms/rad; Ns/m]
   JointArray coulomb_friction{};           ///< [Nm; N]
   double erp{};                            ///< [-] ODE error reduction
   double cfm{};                            ///< [-] ODE constraint force mixing

@@ -1,15 +1,13 @@
 #pragma once
 
 #include "raven2_trainer/core/types.h"
+#include "raven2_trainer/haptics/hand_config.h"
 
 namespace raven2_trainer {
 
 /** config/console.yaml: the surgeon's hands. */
-struct ConsoleConfig {
+struct ConsoleConfig : HandConfig {
   double scale{};                      ///< [-] motion scale of the master
-  double hand_mass{};                  ///< [kg]
-  double hand_stiffness{};             ///< [N/m]
-  double hand_damping{};               ///< [Ns/m]
   double tremor_amplitude{};           ///< [m] of the hand, peak
   double tremor_low{}, tremor_high{};  ///< [Hz]
   double start_delay{};                ///< [s] pedal stays up this long after the robot is ready

@@ -5,30 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/overlays.h"
-#include "raven2_trainer/core/types.h"
+#include "raven2_trainer/core/camera_config.h"
+#include "raven2_trainer/render/overlays.h"
 
 namespace raven2_trainer {
-
-/** Whether a camera stays where it is, and if not, what takes it along. */
-enum class CameraMoves : std::uint8_t {
-  kNever,
-  kClutch,     ///< ModelState::camera: the masters move it while its pedal is held
-  kGoldTool,   ///< looks at the model's gold tool tip, from the side that eye and target give
-  kGreenTool,  ///< the same, green
-};
-constexpr std::array<const char*, 4> kCameraMovesNames{"never", "clutch", "gold_tool", "green_tool"};
-
-/** A camera: pose and lens, no drawing. */
-struct CameraConfig {
-  std::string name;
-  Vec3 eye_W{};           ///< [m]
-  Vec3 target_W{};        ///< [m] looked at
-  Vec3 up_W{};            ///< [-]
-  double vertical_fov{};  ///< [rad]
-  CameraMoves moves{CameraMoves::kNever};
-  double aside{};  ///< [m] to its own right of where eye and target put it, looking the same way: an eye of a pair
-};
 
 /** Two cameras side by side, with parallel views. */
 struct StereoConfig {

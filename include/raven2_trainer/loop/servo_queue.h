@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/servo.h"
+#include "raven2_trainer/control/servo.h"
 #include "raven2_trainer/core/spsc_ring.h"
 
 namespace raven2_trainer {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "raven2_trainer/core/itp_rules.h"
 #include "raven2_trainer/core/pedals.h"
+#include "raven2_trainer/wire/itp_rules.h"
 
 namespace raven2_trainer {
 

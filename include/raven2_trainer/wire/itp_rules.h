@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "raven2_trainer/core/stream_profile.h"
+#include "raven2_trainer/wire/stream_profile.h"
 
 namespace raven2_trainer {
 

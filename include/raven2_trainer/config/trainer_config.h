@@ -5,33 +5,33 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/arms_config.h"
-#include "raven2_trainer/core/console_config.h"
-#include "raven2_trainer/core/crtk_config.h"
-#include "raven2_trainer/core/detector_config.h"
-#include "raven2_trainer/core/execution_config.h"
+#include "raven2_trainer/console/console_config.h"
+#include "raven2_trainer/console/hands_config.h"
+#include "raven2_trainer/control/crtk_config.h"
+#include "raven2_trainer/control/execution_config.h"
 #include "raven2_trainer/core/exercise.h"
-#include "raven2_trainer/core/haptics_config.h"
-#include "raven2_trainer/core/impairment.h"
-#include "raven2_trainer/core/model_config.h"
-#include "raven2_trainer/core/network_config.h"
-#include "raven2_trainer/core/planner_config.h"
-#include "raven2_trainer/core/render_config.h"
-#include "raven2_trainer/core/runtime_config.h"
-#include "raven2_trainer/core/scenario.h"
-#include "raven2_trainer/core/virtual_raven_config.h"
+#include "raven2_trainer/detector/detector_config.h"
+#include "raven2_trainer/faults/fault_library.h"
+#include "raven2_trainer/faults/scenario.h"
+#include "raven2_trainer/haptics/haptics_config.h"
+#include "raven2_trainer/impair/impairment.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/loop/loop_config.h"
+#include "raven2_trainer/model/model_source.h"
+#include "raven2_trainer/net/network_config.h"
+#include "raven2_trainer/physics/model_config.h"
+#include "raven2_trainer/planning/planner_config.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
+#include "raven2_trainer/render/picture_config.h"
+#include "raven2_trainer/render/render_config.h"
+#include "raven2_trainer/session/config_source.h"
+#include "raven2_trainer/threads/runtime_config.h"
 
 // Plain structs, one for each file of config/, each in a header of its own. Read once by module `config`, which demands
 // every key, refuses unknown ones and checks the ranges written beside the fields; constant once threads run. Units are
 // SI.
 
 namespace raven2_trainer {
-
-/** What may be injected at all. */
-struct InjectionConfig {
-  bool enable{};      ///< nothing is armed without
-  bool real_robot{};  ///< the second key: the relayed stream to a real robot may be corrupted
-};
 
 /** Everything. `files` lists each file read, in order, for the session's hashes. */
 struct TrainerConfig {
@@ -65,6 +65,16 @@ struct TrainerConfig {
   std::uint64_t seed{};
   std::vector<std::string> files;
   std::map<std::string, std::string> overridden;  ///< those of `files` that were not read as they stand: what was read
+
+  /** What each module is given. All refer to this, which has to outlive them. */
+  operator model::ModelSource() const;
+  operator faults::FaultLibrary() const;
+  operator console::HandsConfig() const;
+  operator session::ConfigSource() const;
+  operator render::PictureConfig() const&;
+  operator render::PictureConfig() && = delete;
+  operator loop::LoopConfig() const&;
+  operator loop::LoopConfig() && = delete;
 };
 
 }  // namespace raven2_trainer

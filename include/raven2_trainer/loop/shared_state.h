@@ -5,22 +5,22 @@
 #include <memory>
 #include <utility>
 
+#include "raven2_trainer/control/servo.h"
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
-#include "raven2_trainer/core/exercise_news.h"
 #include "raven2_trainer/core/fault.h"
 #include "raven2_trainer/core/guide_path.h"
-#include "raven2_trainer/core/live_picture.h"
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/record_rings.h"
-#include "raven2_trainer/core/replay_frame.h"
-#include "raven2_trainer/core/servo.h"
-#include "raven2_trainer/core/servo_queue.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/state_cell.h"
-#include "raven2_trainer/core/stream_finding.h"
+#include "raven2_trainer/loop/exercise_news.h"
+#include "raven2_trainer/loop/live_picture.h"
+#include "raven2_trainer/loop/replay_frame.h"
+#include "raven2_trainer/loop/servo_queue.h"
+#include "raven2_trainer/wire/stream_finding.h"
 
 namespace raven2_trainer {
 

@@ -1,4 +1,4 @@
-#include "raven2_trainer/core/servo_queue.h"
+#include "raven2_trainer/loop/servo_queue.h"
 
 #include <gtest/gtest.h>
 

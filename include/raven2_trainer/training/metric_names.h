@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "raven2_trainer/core/band.h"
+#include "raven2_trainer/training/band.h"
 
 namespace raven2_trainer {
 
