@@ -65,6 +65,11 @@ IMPURE = re.compile(r"(chrono|thread|mutex|shared_mutex|condition_variable|futur
                     r"|(pthread|semaphore|sched|time|signal|unistd|fcntl|poll|netdb|dlfcn)\.h$"
                     r"|(sys|linux|arpa|net|netinet|ros|ode)/")
 
+# All of the configuration is seen where a whole is put together, and nowhere else.
+WHOLE = "raven2_trainer/config/trainer_config.h"
+ROOTS = re.compile(r"(include/raven2_trainer|src)/(config|daemon|lockstep|robot|recording|studies|campaign|apps)/"
+                   r"|src/ros/bridge/|include/raven2_trainer/ros/session_replay\.h")
+
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
 
 
@@ -76,6 +81,8 @@ def violations(module, path):
         if quoted and (path.parent / header).is_file():
             continue  # a private header beside its source
         reason = judge(module, header, quoted, allowed, foreign)
+        if header == WHOLE and not ROOTS.match(str(path.relative_to(ROOT))):
+            reason = "no composition root"
         if reason:
             yield f"{path.relative_to(ROOT)}:{number}: {header}: {reason}"
 

@@ -42,7 +42,7 @@ int run(const apps::CommonOptions& common,
   TrainerConfig config = common.load();
   if (!address.empty()) config.network.bind_address = address;  // of the frames: no ITP is taken here
   robot::StateServer server(config.network.bind_address, config.network.state_port, /*is_virtual=*/false);
-  ros_bridge::RavenStateBridge bridge(config, topic, &server);
+  ros_bridge::RavenStateBridge bridge(config.virtual_raven, topic, &server);
   ros_bridge::Supervisor ros(argc, argv, "raven_state_bridge", &bridge);
   server.start();
   ros.start();

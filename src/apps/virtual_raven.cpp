@@ -60,7 +60,7 @@ int run(const Options& options, int argc, char** argv) {
   apps::blockSignals();
   const TrainerConfig config = options.load();
   robot::RavenServer server(config);
-  ros_bridge::RavenPublisher publisher(config, &server);
+  ros_bridge::RavenPublisher publisher(config.arms.geometry, config.runtime.enable_remote_control, &server);
   ros_bridge::Supervisor ros(argc, argv, "virtual_raven", &publisher);
   const threads::MemoryLock memory = threads::lockMemory();
   server.start();

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/robot/raven_server.h"
 #include "raven2_trainer/ros/ros_face.h"
 
@@ -24,7 +24,7 @@ namespace raven2_trainer::ros_bridge {
 class RavenPublisher : public RosFace {
  public:
   /** `server` must outlive this. */
-  RavenPublisher(const TrainerConfig& config, robot::RavenServer* server);
+  RavenPublisher(const ArmGeometry& geometry, bool enable_remote_control, robot::RavenServer* server);
   ~RavenPublisher() override;
   RavenPublisher(const RavenPublisher&) = delete;
   RavenPublisher& operator=(const RavenPublisher&) = delete;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/raven/virtual_raven_config.h"
 #include "raven2_trainer/robot/state_server.h"
 #include "raven2_trainer/ros/ros_face.h"
 
@@ -18,7 +18,7 @@ namespace raven2_trainer::ros_bridge {
 class RavenStateBridge : public RosFace {
  public:
   /** `server` must outlive this. @throw ConfigException. */
-  RavenStateBridge(const TrainerConfig& config, const std::string& topic, robot::StateServer* server);
+  RavenStateBridge(const VirtualRavenConfig& config, const std::string& topic, robot::StateServer* server);
   ~RavenStateBridge() override;
   RavenStateBridge(const RavenStateBridge&) = delete;
   RavenStateBridge& operator=(const RavenStateBridge&) = delete;

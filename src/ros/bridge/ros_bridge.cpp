@@ -45,7 +45,11 @@ struct RosBridge::Impl {
         may_command(mayCommand(daemon->config().runtime.enable_remote_control)),
         client(&daemon->shared()),
         services(&node, daemon, &client, may_command),
-        planning_services(node, daemon->config(), &client, may_command),
+        planning_services(node,
+                          daemon->config().arms.geometry,
+                          daemon->config().planner.time_limit,
+                          &client,
+                          may_command),
         replay(
             &client,
             [daemon](const std::string& path) { return daemon->openReplay(path); },

@@ -50,21 +50,22 @@ void publishLatched(const ros::Publisher& publisher, Value value) {
 
 CrtkArm::CrtkArm(ros::NodeHandle* node,
                  Arm arm,
-                 const TrainerConfig& config,
+                 const CrtkConfig& config,
+                 const ArmGeometry& geometry,
                  const Pose& X_WB,
                  const std::vector<std::string>& body_names,
                  CrtkVoice* voice)
     : arm_(arm),
-      geometry_(config.arms.geometry),
+      geometry_(geometry),
       X_WB_(X_WB),
-      state_period_(config.crtk.state_period),
-      twist_timeout_(config.crtk.twist_timeout),
+      state_period_(config.state_period),
+      twist_timeout_(config.twist_timeout),
       voice_(*voice),
       contacts_(body_names),
-      own_(node, styleOf(config.crtk, arm, X_WB, "")),
-      model_(node, styleOf(config.crtk, arm, X_WB, "model/")) {
-  const std::string& name = at(config.crtk.names, arm);
-  operating_state_ = advertiseState(node, name + "/operating_state", config.crtk.dialect);
+      own_(node, styleOf(config, arm, X_WB, "")),
+      model_(node, styleOf(config, arm, X_WB, "model/")) {
+  const std::string& name = at(config.names, arm);
+  operating_state_ = advertiseState(node, name + "/operating_state", config.dialect);
   is_valid_ = node->advertise<std_msgs::Bool>(name + "/is_valid", 1, /*latch=*/true);
   ratio_ = node->advertise<std_msgs::Float64>(name + "/trajectory_j/ratio", 1, /*latch=*/true);
   timeout_ = node->advertise<std_msgs::Float64>(name + "/twist_timeout", 1, /*latch=*/true);

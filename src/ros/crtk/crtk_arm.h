@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/control/crtk_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/loop/shared_state.h"
 #include "ros/crtk/crtk_messages.h"
 #include "ros/crtk/crtk_states.h"
@@ -35,7 +36,8 @@ class CrtkArm {
   /** @param[in] config, voice outlive this. @param[in] body_names by the numbers of contacts. */
   CrtkArm(ros::NodeHandle* node,
           Arm arm,
-          const TrainerConfig& config,
+          const CrtkConfig& config,
+          const ArmGeometry& geometry,
           const Pose& X_WB,
           const std::vector<std::string>& body_names,
           CrtkVoice* voice);

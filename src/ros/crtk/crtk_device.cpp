@@ -42,22 +42,22 @@ DiagnosticStatus crtkStatus(const ServoState& servo, const CrtkCounts& heard) {
 
 CrtkDevice::CrtkDevice(const ros::NodeHandle& node, const TopicSource& source, SharedState* shared, bool may_command)
     : source_(source), shared_(*shared), node_(onQueue(node, &queue_)), spinner_(1, &queue_), inbox_(shared) {
-  const TrainerConfig& config = source.config;
+  const CrtkConfig& config = source.config.crtk;
   const auto before = publishersNow();
   for (const Arm arm : kArms) {
     const Pose& X_WB = at(source.raven.X_WB, arm);
-    auto& voice = at(voices_, arm) = std::make_unique<CrtkVoice>(&node_, at(config.crtk.names, arm));
-    at(arms_, arm) = std::make_unique<CrtkArm>(&node_, arm, config, X_WB, source.body_names, voice.get());
-    at(listeners_, arm) =
-        std::make_unique<CrtkListener>(node_, arm, config, X_WB, may_command, before, &inbox_, voice.get());
+    auto& voice = at(voices_, arm) = std::make_unique<CrtkVoice>(&node_, at(config.names, arm));
+    at(arms_, arm) = std::make_unique<CrtkArm>(&node_, arm, config, source.config.arms.geometry, X_WB,
+                                               source.body_names, voice.get());
+    at(listeners_, arm) = std::make_unique<CrtkListener>(node_, arm, config, source.config.arms.geometry, X_WB,
+                                                         may_command, before, &inbox_, voice.get());
     if (!may_command) continue;
-    at(kinematics_, arm) =
-        std::make_unique<CrtkKinematics>(&node_, arm, at(config.crtk.names, arm), config.arms.geometry, X_WB,
-                                         config.crtk.dialect == CrtkDialect::kRaven);
+    at(kinematics_, arm) = std::make_unique<CrtkKinematics>(
+        &node_, arm, at(config.names, arm), source.config.arms.geometry, X_WB, config.dialect == CrtkDialect::kRaven);
   }
   spinner_.start();
   publisher_.start(
-      config.crtk.period, [this] { publish(); }, Missed::kMadeUp);
+      config.period, [this] { publish(); }, Missed::kMadeUp);
 }
 
 DiagnosticStatus CrtkDevice::status() const {

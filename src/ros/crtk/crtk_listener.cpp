@@ -61,7 +61,8 @@ ros::Time stampOf(const Message& message) {
 
 CrtkListener::CrtkListener(const ros::NodeHandle& node,
                            Arm arm,
-                           const TrainerConfig& config,
+                           const CrtkConfig& config,
+                           const ArmGeometry& geometry,
                            const Pose& X_WB,
                            bool may_command,
                            const std::optional<CrtkPublishers>& before,
@@ -69,10 +70,10 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
                            CrtkVoice* voice)
     : node_(node),
       arm_(arm),
-      name_(at(config.crtk.names, arm)),
-      jaw_name_(jawNamespace(config.crtk, arm)),
-      is_raven_(config.crtk.dialect == CrtkDialect::kRaven),
-      geometry_(config.arms.geometry),
+      name_(at(config.names, arm)),
+      jaw_name_(jawNamespace(config, arm)),
+      is_raven_(config.dialect == CrtkDialect::kRaven),
+      geometry_(geometry),
       world_(worldFrame(X_WB)),
       base_(baseFrame(arm)),
       before_(before),
@@ -82,7 +83,7 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
   hearPlain(ServoKind::kHold);
   if (!may_command) return;
   hearMotion();
-  config.crtk.dialect == CrtkDialect::kRaven ? hearRaven() : hearModern();
+  config.dialect == CrtkDialect::kRaven ? hearRaven() : hearModern();
   hearForces();
   hearSettings();
   timer_ = node_.createWallTimer(ros::WallDuration(kLeaving), [this](const ros::WallTimerEvent&) { endLeftTwists(); });

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/control/crtk_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_age.h"
 #include "ros/crtk/crtk_inbox.h"
 #include "ros/crtk/crtk_voice.h"
@@ -27,7 +28,8 @@ class CrtkListener {
    */
   CrtkListener(const ros::NodeHandle& node,
                Arm arm,
-               const TrainerConfig& config,
+               const CrtkConfig& config,
+               const ArmGeometry& geometry,
                const Pose& X_WB,
                bool may_command,
                const std::optional<CrtkPublishers>& before,

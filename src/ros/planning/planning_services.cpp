@@ -22,10 +22,12 @@ void tell(const std::optional<PlanResult>& result, Response* response) {
 }  // namespace
 
 PlanningServices::PlanningServices(const ros::NodeHandle& node,
-                                   const TrainerConfig& config,
+                                   const ArmGeometry& geometry,
+                                   double time_limit,
                                    PlanningClient* client,
                                    bool may_command)
-    : config_(config),
+    : d4_(geometry.d4),
+      patience_(time_limit + kGraceTime),
       client_(*client),
       plan_node_(node),
       order_node_(node),
@@ -58,8 +60,7 @@ std::vector<std::string> PlanningServices::names() const {
 }
 
 bool PlanningServices::plan(PlanPath::Request& message, PlanPath::Response& response) {
-  const double d4 = config_.arms.geometry.d4;
-  const ReadRequest wanted = planRequest(wantedPlan(message), d4);
+  const ReadRequest wanted = planRequest(wantedPlan(message), d4_);
   if (!wanted.isGood()) {
     tell(wanted.code, wanted.status, &response);
     return true;
@@ -69,14 +70,14 @@ bool PlanningServices::plan(PlanPath::Request& message, PlanPath::Response& resp
     tell(asked.answer, &response);
     return true;
   }
-  const std::optional<PlanResult> result = client_.awaitPlan(asked.id, config_.planner.time_limit + kGraceTime);
+  const std::optional<PlanResult> result = client_.awaitPlan(asked.id, patience_);
   tell(result, &response);
   if (!result || result->status != PlanStatus::kSuccess) return true;
   response.arm = name(result->arm);
   response.clearance = result->clearance;
   response.tracking_error = result->tracking_error;
   response.robot_follows = result->robot_follows != 0;
-  response.trajectory = trajectory(*result, d4);
+  response.trajectory = trajectory(*result, d4_);
   return true;
 }
 
@@ -103,7 +104,7 @@ void PlanningServices::recordGoal(PlanningMode::Response* response) {
   request.kind = RequestKind::kRecordGoal;
   const PlanningClient::Asked asked = client_.ask(request);
   if (asked.answer != PlanningAnswer::kAccepted) return tell(asked.answer, response);
-  tell(client_.awaitPlan(asked.id, config_.planner.time_limit + kGraceTime), response);
+  tell(client_.awaitPlan(asked.id, patience_), response);
 }
 
 bool PlanningServices::executePlan(ExecutePlan::Request& message, ExecutePlan::Response& response) {

@@ -11,7 +11,7 @@
 #include "raven2_trainer/ExecutePlan.h"
 #include "raven2_trainer/PlanPath.h"
 #include "raven2_trainer/PlanningMode.h"
-#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/planning/planning_client.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -24,10 +24,14 @@ namespace raven2_trainer::ros_bridge {
 class PlanningServices {
  public:
   /**
-   * @param[in] config, client must outlive this.
+   * @param[in] time_limit [s] that planning may take. @param[in] client must outlive this.
    * @param[in] may_command without it only what makes things safer is offered: cancel_plan.
    */
-  PlanningServices(const ros::NodeHandle& node, const TrainerConfig& config, PlanningClient* client, bool may_command);
+  PlanningServices(const ros::NodeHandle& node,
+                   const ArmGeometry& geometry,
+                   double time_limit,
+                   PlanningClient* client,
+                   bool may_command);
 
   /** Makes calls that wait return, and ends the threads. */
   void stop();
@@ -43,7 +47,8 @@ class PlanningServices {
 
   void recordGoal(PlanningMode::Response* response);
 
-  const TrainerConfig& config_;
+  const double d4_;        ///< [m]
+  const double patience_;  ///< [s] for a plan
   PlanningClient& client_;
   ros::CallbackQueue plan_queue_, order_queue_;
   ros::NodeHandle plan_node_, order_node_;

@@ -87,8 +87,8 @@ struct RavenPublisher::Impl {
   threads::Thread thread;
 };
 
-RavenPublisher::RavenPublisher(const TrainerConfig& config, robot::RavenServer* server)
-    : d4_(config.arms.geometry.d4), enable_remote_control_(config.runtime.enable_remote_control), server_(*server) {}
+RavenPublisher::RavenPublisher(const ArmGeometry& geometry, bool enable_remote_control, robot::RavenServer* server)
+    : d4_(geometry.d4), enable_remote_control_(enable_remote_control), server_(*server) {}
 
 RavenPublisher::~RavenPublisher() {
   stop();

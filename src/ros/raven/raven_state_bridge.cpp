@@ -19,8 +19,8 @@ constexpr std::uint32_t kBridgeQueue = 100;  // [messages]
 }  // namespace
 
 struct RavenStateBridge::Impl {
-  Impl(const TrainerConfig& config, const std::string& topic_name, robot::StateServer* state_server)
-      : reader(config.virtual_raven), topic(topic_name), server(*state_server) {}
+  Impl(const VirtualRavenConfig& config, const std::string& topic_name, robot::StateServer* state_server)
+      : reader(config), topic(topic_name), server(*state_server) {}
 
   void take(const topic_tools::ShapeShifter& message) {
     received.fetch_add(1);
@@ -83,7 +83,9 @@ struct RavenStateBridge::Impl {
   std::unique_ptr<Subscription> subscription;
 };
 
-RavenStateBridge::RavenStateBridge(const TrainerConfig& config, const std::string& topic, robot::StateServer* server)
+RavenStateBridge::RavenStateBridge(const VirtualRavenConfig& config,
+                                   const std::string& topic,
+                                   robot::StateServer* server)
     : impl_(std::make_unique<Impl>(config, topic, server)) {}
 
 RavenStateBridge::~RavenStateBridge() {
