@@ -95,24 +95,14 @@ int main(int argc, char** argv) {
   options.common.add(&app, /*with_ports=*/false);
   studies::EvaluateOptions& e = options.evaluate;
   app.add_option("--first-seed", e.seed, "Seed of the first start; the next take the next")->capture_default_str();
-  app.add_option("--input-starts", e.input_starts, "Starts of the 48 faults of the inputs")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 10000));
-  app.add_option("--torque-starts", e.torque_starts, "Starts of one stuck DAC value each, 1 to 19 ms")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 10000));
-  app.add_option("--add-starts", e.add_starts, "Starts of the 64 faults that add to the DAC")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 10000));
-  app.add_option("--watched", e.watched, "Time after a fault's end in which the tip may depart [ms]")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 5000));
-  app.add_option("--unsafe", e.unsafe, "Departure of the tip that is unsafe [m]")
-      ->capture_default_str()
-      ->check(CLI::Range(1e-5, 1.0));
-  app.add_option("--slack", e.slack, "Time within which an alarm is in time [ms]")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1000));
+  apps::within(app.add_option("--input-starts", e.input_starts, "Starts of the 48 faults of the inputs"), 0, 10000);
+  apps::within(app.add_option("--torque-starts", e.torque_starts, "Starts of one stuck DAC value each, 1 to 19 ms"), 0,
+               10000);
+  apps::within(app.add_option("--add-starts", e.add_starts, "Starts of the 64 faults that add to the DAC"), 0, 10000);
+  apps::within(app.add_option("--watched", e.watched, "Time after a fault's end in which the tip may depart [ms]"), 1,
+               5000);
+  apps::within(app.add_option("--unsafe", e.unsafe, "Departure of the tip that is unsafe [m]"), 1e-5, 1.0);
+  apps::within(app.add_option("--slack", e.slack, "Time within which an alarm is in time [ms]"), 0, 1000);
   app.add_option("--output", options.output, "CSV, a row a run")->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return evaluate(options); });
 }

@@ -9,7 +9,6 @@
 #include "apps/common/run_script.h"
 #include "apps/common/session_config.h"
 #include "apps/export/session_bag.h"
-#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/csv_export.h"
 #include "raven2_trainer/session/session_directory.h"
 

@@ -52,15 +52,10 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Learns the detector's model and thresholds from fault-free lockstep runs."};
   options.common.add(&app, /*with_ports=*/false);
-  app.add_option("--runs", options.learn.runs, "Fault-free runs, each of its own seed")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  app.add_option("--ticks", options.learn.ticks, "Length of each from the first pedal down [ms]")
-      ->capture_default_str()
-      ->check(CLI::Range(500, 100000));
-  app.add_option("--percentile", options.learn.percentile, "Of the thresholds")
-      ->capture_default_str()
-      ->check(CLI::Range(50.0, 99.9999));
+  apps::within(app.add_option("--runs", options.learn.runs, "Fault-free runs, each of its own seed"), 1, 100000);
+  apps::within(app.add_option("--ticks", options.learn.ticks, "Length of each from the first pedal down [ms]"), 500,
+               100000);
+  apps::within(app.add_option("--percentile", options.learn.percentile, "Of the thresholds"), 50.0, 99.9999);
   app.add_option("--output", options.output, "File to write, in the form of config/detector.yaml")
       ->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return learn(options); });

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "apps/common/command_line.h"
-#include "apps/common/paths.h"
 #include "apps/common/run_script.h"
 #include "apps/common/study_bar.h"
 #include "raven2_trainer/config/load_problem.h"
@@ -144,10 +143,7 @@ int plan(Options options) {
 }
 
 void addChoice(CLI::App* app, studies::PlanChoice* choice) {
-  app->add_option("--samples", choice->samples, "Free samples n")
-      ->delimiter(',')
-      ->capture_default_str()
-      ->check(CLI::Range(10, 100000));
+  apps::within(app->add_option("--samples", choice->samples, "Free samples n")->delimiter(','), 10, 100000);
   app->add_option(
          "--eta", choice->eta,
          "eta1,eta2[,eta3] of length, acceleration and clearance (default: the configuration's, without and with "
@@ -186,7 +182,7 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   addChoice(&app, &options.choice);
-  app.add_option("--threads", options.threads, "Plans side by side")->capture_default_str()->check(CLI::Range(1, 64));
+  apps::within(app.add_option("--threads", options.threads, "Plans side by side"), 1, 64);
   app.add_option("--output", options.output, "New folder (default: plans/<problem>_<UTC stamp>)");
   app.add_option("--ompl-log", options.ompl_log, "Write OMPL's benchmark log, for ompl_benchmark_statistics.py");
   app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of the paper into the folder");

@@ -97,19 +97,11 @@ int main(int argc, char** argv) {
   options.common.add(&app, /*with_ports=*/false);
   app.add_option("recording", options.recording, "CSV: mpos1_deg .. mpos3_deg [deg], dac1 .. dac3 [counts], 1 kHz")
       ->required();
-  app.add_option("--from", options.from, "First start, share of the recording")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--to", options.to, "Last start, share of the recording")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--stride", options.stride, "Rows between starts")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  app.add_option("--horizons", options.horizons, "How far ahead [ms], comma-separated")
-      ->delimiter(',')
-      ->capture_default_str()
-      ->check(CLI::Range(1, 10000));
+  apps::within(app.add_option("--from", options.from, "First start, share of the recording"), 0.0, 1.0);
+  apps::within(app.add_option("--to", options.to, "Last start, share of the recording"), 0.0, 1.0);
+  apps::within(app.add_option("--stride", options.stride, "Rows between starts"), 1, 100000);
+  apps::within(app.add_option("--horizons", options.horizons, "How far ahead [ms], comma-separated")->delimiter(','), 1,
+               10000);
   app.add_option("--output", options.output, "Write every error to this CSV file instead of a summary");
   return apps::runProgram(&app, argc, argv, [&] { return replayAll(options); });
 }

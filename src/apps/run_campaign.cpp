@@ -9,7 +9,6 @@
 #include <string>
 
 #include "apps/common/command_line.h"
-#include "apps/common/paths.h"
 #include "raven2_trainer/campaign/judgement.h"
 #include "raven2_trainer/campaign/run_campaign.h"
 #include "raven2_trainer/config/share_folder.h"
@@ -160,7 +159,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "Seed of everything random")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 53));
-  app.add_option("--jobs", options.jobs, "Runs at a time")->capture_default_str()->check(CLI::Range(1, 1024));
+  apps::within(app.add_option("--jobs", options.jobs, "Runs at a time"), 1, 1024);
   app.add_option("--output", options.output, "Directory for the results")->required();
   app.add_option("--shard", options.shard, "Part I of N of the campaign, for one machine of several; merge_campaign")
       ->capture_default_str();

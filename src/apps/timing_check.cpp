@@ -96,12 +96,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Measures whether this machine keeps the 1 kHz loops. Exit code 0: yes, beside bare threads."};
   options.common.add(&app, /*with_ports=*/false);
-  app.add_option("--duration", options.duration, "Length of the measurement [s]")
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, 86400.0));
-  app.add_option("--calibrate", options.calibrate, "Length of the calibration with bare threads [s]")
-      ->capture_default_str()
-      ->check(CLI::Range(1.0, 3600.0));
+  apps::within(app.add_option("--duration", options.duration, "Length of the measurement [s]"), 1.0, 86400.0);
+  apps::within(app.add_option("--calibrate", options.calibrate, "Length of the calibration with bare threads [s]"), 1.0,
+               3600.0);
   app.add_flag("--bare", options.only_bare, "Only bare threads, for --calibrate seconds or until a signal");
   app.add_option("--json", options.json, "File to write the figures to");
   return apps::runProgram(&app, argc, argv, [&] { return check(options); });

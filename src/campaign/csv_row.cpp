@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
-#include <sstream>
 #include <vector>
 
 #include "raven2_trainer/campaign/results.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <memory>
 #include <string>
 
 #include "campaign/trajectory.h"

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "raven2_trainer/config/section.h"
-#include "raven2_trainer/console/master.h"
+#include "raven2_trainer/core/axis_map.h"
 
 namespace raven2_trainer::config {
 

@@ -1,7 +1,5 @@
 #include "raven2_trainer/config/load_stream.h"
 
-#include <algorithm>
-
 #include "axis_map.h"
 #include "named_files.h"
 #include "raven2_trainer/config/section.h"

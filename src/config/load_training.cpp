@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <vector>
 
 #include "named_files.h"
 #include "raven2_trainer/config/load_config.h"

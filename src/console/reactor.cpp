@@ -1,7 +1,5 @@
 #include "raven2_trainer/console/reactor.h"
 
-#include <cmath>
-
 #include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/eigen.h"
 

@@ -1,7 +1,6 @@
 #include "tool_hand.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace raven2_trainer::console {
 namespace {

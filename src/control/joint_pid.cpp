@@ -1,7 +1,6 @@
 #include "raven2_trainer/control/joint_pid.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace raven2_trainer::control {
 

@@ -1,6 +1,5 @@
 #include "raven2_trainer/control/path_relay.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "raven2_trainer/control/axis_map.h"

@@ -9,23 +9,19 @@
 #include <mutex>
 #include <optional>
 
+#include "daemon/master_port.h"
+#include "daemon/robot_port.h"
+#include "daemon/sender.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/daemon/sight_sender.h"
 #include "raven2_trainer/loop/fault_director.h"
 #include "raven2_trainer/loop/haptic_loop.h"
-#include "raven2_trainer/loop/master_ingest.h"
 #include "raven2_trainer/loop/physics_loop.h"
 #include "raven2_trainer/loop/planner_worker.h"
-#include "raven2_trainer/loop/relay_channel.h"
-#include "raven2_trainer/loop/robot_link.h"
 #include "raven2_trainer/loop/sight_of.h"
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/net/event_fd.h"
-#include "raven2_trainer/net/itp_sender.h"
 #include "raven2_trainer/net/key_file.h"
-#include "raven2_trainer/net/tcp_client.h"
-#include "raven2_trainer/net/udp_receiver.h"
-#include "raven2_trainer/net/udp_sender.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/recording/recorder.h"
 #include "raven2_trainer/recording/recover.h"
@@ -34,18 +30,13 @@
 #include "raven2_trainer/session/recovery.h"
 #include "raven2_trainer/threads/cyclic_thread.h"
 #include "raven2_trainer/threads/realtime_check.h"
-#include "raven2_trainer/wire/itp.h"
 
 namespace raven2_trainer::daemon {
 namespace {
 
-constexpr int kIngestWaitMs = 50;
-constexpr int kLinkWaitMs = 5;
-constexpr std::int64_t kResendPlanNs = 1'000'000'000;
 constexpr int kSenderWaitMs = 20;
-constexpr int kMaxDatagrams = 64;                     // datagrams a wake-up: a flood cannot keep the thread
-constexpr int kMaxForeign = 16;                       // of others, for the count; the kernel drops the rest
 constexpr std::size_t kRecoverNewest = 64;            // [sessions] at a start; the next start takes the rest
+constexpr std::int64_t kLastTryNs = 1'000'000'000;
 constexpr double kPlayerPeriod = 0.05;                // [s] of the second that waits to be shown
 constexpr std::size_t kBackgroundStack = 16U << 20U;  // llvmpipe compiles its shaders on the render thread
 
@@ -77,14 +68,6 @@ std::vector<std::string> filesOf(const TrainerConfig& config) {
   return files;
 }
 
-/** Another one in every run: a robot that hears it again knows that it is the same run. */
-std::uint32_t sessionNumber() noexcept {
-  const wire::Nonce nonce = net::freshNonce();
-  std::uint32_t number = 0;
-  std::memcpy(&number, nonce.data(), sizeof(number));
-  return number;
-}
-
 }  // namespace
 
 struct Simulator::Impl {
@@ -96,20 +79,10 @@ struct Simulator::Impl {
         scene(model::loadSceneModel(config)),
         flight(config.runtime.flight_recorder),
         shared(std::make_unique<SharedState>(flight.rings())),
-        receiver(config.network.bind_address, config.network.master_port),
         key(net::loadKey(config.network)),
-        to_robot(config.network.robot_host,
-                 config.network.robot_port,
-                 wire::Audience::kRobot,
-                 key.get(),
-                 net::ItpSender::Unanswered::kPlain),
-        to_console(config.network.console_host, config.network.force_port),
-        robot_client(config.network.robot_host,
-                     config.network.state_port,
-                     config.network.reconnect_min,
-                     config.network.reconnect_max),
-        ingest(config.network.itp, key.get(), shared.get()),
-        link(config, shared.get(), sessionNumber()),
+        master_port(config.network, key.get(), shared.get()),
+        robot_port(config, shared.get()),
+        sender(config, key.get(), shared.get()),
         faults(config, shared.get()),
         physics(config, raven, scene, shared.get()),
         haptic(config, shared.get()),
@@ -125,8 +98,6 @@ struct Simulator::Impl {
       meta.usb_truth = std::filesystem::absolute(truth).string();
     writeMeta("unknown: not ended cleanly");
     if (config.network.allow_plaintext_remote) std::fprintf(stderr, "warning: ITP ingest %s\n", meta.ingest.c_str());
-    if (config.network.master_address.empty()) return;
-    ingest.allowOnly(net::sourceId(net::resolve(config.network.master_address, 0)));
   }
 
   void startLoops() {
@@ -155,8 +126,11 @@ struct Simulator::Impl {
 
   void startIo() {
     const RuntimeConfig& runtime = config.runtime;
-    ingest_thread.start(threads::realtimeThread("ingest", runtime.ingest, runtime), [this] { ingestLoop(); });
-    link_thread.start(threads::realtimeThread("robot_link", runtime.robot_link, runtime), [this] { linkLoop(); });
+    ingest_thread.start(threads::realtimeThread("ingest", runtime.ingest, runtime), repeating(&master_port));
+    link_thread.start(threads::realtimeThread("robot_link", runtime.robot_link, runtime), [this] {
+      repeating (&robot_port)();
+      robot_port.end();
+    });
     sender_thread.start(threads::realtimeThread("sender", runtime.sender, runtime), [this] { senderLoop(); });
   }
 
@@ -166,176 +140,48 @@ struct Simulator::Impl {
     };
     recorder.takeMemory();
     // Not nice: beside other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
-    recorder_thread.start({"recorder", ThreadConfig{0, -1}}, [this] { recorderLoop(); });
-    if (sight_sender) sight_thread.start({"sight", ThreadConfig{0, -1}}, [this] { sightLoop(); });
+    recorder_thread.start({"recorder", ThreadConfig{0, -1}},
+                          every(config.runtime.recorder_period, [this] { recorder.drain(net::monotonicNow()); }));
+    if (sight_sender)
+      sight_thread.start({"sight", ThreadConfig{0, -1}}, every(static_cast<double>(loop::kPicturePeriod) * kTickSeconds,
+                                                               [this] { sight_sender->tick(); }));
     recovery_thread.start(background("recovery"), [this] { recoveryLoop(); });
-    faults_thread.start(background("faults"), [this] { faultsLoop(); });
+    faults_thread.start(background("faults"), every(config.runtime.fault_period, [this] { faults.tick(); }));
     planner_thread.start(background("planner"), [this] { plannerLoop(); });
-    player_thread.start(background("player"), [this] { playerLoop(); });
+    player_thread.start(background("player"), every(kPlayerPeriod, [this] { player.serve(); }));
     if (options.render) render_thread.start(background("render"), [this] { renderLoop(); });
   }
 
   bool stopping() const noexcept { return stop.load(std::memory_order_relaxed); }
 
-  void ingestLoop() {
-    while (!stopping()) {
-      receiver.wait(kIngestWaitMs);
-      takeDatagrams();
-      ingest.idle(net::monotonicNow());
-      followPin();
-    }
+  /** The ticks of what waits by itself. */
+  template <typename Body>
+  std::function<void()> repeating(Body* body) {
+    return [this, body] {
+      while (!stopping())
+        body->tick();
+    };
   }
 
-  void takeDatagrams() {
-    std::array<std::uint8_t, 2 * wire::kSignedItpSize> buffer;
-    for (int i = 0; i < kMaxDatagrams; ++i) {
-      const auto datagram = receiver.receive(buffer.data(), buffer.size());
-      if (!datagram) break;
-      takeDatagram(buffer.data(), *datagram);
-      followPin();
-    }
-    for (int i = 0; i < kMaxForeign; ++i) {
-      const auto datagram = receiver.receiveForeign(buffer.data(), buffer.size());
-      if (!datagram) break;
-      takeDatagram(buffer.data(), *datagram);
-    }
-  }
-
-  void takeDatagram(const std::uint8_t* bytes, const net::Datagram& datagram) {
-    const wire::Arrival arrival{bytes, datagram.size, net::sourceId(datagram.source), net::monotonicNow()};
-    if (!ingest.isHello(arrival)) {
-      ingest.receive(arrival);
-      return;
-    }
-    wire::HandshakeBytes reply;
-    if (ingest.answer(arrival, net::freshNonce(), &reply) != Reject::kNone) return;
-    receiver.sendTo(datagram.source, reply.data(), reply.size());
-  }
-
-  /** The socket hears whom the ingest hears. */
-  void followPin() {
-    const auto& pinned = receiver.pinnedSource();
-    if (!ingest.isPinned()) {
-      if (pinned) receiver.unpinSource();
-    } else if (!pinned || net::sourceId(*pinned) != ingest.source()) {
-      receiver.pinSource(net::endpointOf(ingest.source()));
-    }
-  }
-
-  void linkLoop() {
-    std::array<std::uint8_t, 8192> buffer;
-    std::int64_t resend_ns = 0;
-    while (!stopping()) {
-      switch (robot_client.poll(net::monotonicNow(), kLinkWaitMs)) {
-        case net::TcpClient::Event::kConnected:
-          link.connected();
-          break;
-        case net::TcpClient::Event::kDisconnected:
-          link.disconnected();
-          break;
-        case net::TcpClient::Event::kReadable:
-          receiveFrames(buffer.data(), buffer.size());
-          break;
-        case net::TcpClient::Event::kNone:
-          break;
+  /** A call, and a pause behind it, again and again. */
+  std::function<void()> every(double seconds, const std::function<void()>& call) {
+    return [this, seconds, call] {
+      while (!stopping()) {
+        call();
+        sleepFor(seconds);
       }
-      const std::int64_t now_ns = net::monotonicNow();
-      if (robot_client.isConnected() && link.isSilent(now_ns)) robot_client.disconnect();
-      if (now_ns >= resend_ns) {
-        link.resendPlan();
-        resend_ns = now_ns + kResendPlanNs;
-      }
-      while (const std::size_t size = link.pendingFrame(buffer.data()))
-        robot_client.send(buffer.data(), size);
-      reportRefusal(shared->plan_refused.load() != 0);
-    }
-    link.disconnected();
-  }
-
-  /** What waits, in bounded pieces: a peer that never stops sending must not keep this thread. */
-  void receiveFrames(std::uint8_t* buffer, std::size_t capacity) {
-    constexpr int kReads = 64;
-    for (int i = 0; i < kReads; ++i) {
-      const std::size_t size = robot_client.receive(buffer, capacity);
-      if (size == 0) return;
-      if (link.receive(buffer, size, net::monotonicNow())) continue;
-      reportVersion(shared->robot_version_refused.load());
-      robot_client.disconnect();
-      return;
-    }
-  }
-
-  /** Each time that it begins. */
-  void reportRefusal(bool is_refused) {
-    if (is_refused && !reported_refusal)
-      std::fprintf(stderr, "robot: it refuses our fault plan (its own words say why)\n");
-    reported_refusal = is_refused;
-  }
-
-  /** Once for each version met, however often the robot is tried again. */
-  void reportVersion(std::uint16_t version) {
-    if (version == reported_version) return;
-    reported_version = version;
-    if (version != 0) std::fprintf(stderr, "%s\n", wire::refusalText("robot", version).c_str());
+    };
   }
 
   void senderLoop() {
     while (!stopping()) {
       outgoing.wait(kSenderWaitMs);
-      sendWaiting();
-      if (haptic_ended.load()) sendSilence();  // at once: the other threads may take their time
+      sender.tick();
+      if (haptic_ended.load()) sender.sendSilence();  // at once: the other threads may take their time
     }
-    sendWaiting();
-    releasePedal();
-    sendSilence();
-  }
-
-  /** Whatever happens next, the hand feels nothing from us. */
-  void sendSilence() {
-    last_force.force_I = {};
-    ++last_force.sequence;
-    shared->force_silent.add();
-    sendForce(last_force);
-  }
-
-  /** A robot left with the pedal down would wait for its own time-out, seconds in a real Raven, ready to move. */
-  void releasePedal() {
-    if (last_sent.surgeon_mode == 0) return;  // not what was given out: a fault's bad network may still hold the rest
-    MasterCommand release;
-    release.sequence = last_sent.sequence + 1;  // in order for the robot, which drops what comes behind a gap
-    shared->relay_released.add();
-    sendRelay(wire::fromCommand(release));
-  }
-
-  void sendWaiting() {
-    const std::int64_t now = net::monotonicNow();
-    const auto send = [this](const wire::ItpPacket& sent) { sendRelay(sent); };
-    RelayPacket packet;
-    while (shared->relay_packets.tryPop(&packet))
-      relay_channel.pass(packet, now, send);
-    relay_channel.flush(now, send);
-    shared->relay_network.store(relay_channel.counts());
-    while (shared->force_packets.tryPop(&last_force))
-      sendForce(last_force);
-  }
-
-  void sendRelay(const wire::ItpPacket& packet) {
-    const bool taken = to_robot.send(packet, net::monotonicNow());
-    last_sent = packet;
-    (taken ? shared->relay_sent : shared->relay_failed).add();
-  }
-
-  void sendForce(const ForcePacket& force) {
-    const wire::ForceBytes bytes = wire::encodeForce(force);
-    const bool taken = to_console.send(bytes.data(), bytes.size());
-    (taken ? shared->force_sent : shared->force_failed).add();
-  }
-
-  void recorderLoop() {
-    while (!stopping()) {
-      recorder.drain(net::monotonicNow());
-      sleepFor(config.runtime.recorder_period);
-    }
+    sender.tick();
+    sender.releasePedal();
+    sender.sendSilence();
   }
 
   /** Completes the logs of processes that were killed, so that their sessions can be read and their memory is freed. */
@@ -348,31 +194,10 @@ struct Simulator::Impl {
     }
   }
 
-  void sightLoop() {
-    while (!stopping()) {
-      sight_sender->tick();
-      sleepFor(static_cast<double>(loop::kPicturePeriod) * kTickSeconds);
-    }
-  }
-
-  void faultsLoop() {
-    while (!stopping()) {
-      faults.tick();
-      sleepFor(config.runtime.fault_period);
-    }
-  }
-
   void plannerLoop() {
     planner.prepare();
     while (!stopping()) {
       if (!planner.serve()) sleepFor(0.005);
-    }
-  }
-
-  void playerLoop() {
-    while (!stopping()) {
-      player.serve();
-      sleepFor(kPlayerPeriod);
     }
   }
 
@@ -437,7 +262,7 @@ struct Simulator::Impl {
 
   /** The log first: on a full disk it has room of its own, and gives some back. */
   void writeFiles() {
-    recorder.drain(net::monotonicNow() + kResendPlanNs);  // a last try though it may not be due; the counts tell of it
+    recorder.drain(net::monotonicNow() + kLastTryNs);  // a last try though it may not be due; the counts tell of it
     try {
       recorder.finish(counts());
       meta.flight_recorder = "removed";
@@ -473,18 +298,13 @@ struct Simulator::Impl {
   session::FlightRecorder flight;
   std::unique_ptr<SharedState> shared;
 
-  net::UdpReceiver receiver;
   std::unique_ptr<const wire::ItpKey> key;
-  net::ItpSender to_robot;
-  net::UdpSender to_console;
+  MasterPort master_port;
+  RobotPort robot_port;
+  Sender sender;
   std::optional<SightSender> sight_sender;
-  net::TcpClient robot_client;
   net::EventFd outgoing;
 
-  loop::MasterIngest ingest;
-  loop::RobotLink link;
-  std::uint16_t reported_version{0};  // robot_link's own
-  bool reported_refusal{false};       // the same
   loop::FaultDirector faults;
   loop::PhysicsLoop physics;
   loop::HapticLoop haptic;
@@ -496,9 +316,6 @@ struct Simulator::Impl {
 
   std::mutex sink_mutex;  // of the render thread and whoever sets the sink; never of a 1 kHz thread
   ImageSink sink;
-  ForcePacket last_force{};     // the sender's own, as the next
-  wire::ItpPacket last_sent{};  // to the robot
-  loop::RelayChannel relay_channel{config};
   std::atomic<bool> haptic_ended{false};
   threads::MemoryLock memory;
   std::atomic<bool> stop{false};
@@ -595,7 +412,7 @@ std::string Simulator::realtimeStatus() const {
 }
 
 std::uint16_t Simulator::masterPort() const noexcept {
-  return impl_->receiver.port();
+  return impl_->master_port.port();
 }
 
 }  // namespace raven2_trainer::daemon

@@ -1,7 +1,6 @@
 #include "raven2_trainer/lockstep/lockstep_stack.h"
 
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "raven2_trainer/impair/channel.h"

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "raven2_trainer/loop/loop_config.h"
 #include "raven2_trainer/loop/shared_state.h"

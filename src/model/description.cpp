@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/robot_model.h"

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>

@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "model/xml_outline.h"
-#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"

@@ -1,6 +1,5 @@
 #include "model/urdf_tree.h"
 
-#include <algorithm>
 #include <set>
 
 namespace raven2_trainer::model {

@@ -2,7 +2,6 @@
 
 #include <netinet/in.h>
 
-#include <cstdint>
 #include <string>
 
 #include "raven2_trainer/net/endpoint.h"

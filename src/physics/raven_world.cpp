@@ -9,7 +9,6 @@
 #include "physics/collider.h"
 #include "physics/finite.h"
 #include "physics/jaw_stop.h"
-#include "physics/ode_handles.h"
 #include "physics/ode_maths.h"
 #include "physics/ode_world.h"
 #include "physics/rigid_links.h"

@@ -14,6 +14,9 @@
 
 namespace raven2_trainer::planning {
 
+constexpr double kOnAxis = 1e-9;   // [m] a capsule is round about a joint's axis if its own is no farther away
+constexpr double kTableCap = 0.2;  // [m] tables tell no more
+
 /**
  * Says, fast, how far one arm is from the scene, the robot's fixed parts, the other arm and itself: the same pairs of
  * shapes as ArmCollision, with the arm's shapes grown by the clearance in the same way (a box by its faces).

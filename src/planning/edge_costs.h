@@ -4,9 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
-
-#include "planning/planning_problem.h"
 
 namespace raven2_trainer::planning {
 

@@ -5,7 +5,6 @@
 #include <ompl/geometric/PathGeometric.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include "planning/free_volume.h"

@@ -1,7 +1,6 @@
 #include "planning/goal_search.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "raven2_trainer/planning/path_planner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <stdexcept>
 

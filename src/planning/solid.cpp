@@ -1,7 +1,6 @@
 #include "planning/solid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 

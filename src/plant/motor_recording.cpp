@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/types.h"

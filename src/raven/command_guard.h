@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-
 #include "raven/motor_controller.h"
 #include "raven2_trainer/detector/anomaly_detector.h"
 #include "raven2_trainer/detector/detector_config.h"

@@ -1,7 +1,6 @@
 #include "raven2_trainer/raven/control_software.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "raven/command_guard.h"
@@ -18,6 +17,9 @@
 #include "raven2_trainer/raven/board_channels.h"
 #include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/raven/low_pass.h"
+
+// One cycle of the robot's control program, function by function in its order and by its names, to be read beside raven2's
+// sources: that is why this file is long.
 
 namespace raven2_trainer::raven {
 namespace {

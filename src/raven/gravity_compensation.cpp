@@ -1,7 +1,5 @@
 #include "raven/gravity_compensation.h"
 
-#include <cmath>
-
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/raven/board_channels.h"
 

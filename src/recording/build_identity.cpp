@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/render/renderer.h"

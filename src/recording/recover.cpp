@@ -1,10 +1,8 @@
 #include "raven2_trainer/recording/recover.h"
 
 #include <cstdio>
-#include <filesystem>
 #include <string>
 
-#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/recording/finish_session.h"
 #include "raven2_trainer/session/recovery.h"
 #include "raven2_trainer/training/session_metrics.h"

@@ -1,7 +1,6 @@
 #include "render/edge_smoother.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 namespace raven2_trainer::render {

@@ -1,7 +1,6 @@
 #include "render/edge_tone.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 

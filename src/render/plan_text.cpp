@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
-#include "render/overlay_text.h"
 
 namespace raven2_trainer::render {
 

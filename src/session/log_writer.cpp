@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -130,49 +129,21 @@ LogWriter::LogWriter(const std::string& path, const LogPosition& position) : imp
 
 LogWriter::~LogWriter() = default;
 
-void LogWriter::write(const TickRecord& record) {
+template <typename T>
+void LogWriter::write(const T& record) {
   impl_->write(record);
 }
-
-void LogWriter::write(const HapticRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const CommandRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const RequestRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const PlanRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const FaultRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const FaultChangeRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const ExecutionRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const ExerciseRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const ContactRecord& record) {
-  impl_->write(record);
-}
-
-void LogWriter::write(const GapRecord& record) {
-  impl_->write(record);
-}
+template void LogWriter::write(const TickRecord&);
+template void LogWriter::write(const HapticRecord&);
+template void LogWriter::write(const CommandRecord&);
+template void LogWriter::write(const RequestRecord&);
+template void LogWriter::write(const PlanRecord&);
+template void LogWriter::write(const FaultRecord&);
+template void LogWriter::write(const FaultChangeRecord&);
+template void LogWriter::write(const ExecutionRecord&);
+template void LogWriter::write(const ExerciseRecord&);
+template void LogWriter::write(const ContactRecord&);
+template void LogWriter::write(const GapRecord&);
 
 void LogWriter::reserve(std::size_t bytes) {
   const std::vector<std::uint8_t> held = impl_->batch;

@@ -15,7 +15,6 @@
 
 #include "flight_file.h"
 #include "log_scanner.h"
-#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
 
 namespace raven2_trainer::session {

@@ -1,9 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
-#include <optional>
 
 #include "raven2_trainer/detector/identify.h"
 #include "raven2_trainer/raven/drives.h"

@@ -1,8 +1,6 @@
 #include "raven2_trainer/studies/ompl_log.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 #include "raven2_trainer/studies/plan_tables.h"
 #include "studies/number.h"

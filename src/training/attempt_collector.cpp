@@ -1,7 +1,6 @@
 #include "training/attempt_collector.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace raven2_trainer::training {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <deque>
-#include <string>
 #include <vector>
 
 #include "raven2_trainer/core/record.h"

@@ -1,7 +1,6 @@
 #include "raven2_trainer/training/transit.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/training/motion_metrics.h"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "raven2_trainer/control/arm_controller.h"
-
 namespace raven2_trainer::control {
 
 /**

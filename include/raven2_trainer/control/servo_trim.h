@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 
-#include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/kinematics/arms_config.h"
 
 namespace raven2_trainer::control {

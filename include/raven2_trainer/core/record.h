@@ -4,7 +4,6 @@
 #include <type_traits>
 
 #include "raven2_trainer/core/command.h"
-#include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/core/fault.h"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/planning/path_planner.h"

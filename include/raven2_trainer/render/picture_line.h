@@ -3,7 +3,6 @@
 #include <deque>
 
 #include "raven2_trainer/model/camera.h"
-#include "raven2_trainer/render/render_config.h"
 #include "raven2_trainer/render/scene.h"
 
 namespace raven2_trainer::render {

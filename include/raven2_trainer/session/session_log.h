@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <string>
@@ -80,17 +79,8 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  void write(const TickRecord& record);
-  void write(const HapticRecord& record);
-  void write(const CommandRecord& record);
-  void write(const RequestRecord& record);
-  void write(const PlanRecord& record);
-  void write(const FaultRecord& record);
-  void write(const FaultChangeRecord& record);
-  void write(const ExecutionRecord& record);
-  void write(const ExerciseRecord& record);
-  void write(const ContactRecord& record);
-  void write(const GapRecord& record);
+  template <typename T>
+  void write(const T& record);
   /** Takes memory for a batch of so many bytes now, every page of it touched: none so large takes more later. */
   void reserve(std::size_t bytes);
   /**

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdio>
 #include <memory>
 #include <string>
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "raven2_trainer/session/text_file.h"
 #include "raven2_trainer/studies/plan_study.h"

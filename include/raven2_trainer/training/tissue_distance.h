@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/model/raven_model.h"
 

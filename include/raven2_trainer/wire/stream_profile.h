@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "raven2_trainer/core/axis_map.h"
 
 namespace raven2_trainer {

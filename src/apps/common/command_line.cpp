@@ -15,7 +15,6 @@
 
 #include "apps/common/paths.h"
 #include "raven2_trainer/config/load_config.h"
-#include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::apps {
 namespace {
@@ -112,6 +111,14 @@ std::string describeSession(const TrainerConfig& config, const std::string& driv
                                    : "exercise " + config.exercise_name + ", drill " + config.drill;
   return what + ", trainee " + (config.trainee.empty() ? "none" : config.trainee) + ", driver " +
          (driver.empty() ? "not named" : driver);
+}
+
+void within(CLI::Option* option, int least, int most) {
+  option->capture_default_str()->check(CLI::Range(least, most));
+}
+
+void within(CLI::Option* option, double least, double most) {
+  option->capture_default_str()->check(CLI::Range(least, most));
 }
 
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {

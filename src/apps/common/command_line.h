@@ -9,6 +9,7 @@
 
 namespace CLI {
 class App;
+class Option;
 }
 
 namespace raven2_trainer::apps {
@@ -27,6 +28,10 @@ struct CommonOptions {
   /** @param[in] overrides of the files' values; options go before them. @throw ConfigException. */
   TrainerConfig load(const config::Overrides& overrides = {}) const;
 };
+
+/** Help tells the option's default; values outside of the range are refused. */
+void within(CLI::Option* option, int least, int most);
+void within(CLI::Option* option, double least, double most);
 
 /** What a session is, for its first line: `exercise peg_transfer, drill sudden_jump, trainee tim, driver expert`. */
 std::string describeSession(const TrainerConfig& config, const std::string& driver);

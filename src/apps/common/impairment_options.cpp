@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "apps/common/paths.h"
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"

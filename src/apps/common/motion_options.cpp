@@ -1,7 +1,6 @@
 #include "apps/common/motion_options.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdlib>
 
 #include "raven2_trainer/core/exceptions.h"

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 
-#include "apps/common/paths.h"
 #include "apps/common/signals.h"
 #include "raven2_trainer/config/load_master.h"
 #include "raven2_trainer/config/share_folder.h"

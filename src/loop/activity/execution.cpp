@@ -1,7 +1,5 @@
 #include "loop/activity/execution.h"
 
-#include "raven2_trainer/kinematics/arm_kinematics.h"
-
 namespace raven2_trainer::loop {
 namespace {
 

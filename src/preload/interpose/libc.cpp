@@ -50,8 +50,10 @@ const Next& next() {
   return found;
 }
 
-bool hasMode(int flags) {
-  return (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+/** The argument behind the flags, where there is one. */
+mode_t modeOf(int flags, va_list rest) {
+  const bool has_mode = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  return has_mode ? static_cast<mode_t>(va_arg(rest, unsigned)) : 0;
 }
 
 int openNext(const char* path, int flags, mode_t mode) {
@@ -157,46 +159,34 @@ ssize_t receiveFrom(int descriptor, void* buffer, size_t size, int flags, sockad
 extern "C" {
 
 RAVEN2_EXPORT int open(const char* path, int flags, ...) {
-  mode_t mode = 0;
-  if (hasMode(flags)) {
-    va_list rest;
-    va_start(rest, flags);
-    mode = static_cast<mode_t>(va_arg(rest, unsigned));
-    va_end(rest);
-  }
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = modeOf(flags, rest);
+  va_end(rest);
   return openNext(path, flags, mode);
 }
 
 RAVEN2_EXPORT int open64(const char* path, int flags, ...) {
-  mode_t mode = 0;
-  if (hasMode(flags)) {
-    va_list rest;
-    va_start(rest, flags);
-    mode = static_cast<mode_t>(va_arg(rest, unsigned));
-    va_end(rest);
-  }
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = modeOf(flags, rest);
+  va_end(rest);
   return openNext(path, flags | O_LARGEFILE, mode);
 }
 
 RAVEN2_EXPORT int openat(int folder, const char* path, int flags, ...) {
-  mode_t mode = 0;
-  if (hasMode(flags)) {
-    va_list rest;
-    va_start(rest, flags);
-    mode = static_cast<mode_t>(va_arg(rest, unsigned));
-    va_end(rest);
-  }
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = modeOf(flags, rest);
+  va_end(rest);
   return openNextAt(folder, path, flags, mode);
 }
 
 RAVEN2_EXPORT int openat64(int folder, const char* path, int flags, ...) {
-  mode_t mode = 0;
-  if (hasMode(flags)) {
-    va_list rest;
-    va_start(rest, flags);
-    mode = static_cast<mode_t>(va_arg(rest, unsigned));
-    va_end(rest);
-  }
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = modeOf(flags, rest);
+  va_end(rest);
   return openNextAt(folder, path, flags | O_LARGEFILE, mode);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/render/overlays.h"

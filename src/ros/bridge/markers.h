@@ -5,7 +5,6 @@
 
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/state.h"
-#include "raven2_trainer/model/raven_model.h"
 
 // Contacts and forces as markers of RViz, in frame world and in the picture's colours (render/overlays.h). What is not
 // finite is left out.

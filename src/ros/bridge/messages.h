@@ -11,7 +11,6 @@
 
 #include <string>
 
-#include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/daemon/render_loop.h"

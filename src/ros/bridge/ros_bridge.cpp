@@ -5,7 +5,6 @@
 
 #include <array>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 

@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/loop/shared_state.h"

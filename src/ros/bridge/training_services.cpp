@@ -1,7 +1,6 @@
 #include "ros/bridge/training_services.h"
 
 #include "ros/node/tell.h"
-#include "ros/raven/error_codes.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -8,7 +8,6 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/net/clock.h"
 #include "ros/node/name_of.h"
-#include "ros/node/topic.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/kinematics/arms_config.h"
-#include "raven2_trainer/loop/shared_state.h"
 #include "ros/crtk/crtk_messages.h"
 #include "ros/crtk/crtk_states.h"
 #include "ros/crtk/crtk_topics.h"

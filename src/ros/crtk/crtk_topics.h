@@ -4,7 +4,6 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
-#include <array>
 #include <string>
 
 #include "ros/crtk/crtk_states.h"

@@ -4,7 +4,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "raven2_trainer/control/servo.h"
 #include "ros/crtk/crtk_states.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "raven2_trainer/core/contact.h"
-#include "ros/crtk/crtk_frames.h"
 
 namespace raven2_trainer::ros_bridge {
 

@@ -4,17 +4,17 @@
 #include <ros/serialization.h>
 
 #include <string>
-#include <type_traits>
 
-// Messages of packages that need not be installed: structs of ours with the fields, their order and the check sums of theirs.
+// Messages of packages that need not be installed: structs of ours with the fields, their order and the check sums of
+// theirs.
 
 namespace raven2_trainer::ros_bridge {
 
 /** A message's text with that of a message it is made of, as a topic's connection header carries it. */
 template <typename Part>
 std::string withPart(const char* text) {
-  return std::string(text) + "\n" + std::string(80, '=') + "\nMSG: " + ros::message_traits::DataType<Part>::value() + "\n" +
-         ros::message_traits::Definition<Part>::value();
+  return std::string(text) + "\n" + std::string(80, '=') + "\nMSG: " + ros::message_traits::DataType<Part>::value() +
+         "\n" + ros::message_traits::Definition<Part>::value();
 }
 
 template <typename Message>
