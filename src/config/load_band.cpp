@@ -19,7 +19,7 @@ BandMetric readMetric(Section section, const std::string& name) {
   metric.mean = section.number("mean", -kLargest, kLargest);
   metric.deviation = section.number("deviation", 0.0, kLargest);
   metric.better = static_cast<Better>(section.choice("better", kBetterNames));
-  const Better own = betterOf(name);
+  const Better own = findMetric(name)->better;
   if (metric.better != own) {
     throw ConfigException(section.where("better") + ": of " + name + " " + kBetterNames[static_cast<std::size_t>(own)] +
                           " is better");
@@ -40,7 +40,7 @@ Band loadBand(const std::string& path) {
   band.least_spread = root.number("least_spread", 0.0, 10.0);
   Section metrics = root.section("metrics");
   for (const std::string& name : metrics.keys()) {
-    if (!isMetric(name)) throw ConfigException(metrics.where(name) + ": is no metric (doc/scores.md)");
+    if (findMetric(name) == nullptr) throw ConfigException(metrics.where(name) + ": is no metric (doc/scores.md)");
     band.metrics.push_back(readMetric(metrics.section(name), name));
   }
   if (band.metrics.empty()) throw ConfigException(root.where("metrics") + " holds none");

@@ -212,14 +212,10 @@ void readWatch(Section& root, const SceneRoles& roles, Exercise* exercise) {
 
 // ---- scores, guide, drill
 
-bool isMetric(const std::string& name) {
-  return std::find(kMetricNames.begin(), kMetricNames.end(), name) != kMetricNames.end();
-}
-
 std::string metricList() {
   std::string list;
-  for (const char* name : kMetricNames)
-    list += std::string(list.empty() ? "" : ", ") + name;
+  for (const MetricInfo& metric : kMetrics)
+    list += std::string(list.empty() ? "" : ", ") + metric.name;
   return list;
 }
 
@@ -227,7 +223,7 @@ void readMetrics(Section& root, Exercise* exercise) {
   Section entries = root.section("metrics");
   checkCount(root, "metrics", entries.keys().size(), 0, kMostMetrics);
   for (const std::string& name : entries.keys()) {
-    refuse(!isMetric(name), entries.where(name), "is no metric, expected one of: " + metricList());
+    refuse(findMetric(name) == nullptr, entries.where(name), "is no metric, expected one of: " + metricList());
     Section entry = entries.section(name);
     ScoredMetric metric;
     metric.name = name;

@@ -109,7 +109,7 @@ DeviceTopics readDevice(Section& s, const MasterConfig& c) {
   device.is_used = true;
   device.pose = topic(s, "pose", false);
   device.gripper_input = static_cast<int>(s.integer("gripper_input", -1, kMostButtons - 1));
-  if (c.family == DeviceFamily::kJoy) {
+  if (traitsOf(c.family).has_axes) {
     readSticksOf(s, &device);
   } else {
     device.buttons = readButtons(s);
@@ -140,7 +140,7 @@ void checkInputs(const Section& root, const MasterConfig& c) {
   for (const Arm arm : kArms) {
     const DeviceTopics& device = at(c.devices, arm);
     if (!device.is_used) continue;
-    const bool has_buttons = c.family == DeviceFamily::kJoy || !device.buttons.empty();
+    const bool has_buttons = traitsOf(c.family).has_axes || !device.buttons.empty();
     const bool is_pedal = c.pedal_from == PedalFrom::kAny || c.pedal_from == PedalFrom::kAll ||
                           (c.pedal_from == PedalFrom::kLeft && arm == Arm::kGold) ||
                           (c.pedal_from == PedalFrom::kRight && arm == Arm::kGreen);
@@ -150,9 +150,9 @@ void checkInputs(const Section& root, const MasterConfig& c) {
     if ((is_gripper || c.gripper_from == GripperFrom::kAxis) && device.gripper_input < 0)
       throw ConfigException(root.where("devices") + ": " + deviceName(arm) + " has no gripper_input");
   }
-  if (c.gripper_from == GripperFrom::kAxis && c.family != DeviceFamily::kJoy)
+  if (c.gripper_from == GripperFrom::kAxis && !traitsOf(c.family).has_axes)
     throw ConfigException(root.where("gripper") + ": only family joy has axes");
-  if (c.gripper_from == GripperFrom::kJoint && c.family == DeviceFamily::kJoy)
+  if (c.gripper_from == GripperFrom::kJoint && traitsOf(c.family).has_axes)
     throw ConfigException(root.where("gripper") + ": family joy has no joint");
   const bool left_is_asked = c.pedal_from == PedalFrom::kLeft && !c.devices[0].is_used;
   const bool right_is_asked = c.pedal_from == PedalFrom::kRight && !c.devices[1].is_used;
@@ -166,8 +166,8 @@ MasterConfig loadMaster(const std::string& path) {
   MasterConfig c;
   c.name = fs::path(path).stem().string();
   root.text("meaning");
-  c.family = static_cast<DeviceFamily>(root.choice("family", kDeviceFamilyNames));
-  const bool is_joy = c.family == DeviceFamily::kJoy;
+  c.family = static_cast<DeviceFamily>(root.choice("family", namesOf(kFamilies)));
+  const bool is_joy = traitsOf(c.family).has_axes;
   c.scale = root.number("scale", 0.001, 1.0);
   c.axes = readAxes(root, "axes", is_joy);
   c.turn_axes = c.axes;

@@ -48,7 +48,7 @@ class DeviceHand {
   }
 
   void follow(const DeviceSample& sample) noexcept {
-    if (config_.family == DeviceFamily::kJoy) {
+    if (traitsOf(config_.family).has_axes) {
       hand_ += axes_ * velocity(sample) * kTickSeconds;
     } else {
       followPoses(sample);

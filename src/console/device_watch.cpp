@@ -23,7 +23,7 @@ bool isPlace(DeviceTrouble trouble) noexcept {
 }  // namespace
 
 DeviceWatch::DeviceWatch(const MasterConfig& config) noexcept
-    : config_(config), has_pose_(config.family != DeviceFamily::kJoy) {}
+    : config_(config), has_pose_(!traitsOf(config.family).has_axes) {}
 
 DeviceFinding DeviceWatch::look(const DeviceSample& sample, bool engaged) noexcept {
   age_ += kTickSeconds;

@@ -52,71 +52,49 @@ Value judged(const AttemptOutcome& outcome, Mistake mistake, std::uint64_t all) 
   return own ? own : Value(static_cast<double>(all));
 }
 
-class MetricList {
- public:
-  MetricList(MetricGroup group, std::vector<Metric>* metrics) : group_(group), metrics_(metrics) {}
-  MetricList& lower(const char* name, const char* unit, Value value) {
-    metrics_->push_back({name, unit, group_, Better::kLower, value});
-    return *this;
-  }
-  MetricList& higher(const char* name, const char* unit, Value value) {
-    metrics_->push_back({name, unit, group_, Better::kHigher, value});
-    return *this;
-  }
-
- private:
-  MetricGroup group_;
-  std::vector<Metric>* metrics_;
-};
-
-void listEfficiency(const MotionMetrics& motion, const Economy& economy, std::vector<Metric>* metrics) {
-  MetricList(MetricGroup::kEfficiency, metrics)
-      .lower("time", "s", motion.duration)
-      .lower("path", "mm", (motion.hands[0].path + motion.hands[1].path) * kMillimetres)
-      .higher("economy", "-", economy.ratio)
-      .lower("off_path", "mm", scaled(economy.off_path, kMillimetres))
-      .lower("off_path_p95", "mm", scaled(economy.off_path_p95, kMillimetres))
-      .lower("idle", "-", motion.idle)
-      .lower("mean_jerk", "m/s^3", overHands(motion, &HandMotion::mean_jerk))
-      .higher("sparc", "-", overHands(motion, &HandMotion::sparc))
-      .higher("stroke_sparc", "-", overHands(motion, &HandMotion::stroke_sparc))
-      .higher("ldlj", "-", overHands(motion, &HandMotion::ldlj))
-      .lower("tremor", "um", scaled(overHands(motion, &HandMotion::tremor), kMicrometres));
-}
-
-void listSafety(const MotionMetrics& motion, const AttemptOutcome& outcome, std::vector<Metric>* metrics) {
+/** What was measured, by the names of kMetrics; the order is of no account. */
+std::vector<std::pair<std::string, Value>> valuesOf(const MotionMetrics& motion,
+                                                    const AttemptOutcome& outcome,
+                                                    const Economy& economy) {
   const Touches wires = sum(motion, {Partner::kWire, Partner::kObjectWire});
   const Touches walls =
       sum(motion, {Partner::kTower, Partner::kDome, Partner::kPlate, Partner::kOther, Partner::kOtherArm});
-  MetricList(MetricGroup::kSafety, metrics)
-      .lower("collisions", "count", judged(outcome, Mistake::kCollision, walls.count))
-      .lower("collision_time", "s", toSeconds(walls.ticks))
-      .lower("wire_touches", "count", judged(outcome, Mistake::kWireTouch, wires.count))
-      .lower("wire_time", "s", toSeconds(wires.ticks))
-      .lower("drops", "count", mistakes(outcome, Mistake::kDrop))
-      .lower("break_offs", "count", mistakes(outcome, Mistake::kBreakOff))
-      .lower("out_of_order", "count", mistakes(outcome, Mistake::kOutOfOrder))
-      .lower("wrong_arm", "count", mistakes(outcome, Mistake::kWrongArm))
-      .lower("peak_force", "N", motion.contact_force.peak)
-      .lower("force_p95", "N", motion.contact_force.p95)
-      .lower("force_impulse", "Ns", motion.contact_force.impulse)
-      .lower("force_above", "s", toSeconds(motion.contact_force.above))
-      .lower("out_of_view", "s", motion.out_of_view);
-}
-
-void listControl(const MotionMetrics& motion, std::vector<Metric>* metrics) {
-  MetricList(MetricGroup::kControl, metrics)
-      .lower("clutches", "count", static_cast<double>(motion.clutches))
-      .lower("clutch_time", "s", motion.clutch_time)
-      .higher("engaged", "-", motion.engaged)
-      .lower("camera_moves", "count", static_cast<double>(motion.camera_moves))
-      .lower("camera_time", "s", motion.camera_time)
-      .lower("master_radius", "mm", scaled(larger(motion, &HandMotion::master_radius), kMillimetres))
-      .lower("master_deviation", "mm", scaled(larger(motion, &HandMotion::master_deviation), kMillimetres))
-      .higher("bimanual", "-", motion.bimanual)
-      .higher("speed_correlation", "-", motion.speed_correlation)
-      .lower("tracking", "mm",
-             motion.tracking.count() > 0 ? Value(motion.tracking.mean() * kMillimetres) : std::nullopt);
+  return {
+      {"time", motion.duration},
+      {"path", (motion.hands[0].path + motion.hands[1].path) * kMillimetres},
+      {"economy", economy.ratio},
+      {"off_path", scaled(economy.off_path, kMillimetres)},
+      {"off_path_p95", scaled(economy.off_path_p95, kMillimetres)},
+      {"idle", motion.idle},
+      {"mean_jerk", overHands(motion, &HandMotion::mean_jerk)},
+      {"sparc", overHands(motion, &HandMotion::sparc)},
+      {"stroke_sparc", overHands(motion, &HandMotion::stroke_sparc)},
+      {"ldlj", overHands(motion, &HandMotion::ldlj)},
+      {"tremor", scaled(overHands(motion, &HandMotion::tremor), kMicrometres)},
+      {"collisions", judged(outcome, Mistake::kCollision, walls.count)},
+      {"collision_time", toSeconds(walls.ticks)},
+      {"wire_touches", judged(outcome, Mistake::kWireTouch, wires.count)},
+      {"wire_time", toSeconds(wires.ticks)},
+      {"drops", mistakes(outcome, Mistake::kDrop)},
+      {"break_offs", mistakes(outcome, Mistake::kBreakOff)},
+      {"out_of_order", mistakes(outcome, Mistake::kOutOfOrder)},
+      {"wrong_arm", mistakes(outcome, Mistake::kWrongArm)},
+      {"peak_force", motion.contact_force.peak},
+      {"force_p95", motion.contact_force.p95},
+      {"force_impulse", motion.contact_force.impulse},
+      {"force_above", toSeconds(motion.contact_force.above)},
+      {"out_of_view", motion.out_of_view},
+      {"clutches", static_cast<double>(motion.clutches)},
+      {"clutch_time", motion.clutch_time},
+      {"engaged", motion.engaged},
+      {"camera_moves", static_cast<double>(motion.camera_moves)},
+      {"camera_time", motion.camera_time},
+      {"master_radius", scaled(larger(motion, &HandMotion::master_radius), kMillimetres)},
+      {"master_deviation", scaled(larger(motion, &HandMotion::master_deviation), kMillimetres)},
+      {"bimanual", motion.bimanual},
+      {"speed_correlation", motion.speed_correlation},
+      {"tracking", motion.tracking.count() > 0 ? Value(motion.tracking.mean() * kMillimetres) : std::nullopt},
+  };
 }
 
 /** An attempt that fails before its timer starts has no tick of which something could be measured. */
@@ -238,10 +216,12 @@ std::optional<double> firstAnswer(const std::vector<HazardScore>& hazards) {
 }
 
 std::vector<Metric> listMetrics(const MotionMetrics& motion, const AttemptOutcome& outcome, const Economy& economy) {
+  const auto values = valuesOf(motion, outcome, economy);
   std::vector<Metric> metrics;
-  listEfficiency(motion, economy, &metrics);
-  listSafety(motion, outcome, &metrics);
-  listControl(motion, &metrics);
+  for (const MetricInfo& info : kMetrics) {
+    const auto found = std::find_if(values.begin(), values.end(), [&](const auto& v) { return v.first == info.name; });
+    metrics.push_back({info.name, info.unit, info.group, info.better, found == values.end() ? Value() : found->second});
+  }
   return metrics;
 }
 

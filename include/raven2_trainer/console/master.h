@@ -21,7 +21,24 @@ enum class DeviceFamily : std::uint8_t {
   kCrtk,      ///< CRTK: sawSensablePhantom, the dVRK's MTM
   kJoy,       ///< a gamepad: its axes are velocities; it feels nothing
 };
-constexpr std::array<const char*, 4> kDeviceFamilyNames{"omni", "geomagic", "crtk", "joy"};
+/** What a family is: a row for each, in the order of DeviceFamily. Its forces' messages: kForceForms in
+ * ros/devices/master_devices.cpp. */
+struct FamilyTraits {
+  const char* name;
+  bool has_axes;            ///< a gamepad: velocities instead of poses; it feels nothing
+  bool stamps_samples;      ///< a sample without a time is not valid
+  bool holds_device;        ///< a force takes the device from the controller that holds it: not before a hand has it
+  bool subtracts_velocity;  ///< its driver subtracts 0.001 N s/mm times the velocity, at each message
+};
+constexpr std::array<FamilyTraits, 4> kFamilies{{
+    {"omni", false, false, false, true},
+    {"geomagic", false, false, false, true},
+    {"crtk", false, true, true, false},
+    {"joy", true, false, false, false},
+}};
+constexpr const FamilyTraits& traitsOf(DeviceFamily family) noexcept {
+  return kFamilies[static_cast<std::size_t>(family)];
+}
 
 /** What holds the pedal that engages. */
 enum class PedalFrom : std::uint8_t {

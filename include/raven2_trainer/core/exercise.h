@@ -143,7 +143,7 @@ struct ExerciseDrill {
 
 /** A metric that is scored. */
 struct ScoredMetric {
-  std::string name;  ///< one of kMetricNames
+  std::string name;  ///< one of kMetrics (training/metric_names.h)
   std::uint8_t has_limit{};
   double limit{};  ///< worst value that passes, in the metric's unit; force_above: [N] what the force is compared with
   std::string place;

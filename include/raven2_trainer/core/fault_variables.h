@@ -137,14 +137,6 @@ constexpr const FaultChannelNames& channelsOf(FaultVariable variable) noexcept {
   return kFaultChannelNames[static_cast<std::size_t>(infoOf(variable).channels)];
 }
 
-template <std::size_t N>
-constexpr std::array<const char*, N> namesOf(const std::array<FaultVariableInfo, N>& variables) noexcept {
-  std::array<const char*, N> names{};
-  for (std::size_t i = 0; i < N; ++i)
-    names[i] = variables[i].name;
-  return names;
-}
-
 /** The table stands in the order of the enumeration. */
 constexpr bool isFaultTableInOrder() noexcept {
   for (std::size_t i = 0; i < kFaultVariableCount; ++i) {

@@ -68,4 +68,13 @@ struct RigidPose {
   Quat q{kIdentityQuat};  ///< unit, x y z w
 };
 
+/** The names of a table's rows. */
+template <typename Row, std::size_t N>
+constexpr std::array<const char*, N> namesOf(const std::array<Row, N>& rows) noexcept {
+  std::array<const char*, N> names{};
+  for (std::size_t i = 0; i < N; ++i)
+    names[i] = rows[i].name;
+  return names;
+}
+
 }  // namespace raven2_trainer

@@ -8,14 +8,11 @@
 #include "raven2_trainer/core/exercise.h"
 #include "raven2_trainer/training/band.h"
 #include "raven2_trainer/training/hazard_response.h"
+#include "raven2_trainer/training/metric_names.h"
 #include "raven2_trainer/training/motion_metrics.h"
 #include "raven2_trainer/training/transit.h"
 
 namespace raven2_trainer::training {
-
-/** As the industry groups them (field.md 5.4). */
-enum class MetricGroup : std::uint8_t { kEfficiency, kSafety, kControl };
-constexpr std::array<const char*, 3> kMetricGroupNames{"efficiency", "safety", "control"};
 
 /** One number of an attempt. */
 struct Metric {

@@ -57,7 +57,7 @@ MasterDeviceReader::MasterDeviceReader(const MasterConfig& config, const DeviceT
 
 bool MasterDeviceReader::pose(const topic_tools::ShapeShifter& message) {
   const std::string& md5 = message.getMD5Sum();
-  if (config_.family == DeviceFamily::kJoy) {
+  if (traitsOf(config_.family).has_axes) {
     sensor_msgs::Joy joy;
     if (md5 != md5Of<sensor_msgs::Joy>()) return refuse(message, topics_.pose, "sensor_msgs/Joy");
     if (!decode(message, &joy)) return false;
@@ -79,7 +79,7 @@ bool MasterDeviceReader::pose(const topic_tools::ShapeShifter& message) {
     return refuse(message, topics_.pose, "geometry_msgs/PoseStamped, omni_msgs/OmniState");
   if (!decode(message, &stamped)) return false;
   // CRTK: a sample without a time is not valid
-  if (config_.family == DeviceFamily::kCrtk && stamped.header.stamp.isZero()) return true;
+  if (traitsOf(config_.family).stamps_samples && stamped.header.stamp.isZero()) return true;
   frame_ = stamped.header.frame_id;
   take(stamped.pose, &sample_);
   return true;

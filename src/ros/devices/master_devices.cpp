@@ -78,6 +78,25 @@ class Readers {
   std::vector<std::string> names_;
 };
 
+// `position`: a driver that locks the device locks it where it is, and does not pull.
+
+void fill(const DeviceForce& out, const std::string& /*frame*/, devices::OmniFeedback* message) {
+  message->force = toMessage(out.force);
+  message->position = toMessage(out.position);
+}
+
+void fill(const DeviceForce& out, const std::string& /*frame*/, devices::DeviceFeedback* message) {
+  message->force = toMessage(out.force);
+  message->position = toMessage(out.position);
+  message->lock.assign(3, 0);
+}
+
+void fill(const DeviceForce& out, const std::string& frame, geometry_msgs::WrenchStamped* message) {
+  message->header.stamp = ros::Time::now();
+  message->header.frame_id = frame;
+  message->wrench.force = toMessage(out.force);
+}
+
 template <typename Force>
 ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Readers* readers) {
   const auto add = [readers](const ros::SingleSubscriberPublisher& reader) {
@@ -90,49 +109,32 @@ ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Reader
                                 ros::SubscriberStatusCallback(remove));
 }
 
+/** What a family's driver is told forces with. */
+struct ForceForm {
+  ros::Publisher (*advertise)(ros::NodeHandle*, const std::string& topic, Readers*);
+  void (*publish)(const ros::Publisher&, const DeviceForce&, const std::string& frame);
+};
+
+template <typename Message>
+constexpr ForceForm formOf() {
+  return {&advertise<Message>, [](const ros::Publisher& publisher, const DeviceForce& out, const std::string& frame) {
+            Message message;
+            fill(out, frame, &message);
+            publisher.publish(message);
+          }};
+}
+
+/** By DeviceFamily. */
+constexpr std::array<ForceForm, kFamilies.size()> kForceForms{
+    formOf<devices::OmniFeedback>(),
+    formOf<devices::DeviceFeedback>(),
+    formOf<geometry_msgs::WrenchStamped>(),
+    ForceForm{},
+};
+
 ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const std::string& topic, Readers* readers) {
-  if (topic.empty()) return {};
-  switch (family) {
-    case DeviceFamily::kOmni:
-      return advertise<devices::OmniFeedback>(node, topic, readers);
-    case DeviceFamily::kGeomagic:
-      return advertise<devices::DeviceFeedback>(node, topic, readers);
-    case DeviceFamily::kCrtk:
-      return advertise<geometry_msgs::WrenchStamped>(node, topic, readers);
-    case DeviceFamily::kJoy:
-      break;
-  }
-  return {};
-}
-
-/** `position`: a driver that locks the device locks it where it is, and does not pull. */
-void publishForce(const ros::Publisher& publisher,
-                  DeviceFamily family,
-                  const DeviceForce& out,
-                  const std::string& frame) {
-  if (family == DeviceFamily::kOmni) {
-    devices::OmniFeedback message;
-    message.force = toMessage(out.force);
-    message.position = toMessage(out.position);
-    publisher.publish(message);
-  } else if (family == DeviceFamily::kGeomagic) {
-    devices::DeviceFeedback message;
-    message.force = toMessage(out.force);
-    message.position = toMessage(out.position);
-    message.lock.assign(3, 0);
-    publisher.publish(message);
-  } else if (family == DeviceFamily::kCrtk) {
-    geometry_msgs::WrenchStamped message;
-    message.header.stamp = ros::Time::now();
-    message.header.frame_id = frame;
-    message.wrench.force = toMessage(out.force);
-    publisher.publish(message);
-  }
-}
-
-/** Both drivers subtract 0.001 N s/mm times the velocity, at each message: the last one's stays. */
-bool subtractsVelocity(DeviceFamily family) {
-  return family == DeviceFamily::kOmni || family == DeviceFamily::kGeomagic;
+  const ForceForm& form = kForceForms[static_cast<std::size_t>(family)];
+  return topic.empty() || form.advertise == nullptr ? ros::Publisher() : form.advertise(node, topic, readers);
 }
 
 /** The newest force of the console, until it is too old. */
@@ -188,16 +190,16 @@ class Device {
     if (!isDue(out)) return;
     last_ = out;
     if (isAbsoluteMissing()) last_.force = {};
-    publishForce(publisher_, config_.family, last_, frame());
+    publish();
   }
 
   /** No force, where it was last. @return the driver needs no more of that. */
   bool letGo(double time) {
     if (!publisher_ || last_.is_placed == 0) return true;
     last_.force = {};
-    publishForce(publisher_, config_.family, last_, frame());
+    publish();
     const bool rests = rest_.look(config_.metres_per_unit * toEigen(cell_.load().position), time);
-    return rests || !subtractsVelocity(config_.family);
+    return rests || !traitsOf(config_.family).subtracts_velocity;  // the last one's stays
   }
 
   void tellReaders(double time) {
@@ -229,9 +231,10 @@ class Device {
     return publisher;
   }
 
-  /** A force takes a CRTK device from the controller that holds it: not before somebody has it in his hand. */
+  void publish() { kForceForms[static_cast<std::size_t>(config_.family)].publish(publisher_, last_, frame()); }
+
   bool isDue(const DeviceForce& force) const noexcept {
-    return force.is_placed != 0 && (force.has_begun != 0 || config_.family != DeviceFamily::kCrtk);
+    return force.is_placed != 0 && (force.has_begun != 0 || !traitsOf(config_.family).holds_device);
   }
 
   /** Forces in axes that nobody has turned to those of the base would push anywhere. */

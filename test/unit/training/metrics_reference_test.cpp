@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(Leads, MetricReference, ::testing::ValuesIn(kArms), [](
 TEST_P(MetricTable, HasNameUnitGroupDirectionAndValueOfEachMetric) {
   const std::vector<Metric> metrics = listMetrics(makeMotion(lead()), makeOutcome(), makeEconomy());
   ASSERT_EQ(metrics.size(), kTable.size());
-  ASSERT_EQ(metrics.size(), kMetricNames.size());
+  ASSERT_EQ(metrics.size(), kMetrics.size());
   for (std::size_t i = 0; i < metrics.size(); ++i) {
     const Metric& metric = metrics[i];
     EXPECT_EQ(metric.name, kTable[i].name);
@@ -510,8 +510,8 @@ TEST_P(MetricReference, IsReachedByEveryMetricWhicheverArmLeads) {
   const SessionScore score = scoreMadeSession(lead());
   ASSERT_EQ(score.attempts.size(), 1U);
   const std::map<std::string, Reference> expected = references();
-  ASSERT_EQ(expected.size(), kMetricNames.size());
-  ASSERT_EQ(score.attempts[0].metrics.size(), kMetricNames.size());
+  ASSERT_EQ(expected.size(), kMetrics.size());
+  ASSERT_EQ(score.attempts[0].metrics.size(), kMetrics.size());
   for (const MetricScore& metric : score.attempts[0].metrics) {
     const Reference& reference = expected.at(metric.metric.name);
     ASSERT_TRUE(metric.metric.value) << metric.metric.name;

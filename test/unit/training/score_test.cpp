@@ -65,20 +65,6 @@ TEST(Metrics, ComeInTheirUnits) {
   EXPECT_EQ(metricOf(metrics, "sparc").better, Better::kHigher);
 }
 
-TEST(Metrics, AreTheOnesThatExercisesMayName) {
-  std::vector<std::string> names;
-  for (const Metric& metric : listMetrics({}, {}, {}))
-    names.push_back(metric.name);
-  EXPECT_EQ(names, std::vector<std::string>(kMetricNames.begin(), kMetricNames.end()));
-}
-
-TEST(Metrics, AreBetterAsBandsMustSay) {
-  for (const Metric& metric : listMetrics({}, {}, {}))
-    EXPECT_EQ(metric.better, betterOf(metric.name)) << metric.name;
-  for (const char* name : kHigherIsBetter)
-    EXPECT_TRUE(isMetric(name)) << name;
-}
-
 TEST(Metrics, ThatWereNotMeasuredHaveNoValue) {
   const std::vector<Metric> metrics = listMetrics(makeMotion(), makeOutcome(ExerciseStatus::kNone), {});
   for (const char* name : {"ldlj", "tremor", "out_of_view", "bimanual", "tracking", "drops", "break_offs"})
