@@ -128,12 +128,13 @@ def injections(source):
     return [n for first, last in found for n in range(int(first), int(last or first) + 1)]
 
 
-def test_every_row_of_the_list_is_there_and_nothing_else(library):
+def test_every_row_of_the_list_is_there_and_nothing_else_has_its_numbers(library):
     expected = {number: [name] for number, name, *_ in TABLE_1}
     expected.update({100 + row: names for row, (names, *_) in LIST.items()})
     found = {}
     for name, scenario in library.items():
-        found.setdefault(scenario["number"], []).append(name)
+        if scenario["number"] != 0:  # of a hazard that is not in the list
+            found.setdefault(scenario["number"], []).append(name)
     assert {number: sorted(names) for number, names in found.items()} == expected
     assert sorted(LIST) == list(range(1, 59))
 
@@ -154,7 +155,7 @@ def test_reports_are_those_of_the_list_and_links_are_not_made_surer(library):
 
 
 def test_table_1_comes_first_and_says_what_the_paper_says(library):
-    first = sorted(library.values(), key=lambda s: s["number"])[:3]
+    first = sorted((s for s in library.values() if s["number"] != 0), key=lambda s: s["number"])[:3]
     assert [s["name"] for s in first] == [name for _, name, *_ in TABLE_1]
     for (_, name, site, reports, response) in TABLE_1:
         scenario = library[name]
@@ -164,7 +165,7 @@ def test_table_1_comes_first_and_says_what_the_paper_says(library):
 
 
 def test_only_events_without_a_published_injection_are_of_our_design(library):
-    ours = sorted(name for name, scenario in library.items() if scenario["basis"] == "design")
+    ours = sorted(name for name, scenario in library.items() if scenario["basis"] == "design" and scenario["number"] != 0)
     assert ours == sorted(name for row in range(54, 59) for name in LIST[row][0])
 
 
