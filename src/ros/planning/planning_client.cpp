@@ -1,5 +1,6 @@
 #include "ros/planning/planning_client.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -7,7 +8,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr std::size_t kKept = 12;     // of a kind: those of a dozen requests ago nobody waits for
+constexpr std::size_t kKept = 12;     // of a kind: who waits looks every millisecond
 constexpr double kPause = 0.001;      // [s] the loop answers at the end of its tick
 constexpr double kAnswerTime = 0.5;   // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
 constexpr double kGiveUpTime = 0.03;  // [s] so that who cancels has an answer within 100 ms
@@ -33,16 +34,17 @@ bool PlanningClient::post(const Request& request) {
   return shared_.requests.tryPush(request);
 }
 
+/** What came last is kept, whatever its id: a plan may take longer than a dozen requests behind it. */
 template <typename Ring, typename Answer>
-std::optional<Answer> PlanningClient::find(Ring* ring, std::map<std::uint32_t, Answer>* kept, std::uint32_t id) {
+std::optional<Answer> PlanningClient::find(Ring* ring, std::deque<Answer>* kept, std::uint32_t id) {
   const std::lock_guard<std::mutex> lock(answers_mutex_);
   Answer answer;
   while (ring->tryPop(&answer)) {
-    (*kept)[answer.id] = answer;
-    if (kept->size() > kKept) kept->erase(kept->begin());
+    kept->push_back(answer);
+    if (kept->size() > kKept) kept->pop_front();
   }
-  const auto found = kept->find(id);
-  return found == kept->end() ? std::nullopt : std::optional<Answer>(found->second);
+  const auto found = std::find_if(kept->begin(), kept->end(), [id](const Answer& each) { return each.id == id; });
+  return found == kept->end() ? std::nullopt : std::optional<Answer>(*found);
 }
 
 PlanningClient::Asked PlanningClient::ask(Request request) {

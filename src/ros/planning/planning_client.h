@@ -2,8 +2,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <optional>
 
@@ -48,12 +48,12 @@ class PlanningClient {
    * comes before, at most 30 ms. */
   Cancelled cancel();
 
-  /** The plan that this request got, once it is there; a dozen are kept. */
+  /** The plan that this request got, once it is there; the dozen that came last are kept. */
   std::optional<PlanResult> plan(std::uint32_t id);
   /** Waits for it. @param[in] limit [s] at least. */
   std::optional<PlanResult> awaitPlan(std::uint32_t id, double limit);
 
-  /** The report of the execution that this request began, once it is over; a dozen are kept. */
+  /** The report of the execution that this request began, once it is over; the dozen that came last are kept. */
   std::optional<ExecutionReport> execution(std::uint32_t id);
 
   /** Waits for a mode as long as for an answer. @return false if it did not come. */
@@ -69,18 +69,18 @@ class PlanningClient {
   void postCancel();
   /** Takes what came of one kind. @return what belongs to the request. */
   template <typename Ring, typename Answer>
-  std::optional<Answer> find(Ring* ring, std::map<std::uint32_t, Answer>* kept, std::uint32_t id);
+  std::optional<Answer> find(Ring* ring, std::deque<Answer>* kept, std::uint32_t id);
   /** Looks again and again. @param[in] limit [s] @return false if `found` did not hold within that time. */
   bool await(double limit, const std::function<bool()>& found);
 
   SharedState& shared_;
   const std::function<void()> pause_;
   std::atomic<bool> stopped_{false};
-  std::mutex push_mutex_;     ///< the ring of requests has one producer at a time
-  std::mutex answers_mutex_;  ///< guards what follows, and the rings of answers
-  std::map<std::uint32_t, RequestAnswer> answers_;
-  std::map<std::uint32_t, PlanResult> plans_;
-  std::map<std::uint32_t, ExecutionReport> executions_;
+  std::mutex push_mutex_;              ///< the ring of requests has one producer at a time
+  std::mutex answers_mutex_;           ///< guards what follows, and the rings of answers
+  std::deque<RequestAnswer> answers_;  // the dozen that came last, as the next
+  std::deque<PlanResult> plans_;
+  std::deque<ExecutionReport> executions_;
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -128,6 +128,20 @@ TEST_F(PlanningClientTest, WaitsForItsOwnPlan) {
   EXPECT_EQ(loop.ticks, 140);
 }
 
+TEST_F(PlanningClientTest, APlanThatTookLongerThanManyBehindItIsFound) {
+  loop.on_request = [this](const Request& request) { loop.answer(request, PlanningAnswer::kAccepted); };
+  const std::uint32_t slow = client.ask(requestOf(RequestKind::kPlan)).id;
+  for (int i = 0; i < 20; ++i) {
+    const std::uint32_t quick = client.ask(requestOf(RequestKind::kPlan)).id;
+    loop.plan(quick, PlanStatus::kFailed);
+    ASSERT_TRUE(client.plan(quick));
+  }
+  EXPECT_FALSE(client.plan(slow));
+  loop.plan(slow, PlanStatus::kSuccess);
+  ASSERT_TRUE(client.plan(slow));
+  EXPECT_EQ(client.plan(slow)->status, PlanStatus::kSuccess);
+}
+
 TEST_F(PlanningClientTest, CancellingAnswersWhenThePlanUnderWayHasEnded) {
   loop.planning.status = PlanningStatus::kPlanning;
   loop.planning.plan = 5;
