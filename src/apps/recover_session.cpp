@@ -19,6 +19,7 @@ int recover(const std::string& directory) {
     return 1;
   }
   if (!raven2_trainer::session::isUnclean(paths) && !raven2_trainer::session::lacksMetrics(paths) &&
+      !raven2_trainer::session::leavesFlightFile(paths) &&
       !raven2_trainer::recording::lacksScore(paths)) {
     std::fprintf(stderr, "%s: nothing to recover: it ended cleanly, or was recovered before\n", directory.c_str());
     return 0;
@@ -29,13 +30,13 @@ int recover(const std::string& directory) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Completes the log of a session whose process was killed, and writes its metrics.", "recover_session"};
+  CLI::App app{"Completes the files of a session whose simulator was killed.", "recover_session"};
   app.footer(
-      "The log is cut behind its last whole record, gets what the flight recorder in /dev/shm still holds, and a last\n"
-      "record that says so; recovered.json, metrics.json, faults.json and, with an exercise, score.json are written.\n"
-      "The simulator does the same at its start for the sessions beside its own. doc/session.md.\n"
+      "Cuts the log after its last complete record, appends what the flight recorder in /dev/shm still has, and writes\n"
+      "recovered.json, metrics.json, faults.json and, with an exercise, score.json (doc/session.md). The simulator does\n"
+      "the same at its start for all sessions in the same folder.\n"
       "Exit status: 0 recovered or nothing to do, 1 otherwise.");
   std::string directory;
-  app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
+  app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return recover(directory); });
 }

@@ -49,9 +49,8 @@ bool endsWith(const std::vector<std::uint8_t>& bytes, RecordType type) {
   return false;
 }
 
-bool hasEnd(const std::string& log) {
-  const std::vector<std::uint8_t> tail = tailOf(log);
-  return endsWith(tail, RecordType::kCounts) || endsWith(tail, RecordType::kRecovery);
+bool isRecovered(const std::string& log) {
+  return endsWith(tailOf(log), RecordType::kRecovery);
 }
 
 /** Whether no living process writes the log. The lock is given back: the writer of the recovery takes its own. */
@@ -178,7 +177,7 @@ std::optional<LogPosition> goOnAt(const SessionPaths& paths,
 bool isUnclean(const SessionPaths& paths) {
   std::error_code error;
   if (!fs::is_regular_file(paths.log(), error) || fs::exists(paths.recovered(), error)) return false;
-  return !hasEnd(paths.log());
+  return !endsWith(tailOf(paths.log()), RecordType::kCounts);
 }
 
 bool isBeingWritten(const SessionPaths& paths) {
@@ -187,12 +186,20 @@ bool isBeingWritten(const SessionPaths& paths) {
 
 bool lacksMetrics(const SessionPaths& paths) {
   std::error_code error;
-  return fs::is_regular_file(paths.log(), error) && !fs::exists(paths.metrics(), error) &&
-         endsWith(tailOf(paths.log()), RecordType::kRecovery);
+  return fs::is_regular_file(paths.log(), error) && !fs::exists(paths.metrics(), error) && isRecovered(paths.log());
+}
+
+bool leavesFlightFile(const SessionPaths& paths) {
+  std::error_code error;
+  return fs::exists(paths.flight(), error) && !isUnclean(paths);
 }
 
 Recovery recoverSession(const SessionPaths& paths, const std::function<bool()>& cancelled) try {
   Recovery result;
+  if (leavesFlightFile(paths) && isAbandoned(paths.log())) {
+    std::string reason;
+    if (readFlightFile(paths, &reason)) removeFlightFile(paths);
+  }
   if (!isUnclean(paths)) return result;
   if (!isAbandoned(paths.log())) {
     result.status = RecoveryStatus::kRunning;
@@ -201,9 +208,11 @@ Recovery recoverSession(const SessionPaths& paths, const std::function<bool()>& 
   std::string reason;
   const std::unique_ptr<FlightFile> flight = readFlightFile(paths, &reason);
   result.flight_recorder = flight ? "used" : reason;
+  // A recovery that was killed behind the log's last record: with the flight recorder it is done again, from the same place.
+  const bool is_done = flight == nullptr && isRecovered(paths.log());
   const std::optional<LogPosition> end = goOnAt(paths, flight.get(), cancelled);
   result.status = end ? RecoveryStatus::kRecovered : RecoveryStatus::kNoLog;
-  if (end) {
+  if (end && !is_done) {
     if (::access(paths.log().c_str(), W_OK) != 0) {
       result.status = RecoveryStatus::kNotWritable;
       return result;
@@ -227,7 +236,7 @@ std::vector<std::string> findUnfinishedSessions(const std::string& parent, std::
     const SessionPaths paths{entry->path().string()};
     std::error_code none;
     const auto written = fs::last_write_time(paths.log(), none);
-    const bool is_unfinished = isUnclean(paths) || lacksMetrics(paths);
+    const bool is_unfinished = isUnclean(paths) || lacksMetrics(paths) || leavesFlightFile(paths);
     if (!none && is_unfinished && isAbandoned(paths.log())) sessions.emplace_back(written, paths.directory);
   }
   std::sort(sessions.rbegin(), sessions.rend());

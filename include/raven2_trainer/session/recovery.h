@@ -36,6 +36,9 @@ bool isBeingWritten(const SessionPaths& paths);
 /** Whether the log was recovered by somebody who was stopped before the metrics were written, or had none to write. */
 bool lacksMetrics(const SessionPaths& paths);
 
+/** Whether the log has an end, but its flight recorder still exists: a recovery was killed before it removed the file. */
+bool leavesFlightFile(const SessionPaths& paths);
+
 /**
  * Completes the log of a killed process: cuts off what is half written, appends what the flight recorder still holds,
  * ends it with a recovery record, writes recovered.json, removes the flight recorder's file. May be killed itself and

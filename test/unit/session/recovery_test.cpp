@@ -98,6 +98,55 @@ class Session {
 #define SKIP_WITHOUT_TMPFS(session) \
   if ((session).flight->description().rfind("none", 0) == 0) GTEST_SKIP() << (session).flight->description()
 
+TEST(Recovery, AFlightFileThatAKilledRecoveryLeftIsRemovedByTheNext) {
+  Session session("left_behind");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(100);
+  session.record();
+  session.kill();
+  const std::string kept = session.flightFile() + ".kept";
+  fs::copy_file(session.flightFile(), kept);
+  ASSERT_EQ(recoverSession(session.paths, {}).status, RecoveryStatus::kRecovered);
+  fs::rename(kept, session.flightFile());  // killed before this step
+  fs::create_symlink(session.flightFile(), session.paths.flight());
+  const std::vector<std::string> found = findUnfinishedSessions(fs::path(session.paths.directory).parent_path(), 10);
+  EXPECT_EQ(found, std::vector<std::string>{session.paths.directory});
+  EXPECT_EQ(recoverSession(session.paths, {}).status, RecoveryStatus::kNothingToDo);
+  EXPECT_FALSE(fs::exists(session.flightFile()));
+  EXPECT_FALSE(fs::is_symlink(fs::symlink_status(session.paths.flight())));
+  EXPECT_EQ(session.ticks(), session.all());
+}
+
+TEST(Recovery, ARecoveryThatWasKilledBehindItsLastRecordIsDoneAgain) {
+  for (const bool has_flight : {true, false}) {
+    Session session("killed_recovery");
+    SKIP_WITHOUT_TMPFS(session);
+    session.push(100);
+    session.record();
+    session.push(30);
+    session.kill();
+    const std::string kept = session.flightFile() + ".kept";
+    fs::copy_file(session.flightFile(), kept);
+    ASSERT_EQ(recoverSession(session.paths, {}).status, RecoveryStatus::kRecovered);
+    const std::vector<Tick> whole = session.ticks();
+    ASSERT_EQ(whole, session.all());
+    fs::remove(session.paths.recovered());  // killed before this was written
+    if (has_flight) {
+      fs::rename(kept, session.flightFile());
+      fs::create_symlink(session.flightFile(), session.paths.flight());
+    } else {
+      fs::remove(kept);
+    }
+    EXPECT_EQ(findUnfinishedSessions(fs::path(session.paths.directory).parent_path(), 10).size(), 1U);
+    EXPECT_EQ(recoverSession(session.paths, {}).status, RecoveryStatus::kRecovered);
+    EXPECT_TRUE(fs::exists(session.paths.recovered()));
+    EXPECT_EQ(session.ticks(), whole);
+    EXPECT_TRUE(session.summary.recovered);
+    std::ofstream(session.paths.metrics()) << "{}";
+    EXPECT_EQ(findUnfinishedSessions(fs::path(session.paths.directory).parent_path(), 10).size(), 0U);
+  }
+}
+
 TEST(Recovery, MissesAndDoublesNothingWhereverTheRecorderWasKilled) {
   for (int step = 0; step <= 4; ++step) {
     Session session("killed");
