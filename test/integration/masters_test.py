@@ -280,7 +280,7 @@ class Masters(unittest.TestCase):
         self.settle()
         self.assertEqual([arm.is_absolute for arm in arms], [True, True])
         self.assertEqual([arm.is_compensated for arm in arms], [True, True])
-        self.engage(lambda: foot.publish(Joy(buttons=[1])))
+        self.engage(lambda: foot.publish(Joy(buttons=[1])), lambda: foot.publish(Joy(buttons=[0])))
         self.check_motion((minus(RIGHT), minus(DOWN), FORWARD), 0.2)
         # jaws: from where they were to 0.8 rad, then half closed
         time.sleep(1.0)
@@ -288,7 +288,7 @@ class Masters(unittest.TestCase):
         arms[1].angle = 0.4
         self.await_that(lambda: abs(self.daemon.closed[1] - opened - 400) <= 1, "the jaws do not close", 5)
         self.check_release(lambda: foot.publish(Joy(buttons=[0])))
-        self.engage(lambda: foot.publish(Joy(buttons=[1])))
+        self.engage(lambda: foot.publish(Joy(buttons=[1])), lambda: foot.publish(Joy(buttons=[0])))
         arms[0].enable("FAULT")
         self.await_that(lambda: self.daemon.pedal == 0, "a fault of the arm does not lift the pedal")
         self.await_that(lambda: "/MTML/operating_state is not ENABLED" in self.console.said(), "it is not told")
@@ -303,7 +303,7 @@ class Masters(unittest.TestCase):
         self.addCleanup(foot.unregister)
         self.begin("mtm", arms)
         self.settle()
-        self.engage(lambda: foot.publish(Joy(buttons=[1])))
+        self.engage(lambda: foot.publish(Joy(buttons=[1])), lambda: foot.publish(Joy(buttons=[0])))
         self.daemon.force = [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
         for name in names:
             self.await_that(lambda n=name: f"nobody reads /{n}/body/set_cf_orientation_absolute: forces stay zero"
@@ -336,7 +336,7 @@ class Masters(unittest.TestCase):
 
         def hold(value):
             pad.buttons[5] = value
-        self.engage(lambda: hold(1))
+        self.engage(lambda: hold(1), lambda: hold(0))
         left, right = ((1, 0, 0, 1), (0, 0, 1, -1), (7, 0, 2, -1)), ((4, 1, 0, 1), (3, 1, 1, -1), (6, 1, 2, -1))
         for stick, arm, axis, sign in left + right:
             before = [list(values) for values in self.daemon.sum]
@@ -376,7 +376,7 @@ class Masters(unittest.TestCase):
         touch = Geomagic()
         self.begin("touch_geomagic", [touch], silent_after=1.0)
         self.settle()
-        self.engage(lambda: touch.press(1))
+        self.engage(lambda: touch.press(1), lambda: touch.press(0))
         touch.listener.unregister()
         self.await_that(lambda: "read by NOBODY any more" in self.console.said(), "a lost reader is not told")
         stranger = subprocess.Popen(["/usr/bin/python3", "-c", STRANGER])
