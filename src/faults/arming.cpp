@@ -19,6 +19,14 @@ double drawJitter(const FaultLibrary& library, std::uint32_t attempt) {
   return jitter;
 }
 
+/** Of the row that begins first. */
+Tick firstTick(const FaultPlan& plan) {
+  Tick first = plan.count == 0 ? 0 : plan.faults[0].first_tick;
+  for (std::size_t i = 1; i < plan.count; ++i)
+    first = std::min(first, plan.faults[i].first_tick);
+  return first;
+}
+
 }  // namespace
 
 std::uint32_t idOf(const std::vector<Scenario>& scenarios, const std::string& name) noexcept {
@@ -39,6 +47,16 @@ FaultPlan planFor(const FaultLibrary& library, std::uint32_t id, std::uint64_t g
   return plan;
 }
 
+FaultPlan immediatePlan(const FaultLibrary& library, std::uint32_t id, std::uint64_t generation) {
+  FaultPlan plan = planFor(library, id, generation);
+  const Tick first = firstTick(plan);
+  for (std::size_t i = 0; i < plan.count; ++i) {
+    plan.faults[i].trigger = FaultTrigger::kHand;
+    plan.faults[i].first_tick -= first;
+  }
+  return plan;
+}
+
 bool isDrill(const FaultLibrary& library) noexcept {
   return library.drill != "none" && library.hazard == library.drill;
 }
@@ -50,12 +68,8 @@ FaultPlan drillPlan(const FaultLibrary& library, std::uint32_t attempt, std::uin
   plan = planFor(library, idOf(library.scenarios, library.drill), generation);
   const ExerciseDrill& drill = library.trigger;
   const auto shot = static_cast<Tick>(std::llround((drill.delay + drawJitter(library, attempt)) / kTickSeconds));
-  auto* const end = plan.faults.begin() + plan.count;
-  const Tick first =
-      plan.count == 0 ? 0 : std::min_element(plan.faults.begin(), end, [](const Fault& a, const Fault& b) {
-                              return a.first_tick < b.first_tick;
-                            })->first_tick;
-  std::for_each(plan.faults.begin(), end, [&](Fault& fault) {
+  const Tick first = firstTick(plan);
+  std::for_each(plan.faults.begin(), plan.faults.begin() + plan.count, [&](Fault& fault) {
     fault.trigger = FaultTrigger::kStep;
     fault.threshold = drill.step;
     fault.first_tick += shot - first;

@@ -23,7 +23,8 @@ void FaultDirector::tick() {
 void FaultDirector::serve(const FaultRequest& request) {
   if (request.fault_id == 0 || request.fault_id == drill_) drill_ = 0;
   remove(request.fault_id);
-  if (request.start != 0) add(faults::planFor(library_, request.fault_id, 0));
+  if (request.order == FaultOrder::kArm) add(faults::planFor(library_, request.fault_id, 0));
+  if (request.order == FaultOrder::kArmAtOnce) add(faults::immediatePlan(library_, request.fault_id, 0));
 }
 
 /** What triggers look at in an attempt's first tick is still of the one before: it is armed a tick later. */

@@ -316,9 +316,9 @@ class EventfulSession {
   }
 
   void hazard() {
-    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, config::faultId(config, "sudden_jump")}));
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({FaultOrder::kArm, config::faultId(config, "sudden_jump")}));
     stroke(400, 1.0);
-    ASSERT_TRUE(rig.shared->fault_requests.tryPush({0, 0}));
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({FaultOrder::kClear, 0}));
     stroke(100, -1.0);
   }
 

@@ -39,7 +39,7 @@ DAEMON_TOPICS = {"/model/joint_states", "/robot/joint_states", "/haptic/gold/for
     "/model" + arm + topic for arm in ARMS for topic in CRTK_STATES}
 DAEMON_HEARS = {"/move_arm/goal", "/move_arm/cancel", "/pedals", "/real_camera/image_raw"} | {
     arm + topic for arm in ARMS for topic in CRTK_HEARS}
-DAEMON_SERVICES = {"/start_hazard", "/stop_hazard", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
+DAEMON_SERVICES = {"/start_hazard", "/inject_hazard", "/stop_hazard", "/pause", "/engage", "/disengage", "/plan", "/planning_mode", "/execute_plan",
                    "/cancel_plan", "/emergency_stop", "/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial",
                    "/discard_trial", "/repeat_trial", "/begin_replay", "/end_replay", "/clear_stop", "/set_view",
                    "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",

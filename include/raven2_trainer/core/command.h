@@ -112,10 +112,16 @@ struct Request {
                             ///< recording::SessionPlayer::open() gave
 };
 
+enum class FaultOrder : std::uint8_t {
+  kClear,
+  kArm,      ///< it waits for its own trigger
+  kArmAtOnce
+};
+
 /** Orders to the fault director. */
 struct FaultRequest {
-  std::uint8_t start{};      ///< 1 arm the scenario, 0 clear it
-  std::uint32_t fault_id{};  ///< index in the scenario library + 1; 0 with start = 0 clears all
+  FaultOrder order{};
+  std::uint32_t fault_id{};  ///< index in the scenario library + 1; 0 with kClear clears all
 };
 
 /** Problem handed to the planner thread. */

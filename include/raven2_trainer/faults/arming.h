@@ -15,6 +15,10 @@ std::uint32_t idOf(const std::vector<Scenario>& scenarios, const std::string& na
  *  where injection is not enabled. */
 FaultPlan planFor(const FaultLibrary& library, std::uint32_t id, std::uint64_t generation);
 
+/** As planFor(), but the scenario acts at once: its own trigger does not count, and its first row begins in the cycle that
+ *  sees it armed. */
+FaultPlan immediatePlan(const FaultLibrary& library, std::uint32_t id, std::uint64_t generation);
+
 /** Is the hazard that is armed at the start the exercise's drill? */
 bool isDrill(const FaultLibrary& library) noexcept;
 

@@ -46,7 +46,7 @@ class PhysicsLoop {
   /** Simulated time was given up (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down.
    */
   void timeSlip() noexcept;
-  /** The same at the next tick, from any thread: another loop of the exercise gave up time. */
+  /** The same at the next tick, from any thread: another loop of the exercise gave up time, or somebody asks for a pause. */
   void requestPause() noexcept;
 
   /** What faults' triggers look at, from the next tick on; from the thread of the ticks. */

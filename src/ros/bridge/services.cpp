@@ -10,12 +10,14 @@ Services::Services(ros::NodeHandle* node, daemon::Simulator* simulator, Planning
     : simulator_(*simulator),
       client_(*client),
       stop_hazard_(node->advertiseService("stop_hazard", &Services::stopHazard, this)),
-      disengage_(node->advertiseService("disengage", &Services::disengage, this)) {
+      disengage_(node->advertiseService("disengage", &Services::disengage, this)),
+      pause_(node->advertiseService("pause", &Services::pause, this)) {
   if (may_command) offerCommands(node);
 }
 
 void Services::offerCommands(ros::NodeHandle* node) {
   start_hazard_ = node->advertiseService("start_hazard", &Services::startHazard, this);
+  inject_hazard_ = node->advertiseService("inject_hazard", &Services::injectHazard, this);
   engage_ = node->advertiseService("engage", &Services::engage, this);
   for (const Arm arm : kArms) {
     using Callback = boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)>;
@@ -29,7 +31,7 @@ void Services::offerCommands(ros::NodeHandle* node) {
 std::vector<std::string> Services::names() const {
   std::vector<std::string> names;
   for (const ros::ServiceServer* server :
-       {&start_hazard_, &stop_hazard_, &engage_, &disengage_, &set_collisions_[0], &set_collisions_[1]}) {
+       {&start_hazard_, &inject_hazard_, &stop_hazard_, &engage_, &disengage_, &pause_, &set_collisions_[0], &set_collisions_[1]}) {
     if (*server) names.push_back(server->getService());
   }
   return names;
@@ -49,14 +51,25 @@ void Services::refuseInjection(std::uint32_t id) const {
 }
 
 bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
+  return arm(FaultOrder::kArm, request, &response);
+}
+
+bool Services::injectHazard(StartHazard::Request& request, StartHazard::Response& response) {
+  return arm(FaultOrder::kArmAtOnce, request, &response);
+}
+
+bool Services::arm(FaultOrder order, const StartHazard::Request& request, StartHazard::Response* answer) {
+  StartHazard::Response& response = *answer;
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
     refuseInjection(id);
     const FaultPlan wanted = faults::planFor(simulator_.config(), id, 0);
     if (!loop::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
       throw ConfigException("too many faults are armed: stop_hazard first");
-    response.success = id != 0 && simulator_.shared().fault_requests.tryPush({1, id});
-    response.message = response.success ? "armed; it waits for its trigger" : "nothing to arm";
+    response.success = id != 0 && simulator_.shared().fault_requests.tryPush({order, id});
+    response.message = !response.success             ? "nothing to arm"
+                       : order == FaultOrder::kArm ? "armed; it waits for its trigger"
+                                                     : "the hazard acts";
   } catch (const ConfigException& e) {
     response.success = false;
     response.message = e.what();
@@ -65,7 +78,7 @@ bool Services::startHazard(StartHazard::Request& request, StartHazard::Response&
 }
 
 bool Services::stopHazard(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  response.success = simulator_.shared().fault_requests.tryPush({0, 0});
+  response.success = simulator_.shared().fault_requests.tryPush({FaultOrder::kClear, 0});
   response.message = response.success ? "all hazards cleared" : "too many requests at once";
   return true;
 }
@@ -84,6 +97,13 @@ bool Services::engage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& 
 
 bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   return post(RequestKind::kDisengage, &response);
+}
+
+bool Services::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  simulator_.pause();
+  response.success = 1;
+  response.message = "paused until the pedal goes down again";
+  return true;
 }
 
 bool Services::setCollisions(Arm arm,

@@ -335,7 +335,7 @@ TEST(FaultRuns, WhatIsArmedAnewComesAnew) {
   ASSERT_TRUE(rig.home());
   const std::uint32_t id = config::faultId(config, "sudden_jump");
   for (int times = 0; times < 3; ++times) {
-    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, id}));
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({FaultOrder::kArm, id}));
     int acted = 0;
     for (int i = 0; i < 30; ++i) {
       rig.tick(false);
@@ -353,7 +353,7 @@ TEST(FaultRuns, AScenarioThatFindsNoRoomChangesNothing) {
     const FaultPlan before = rig.shared->faults.load();
     const FaultPlan wanted = faults::planFor(config, config::faultId(config, name), 0);
     const bool fits = loop::FaultDirector::fits(before, wanted);
-    ASSERT_TRUE(rig.shared->fault_requests.tryPush({1, config::faultId(config, name)}));
+    ASSERT_TRUE(rig.shared->fault_requests.tryPush({FaultOrder::kArm, config::faultId(config, name)}));
     rig.tick(false);
     rig.tick(false);
     EXPECT_EQ(rig.shared->faults.load().count, before.count + (fits ? wanted.count : 0)) << name;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "raven2_trainer/config/load_config.h"
@@ -11,9 +12,9 @@
 namespace raven2_trainer::loop {
 namespace {
 
-/** The director of a session with a drill, and what the physics loop would tell it. */
-struct Desk {
-  Desk()
+/** The director of a session with a drill; the test takes the physics loop's part. */
+struct Drill {
+  Drill()
       : config(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
                                          config::TrainingNames{"pick_hand_over_place", "own", "", "none"})),
         director(config, shared.get()) {}
@@ -25,7 +26,7 @@ struct Desk {
     shared->model.store(model);
     director.tick();
   }
-  void request(std::uint8_t start, std::uint32_t id) { shared->fault_requests.tryPush({start, id}); }
+  void request(FaultOrder order, std::uint32_t id) { shared->fault_requests.tryPush({order, id}); }
   FaultPlan plan() const { return shared->faults.load(); }
   std::uint32_t drill() const { return config::faultId(config, "sudden_jump"); }
 
@@ -36,71 +37,71 @@ struct Desk {
 };
 
 TEST(FaultDirectorDrill, IsArmedFromTheStartAndStaysSoForTheAttempt) {
-  Desk desk;
-  const FaultPlan first = desk.plan();
+  Drill drill;
+  const FaultPlan first = drill.plan();
   ASSERT_EQ(first.count, 1U);
   EXPECT_EQ(first.faults[0].trigger, FaultTrigger::kStep);
-  desk.director.tick();  // before the first tick of the physics
+  drill.director.tick();  // before the first tick of the physics
   for (const ExerciseStatus status : {ExerciseStatus::kWaiting, ExerciseStatus::kRunning}) {
     for (int i = 0; i < 20; ++i)
-      desk.tick(1, status);
+      drill.tick(1, status);
   }
-  EXPECT_EQ(desk.plan().generation, first.generation) << "nothing was changed";
+  EXPECT_EQ(drill.plan().generation, first.generation) << "nothing was changed";
 }
 
 TEST(FaultDirectorDrill, EndsWithItsAttempt) {
   for (const ExerciseStatus end : {ExerciseStatus::kDone, ExerciseStatus::kFailed}) {
-    Desk desk;
-    desk.tick(1, ExerciseStatus::kRunning);
-    desk.tick(1, end);
-    EXPECT_EQ(desk.plan().count, 0U);
-    const std::uint64_t generation = desk.plan().generation;
+    Drill drill;
+    drill.tick(1, ExerciseStatus::kRunning);
+    drill.tick(1, end);
+    EXPECT_EQ(drill.plan().count, 0U);
+    const std::uint64_t generation = drill.plan().generation;
     for (int i = 0; i < 20; ++i)
-      desk.tick(1, end);
-    EXPECT_EQ(desk.plan().generation, generation) << "once";
+      drill.tick(1, end);
+    EXPECT_EQ(drill.plan().generation, generation) << "once";
   }
 }
 
 TEST(FaultDirectorDrill, EveryAttemptHasItsOwnDrawnAnew) {
-  Desk desk;
-  const Fault first = desk.plan().faults[0];
-  desk.tick(1, ExerciseStatus::kRunning);
-  desk.tick(2, ExerciseStatus::kWaiting);
-  EXPECT_EQ(desk.plan().count, 0U) << "what triggers look at is still of the attempt before";
-  desk.tick(2, ExerciseStatus::kWaiting);
-  ASSERT_EQ(desk.plan().count, 1U);
-  const Fault second = desk.plan().faults[0];
+  Drill drill;
+  const Fault first = drill.plan().faults[0];
+  drill.tick(1, ExerciseStatus::kRunning);
+  drill.tick(2, ExerciseStatus::kWaiting);
+  EXPECT_EQ(drill.plan().count, 0U) << "what triggers look at is still of the attempt before";
+  drill.tick(2, ExerciseStatus::kWaiting);
+  ASSERT_EQ(drill.plan().count, 1U);
+  const Fault second = drill.plan().faults[0];
   EXPECT_NE(second.arming, first.arming) << "it begins anew";
-  EXPECT_EQ(second.first_tick, faults::drillPlan(desk.config, 2, 0).faults[0].first_tick);
+  EXPECT_EQ(second.first_tick, faults::drillPlan(drill.config, 2, 0).faults[0].first_tick);
   EXPECT_NE(second.first_tick, first.first_tick);
-  desk.tick(2, ExerciseStatus::kDone);
-  EXPECT_EQ(desk.plan().count, 0U);
-  desk.tick(3, ExerciseStatus::kWaiting);
-  desk.tick(3, ExerciseStatus::kWaiting);
-  EXPECT_EQ(desk.plan().count, 1U);
+  drill.tick(2, ExerciseStatus::kDone);
+  EXPECT_EQ(drill.plan().count, 0U);
+  drill.tick(3, ExerciseStatus::kWaiting);
+  drill.tick(3, ExerciseStatus::kWaiting);
+  EXPECT_EQ(drill.plan().count, 1U);
 }
 
 TEST(FaultDirectorDrill, StaysClearedOnceItWasClearedByRequest) {
   for (const bool all : {true, false}) {
-    Desk desk;
-    desk.tick(1, ExerciseStatus::kRunning);
-    desk.request(0, all ? 0 : desk.drill());
-    desk.tick(1, ExerciseStatus::kRunning);
-    EXPECT_EQ(desk.plan().count, 0U);
+    Drill drill;
+    drill.tick(1, ExerciseStatus::kRunning);
+    drill.request(FaultOrder::kClear, all ? 0 : drill.drill());
+    drill.tick(1, ExerciseStatus::kRunning);
+    EXPECT_EQ(drill.plan().count, 0U);
     for (int i = 0; i < 5; ++i)
-      desk.tick(2, ExerciseStatus::kWaiting);
-    EXPECT_EQ(desk.plan().count, 0U);
+      drill.tick(2, ExerciseStatus::kWaiting);
+    EXPECT_EQ(drill.plan().count, 0U);
   }
 }
 
 TEST(FaultDirectorDrill, StartedByRequestItIsTheLibrarysScenario) {
-  Desk desk;
-  desk.request(1, desk.drill());
-  desk.tick(1, ExerciseStatus::kRunning);
-  ASSERT_EQ(desk.plan().count, 1U);
-  EXPECT_EQ(desk.plan().faults[0].trigger, FaultTrigger::kPedalDown);
-  desk.tick(1, ExerciseStatus::kDone);
-  EXPECT_EQ(desk.plan().count, 1U) << "it is no drill any more";
+  Drill drill;
+  drill.request(FaultOrder::kArm, drill.drill());
+  drill.tick(1, ExerciseStatus::kRunning);
+  ASSERT_EQ(drill.plan().count, 1U);
+  EXPECT_EQ(drill.plan().faults[0].trigger, FaultTrigger::kPedalDown);
+  drill.tick(1, ExerciseStatus::kDone);
+  EXPECT_EQ(drill.plan().count, 1U) << "it is no drill any more";
 }
 
 /** `count` rows of one scenario behind what is there. */
@@ -127,14 +128,38 @@ TEST(FaultDirector, AScenarioFitsIfItsRowsDoOnceItsOwnFormerOnesAreGone) {
 }
 
 TEST(FaultDirectorDrill, AnotherScenarioStandsBesideIt) {
-  Desk desk;
-  const std::uint32_t other = config::faultId(desk.config, "unavailable_recoverable");
-  desk.request(1, other);
-  desk.tick(1, ExerciseStatus::kRunning);
-  EXPECT_EQ(desk.plan().count, 2U);
-  desk.tick(1, ExerciseStatus::kDone);
-  ASSERT_EQ(desk.plan().count, 1U);
-  EXPECT_EQ(desk.plan().faults[0].id, other);
+  Drill drill;
+  const std::uint32_t other = config::faultId(drill.config, "unavailable_recoverable");
+  drill.request(FaultOrder::kArm, other);
+  drill.tick(1, ExerciseStatus::kRunning);
+  EXPECT_EQ(drill.plan().count, 2U);
+  drill.tick(1, ExerciseStatus::kDone);
+  ASSERT_EQ(drill.plan().count, 1U);
+  EXPECT_EQ(drill.plan().faults[0].id, other);
+}
+
+TEST(FaultDirectorDrill, AnInjectedHazardActsAtOnceAndInItsOwnOrder) {
+  Drill session;
+  session.request(FaultOrder::kClear, 0);
+  for (const Scenario& scenario : session.config.scenarios) {
+    session.request(FaultOrder::kArmAtOnce, config::faultId(session.config, scenario.name));
+    session.tick(1, ExerciseStatus::kRunning);
+    const FaultPlan plan = session.plan();
+    ASSERT_EQ(plan.count, scenario.faults.size()) << scenario.name;
+    Tick first = plan.faults[0].first_tick;
+    for (std::size_t i = 0; i < plan.count; ++i) {
+      const Fault& fault = plan.faults[i];
+      EXPECT_EQ(fault.trigger, FaultTrigger::kHand) << scenario.name;
+      EXPECT_EQ(fault.first_tick - plan.faults[0].first_tick,
+                scenario.faults[i].first_tick - scenario.faults[0].first_tick);
+      EXPECT_EQ(fault.duration_ticks, scenario.faults[i].duration_ticks);
+      first = std::min(first, fault.first_tick);
+    }
+    EXPECT_EQ(first, 0) << scenario.name;
+    session.request(FaultOrder::kClear, 0);
+    session.tick(1, ExerciseStatus::kRunning);
+    EXPECT_EQ(session.plan().count, 0U);
+  }
 }
 
 }  // namespace

@@ -399,12 +399,12 @@ TEST_F(RobotLinkTest, StartAndStopOfAHazardChangeThePlan) {
   config.hazard = "none";
   FaultDirector director(config, shared.get());
   EXPECT_EQ(shared->faults.load().count, 0U);
-  shared->fault_requests.tryPush({1, 1});
+  shared->fault_requests.tryPush({FaultOrder::kArm, 1});
   director.tick();
   ASSERT_EQ(shared->faults.load().count, 1U);
   EXPECT_EQ(shared->faults.load().faults[0].id, 1U);
   const std::uint64_t armed = shared->faults.load().generation;
-  shared->fault_requests.tryPush({0, 0});
+  shared->fault_requests.tryPush({FaultOrder::kClear, 0});
   director.tick();
   EXPECT_EQ(shared->faults.load().count, 0U);
   EXPECT_GT(shared->faults.load().generation, armed);
