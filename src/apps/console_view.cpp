@@ -30,8 +30,8 @@ class Title {
     } else if (std::chrono::duration<double>(Clock::now() - newest_).count() > kSilent) {
       text += " - no picture";
     }
-    if (text == told_) return;
-    told_ = text;
+    if (text == shown_) return;
+    shown_ = text;
     window_.setTitle(text);
   }
 
@@ -40,7 +40,7 @@ class Title {
   const std::string topic_;
   apps::X11Window& window_;
   Clock::time_point newest_{};
-  std::string told_;
+  std::string shown_;
 };
 
 int run(const std::string& topic, int argc, char** argv) {
@@ -67,8 +67,8 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   std::string topic = "view/image_raw";
-  CLI::App app{"Shows a topic of pictures (sensor_msgs/Image) in a window, where there is an X display."};
-  app.footer("Exit status: 0 the window was closed, or a signal; 1 otherwise, without a display too.");
-  app.add_option("--topic", topic, "Topic: rgb8, bgr8, rgba8, bgra8 or mono8")->capture_default_str();
+  CLI::App app{"Shows the pictures of a ROS topic (sensor_msgs/Image) in a window. Needs an X display."};
+  app.footer("Exit status: 0 the window was closed or a signal came, 1 otherwise (for example no display).");
+  app.add_option("--topic", topic, "Topic, of encoding rgb8, bgr8, rgba8, bgra8 or mono8")->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return run(topic, argc, argv); });
 }

@@ -53,22 +53,22 @@ int exportSession(const std::string& directory, const std::string& format, const
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Writes a recorded session as a table, one row a millisecond and arm, as JIGSAWS kinematics or as a ROS bag.",
+      "Exports a recorded session as a CSV table, as JIGSAWS kinematics or as a ROS bag.",
       "export_session"};
   app.footer(
-      "csv: columns (SI units; ticks count from the first pedal down):\n"
+      "csv: one row per millisecond and arm, in SI units; ticks count from the first pedal-down:\n"
       "  tick, t_s, arm, mode, runlevel, pedal\n"
       "  q1..q7, dq1..dq7, tau1..tau7   model: joint position, velocity, torque\n"
       "  rq1..rq7, rdq1..rdq7           robot: joint position, velocity\n"
       "  px..pz, rpx..rpz               tool tip of model and robot in the arm's base frame\n"
       "  fx..fz, fault                  force cue; fault scenario acting on the robot\n"
       "jigsaws: 30 Hz, 76 columns, and the exercise's steps in FILE_labels.txt. rosbag: the simulator's topics.\n"
-      "Exit status: 0 written, 1 otherwise. Described in full in doc/session.md and doc/report.md.");
+      "More: doc/session.md, doc/report.md. Exit status: 0 written, 1 otherwise.");
   std::string directory;
   std::string format = "csv";
   std::string output;
-  app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
-  app.add_option("--format", format, "Kind of file")
+  app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
+  app.add_option("--format", format, "Format of the file")
       ->check(CLI::IsMember({"csv", "jigsaws", "rosbag"}))
       ->capture_default_str();
   app.add_option("--output", output, "File to write (default: DIR/ticks.csv, jigsaws.txt, session.bag)");

@@ -1,4 +1,4 @@
-// What can be injected where, as JSON on stdout: for who writes a scenario, and for scripts/describe_hazards.
+// Prints which faults can be injected where, as JSON: for authors of scenarios and for scripts/describe_hazards.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -21,7 +21,7 @@ Json hostsOf(FaultSite site) {
   return hosts;
 }
 
-/** Names, or numbers where the table has none; empty for a variable of one element. */
+/** Names, or numbers for channels without a name; empty for a variable of one element. */
 Json channelNames(FaultVariable variable) {
   const FaultChannelNames& channels = channelsOf(variable);
   Json names = Json::array();
@@ -63,7 +63,7 @@ Json everything() {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   CLI::App app{
-      "Prints what can be injected where: hosts, sites, kinds, triggers and variables of core/fault_variables.h."};
+      "Prints as JSON which faults can be injected where: hosts, sites, kinds, triggers and variables."};
   return apps::runProgram(&app, argc, argv, [] {
     std::printf("%s\n", everything().dump(2).c_str());
     return 0;

@@ -1,4 +1,4 @@
-// Makes a link bad: stands between two programs and loses, delays, doubles, spoils and reorders what they send.
+// Makes a link bad: forwards the packets of two programs, and loses, delays, duplicates, corrupts and reorders them.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -36,12 +36,12 @@ int run(const Options& options) {
   std::fprintf(stderr, "impair: ready\n");
   const std::int64_t start_ns = net::monotonicNow();
   const auto end_ns = options.duration > 0.0 ? start_ns + static_cast<std::int64_t>(options.duration * 1e9) : INT64_MAX;
-  std::int64_t told_ns = start_ns;
+  std::int64_t printed_ns = start_ns;
   for (std::int64_t now_ns = start_ns; now_ns < end_ns && !apps::waitForSignal(0.0); now_ns = net::monotonicNow()) {
     proxy.serve(std::min(end_ns, now_ns + kSecond / 10));
-    if (now_ns - told_ns < kSecond) continue;
+    if (now_ns - printed_ns < kSecond) continue;
     apps::printReports(proxy.report(), static_cast<double>(now_ns - start_ns) * 1e-9);
-    told_ns = now_ns;
+    printed_ns = now_ns;
   }
   apps::printReports(proxy.report(), static_cast<double>(net::monotonicNow() - start_ns) * 1e-9);
   if (!options.json.empty()) apps::writeReports(options.json, proxy_options, proxy.report());
@@ -56,11 +56,11 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   Options options;
-  CLI::App app{"A bad network between two programs: UDP and TCP links with loss, delay, disorder and outages."};
+  CLI::App app{"Makes a network link bad: forwards UDP and TCP with loss, delay, reordering and outages."};
   options.links.add(&app);
-  app.add_option("--log", options.log, "CSV of what was done to which packet");
-  app.add_option("--json", options.json, "Figures of every link at the end, as JSON");
-  app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")
+  app.add_option("--log", options.log, "CSV file: each packet and what was done to it");
+  app.add_option("--json", options.json, "JSON file: counts and delays of each link, written at the end");
+  app.add_option("--duration", options.duration, "Run time [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
   return apps::runProgram(&app, argc, argv, [&] { return run(options); });

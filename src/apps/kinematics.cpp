@@ -129,7 +129,7 @@ constexpr const char* kFooter =
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
-  CLI::App app{"Forward and inverse kinematics and Jacobian of the Raven's arms, table to table."};
+  CLI::App app{"Computes forward or inverse kinematics or the Jacobian of a Raven arm, from CSV on stdin to CSV on stdout."};
   std::string operation, arm_name, tool, config;
   app.add_option("OPERATION", operation, "forward, inverse or jacobian")
       ->required()
@@ -137,7 +137,7 @@ int main(int argc, char** argv) {
   app.add_option("--arm", arm_name, "gold (left) or green (right)")
       ->required()
       ->check(CLI::IsMember({kArmNames[0], kArmNames[1]}));
-  app.add_option("--tool", tool, "Tool of config/arms.yaml (default: the one that it chooses)");
+  app.add_option("--tool", tool, "Tool of config/arms.yaml (default: the configuration's)");
   app.add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)");
   app.footer(kFooter);
   return apps::runProgram(&app, argc, argv, [&] {

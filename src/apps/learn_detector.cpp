@@ -50,13 +50,13 @@ int learn(Options options) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Learns the detector's model and thresholds from fault-free lockstep runs."};
+  CLI::App app{"Learns the detector's model and thresholds from fault-free simulated sessions."};
   options.common.add(&app, /*with_ports=*/false);
-  apps::within(app.add_option("--runs", options.learn.runs, "Fault-free runs, each of its own seed"), 1, 100000);
-  apps::within(app.add_option("--ticks", options.learn.ticks, "Length of each from the first pedal down [ms]"), 500,
+  apps::within(app.add_option("--runs", options.learn.runs, "Fault-free sessions, each with another seed"), 1, 100000);
+  apps::within(app.add_option("--ticks", options.learn.ticks, "Length of each session from the first pedal-down [ms]"), 500,
                100000);
-  apps::within(app.add_option("--percentile", options.learn.percentile, "Of the thresholds"), 50.0, 99.9999);
-  app.add_option("--output", options.output, "File to write, in the form of config/detector.yaml")
+  apps::within(app.add_option("--percentile", options.learn.percentile, "Percentile of the fault-free values that becomes the threshold"), 50.0, 99.9999);
+  app.add_option("--output", options.output, "File to write, in the format of config/detector.yaml")
       ->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return learn(options); });
 }

@@ -9,8 +9,8 @@
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   std::string path;
-  CLI::App app{"Makes a random 256-bit key for signed ITP (network.yaml: key_file), mode 0600. Never overwrites."};
-  app.add_option("FILE", path, "File to make")->required();
+  CLI::App app{"Makes a key file for signed ITP packets (network.yaml: key_file). Never overwrites a file."};
+  app.add_option("FILE", path, "File to create, with mode 0600")->required();
   return apps::runProgram(&app, argc, argv, [&] {
     net::writeKeyFile(path);
     std::fprintf(stderr, "%s: 64 hexadecimal digits, mode 0600\n", path.c_str());

@@ -1,5 +1,5 @@
-// The surgeon's hands: both masters' ITP packets at 1 kHz from a script or a recording, moved by the force cue, or from
-// haptic devices, which feel it.
+// Sends both masters' ITP packets at 1 kHz: of a simulated surgeon, whose hands the forces push, or of haptic devices,
+// which get the forces.
 
 #include <CLI/CLI.hpp>
 #include <limits>
@@ -18,19 +18,19 @@ namespace {
 struct Options {
   apps::CommonOptions common;
   apps::MotionOptions motion;
-  apps::MasterOptions real;  ///< scale and duration are the scripted hands', too
+  apps::MasterOptions real;  ///< scale and duration also hold for the simulated surgeon
 };
 
-void tellCounts(const char* what, const LinkCounts& counts) {
+void printCounts(const char* what, const LinkCounts& counts) {
   std::fprintf(stderr, "%s: %llu received = %llu applied + %llu rejected\n", what,
                static_cast<unsigned long long>(counts.received), static_cast<unsigned long long>(counts.applied),
                static_cast<unsigned long long>(counts.rejectedTotal()));
 }
 
 constexpr double kPoll = 0.1;        // [s]
-constexpr double kAfterwards = 1.0;  // [s] what was let go falls and comes to rest
+constexpr double kAfterwards = 1.0;  // [s] until objects that were released lie still
 
-/** @throw ConfigException for hands that have to see, and would not. */
+/** @throw ConfigException for a simulated surgeon who needs pictures, if network.yaml switches them off. */
 TrainerConfig load(const Options& options) {
   TrainerConfig config = options.common.load();
   if (options.real.scale > 0.0) config.console.scale = options.real.scale;
@@ -39,20 +39,20 @@ TrainerConfig load(const Options& options) {
   return config;
 }
 
-/** Until a signal, the end of the time, or of the exercise that the hands do. */
+/** Waits for a signal, the end of the time, or the end of the simulated surgeon's exercise. */
 void watch(const Options& options, const daemon::ConsoleRunner& console) {
   double rest = console::doesExercise(options.motion.motion) ? kAfterwards : std::numeric_limits<double>::infinity();
-  bool told = false, told_signing = false, told_pedals = false;
+  bool is_over = false, has_signed = false, has_warned = false;
   for (double time = 0.0; options.real.duration <= 0.0 || time < options.real.duration; time += kPoll) {
     if (apps::waitForSignal(kPoll)) break;
-    if (console.finished() && !told) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
-    told = console.finished();
-    if (console.signing() && !told_signing) std::fprintf(stderr, "the daemon has answered: packets are signed\n");
-    told_signing = console.signing();
-    if (console.pedalsRefused() && !told_pedals)
-      std::fprintf(stderr, "warning: these hands use pedals beside ITP, refused where ITP is signed\n");
-    told_pedals = console.pedalsRefused();
-    if (told && (rest -= kPoll) < 0.0) break;
+    if (console.finished() && !is_over) std::fprintf(stderr, "the motion is over; the pedal stays up\n");
+    is_over = console.finished();
+    if (console.signing() && !has_signed) std::fprintf(stderr, "the daemon has answered: packets are signed\n");
+    has_signed = console.signing();
+    if (console.pedalsRefused() && !has_warned)
+      std::fprintf(stderr, "warning: this simulated surgeon uses pedals outside of ITP; the daemon refuses them because ITP is signed\n");
+    has_warned = console.pedalsRefused();
+    if (is_over && (rest -= kPoll) < 0.0) break;
   }
 }
 
@@ -65,8 +65,8 @@ int run(const Options& options, int argc, char** argv) {
   watch(options, console);
   console.stop();
   truth.write();
-  tellCounts("forces", console.forceCounts());
-  if (console.sightPort() != 0) tellCounts("pictures", console.sightCounts());
+  printCounts("forces", console.forceCounts());
+  if (console.sightPort() != 0) printCounts("pictures", console.sightCounts());
   return 0;
 }
 
@@ -77,16 +77,16 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   Options options;
-  CLI::App app{"The surgeon's hands: ITP packets at 1 kHz, force cue applied to a hand model, or to haptic devices."};
+  CLI::App app{"Sends hand motion to the daemon: from haptic devices, a recording or a simulated surgeon."};
   options.common.add(&app, /*with_ports=*/true);
   options.motion.add(&app);
   app.add_option("--master", options.real.master,
-                 "Haptic devices in place of --motion: a name in config/masters or a file ending in .yaml")
+                 "Haptic devices: a name of config/masters or a file that ends in .yaml")
       ->excludes("--motion");
   app.add_option("--scale", options.real.scale, "Motion scale (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
   app.add_option("--duration", options.real.duration,
-                 "End after this long [s]; 0: until stopped, or a second after an expert or clumsy hand is finished")
+                 "Run time [s]; 0: until stopped, or until 1 s after the simulated surgeon has finished")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
   return apps::runProgram(&app, argc, argv, [&] { return run(options, argc, argv); });

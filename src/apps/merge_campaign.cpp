@@ -12,8 +12,8 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   std::vector<std::string> shards;
   std::string output;
-  CLI::App app{"Merges the shards of a campaign; missing, double or foreign ones are refused."};
-  app.add_option("shards", shards, "Output directories of run_campaign --shard, all of one campaign")->required();
+  CLI::App app{"Merges the parts of a campaign that several computers ran. Refuses missing, duplicate and foreign parts."};
+  app.add_option("shards", shards, "Output directories of run_campaign --shard, all parts of one campaign")->required();
   app.add_option("--output", output, "Directory for the whole campaign")->required();
   return apps::runProgram(&app, argc, argv, [&] {
     campaign::mergeShards(shards, output);

@@ -36,7 +36,7 @@ std::vector<std::string> outputColumns() {
   return columns;
 }
 
-/** Starts at rest on the first row; row k of the result is what a robot would have measured when told row k. */
+/** Starts at rest on the first row; row k of the result is what a robot would measure when row k is commanded. */
 void follow(const TrainerConfig& config,
             Arm arm,
             const std::vector<std::vector<double>>& desired,
@@ -102,14 +102,14 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   raven2_trainer::Options options;
-  CLI::App app{"Lets the nominal model follow desired joint positions under its own controller, without contacts."};
+  CLI::App app{"Makes the model of one arm follow a table of joint positions with its own controller, without contacts."};
   app.footer(
       "Tables are CSV, one row a millisecond; q1..q7 shoulder, elbow, insertion, tool rotation, wrist, two jaws, in\n"
       "the robot's coordinates [rad; insertion m]. In: q1_d..q7_d. Out: q1..q7, dq1..dq7 [rad/s; m/s] before the step\n"
-      "that follows and tau1..tau7 [Nm; N] during it. Starts at rest on the first row; the other arm stands at home.");
+      "that follows and tau1..tau7 [Nm; N] during it. The arm starts at rest on the first row; the other arm is at home.");
   app.add_option("--arm", options.arm, "gold or green")->capture_default_str()->check(CLI::IsMember({"gold", "green"}));
-  app.add_option("--desired", options.desired, "Table to follow")->required();
-  app.add_option("--out", options.out, "Table to write")->required();
+  app.add_option("--desired", options.desired, "CSV file of desired positions")->required();
+  app.add_option("--out", options.out, "CSV file to write")->required();
   app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return raven2_trainer::run(options); });
 }

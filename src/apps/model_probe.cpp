@@ -1,5 +1,5 @@
-// model_probe: one arm of the nominal model in open loop, torques in, states out, to be held beside any other dynamics
-// of urdf/raven2.urdf.
+// One arm of the nominal model in open loop, torques in, states out: to compare with other dynamics of
+// urdf/raven2.urdf.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -137,25 +137,25 @@ void addSwitch(CLI::App* app, const char* name, std::string* value, const char* 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"One arm of the nominal model in open loop: joint torques in, joint states out, one row a millisecond."};
+  CLI::App app{"Moves the model of one arm by a table of joint torques, without a controller, and writes its joint states."};
   app.footer(
       "Joints are those of urdf/raven2.urdf, in its coordinates and signs: shoulder, elbow, insertion, tool_roll,\n"
       "wrist_joint, grasper_joint_1, grasper_joint_2. No controller, no contacts; joint limits are hard stops.\n"
       "  in:  tau1..tau7 [Nm; tau3 N], held for the millisecond; columns are found by name\n"
       "  out: q1..q7 [rad; q3 m], dq1..dq7 [rad/s; dq3 m/s] after it\n"
-      "Exit status: 0 written, 1 the world broke down or a file cannot be opened, 2 bad input (named with its line).");
+      "Exit status: 0 written, 1 the simulation became unstable or a file cannot be opened, 2 bad input (named with its line).");
   app.add_option("--arm", options.arm, "gold (_L) or green (_R)")->required()->check(CLI::IsMember({"gold", "green"}));
-  app.add_option("--q0", options.q0, "Start: seven positions [rad; m], inside the limits: --q0 q1,...,q7")
+  app.add_option("--q0", options.q0, "Seven positions at the start [rad; m], within the limits: q1,...,q7")
       ->required()
       ->delimiter(',')
       ->expected(7);
   app.add_option("--dq0", options.dq0, "Seven rates at the start [rad/s; m/s] (default: at rest)")
       ->delimiter(',')
       ->expected(7);
-  app.add_option("--torques", options.torques, "CSV of torques, - for stdin")->capture_default_str();
-  app.add_option("--out", options.out, "CSV of states to write, - for stdout")->capture_default_str();
-  addSwitch(&app, "--gravity", &options.gravity, "on or off");
-  addSwitch(&app, "--friction", &options.friction, "All joint friction and damping: on or off");
+  app.add_option("--torques", options.torques, "CSV file of torques; -: stdin")->capture_default_str();
+  app.add_option("--out", options.out, "CSV file of states to write; -: stdout")->capture_default_str();
+  addSwitch(&app, "--gravity", &options.gravity, "Gravity: on or off");
+  addSwitch(&app, "--friction", &options.friction, "Friction and damping of all joints: on or off");
   addSwitch(&app, "--armature", &options.armature, "Inertia of the motors' rotors: on or off");
   app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
   return apps::runProgram(&app, argc, argv, [&] { return probe(options); });

@@ -90,7 +90,7 @@ void report(const std::string& directory,
   if (!reasons.empty()) std::printf("without success: %s\n", reasons.c_str());
 }
 
-/** What Figure 7 needs besides: two paths, and the straight motion that stands for the user's. */
+/** Adds the runs of Figure 7: two paths, and a straight motion in place of the user's. */
 void addFigureRuns(const TrainerConfig& config,
                    const PlanProblem& problem,
                    studies::PlanStudyOptions options,
@@ -143,28 +143,28 @@ int plan(Options options) {
 }
 
 void addChoice(CLI::App* app, studies::PlanChoice* choice) {
-  apps::within(app->add_option("--samples", choice->samples, "Free samples n")->delimiter(','), 10, 100000);
+  apps::within(app->add_option("--samples", choice->samples, "Number of collision-free samples")->delimiter(','), 10, 100000);
   app->add_option(
          "--eta", choice->eta,
-         "eta1,eta2[,eta3] of length, acceleration and clearance (default: the configuration's, without and with "
-         "eta3)")
+         "Weights eta1,eta2[,eta3] of length, acceleration and clearance (default: the configuration's, without and "
+         "with eta3)")
       ->delimiter(',')
       ->expected(2, 3)
       ->check(CLI::Range(0.0, 1e6));
   const std::vector<std::string> names(planning::kPlannerNames.begin(), planning::kPlannerNames.end());
-  app->add_option("--planner", choice->planners, "FMTstar is ours, the others are OMPL's")
+  app->add_option("--planner", choice->planners, "Planner: FMTstar is our own, the others are OMPL's")
       ->delimiter(',')
       ->capture_default_str()
       ->check(CLI::IsMember(names));
-  app->add_option("--times", choice->times, "Compares success and cost after so many seconds, instead of the table [s]")
+  app->add_option("--times", choice->times, "Compare success and cost after these times [s], instead of the table")
       ->delimiter(',')
       ->check(CLI::Range(0.01, 3600.0));
-  app->add_option("--time-limit", choice->time_limit, "Of one plan [s] (default: the configuration's)")
+  app->add_option("--time-limit", choice->time_limit, "Longest time for one plan [s] (default: the configuration's)")
       ->check(CLI::Range(0.01, 3600.0));
   app->add_option("--improve", choice->improve_attempts,
                   "Attempts to improve a path locally; 0: plain FMT* (default: the configuration's)")
       ->check(CLI::Range(0, 100000));
-  app->add_flag("--exact", choice->is_exact, "Add no samples after a failure");
+  app->add_flag("--exact", choice->is_exact, "Do not add samples after a failure");
 }
 
 }  // namespace
@@ -173,22 +173,22 @@ void addChoice(CLI::App* app, studies::PlanChoice* choice) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Plans one problem again and again, tracks each path on the model, and tells what came of it."};
+  CLI::App app{"Plans a path several times, makes the model follow each path, and writes a table of the results."};
   app.footer(
       "Writes runs.csv, table.csv or comparison.csv, and each path into the output folder (doc/planning.md).\n"
-      "Exit status: 0 the study is written, whatever the plans came to; 1 it is not. Lists: 200,500,1000.");
-  app.add_option("problem", options.problem, "Name in config/problems, or FILE.yaml")->capture_default_str();
-  app.add_option("--runs", options.runs, "Plans of each case; the seed of each is one higher")
+      "Options that take lists: 200,500,1000. Exit status: 0 the tables are written, 1 they are not.");
+  app.add_option("problem", options.problem, "Problem: a name of config/problems, or FILE.yaml")->capture_default_str();
+  app.add_option("--runs", options.runs, "Plans of each case, each with the next seed")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   addChoice(&app, &options.choice);
-  apps::within(app.add_option("--threads", options.threads, "Plans side by side"), 1, 64);
-  app.add_option("--output", options.output, "New folder (default: plans/<problem>_<UTC stamp>)");
-  app.add_option("--ompl-log", options.ompl_log, "Write OMPL's benchmark log, for ompl_benchmark_statistics.py");
+  apps::within(app.add_option("--threads", options.threads, "Plans that run at the same time"), 1, 64);
+  app.add_option("--output", options.output, "Folder to create (default: plans/<problem>_<UTC stamp>)");
+  app.add_option("--ompl-log", options.ompl_log, "File to write: OMPL's benchmark log, for ompl_benchmark_statistics.py");
   app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of the paper into the folder");
   app.add_option("--config", options.common.config,
                  "Root configuration file (default: the packaged config/trainer.yaml)");
-  app.add_option("--seed", options.common.seed, "Of the first run (default: the configuration's)")
+  app.add_option("--seed", options.common.seed, "Seed of the first run (default: the configuration's)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
   return apps::runProgram(&app, argc, argv, [&] { return plan(options); });
 }

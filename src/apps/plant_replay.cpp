@@ -93,15 +93,15 @@ int replayAll(Options options) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Predicts recorded motor positions with the virtual Raven's plant, driven by the recorded DAC."};
+  CLI::App app{"Compares the virtual Raven's plant with a recording of a real robot, driven by the recorded DAC commands."};
   options.common.add(&app, /*with_ports=*/false);
-  app.add_option("recording", options.recording, "CSV: mpos1_deg .. mpos3_deg [deg], dac1 .. dac3 [counts], 1 kHz")
+  app.add_option("recording", options.recording, "CSV file: mpos1_deg .. mpos3_deg [deg], dac1 .. dac3 [counts], 1 kHz")
       ->required();
-  apps::within(app.add_option("--from", options.from, "First start, share of the recording"), 0.0, 1.0);
-  apps::within(app.add_option("--to", options.to, "Last start, share of the recording"), 0.0, 1.0);
+  apps::within(app.add_option("--from", options.from, "First start, as a share of the recording"), 0.0, 1.0);
+  apps::within(app.add_option("--to", options.to, "Last start, as a share of the recording"), 0.0, 1.0);
   apps::within(app.add_option("--stride", options.stride, "Rows between starts"), 1, 100000);
-  apps::within(app.add_option("--horizons", options.horizons, "How far ahead [ms], comma-separated")->delimiter(','), 1,
+  apps::within(app.add_option("--horizons", options.horizons, "Prediction times [ms], separated by commas")->delimiter(','), 1,
                10000);
-  app.add_option("--output", options.output, "Write every error to this CSV file instead of a summary");
+  app.add_option("--output", options.output, "CSV file for each error, instead of the summary");
   return apps::runProgram(&app, argc, argv, [&] { return replayAll(options); });
 }

@@ -70,13 +70,13 @@ int main(int argc, char** argv) {
   apps::blockSignals();
   apps::CommonOptions common;
   std::string topic = "/ravenstate";
-  CLI::App app{"A real Raven's /ravenstate in, state frames out on TCP (--state-port). Fault plans are refused."};
+  CLI::App app{"Sends a real Raven's state to the trainer: ROS topic /ravenstate in, TCP out. Runs on the robot's computer."};
   common.add(&app, /*with_ports=*/true);
   std::string address;
   app.add_option("--bind-address", address,
-                 "IPv4 address of this computer to serve the frames on (default: the configuration's)")
+                 "IPv4 address of this computer to listen on (default: the configuration's)")
       ->check(CLI::ValidIPV4);
-  app.add_option("--topic", topic, "Topic of type raven_2/raven_state, raven2's or the fork raven2_sim's")
+  app.add_option("--topic", topic, "Topic of type raven_2/raven_state, as raven2 or raven2_sim publishes it")
       ->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return run(common, address, topic, argc, argv); });
 }

@@ -29,20 +29,19 @@ struct Options {
 };
 
 void addOptions(CLI::App* app, Options* o) {
-  app->add_option("DIR", o->directories, "Session directories: those that hold a session.rlog")->required();
+  app->add_option("DIR", o->directories, "Session directories, each with session.rlog")->required();
   app->add_flag("--again", o->again,
-                "Draw videos anew that are there and need not be drawn; remove the pictures of an earlier "
-                "render from the directory of --output");
+                "Render existing videos again; delete the pictures of an earlier render in --output");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
       ->capture_default_str();
   app->add_option(
          "--overlay", o->overlays,
-         "What is drawn over the scene, A,B,...: ghost, force_arrows, force_bars, hazard, plan, trails, workspace, "
-         "timer, status, latency; or all, or none (default: config/render.yaml). Without hazard the video shows "
-         "what the trainee saw while the picture was black, frozen or late")
+         "Overlays, A,B,...: ghost, force_arrows, force_bars, hazard, plan, trails, workspace, timer, status, latency; "
+         "or all, or none (default: config/render.yaml). Without hazard the video shows a black, frozen or late "
+         "picture as the trainee saw it")
       ->delimiter(',');
-  app->add_option("--size", o->size, "Size of the picture, even numbers (default: config/render.yaml)")
+  app->add_option("--size", o->size, "Size of the picture: WIDTHxHEIGHT, each even and 64 to 4096 (default: config/render.yaml)")
       ->check(CLI::Validator(
           [](std::string& text) {
             int w = 0, h = 0, used = 0;
@@ -52,19 +51,19 @@ void addOptions(CLI::App* app, Options* o) {
             return ok ? std::string() : "must be WIDTHxHEIGHT, each even and in 64..4096";
           },
           "WxH"));
-  app->add_option("--fps", o->fps, "Frames a second (default: config/render.yaml)")->check(CLI::Range(1, 120));
-  app->add_option("--from", o->render.from, "Session time of the first frame [s]; with --output")
+  app->add_option("--fps", o->fps, "Frames per second (default: config/render.yaml)")->check(CLI::Range(1, 120));
+  app->add_option("--from", o->render.from, "Session time of the first frame [s]; needs --output")
       ->check(CLI::Range(0.0, 1e6));
-  app->add_option("--to", o->render.to, "Session time of the end [s] (default: all); with --output")
+  app->add_option("--to", o->render.to, "Session time of the end [s] (default: the session's end); needs --output")
       ->check(CLI::Range(0.0, 1e6));
   app->add_option("--output", o->render.output,
-                  "FILE.mp4, or a directory for PNG pictures, of one session (default: DIR/video.mp4)");
+                  "FILE.mp4, or a directory for PNG pictures; for one session (default: DIR/video.mp4)");
   app->add_option("--config", o->config,
                   "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
   constexpr int kMost = raven2_trainer::render::SessionRenderer::kMaxProcesses;
   app->add_option(
          "--processes", o->render.processes,
-         "Processes that draw side by side; 0 = one for each processor that this program may run on, at most " +
+         "Processes that draw at the same time; 0: one for each processor, at most " +
              std::to_string(kMost))
       ->check(CLI::Range(0, kMost))
       ->capture_default_str();
@@ -115,13 +114,13 @@ using Failures = std::vector<std::string>;
 using raven2_trainer::render::SessionRenderer;
 
 std::string thereAlready(const SessionRenderer& renderer, const Options& o) {
-  return renderer.outputOf(o.render) + " is there; --again draws it anew";
+  return renderer.outputOf(o.render) + " exists; --again draws it again";
 }
 
 void renderOne(const Options& o, const std::string& directory, std::size_t i, Progress* progress) {
   const auto config = load(o, directory);
   SessionRenderer renderer(config, directory, o.build);
-  // Another render may have drawn it since it was looked at.
+  // Another process may have drawn it meanwhile.
   if (!o.again && renderer.hasVideo(o.render)) return progress->end(i, 1.0, thereAlready(renderer, o));
   double reused = 0.0;
   const std::uint64_t frames = renderer.run(o.render, [&](std::uint64_t done, std::uint64_t all) {
@@ -175,7 +174,7 @@ void drawAll(const Options& o, const std::vector<std::string>& directories, Fail
   }
 }
 
-/** What a shell's `sessions/`* names beside sessions: sessions/index.json. */
+/** Without plain files: a shell's `sessions/`* also matches sessions/index.json. */
 std::vector<std::string> withoutFiles(const std::vector<std::string>& names) {
   std::vector<std::string> out;
   std::error_code error;
@@ -206,15 +205,13 @@ int renderSessions(Options o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Renders recorded sessions into videos, from the first pedal down to the end.", "render_session"};
+  CLI::App app{"Makes a video of each recorded session, from the first pedal-down to the end.", "render_session"};
   app.footer(
       "A whole session gives round(duration x fps) frames; frame k shows the newest record at time k / fps.\n"
-      "A video that is there is left alone, if it is whole and of the same log, options, configuration and build.\n"
-      "A render that was killed goes on where it was when it is started again: until a video is whole, its parts lie\n"
-      "in video.parts. What --again was to draw is drawn by the next run without --again.\n"
-      "A session that is still being recorded is refused.\n"
-      "Needs no display and no graphics card; needs the program ffmpeg.\n"
-      "Exit status: 0 all written, 1 otherwise; a session that fails does not stop the others.");
+      "An existing video is kept if it is complete and of the same log, options, configuration and build. A render that\n"
+      "was killed continues when it is started again; its parts are in video.parts until then, also with --again.\n"
+      "Refuses a session that is still being recorded. Needs ffmpeg, no display and no graphics card.\n"
+      "Exit status: 0 all written, 1 otherwise; after a session that fails the others are rendered.");
   Options options;
   addOptions(&app, &options);
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return renderSessions(options); });

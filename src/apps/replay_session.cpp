@@ -25,17 +25,17 @@ struct Options {
 };
 
 void addOptions(CLI::App* app, Options* o) {
-  app->add_option("DIR", o->directory, "Session directory: the one that holds session.rlog")->required();
-  app->add_option("--rate", o->replay.rate, "Speed: 2 is twice as fast as it was [-]")
+  app->add_option("DIR", o->directory, "Session directory, with session.rlog")->required();
+  app->add_option("--rate", o->replay.rate, "Speed; 2 is twice as fast as the session")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
-  app->add_option("--from", o->replay.from, "Session time to begin at [s] (default: the log's start, before time 0)")
+  app->add_option("--from", o->replay.from, "Session time to start from [s] (default: the log's start, before time 0)")
       ->check(CLI::Range(0.0, 1e6));
-  app->add_flag("--loop", o->replay.loop, "Begin again at the end; /clock leaps back then");
-  app->add_option("--delay", o->delay, "Wait before the first message, for subscribers to connect [s]")
+  app->add_flag("--loop", o->replay.loop, "Start again at the end; /clock then jumps back");
+  app->add_option("--delay", o->delay, "Time before the first message, for subscribers to connect [s]")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
-  app->add_flag("--set-sim-time", o->replay.set_sim_time, "Set the parameter /use_sim_time, if it is not");
+  app->add_flag("--set-sim-time", o->replay.set_sim_time, "Set the parameter /use_sim_time if it is not set");
   app->add_option("--config", o->config,
                   "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
 }
@@ -65,9 +65,9 @@ int run(const Options& o, int argc, char** argv) {
   const Ready ready = awaitMaster(ros, replay);
   if (ready != Ready::kYes) return ros.leave(ready == Ready::kNo ? 1 : 0);
   if (apps::waitForSignal(o.delay)) return ros.leave(0);
-  const std::uint64_t told = replay.play([](double seconds) { return apps::waitForSignal(seconds); });
+  const std::uint64_t published = replay.play([](double seconds) { return apps::waitForSignal(seconds); });
   apps::waitForSignal(kGoodbye);
-  std::fprintf(stderr, "replay_session: %llu messages of each state\n", static_cast<unsigned long long>(told));
+  std::fprintf(stderr, "replay_session: %llu messages of each state\n", static_cast<unsigned long long>(published));
   return ros.leave(0);
 }
 
@@ -77,10 +77,10 @@ int run(const Options& o, int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
-  CLI::App app{"Plays a recorded session into ROS: the daemon's topics, /tf and /clock, with the stamps of the log."};
+  CLI::App app{"Publishes a recorded session on ROS: the daemon's topics, /tf and /clock, with the log's time stamps."};
   app.footer(
-      "Programs that listen need the parameter /use_sim_time before they start. Not beside a running daemon: the\n"
-      "topics are the same. Exit status: 0 the log's end or a signal, 1 otherwise.");
+      "Set the parameter /use_sim_time before the subscribers start. Do not run it together with a daemon: the topics\n"
+      "are the same. Exit status: 0 the end of the log or a signal, 1 otherwise.");
   Options options;
   addOptions(&app, &options);
   return apps::runProgram(&app, argc, argv, [&] { return run(options, argc, argv); });

@@ -1,4 +1,4 @@
-// Makes all runs of a campaign of fault injections in lockstep, faster than real time, each in a process of its own.
+// Makes all runs of a campaign of fault injections in lockstep, faster than real time, each in its own process.
 
 #include <sys/resource.h>
 
@@ -152,17 +152,17 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
   CLI::App app{
-      "A campaign of fault injections: outcomes.csv, one row a run. Exit status: 1 also where all is written, but a "
-      "fault never acted, a run has no outcome, or one came out neither as published nor as explained."};
-  app.add_option("campaign", options.campaign, "Campaign: FILE.yaml, or a name of config/campaigns")->required();
+      "Runs a campaign of fault injections and writes outcomes.csv, one row per run. Exit status: 0 done, 1 failed, or a "
+      "fault never acted, a run has no outcome, or an outcome is neither the published one nor an explained one."};
+  app.add_option("campaign", options.campaign, "Campaign: a name of config/campaigns, or FILE.yaml")->required();
   app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
-  app.add_option("--seed", options.seed, "Seed of everything random")
+  app.add_option("--seed", options.seed, "Seed of all random numbers")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 53));
-  apps::within(app.add_option("--jobs", options.jobs, "Runs at a time"), 1, 1024);
+  apps::within(app.add_option("--jobs", options.jobs, "Runs at the same time"), 1, 1024);
   app.add_option("--output", options.output, "Directory for the results")->required();
-  app.add_option("--shard", options.shard, "Part I of N of the campaign, for one machine of several; merge_campaign")
+  app.add_option("--shard", options.shard, "I/N: run part I of N only; merge_campaign joins the parts")
       ->capture_default_str();
-  app.add_flag("--resume", options.resume, "Go on where an earlier run of the same campaign was stopped");
+  app.add_flag("--resume", options.resume, "Continue an interrupted run of the same campaign");
   return apps::runProgram(&app, argc, argv, [&] { return run(options); });
 }

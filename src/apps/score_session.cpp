@@ -9,21 +9,20 @@
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   CLI::App app{
-      "Scores a recorded session: metrics of every attempt, responses to hazards, and, where the exercise has a "
-      "band, what passed.",
+      "Scores a recorded session: metrics, responses to hazards, and whether each attempt passed.",
       "score_session"};
   app.footer(
-      "Writes DIR/score.json (the same bytes each time) and, for a trainee, an entry in index.json beside DIR.\n"
-      "simulator and simulate do so themselves at the end of a session with an exercise.\n"
-      "Metrics, bands and both files are described in doc/scores.md. Exit status: 0 scored, 1 otherwise.");
+      "Writes DIR/score.json (always the same bytes) and, for a trainee, an entry in index.json next to DIR, as simulator\n"
+      "and simulate do at the end of a session with an exercise. Metrics, bands and both files: doc/scores.md.\n"
+      "Exit status: 0 scored, 1 otherwise.");
   std::string directory;
   recording::ScoringOptions options;
-  app.add_option("DIR", directory, "Session directory: the one that holds session.rlog")->required();
+  app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
   app.add_option("--output", options.output, "File to write (default: DIR/score.json)");
-  app.add_option("--band", options.band, "Band to judge by (default: the one the session was run with)");
-  app.add_option("--trainee", options.trainee, "Id for the index (default: the session's): 1 to 32 of a-z, 0-9, _, -");
-  app.add_option("--index", options.index, "Index of sessions (default: index.json beside DIR)");
-  app.add_flag("--no-index", options.no_index, "Leave the index as it is");
+  app.add_option("--band", options.band, "Band of the experts to compare with (default: the session's)");
+  app.add_option("--trainee", options.trainee, "ID for the index: 1 to 32 of a-z, 0-9, _, - (default: the session's)");
+  app.add_option("--index", options.index, "Index of sessions (default: index.json next to DIR)");
+  app.add_flag("--no-index", options.no_index, "Do not change the index");
   return apps::runProgram(&app, argc, argv, [&] {
     const recording::ScoredSession scored = recording::scoreRecorded(directory, options);
     std::printf("%s%s\n", recording::describe(scored).c_str(), scored.path.c_str());

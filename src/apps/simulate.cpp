@@ -47,7 +47,7 @@ void renderVideo(const TrainerConfig& config, const std::string& directory) {
     std::fprintf(stderr, "simulate: %s\n", warning.c_str());
 }
 
-/** The recorded surgeon worked in another scene: unless told otherwise the model's arms pass through ours. */
+/** The recorded surgeon worked in another scene: by default the model's arms pass through ours. */
 apps::CommonOptions common(const Options& options) {
   apps::CommonOptions result = options.common;
   if (result.arm_contacts.empty() && options.motion.motion.rfind("recording:", 0) == 0) result.arm_contacts = "off";
@@ -55,9 +55,9 @@ apps::CommonOptions common(const Options& options) {
 }
 
 constexpr double kUsualSeconds = 30.0;
-constexpr double kBeyondLimit = 60.0;  ///< [s] what an exercise's timer does not count: its beginning, and a pause
+constexpr double kBeyondLimit = 60.0;  ///< [s] not counted by an exercise's timer: the time before the first touch, and pauses
 
-/** [s] at most. Hands that do an exercise are finished some time; beyond its limit the attempt has failed. */
+/** [s] Longest session. An expert or clumsy surgeon ends it sooner; beyond the time limit the attempt has failed. */
 double secondsOf(const Options& options, const TrainerConfig& config) {
   if (options.seconds > 0.0) return options.seconds;
   return console::doesExercise(options.motion.motion) ? config.exercise.time_limit + kBeyondLimit : kUsualSeconds;
@@ -70,14 +70,14 @@ int simulate(const Options& options) {
   const Impairment impairment = apps::impairmentByName(options.impairment);
   const double seconds = secondsOf(options, config);
   apps::TruthFile truth(options.motion.truth);
-  auto hands = console::makeMotion(config, options.motion.choice(), truth.log());
+  auto surgeon = console::makeMotion(config, options.motion.choice(), truth.log());
   physics::initialiseOde();
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
   const auto start = std::chrono::steady_clock::now();
   const std::string label = options.motion.motion + (options.impairment == "none" ? "" : " over " + impairment.name);
   session::SessionMeta meta = recording::startMeta("simulate", apps::version(), label);
-  lockstep::Lockstep lockstep(config, std::move(hands), paths, label);
+  lockstep::Lockstep lockstep(config, std::move(surgeon), paths, label);
   if (options.impairment != "none") lockstep.impair(impairment);
   if (!options.replay.empty()) lockstep.showFirst(options.replay);
   apps::ProgressBar bar("simulate");
@@ -104,12 +104,12 @@ int simulate(const Options& options) {
   return scored ? 0 : 1;
 }
 
-/** Everything else than where to write it is in the log: whoever also asks for something else is told so. */
+/** The log has all other settings: refuses options other than --output. */
 void addFromLog(CLI::App* app, std::string* directory) {
   CLI::Option* from_log = app->add_option(
       "--from-log", *directory,
-      "Simulate this session again from its log and compare every tick, bit for bit, as resimulate does; no session is "
-      "written without --output. Exit code 0: equal, 1: different, or it cannot be simulated again");
+      "Simulate this session again and compare each tick bit for bit, as resimulate does (exit status 1: different); "
+      "writes a session only with --output");
   for (CLI::Option* other : app->get_options()) {
     const std::string name = other->get_name();
     if (other != from_log && name != "--output" && name != "--help") from_log->excludes(other);
@@ -122,23 +122,22 @@ void addFromLog(CLI::App* app, std::string* directory) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Training session in lockstep: console, daemon and virtual Raven in one process."};
+  CLI::App app{"Runs a training session in one process, faster than real time, with the same result each time."};
   options.common.add(&app, /*with_ports=*/false);
   app.add_option("--seconds", options.seconds,
-                 "Session time from the first pedal down [s] (default: 30; with expert and clumsy until they are "
-                 "finished). A recording's arms pass through the scene")
+                 "Session time from the first pedal-down [s] (default: 30; with expert and clumsy until they have finished)")
       ->check(CLI::Range(0.001, 86400.0));
   options.motion.add(&app);
   app.add_option("--motion-scale", options.motion_scale,
-                 "Motion scale of the master [-] (default: the configuration's)")
+                 "Motion scale of the master (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
-  app.add_option("--homing", options.homing, "full: search of the hard stops, quick: joints known (default: config's)")
+  app.add_option("--homing", options.homing, "full: search the hard stops; quick: start with known joints (default: the configuration's)")
       ->check(CLI::IsMember({"full", "quick"}));
   app.add_option("--impair", options.impairment,
-                 "Bad link between console and daemon: preset of config/impairments or FILE.yaml")
+                 "Bad link between console and daemon: a name of config/impairments or FILE.yaml")
       ->capture_default_str();
-  app.add_option("--replay", options.replay, "Show this session first: its directory, or its log");
+  app.add_option("--replay", options.replay, "Replay this session first: its directory or its log");
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
   addFromLog(&app, &options.from_log);
   return apps::runProgram(&app, argc, argv, [&] {

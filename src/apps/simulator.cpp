@@ -1,4 +1,4 @@
-// The daemon on the surgeon's console host: nominal model, haptic cue, relay, faults, planner, pictures, record, ROS.
+// The daemon on the surgeon's console host: model, haptics, relay, faults, planner, pictures, recording, ROS.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -22,21 +22,21 @@ using daemon::SimulatorState;
 
 constexpr const char* kNode = "raven2_simulator";
 
-/** Says once why most packets of a console are refused: without it nobody sees why nothing moves. */
-void reportRefusedConsole(const Simulator& simulator, std::uint32_t* told) {
+/** Prints once why most packets of a console are rejected: otherwise nobody sees why nothing moves. */
+void reportRefusedConsole(const Simulator& simulator, std::uint32_t* reported) {
   const StreamFinding finding = simulator.shared().master_stream.load();
-  if (finding.number == *told) return;
-  *told = finding.number;
+  if (finding.number == *reported) return;
+  *reported = finding.number;
   std::fprintf(stderr, "\nraven2_trainer: %s\n", wire::sentence(finding).c_str());
 }
 
-/** Until the session is over or somebody ends it. @return true if it ended as it should. */
+/** Waits for the end of the session or a signal. @return true if it ended as it should. */
 bool watch(const Simulator& simulator, double duration) {
   apps::ProgressBar bar("session");
-  std::uint32_t told = 0;
+  std::uint32_t reported = 0;
   for (;;) {
     const bool interrupted = apps::waitForSignal(0.05);
-    reportRefusedConsole(simulator, &told);
+    reportRefusedConsole(simulator, &reported);
     const ModelState model = simulator.shared().model.load();
     const double time = static_cast<double>(model.session_tick < 0 ? 0 : model.session_tick) * kTickSeconds;
     char detail[96];
@@ -52,7 +52,7 @@ bool watch(const Simulator& simulator, double duration) {
   }
 }
 
-/** Keys of the configuration that have an option of their own here; they go before parameters. */
+/** Options for single keys of the configuration. They override ROS parameters. */
 struct KeyOptions {
   std::string robot_host, scale;
 
@@ -81,7 +81,7 @@ int run(const apps::CommonOptions& common,
   const bool good = watch(simulator, options.duration);
   ros.end();
   simulator.stop();
-  bool given_up = false;  // a second signal: nobody wants to wait
+  bool given_up = false;  // by a second signal
   const auto interrupted = [&] { return given_up = given_up || apps::waitForSignal(0.0); };
   const bool scored = simulator.recorded() && recording::finishSession(simulator.paths(), interrupted);
   return ros.leave(good && (scored || given_up) ? 0 : 1);
@@ -96,19 +96,19 @@ int main(int argc, char** argv) {
   apps::CommonOptions common;
   daemon::SimulatorOptions options;
   options.version = apps::version();
-  CLI::App app{"The training daemon: model, haptic cue, relay, faults, planner, pictures, record, ROS."};
+  CLI::App app{"The training daemon: runs the model of the robot, the forces, the hazards and the recording of a session."};
   common.add(&app, /*with_ports=*/true);
   KeyOptions keys;
   app.add_option("--robot-host", keys.robot_host, "IPv4 address of the robot (default: the configuration's)")
       ->check(CLI::ValidIPV4);
   app.add_option("--scale", keys.scale, "Motion scale of the surgeon's master (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
-  app.add_option("--duration", options.duration, "Session time from the first pedal down [s]; 0: until stopped")
+  app.add_option("--duration", options.duration, "Session time from the first pedal-down [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
-  app.add_option("--motion-label", options.motion, "What the console plays, for the record only");
-  app.add_flag("--strict", options.strict, "Refuse to start where real time or the files cannot be trusted");
+  app.add_option("--motion-label", options.motion, "Name of the console's motion, for the record only");
+  app.add_flag("--strict", options.strict, "Refuse to start without real-time priority or with files that others can change");
   app.add_flag("!--no-render", options.render, "No live picture");
   return apps::runProgram(&app, argc, argv, [&] { return run(common, keys, options, argc, argv); });
 }

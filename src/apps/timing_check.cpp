@@ -1,5 +1,5 @@
-// Whether this machine can keep the daemon's two 1 kHz loops: bare threads first, then the loops themselves, both arms
-// moving in contact, no sockets. Or the bare threads alone, beside a session or whatever else runs.
+// Measures whether this computer keeps the daemon's two 1 kHz loops: first empty threads, then the loops themselves with both
+// arms moving in contact, without sockets. Or the empty threads alone, while a session or another program runs.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -49,8 +49,7 @@ std::string nameOf(LoopId id) {
   return kLoopNames[static_cast<std::size_t>(id)];
 }
 
-/** What the machine gives to threads that do nothing. A signal ends it: beside a session its length is not known
- * before. */
+/** Measures empty threads. A signal ends it: the length of a session next to it is not known. */
 int measureBare(const Options& options, const TrainerConfig& config) {
   daemon::BareLoops bare(config);
   observe(&bare, options.calibrate, "bare threads");
@@ -74,7 +73,7 @@ int check(const Options& options) {
   daemon::BareLoops bare(config);
   daemon::DrivenLoops loops(config);
   if (!observe(&bare, options.calibrate, "calibration") || !observe(&loops, options.duration, "loops")) {
-    throw Exception("interrupted");  // half a measurement is none
+    throw Exception("interrupted");  // half a measurement is worthless
   }
   bool pass = true;
   nlohmann::ordered_json json;
@@ -94,12 +93,12 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   Options options;
-  CLI::App app{"Measures whether this machine keeps the 1 kHz loops. Exit code 0: yes, beside bare threads."};
+  CLI::App app{"Measures whether this computer is fast enough for the 1 kHz loops. Exit status: 0 yes, 1 no or failed."};
   options.common.add(&app, /*with_ports=*/false);
   apps::within(app.add_option("--duration", options.duration, "Length of the measurement [s]"), 1.0, 86400.0);
-  apps::within(app.add_option("--calibrate", options.calibrate, "Length of the calibration with bare threads [s]"), 1.0,
+  apps::within(app.add_option("--calibrate", options.calibrate, "Length of the comparison with empty threads [s]"), 1.0,
                3600.0);
-  app.add_flag("--bare", options.only_bare, "Only bare threads, for --calibrate seconds or until a signal");
-  app.add_option("--json", options.json, "File to write the figures to");
+  app.add_flag("--bare", options.only_bare, "Only the empty threads, for --calibrate seconds or until a signal");
+  app.add_option("--json", options.json, "JSON file to write the figures to");
   return apps::runProgram(&app, argc, argv, [&] { return check(options); });
 }

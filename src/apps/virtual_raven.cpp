@@ -1,5 +1,5 @@
-// The robot when there is none: emulated Raven control software on an emulated plant, over the real robot's
-// sockets; or driven by a recording, in lockstep.
+// The virtual Raven: emulated control software on an emulated plant, over the real robot's sockets, or driven by a
+// recording in lockstep.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -111,21 +111,21 @@ int run(const Options& options, int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Virtual Raven: emulated control software and plant. ITP in on UDP, state frames out on TCP."};
+  CLI::App app{"Emulates a Raven-II robot: control software, motors and arms. Takes the place of the real robot."};
   options.common.add(&app, /*with_ports=*/true);
-  app.add_option("--duration", options.duration, "End after this long [s]; 0: until stopped")
+  app.add_option("--duration", options.duration, "Run time [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
-  app.add_option("--homing", options.homing, "full: search of the hard stops, quick: joints known (default: config's)")
+  app.add_option("--homing", options.homing, "full: search the hard stops; quick: start with known joints (default: the configuration's)")
       ->check(CLI::IsMember({"full", "quick"}));
-  app.add_option("--behaviour", options.behaviour, "compat: a real Raven's rules (default: config's)")
+  app.add_option("--behaviour", options.behaviour, "compat: accept packets by a real Raven's rules (default: the configuration's)")
       ->check(CLI::IsMember({"compat", "hardened"}));
-  auto* input = app.add_option("--replay", options.replay, "Recorded datagrams, .csv or .csv.gz: no sockets, no ROS");
-  app.add_option("--output", options.output, "State recording to write, .csv or .csv.gz")->needs(input);
-  app.add_flag("--skip-homing", options.replay_options.skip_homing, "Replay from the home pose in PEDAL_UP")
+  auto* input = app.add_option("--replay", options.replay, "Recorded packets (.csv or .csv.gz) instead of sockets and ROS");
+  app.add_option("--output", options.output, "Recording of the states to write (.csv or .csv.gz)")->needs(input);
+  app.add_flag("--skip-homing", options.replay_options.skip_homing, "Start the replay from the home pose in PEDAL_UP")
       ->needs(input);
   app.add_option("--press-start", options.replay_options.press_start,
-                 "Replay: press the start button this long after an E-STOP [s]; negative: never")
+                 "Press the start button this long after an E-STOP [s]; negative: never")
       ->capture_default_str()
       ->check(CLI::Range(-1.0, 3600.0))
       ->needs(input);

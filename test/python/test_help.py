@@ -20,7 +20,7 @@ VERDICTS = ["campaign_report", "check_layering.py", "check_package", "check_fres
             "describe_hazards", "doctor", "fuzz", "generate_description", "make_bands", "measure_drills", "measure_hazards",
             "run",
             "session_report", "session_sums", "soak", "stress", "summarise_tests", "test"]  # what their status says is a result
-CLI11_COLUMN = 30  # where descriptions begin, after one blank where a name reaches so far
+CLI11_COLUMN = 28  # where descriptions begin, after one blank where a name reaches so far
 COMPLETION = pathlib.Path("/usr/share/bash-completion/completions/rosrun")
 
 
@@ -51,7 +51,7 @@ def entries(text):
     found, current = [], None
     is_list = is_cli11 = False
     for line in text.splitlines():
-        if re.match(r"^(options|positional arguments|Options|Positionals|Subcommands):$", line):
+        if re.match(r"^(options|positional arguments|Options|Arguments|Network ports|Subcommands):$", line):
             is_list, is_cli11 = True, line[0].isupper()
         elif line and not line.startswith(" "):
             is_list = False
@@ -111,8 +111,8 @@ def test_options_are_found_in_sources_and_in_lists():
     text = "usage: x\n\nDoes it all.\n\noptions:\n  --one   first\n  --two\n          second\n  --three X\n\nlast words\n"
     assert entries(text) == [("--one", "first"), ("--two", "second"), ("--three X", "")]
     assert purpose(text) == "Does it all."
-    text = "Does it all.\nUsage: x\n\nOptions:\n" + "  --friction TEXT:{on,off}=on What it is\n" + "  --no-words TEXT\n"
-    assert entries(text) == [("--friction TEXT:{on,off}=on", "What it is"), ("--no-words TEXT", "")]
+    text = "Does it all.\nUsage: x\n\nOptions:\n" + "  --friction on|off         What it is\n" + "  --no-words TEXT\n"
+    assert entries(text) == [("--friction on|off", "What it is"), ("--no-words TEXT", "")]
 
 
 def test_scripts_with_a_verdict_are_there():

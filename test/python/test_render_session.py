@@ -259,7 +259,7 @@ def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(
     before = made(night / "c" / "video.mp4")
 
     told = render(*sorted(night.iterdir()), *FEW, code=1)
-    assert "c/video.mp4 is there; --again draws it anew" in told, told
+    assert "c/video.mp4 exists; --again draws it again" in told, told
     assert "b: is no session directory" in told and "1 of 4 sessions failed" in told, told
     assert made(night / "c" / "video.mp4") == before
     for name in ("a", "d"):

@@ -1,6 +1,7 @@
 #include "apps/common/command_line.h"
 
 #include "apps/common/csv_table.h"
+#include "apps/common/help_format.h"
 
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,7 @@ bool isNan(const std::string& word) {
   return std::isnan(std::strtod(word.c_str(), &end)) && *end == '\0';
 }
 
-/** CLI::Range lets NaN through: every comparison with it is false. */
+/** CLI::Range accepts NaN: every comparison with NaN is false. */
 void refuseNan(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
@@ -53,27 +55,38 @@ void setPort(int option, std::uint16_t* port) {
 }  // namespace
 
 void CommonOptions::add(CLI::App* app, bool with_ports) {
-  app->add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app->add_option("--exercise", training.exercise, "Exercise of config/exercises, or none (default: the configuration's)")
+      ->type_name("NAME");
   app->add_option("--hazard", hazard,
-                  "Hazard scenario to arm, or none (default: the configuration's); a drill takes its place");
-  app->add_option("--exercise", training.exercise,
-                  "Exercise (config/exercises), in the scene that it asks for, or none (default: the configuration's)");
+                  "Hazard that starts by itself, or none (default: the configuration's); --drill replaces it")
+      ->type_name("NAME");
   app->add_option("--drill", training.drill,
-                  "Hazard that the exercise runs into: own, a scenario (config/faults), none");
-  app->add_option("--trainee", training.trainee, "Id of whoever is trained: at most 32 of a-z, 0-9, _ and -");
-  app->add_option("--curriculum", training.curriculum, "Curriculum (config/curricula) that the session belongs to");
-  app->add_option("--seed", seed, "Seed of everything random (default: the configuration's)")
+                  "Hazard that strikes during the exercise: own (the exercise's), a hazard of config/faults, or none")
+      ->type_name("NAME");
+  app->add_option("--trainee", training.trainee, "ID of the trainee: at most 32 of a-z, 0-9, _ and -")->type_name("ID");
+  app->add_option("--curriculum", training.curriculum, "Curriculum of config/curricula that the session counts for")
+      ->type_name("NAME");
+  app->add_option("--seed", seed, "Seed of all random numbers (default: the configuration's)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
-  app->add_option("--arm-contacts", arm_contacts, "Let the model's arms touch the scene (default: the configuration's)")
+  app->add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)")
+      ->type_name("FILE");
+  app->add_option("--arm-contacts", arm_contacts, "Whether the model's arms touch the scene (default: the configuration's)")
       ->check(CLI::IsMember({"on", "off"}));
   app->add_option("--plant", plant,
-                  "Preset of the virtual Raven's plant (config/plants) or a YAML file (default: the configuration's)");
-  if (!with_ports) return;
-  app->add_option("--master-port", master_port, "UDP port console -> daemon")->check(CLI::Range(0, 65535));
-  app->add_option("--robot-port", robot_port, "UDP port daemon -> robot")->check(CLI::Range(1, 65535));
-  app->add_option("--force-port", force_port, "UDP port daemon -> console")->check(CLI::Range(1, 65535));
-  app->add_option("--sight-port", sight_port, "UDP port daemon -> console, pictures")->check(CLI::Range(1, 65535));
-  app->add_option("--state-port", state_port, "TCP port robot -> daemon")->check(CLI::Range(1, 65535));
+                  "Plant of the virtual Raven: a name of config/plants or a YAML file (default: the configuration's)")
+      ->type_name("NAME");
+  if (with_ports) addPorts(app);
+}
+
+void CommonOptions::addPorts(CLI::App* app) {
+  const auto port = [&](const char* name, int* value, const char* use, int least) {
+    app->add_option(name, *value, use)->type_name("N")->group(kPorts)->check(CLI::Range(least, 65535));
+  };
+  port("--master-port", &master_port, "UDP, console to daemon", 0);
+  port("--robot-port", &robot_port, "UDP, daemon to robot", 1);
+  port("--force-port", &force_port, "UDP, daemon to console: forces", 1);
+  port("--sight-port", &sight_port, "UDP, daemon to console: pictures", 1);
+  port("--state-port", &state_port, "TCP, robot to daemon", 1);
 }
 
 TrainerConfig CommonOptions::load(const config::Overrides& overrides) const {
@@ -93,16 +106,16 @@ TrainerConfig CommonOptions::load(const config::Overrides& overrides) const {
   return loaded;
 }
 
-/** What --help ends with where a program has nothing of its own to say about its status. */
-void tellStatus(CLI::App* app) {
-  const auto tells = [](const std::string& text) { return text.find("Exit ") != std::string::npos; };
-  if (tells(app->get_description()) || tells(app->get_footer())) return;
+/** Ends --help with the general meaning of the exit status, unless the program describes its own. */
+void describeStatus(CLI::App* app) {
+  const auto describes = [](const std::string& text) { return text.find("Exit ") != std::string::npos; };
+  if (describes(app->get_description()) || describes(app->get_footer())) return;
   const std::string own = app->get_footer();
   app->footer(own + (own.empty() ? "" : "\n") +
-              "Exit status: 0 done, 1 failed with a line on stderr that says why, above 100 wrong arguments.");
+              "Exit status: 0 done, 1 failed (stderr says why), above 100 wrong arguments.");
 }
 
-/** Exit status for a table that is wrong, so that a script can tell it from a program that failed. */
+/** Exit status for a wrong table, so that a script can distinguish it from a program that failed. */
 constexpr int kBadTable = 2;
 
 std::string describeSession(const TrainerConfig& config, const std::string& driver) {
@@ -123,7 +136,8 @@ void within(CLI::Option* option, double least, double most) {
 
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body) {
   app->set_version_flag("--version", version());
-  tellStatus(app);
+  describeStatus(app);
+  app->formatter(std::make_shared<HelpFormat>());
   app->name(std::filesystem::path(argv[0]).filename().string());
   try {
     app->parse(withoutRemappings(argc, argv));

@@ -14,7 +14,7 @@ class Option;
 
 namespace raven2_trainer::apps {
 
-/** Options that several programs share; add() registers them, load() reads the configuration and applies them. */
+/** Options of several programs: add() registers them, load() reads the configuration and applies them. */
 struct CommonOptions {
   std::string config;                ///< --config FILE; the packaged one if empty
   std::string hazard;                ///< --hazard NAME|none; config's if empty
@@ -25,21 +25,22 @@ struct CommonOptions {
   int master_port{-1}, robot_port{-1}, force_port{-1}, sight_port{-1}, state_port{-1};  ///< config's if negative
 
   void add(CLI::App* app, bool with_ports);
+  void addPorts(CLI::App* app);
   /** @param[in] overrides of the files' values; options go before them. @throw ConfigException. */
   TrainerConfig load(const config::Overrides& overrides = {}) const;
 };
 
-/** Help tells the option's default; values outside of the range are refused. */
+/** Sets the option's range; --help shows it and the default. */
 void within(CLI::Option* option, int least, int most);
 void within(CLI::Option* option, double least, double most);
 
-/** What a session is, for its first line: `exercise peg_transfer, drill sudden_jump, trainee tim, driver expert`. */
+/** A session in words: `exercise peg_transfer, drill sudden_jump, trainee tim, driver expert`. */
 std::string describeSession(const TrainerConfig& config, const std::string& driver);
 
 /**
- * Runs a program: parses the arguments (ROS remappings NAME:=VALUE are left out), calls `body`, turns every exception
- * into one line on stderr. @return the exit code: that of body, 1 after an exception, CLI11's for --help and bad
- * arguments. --help tells of these, unless the program's own description or footer says "Exit status".
+ * Parses the arguments, without ROS remappings NAME:=VALUE, and calls `body`. Prints an exception as one line on stderr.
+ * @return the exit code: that of body, 1 after an exception, CLI11's for --help and wrong arguments. --help explains
+ * these codes, unless the program's description or footer has "Exit status".
  */
 int runProgram(CLI::App* app, int argc, char** argv, const std::function<int()>& body);
 

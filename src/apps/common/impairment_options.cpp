@@ -67,34 +67,34 @@ Impairment impairmentByName(const std::string& name) {
 }
 
 void ImpairmentOptions::add(CLI::App* app) {
-  app->add_option("--udp", udp, "UDP link [ADDRESS:]PORT:HOST:PORT, answers go to the last sender; may be repeated");
+  app->add_option("--udp", udp, "UDP link [ADDRESS:]PORT:HOST:PORT; replies go to the last sender; may be repeated");
   app->add_option("--tcp", tcp, "TCP link [ADDRESS:]PORT:HOST:PORT; may be repeated");
   app->add_option("--profile", profile, "Preset of config/impairments, FILE.yaml or none")->capture_default_str();
   app->add_option("--back-profile", back_profile,
-                  "The same for what comes back (default: as forward, with the values below)");
-  app->add_option("--seed", seed, "Seed of everything random")->capture_default_str();
+                  "Preset for the opposite direction (default: --profile and the values below)");
+  app->add_option("--seed", seed, "Seed of all random numbers")->capture_default_str();
   const auto share = CLI::Range(0.0, 1.0);
-  app->add_option("--loss", loss, "Share of packets lost, each by itself [0-1]")->check(share);
+  app->add_option("--loss", loss, "Share of packets lost, independently")->check(share);
   app->add_option("--burst", burst,
-                  "P,R: Gilbert-Elliott, good to bad and bad to good, each packet [0-1]; bad loses all")
+                  "P,R: probability per packet that a burst of loss begins, and that it ends (Gilbert-Elliott)")
       ->delimiter(',')
       ->expected(2);
-  app->add_option("--runs", runs, "P,N: with probability P [0-1] a run of exactly N lost packets begins")
+  app->add_option("--runs", runs, "P,N: with probability P exactly N packets in a row are lost")
       ->delimiter(',')
       ->expected(2);
   app->add_option("--delay-ms", delay_ms, "Delay [ms]")->check(CLI::Range(0.0, kMaxMs));
-  app->add_option("--jitter-ms", jitter_ms, "Uniform jitter, +- [ms]")->check(CLI::Range(0.0, kMaxMs));
-  app->add_flag("--overtaking", overtaking, "Jitter may change the order of packets");
-  app->add_option("--duplicate", duplicate, "Share of packets that arrive twice [0-1]")->check(share);
-  app->add_option("--reorder", reorder, "Share of packets that up to three others overtake [0-1]")->check(share);
-  app->add_option("--corrupt-bits", corrupt_bits, "Bits flipped in a spoilt packet; UDP only")
+  app->add_option("--jitter-ms", jitter_ms, "Uniform jitter, plus or minus [ms]")->check(CLI::Range(0.0, kMaxMs));
+  app->add_flag("--overtaking", overtaking, "Let jitter change the order of packets");
+  app->add_option("--duplicate", duplicate, "Share of packets that arrive twice")->check(share);
+  app->add_option("--reorder", reorder, "Share of packets that arrive after up to three later ones")->check(share);
+  app->add_option("--corrupt-bits", corrupt_bits, "Number of bits flipped in a corrupted packet; UDP only")
       ->check(CLI::Range(0, 64));
-  app->add_option("--corrupt-share", corrupt_share, "Share of packets spoilt, with --corrupt-bits [0-1]")
+  app->add_option("--corrupt-share", corrupt_share, "Share of packets corrupted, with --corrupt-bits")
       ->capture_default_str()
       ->check(share);
-  app->add_option("--rate-kbit", rate_kbit, "Bottleneck [kbit/s]; 1 kHz of ITP is 1216")->check(CLI::Range(0.0, 1e7));
-  app->add_option("--cut", cut, "EVERY,LENGTH: so often cut for so long [s]")->delimiter(',')->expected(2);
-  app->add_option("--outage", outage, "FROM,TO: cut once, from the start [s]; may be repeated")
+  app->add_option("--rate-kbit", rate_kbit, "Bandwidth [kbit/s]; ITP at 1 kHz needs 1216")->check(CLI::Range(0.0, 1e7));
+  app->add_option("--cut", cut, "EVERY,LENGTH: cut the link every EVERY s for LENGTH s")->delimiter(',')->expected(2);
+  app->add_option("--outage", outage, "FROM,TO: cut the link once, in seconds from the start; may be repeated")
       ->delimiter(',')
       ->expected(2, 200);
 }

@@ -14,13 +14,13 @@ namespace raven2_trainer::apps {
 /** A preset of config/impairments or a FILE.yaml. @throw ConfigException. */
 Impairment impairmentByName(const std::string& name);
 
-/** Which links the proxy makes bad, and how; add() registers the options, load() reads the presets. */
+/** Links of the proxy and their impairments: add() registers the options, load() reads the presets. */
 struct ImpairmentOptions {
   std::vector<std::string> udp, tcp;  ///< [ADDRESS:]PORT:HOST:PORT
   std::string profile{"none"};
   std::string back_profile;  ///< as profile if empty
   std::uint64_t seed{1};
-  // Single values that replace those of the profile, where given.
+  // Single values; those that are given replace the profile's.
   double loss{-1.0}, duplicate{-1.0}, reorder{-1.0};  ///< [0, 1]
   double delay_ms{-1.0}, jitter_ms{-1.0};             ///< [ms]
   bool overtaking{false};                             ///< jitter may change the order

@@ -14,12 +14,12 @@ constexpr double kLongestReaction = 60000.0;  // [ms]
 
 void MotionOptions::add(CLI::App* app) {
   app->add_option("--motion", motion,
-                  "scripted, recording:FILE (CSV of tip positions), or, of the exercise's file, expert or clumsy:NAME")
+                  "Simulated surgeon: scripted, recording:FILE (CSV of tip positions), expert or clumsy:NAME (doc/exercises.md)")
       ->capture_default_str();
   app->add_option("--reaction", reaction,
-                  "From a force on a hand to the pedal-up [ms]; none: whatever is felt, the hands go on")
+                  "Time from a force to the pedal-up [ms]; none: the simulated surgeon never reacts")
       ->capture_default_str();
-  app->add_option("--truth", truth, "Write what the scripted hands did, packet by packet, to this CSV file");
+  app->add_option("--truth", truth, "CSV file: what the simulated surgeon did, packet by packet");
 }
 
 console::MotionChoice MotionOptions::choice() const {

@@ -12,27 +12,27 @@ class App;
 
 namespace raven2_trainer::apps {
 
-/** What moves the hands, and what they tell of it: add() registers the options, choice() reads them. */
+/** The simulated surgeon and its record: add() registers the options, choice() reads them. */
 struct MotionOptions {
   std::string motion{"scripted"};
-  std::string reaction{"none"};  ///< [ms], or none
-  std::string truth;             ///< file; empty: none
+  std::string reaction{"none"};  ///< [ms], or "none"
+  std::string truth;             ///< file; empty: no file
 
   void add(CLI::App* app);
   /** @throw ConfigException. */
   console::MotionChoice choice() const;
 };
 
-/** What scripted hands know that they did, in a file of its own. */
+/** The simulated surgeon's own record of its actions, as a file. */
 class TruthFile {
  public:
-  /** @param[in] path Empty: there is none. @throw ConfigException if it cannot be written. */
+  /** @param[in] path Empty: no file. @throw ConfigException if it cannot be written. */
   explicit TruthFile(const std::string& path);
 
   /** For makeMotion(); null if there is no file. */
   console::TruthLog* log() noexcept { return path_.empty() ? nullptr : &log_; }
 
-  /** Once the hands rest. @throw ConfigException. */
+  /** Call after the motion. @throw ConfigException. */
   void write();
 
  private:

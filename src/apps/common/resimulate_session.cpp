@@ -36,7 +36,7 @@ std::string speed(std::uint64_t ticks, double wall) {
 }
 
 /** @return the exit code. */
-int tell(const recording::ResimulationResult& result, double wall, ProgressBar* bar) {
+int report(const recording::ResimulationResult& result, double wall, ProgressBar* bar) {
   bar->done(speed(result.ticks, wall));
   if (result.difference) {
     std::printf("different: first at tick %lld: %s\n", static_cast<long long>(result.difference->tick),
@@ -64,7 +64,7 @@ int resimulateSession(const std::string& directory, const std::string& output) {
   meta.wall_duration = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   meta.realtime = "re-simulated";
   if (!output.empty()) session::writeMeta(session::SessionPaths{output}, meta, config);
-  return tell(result, meta.wall_duration, &bar);
+  return report(result, meta.wall_duration, &bar);
 }
 
 }  // namespace raven2_trainer::apps

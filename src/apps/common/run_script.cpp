@@ -21,12 +21,12 @@ constexpr const char* kPython = "/usr/bin/python3";  // Debian's: the one that h
 
 std::string scriptPath(const std::string& name) {
   std::error_code error;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / name;
+  const fs::path next_to_program = fs::read_symlink("/proc/self/exe", error).parent_path() / name;
   const fs::path in_source = fs::path(RAVEN2_TRAINER_SOURCE_DIR) / "scripts" / name;
-  for (const fs::path& path : {beside, in_source}) {
+  for (const fs::path& path : {next_to_program, in_source}) {
     if (fs::is_regular_file(path, error)) return path.string();
   }
-  throw ConfigException(name + " is neither " + beside.string() + " nor " + in_source.string());
+  throw ConfigException(name + " is neither " + next_to_program.string() + " nor " + in_source.string());
 }
 
 int runScript(const std::string& name, const std::vector<std::string>& arguments) {

@@ -5,7 +5,7 @@
 
 namespace raven2_trainer::apps {
 
-/** File of one of our scripts: beside the program (installed), or in scripts/ of the source tree.
+/** File of one of our scripts: next to the program (installed), or in scripts/ of the source tree.
  *  @throw ConfigException if it is in neither. */
 std::string scriptPath(const std::string& name);
 

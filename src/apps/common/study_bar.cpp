@@ -7,7 +7,7 @@ namespace raven2_trainer::apps {
 namespace {
 
 constexpr double kEstimateAfter = 2.0;  // [s]
-constexpr double kLongest = 1e9;        // [s] that is told; more fits no number of seconds
+constexpr double kLongest = 1e9;        // [s]; avoids an overflow
 
 }  // namespace
 

@@ -14,7 +14,7 @@ FaultTopic::FaultTopic(const ros_bridge::TopicMaker& topics)
 
 FaultTopic::~FaultTopic() = default;
 
-void FaultTopic::publish(const ToldFault& fault) const {
+void FaultTopic::publish(const BagFault& fault) const {
   FaultChange message;
   message.header.stamp = fault.stamp;
   message.scenario = fault.scenario;

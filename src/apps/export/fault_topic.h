@@ -10,8 +10,8 @@
 
 namespace raven2_trainer::apps {
 
-/** raven2_trainer/FaultChange of a bag, of which no other source may know: core has a struct of its name. */
-struct ToldFault {
+/** The content of raven2_trainer/FaultChange, without that header: core has a struct of the same name. */
+struct BagFault {
   ros::Time stamp;
   std::string scenario, host, site, variable, arm, kind;
   std::uint32_t row{};
@@ -29,7 +29,7 @@ class FaultTopic {
   FaultTopic(const FaultTopic&) = delete;
   FaultTopic& operator=(const FaultTopic&) = delete;
 
-  void publish(const ToldFault& fault) const;
+  void publish(const BagFault& fault) const;
 
  private:
   struct Impl;

@@ -74,10 +74,10 @@ std::int64_t wallClockOf(const session::SessionPaths& paths, std::int64_t first_
   return static_cast<std::int64_t>(::timegm(&begin)) * 1'000'000'000 - first_tick_ns;
 }
 
-/** A beginning or end of a fault; its tick is that of the session in which the daemon knew it. */
-ToldFault faultChange(const training::Injection& injection, bool acts) {
+/** A beginning or end of a fault, at the session tick in which the daemon learned of it. */
+BagFault faultChange(const training::Injection& injection, bool acts) {
   const Fault& fault = injection.fault;
-  ToldFault message;
+  BagFault message;
   message.scenario = injection.name;
   message.acts = acts;
   message.row = static_cast<std::uint32_t>(fault.row);
@@ -94,14 +94,14 @@ ToldFault faultChange(const training::Injection& injection, bool acts) {
   return message;
 }
 
-std::vector<ToldFault> faultChanges(const training::SessionMetrics& metrics) {
-  std::vector<ToldFault> changes;
+std::vector<BagFault> faultChanges(const training::SessionMetrics& metrics) {
+  std::vector<BagFault> changes;
   for (const training::Injection& injection : metrics.injections) {
     changes.push_back(faultChange(injection, true));
     if (injection.clear_tick >= 0) changes.push_back(faultChange(injection, false));
   }
   std::stable_sort(changes.begin(), changes.end(),
-                   [](const ToldFault& a, const ToldFault& b) { return a.tick < b.tick; });
+                   [](const BagFault& a, const BagFault& b) { return a.tick < b.tick; });
   return changes;
 }
 
@@ -121,7 +121,7 @@ class BagWriter {
   BagCounts write(const std::function<void(double)>& progress) {
     const double ticks = static_cast<double>(std::max<std::uint64_t>(metrics_.ticks, 1));
     teller_.read(
-        -1.0, [this](const session::ReplayInstant& instant) { tell(instant); },
+        -1.0, [this](const session::ReplayInstant& instant) { publish(instant); },
         [&](const TickRecord& record) {
           if (!has_clock_) offset_ = wallClockOf(paths_, record.model.time_ns);
           has_clock_ = true;
@@ -140,18 +140,18 @@ class BagWriter {
   void begin(const ros::Time& stamp) {
     has_begun_ = true;
     teller_.begin(topics_, ros_bridge::kQueue, stamp);
-    TrainerConfig told = teller_.config();
+    TrainerConfig recorded = teller_.config();
     const session::LogHeader& header = teller_.header();
-    told.seed = header.seed;
-    told.hazard = header.hazard;
-    told.exercise_name = header.exercise;
-    told.drill = header.drill;
+    recorded.seed = header.seed;
+    recorded.hazard = header.hazard;
+    recorded.exercise_name = header.exercise;
+    recorded.drill = header.drill;
     const std::string directory = std::filesystem::absolute(paths_.directory).lexically_normal().string();
     configuration_.publish(
-        ros_bridge::sessionConfiguration(told, directory, session::readConfigurationFiles(paths_), stamp));
+        ros_bridge::sessionConfiguration(recorded, directory, session::readConfigurationFiles(paths_), stamp));
   }
 
-  void tell(const session::ReplayInstant& instant) {
+  void publish(const session::ReplayInstant& instant) {
     const ModelState& model = instant.tick.model;
     if (model.session_tick < 0) return teller_.remember(instant);
     const ros::Time stamp = stampOf(model.time_ns);
@@ -160,11 +160,11 @@ class BagWriter {
     if (!has_begun_) begin(stamp);
     teller_.tell(instant, stamp);
     for (const Arm arm : kArms)
-      tellTip(at(model.arms, arm), arm, stamp);
-    tellPedal(model, stamp);
+      publishTip(at(model.arms, arm), arm, stamp);
+    publishPedal(model, stamp);
   }
 
-  void tellTip(const ArmState& state, Arm arm, const ros::Time& stamp) {
+  void publishTip(const ArmState& state, Arm arm, const ros::Time& stamp) {
     geometry_msgs::PoseStamped message;
     message.header.stamp = stamp;
     message.header.frame_id = at(kBases, arm);
@@ -178,16 +178,16 @@ class BagWriter {
     at(tips_, arm).publish(message);
   }
 
-  void tellPedal(const ModelState& model, const ros::Time& stamp) {
-    if (model.pedal == told_pedal_) return;
-    told_pedal_ = model.pedal;
+  void publishPedal(const ModelState& model, const ros::Time& stamp) {
+    if (model.pedal == last_pedal_) return;
+    last_pedal_ = model.pedal;
     sensor_msgs::Joy message;
     message.header.stamp = stamp;
     message.buttons = {model.pedal};
     pedal_.publish(message);
   }
 
-  /** Of a change before the first tick the time is that tick's. */
+  /** A change before the first tick gets the time of the first tick. */
   void stampChanges(const ModelState& model) {
     for (; model.session_tick >= 0 && stamped_ < changes_.size() && changes_[stamped_].tick <= model.session_tick;
          ++stamped_)
@@ -213,11 +213,11 @@ class BagWriter {
       topics_.advertise<geometry_msgs::PoseStamped>("model/green/measured_cp", ros_bridge::kQueue)};
   Outlet<sensor_msgs::Joy> pedal_ = topics_.advertise<sensor_msgs::Joy>("console/pedal", ros_bridge::kQueue);
   FaultTopic faults_{topics_};
-  std::vector<ToldFault> changes_ = faultChanges(metrics_);
+  std::vector<BagFault> changes_ = faultChanges(metrics_);
   std::size_t stamped_{0}, written_{0};  // of changes_
   std::int64_t offset_{0};               // [ns] the wall clock less the log's
   bool has_clock_{false}, has_begun_{false};
-  int told_pedal_{-1};
+  int last_pedal_{-1};
 };
 
 }  // namespace

@@ -8,18 +8,18 @@
 
 namespace raven2_trainer::apps {
 
-/** What was written. */
+/** Number of messages and topics in a bag. */
 struct BagCounts {
   std::uint64_t messages{};
   std::size_t topics{};
 };
 
 /**
- * Writes a session from the first pedal down as a ROS bag: the daemon's topics of states, each message made by the code
- * that makes it live (ros_bridge::SessionTeller), and besides /session/configuration, /console/pedal, the tips
- * (/model/ARM/measured_cp) and the /faults as they begin and end. In order of time, stamped by the wall clock.
+ * Writes a session from the first pedal-down as a ROS bag, in order of time, stamped by the wall clock. It has the daemon's
+ * topics of states, made by the code of the live topics, /session/configuration, /console/pedal, the tips
+ * (/model/ARM/measured_cp), and /faults.
  * @param[in] config apps::viewingConfig() of the session.
- * @throw SessionException if there is nothing to write, or the bag cannot be written.
+ * @throw SessionException if the session is empty or the bag cannot be written.
  */
 BagCounts writeSessionBag(const TrainerConfig& config,
                           const session::SessionPaths& paths,

@@ -15,42 +15,42 @@ namespace raven2_trainer::apps {
 namespace {
 
 constexpr double kPoll = 0.05;     // [s]
-constexpr double kPatience = 2.0;  // [s] for a ROS master, before it is said that there is none
+constexpr double kPatience = 2.0;  // [s] without a ROS master until a warning
 
-/** Tells what was found since the last look, and when hands engage and let go. */
-class ReportTeller {
+/** Prints what changed since the last look: troubles of devices, and when the surgeon engages and releases. */
+class ReportPrinter {
  public:
-  explicit ReportTeller(const MasterConfig& config) : config_(config) {}
+  explicit ReportPrinter(const MasterConfig& config) : config_(config) {}
 
   void look(const MasterReport& report) {
     for (const Arm arm : kArms)
-      tellDevice(arm, report);
-    tellPedal(report);
-    told_ = report;
+      printDevice(arm, report);
+    printPedal(report);
+    last_ = report;
   }
 
  private:
-  /** A release between two looks is told, too. */
-  void tellPedal(const MasterReport& report) const {
-    const bool is_anew = report.engagements != told_.engagements;
-    if (told_.engaged != 0 && (is_anew || report.engaged == 0)) std::fputs("let go\n", stderr);
-    if (is_anew) std::fputs("engaged\n", stderr);
-    if (is_anew && report.engaged == 0) std::fputs("let go\n", stderr);
+  /** Also prints a release between two looks. */
+  void printPedal(const MasterReport& report) const {
+    const bool is_new = report.engagements != last_.engagements;
+    if (last_.engaged != 0 && (is_new || report.engaged == 0)) std::fputs("let go\n", stderr);
+    if (is_new) std::fputs("engaged\n", stderr);
+    if (is_new && report.engaged == 0) std::fputs("let go\n", stderr);
   }
 
-  void tellDevice(Arm arm, const MasterReport& report) {
+  void printDevice(Arm arm, const MasterReport& report) {
     const DeviceFinding& newest = at(report.newest, arm);
-    if (at(report.found, arm) != at(told_.found, arm)) {
+    if (at(report.found, arm) != at(last_.found, arm)) {
       std::fprintf(stderr, "%s%s\n", words(config_, arm, newest).c_str(),
                    liftsPedal(newest.trouble) ? "; the pedal counts as up" : "");
     }
-    const bool was_wrong = at(told_.now, arm).trouble != DeviceTrouble::kNone;
+    const bool was_wrong = at(last_.now, arm).trouble != DeviceTrouble::kNone;
     if (was_wrong && at(report.now, arm).trouble == DeviceTrouble::kNone && at(report.found, arm) > 0)
       std::fprintf(stderr, "%s: in order again\n", deviceName(arm));
   }
 
   const MasterConfig& config_;
-  MasterReport told_;
+  MasterReport last_;
 };
 
 void print(ros_bridge::MasterDevices* devices) {
@@ -72,7 +72,7 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   const std::string of_scale = wordsOfScale(master, config.console.scale);
   if (!of_scale.empty()) std::fprintf(stderr, "%s\n", of_scale.c_str());
   config.console.scale = master.scale;
-  config.network.sight = false;  // the eyes are the surgeon's own
+  config.network.sight = false;  // a person needs no sight packets
   MasterLink link;
   daemon::ConsoleRunner console(config, console::makeDeviceHands(master, jawsAtHome(config), &link));
   ros_bridge::MasterDevices devices(master, &link);
@@ -80,13 +80,13 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   console.start();
   ros.start();
   std::fprintf(stderr, "master %s: scale %.3g\n", master.name.c_str(), config.console.scale);
-  ReportTeller teller(master);
+  ReportPrinter printer(master);
   for (double time = 0.0; options.duration <= 0.0 || time < options.duration; time += kPoll) {
     if (waitForSignal(kPoll)) break;
-    teller.look(link.report.load());
+    printer.look(link.report.load());
     print(&devices);
     if (time < kPatience && time + kPoll >= kPatience && !ros.met())
-      std::fprintf(stderr, "no ROS master yet: without one there are no devices; waiting\n");
+      std::fprintf(stderr, "no ROS master yet: the devices need one; waiting\n");
   }
   console.stop();
   ros.end();

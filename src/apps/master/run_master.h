@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::apps {
 
-/** A console whose hands are on real devices. */
+/** A console with haptic devices. */
 struct MasterOptions {
   std::string master;    ///< name in config/masters, or a file
   double scale{0.0};     ///< instead of the file's; 0: the file's
@@ -14,8 +14,8 @@ struct MasterOptions {
 };
 
 /**
- * master_console --master: ITP from the devices, forces to them, as a node of ROS; what is wrong with a device is told
- * on stderr. @return the exit code. @throw ConfigException, NetworkException.
+ * master_console --master: sends ITP from the devices and forces to them, as a ROS node. Prints troubles of devices on
+ * stderr. @return the exit code. @throw ConfigException, NetworkException.
  */
 int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char** argv);
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-// What a window shows of a picture, as numbers: needs no display.
+// Pixels of a window that shows a picture. Needs no display.
 
 namespace raven2_trainer::apps {
 
@@ -12,11 +12,11 @@ struct PixelLayout {
   int red{}, green{}, blue{};
 };
 
-/** Those of a colour become the highest of its mask, which has at least as many: of a display of 10 bits a colour the
- * lowest two stay 0, and white is as good as white. @param[in] mask of a visual. */
+/** Shifts 8 bits of a colour to the highest bits of its mask: on a display with 10 bits a colour the lowest two stay 0.
+ * @param[in] mask of a visual, with at least 8 bits. */
 int shiftOf(unsigned long mask) noexcept;
 
-/** A picture in a window: as large as that allows, in its middle, its shape kept; nearest pixels, the rest black. */
+/** Place of a picture in a window: in the middle, as large as possible with its shape kept; the rest is black. */
 struct PictureFit {
   int left{}, top{}, width{}, height{};  ///< [px] of the picture in the window
 };
