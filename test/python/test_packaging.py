@@ -45,8 +45,8 @@ def test_package_xml_names_nothing_that_rosdep_does_not_know():
     """Of the keys that are no ROS packages: those of rosdep's base.yaml and python.yaml (ros/rosdistro, 2026), and `ompl`, a
     package of ROS noetic."""
     known = set("assimp cli11 eigen ffmpeg gtest iproute2 libccd-dev libconsole-bridge-dev libfcl-dev libosmesa6-dev libsodium-dev libturbojpeg "
-                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende opengl python3-matplotlib python3-numpy "
-                "python3-pytest python3-yaml stress-ng xvfb yaml-cpp zlib".split())
+                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende opengl python3-aiohttp python3-matplotlib python3-numpy "
+                "python3-psutil python3-pytest python3-yaml stress-ng xvfb yaml-cpp zlib".split())
     ros = set("actionlib actionlib_msgs catkin diagnostic_msgs genmsg genpy geometry_msgs message_generation "
               "message_runtime nav_msgs rosbag rosbag_storage rosbash roscpp rosgraph_msgs roslaunch rosmsg rospy rostest rostopic sensor_msgs "
               "std_msgs std_srvs tf2_msgs topic_tools trajectory_msgs visualization_msgs".split())
@@ -165,10 +165,10 @@ def test_the_container_runs_what_the_readme_tells():
     for named in re.findall(r"scripts/\w+(?:\.sh)?", "\n".join(lines)):
         assert (ROOT / named).is_file(), named
     assert lines[-1] == 'CMD ["scripts/run"]'
-    commands = re.findall(r"^(scripts/\w+) ", text("README.md").split("\n## Two commands\n")[1].split("\n## ")[0], re.M)
-    assert commands == ["scripts/run", "scripts/test"]
+    commands = re.findall(r"^(scripts/\w+) ", text("README.md").split("\n## Try it\n")[1].split("\n## ")[0], re.M)
+    assert commands == ["scripts/run", "scripts/test", "scripts/station"]
     started = re.findall(r"^#   podman run [^#\n]* raven2_trainer\b *(scripts/\w+)?", text("Containerfile"), re.M)
-    assert {name or "scripts/run" for name in started} == set(commands)
+    assert {name or "scripts/run" for name in started} == {"scripts/run", "scripts/test"}
 
 
 def test_building_the_container_is_a_session():

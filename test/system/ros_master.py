@@ -9,7 +9,7 @@ import time
 import xmlrpc.client
 import xmlrpc.server
 
-from stack import free_ports, wait_until
+from stack import BUILD, free_ports, wait_until
 
 
 class _Patient(xmlrpc.client.Transport):
@@ -30,6 +30,11 @@ class RosMaster:
         self._environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_IP="127.0.0.1", ROS_HOME=folder,
                                  ROS_LOG_DIR=os.path.join(folder, "log"))
         self._process = None
+
+    def know_our_messages(self):
+        """For run() and popen(): this package's messages and services."""
+        path = os.path.join(BUILD, "devel/lib/python3/dist-packages")
+        self._environment["PYTHONPATH"] = path + os.pathsep + os.environ.get("PYTHONPATH", "")
 
     def start(self):
         """Returns when the master answers; the time is then that of its return."""

@@ -1,0 +1,61 @@
+"""One browser page behind a WebSocket: what waits to be sent to it, and how much it may send."""
+
+import asyncio
+import json
+import time
+
+MOST_WAITING = 500    # messages; a page that reads no more than that is closed
+RATE, BURST = 200.0, 400.0  # [1/s], messages of a page
+MOST_DROPPED = 2000   # messages over that rate, then the page is closed
+PICTURES = {"view": b"\x00", "camera": b"\x01"}
+
+
+class Client:
+    """@param role: instructor or trainee."""
+
+    def __init__(self, socket, role, number):
+        self.socket, self.role, self.number = socket, role, number
+        self.wants = {"view"}      # pictures
+        self._texts, self._pictures = [], {}
+        self._wake = asyncio.Event()
+        self._tokens, self._filled, self.dropped = BURST, time.monotonic(), 0
+        self.overrun = False
+
+    def send(self, message):
+        if len(self._texts) >= MOST_WAITING:
+            self.overrun = True
+        else:
+            self._texts.append(json.dumps(message, separators=(",", ":")))
+        self._wake.set()
+
+    def show(self, which, data):
+        """The newest picture replaces one that still waits."""
+        if which in self.wants:
+            self._pictures[which] = data
+            self._wake.set()
+
+    def may_speak(self):
+        """@return whether one more message is within the rate."""
+        now = time.monotonic()
+        self._tokens = min(BURST, self._tokens + RATE * (now - self._filled))
+        self._filled = now
+        if self._tokens < 1.0:
+            self.dropped += 1
+            return False
+        self._tokens -= 1.0
+        return True
+
+    async def write(self):
+        """Until the page is closed."""
+        while not self.socket.closed:
+            await self._wake.wait()
+            self._wake.clear()
+            if self.overrun:
+                await self.socket.close(code=1008, message=b"the page reads too slowly")
+                return
+            texts, self._texts = self._texts, []
+            pictures, self._pictures = self._pictures, {}
+            for text in texts:
+                await self.socket.send_str(text)
+            for which, data in pictures.items():
+                await self.socket.send_bytes(PICTURES[which] + data)

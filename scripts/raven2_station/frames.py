@@ -1,0 +1,43 @@
+"""Tips of both arms, of the model and of the robot, from the transforms on /tf. Nothing here knows ROS."""
+
+
+def rotated(q, v):
+    x, y, z, w = q
+    a, b, c = v
+    tx, ty, tz = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return [a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx]
+
+
+class Frames:
+    """The newest transform of each frame into its parent."""
+
+    DEEPEST = 32
+
+    def __init__(self):
+        self._links = {}
+
+    def put(self, child, parent, translation, rotation):
+        self._links[child] = (parent, translation, rotation)
+
+    def clear(self):
+        self._links.clear()
+
+    def origin(self, frame, root="world"):
+        """[m] of the frame's origin in `root`; None while a link of the chain is missing."""
+        point = [0.0, 0.0, 0.0]
+        for _ in range(self.DEEPEST):
+            if frame == root:
+                return point
+            link = self._links.get(frame)
+            if link is None:
+                return None
+            frame, translation, rotation = link
+            point = [t + p for t, p in zip(translation, rotated(rotation, point))]
+        return None
+
+    def apart(self, arm):
+        """[m] between the tips of model and robot (the pivot of the jaws); None without both. @param arm: L or R."""
+        model, robot = self.origin(f"model/grasper1_{arm}"), self.origin(f"robot/grasper1_{arm}")
+        if model is None or robot is None:
+            return None
+        return sum((m - r) ** 2 for m, r in zip(model, robot)) ** 0.5

@@ -1,0 +1,124 @@
+"""Hands without hardware: what the driving page sends becomes the poses, buttons and grippers of a hand device.
+
+The page sends increments of both hands, some 60 times a second. Here they add up to positions of a virtual device
+(config/masters/browser.yaml); the console makes ITP packets of it like of any other device. Nothing here knows ROS.
+"""
+
+import math
+
+SILENT = 0.08     # [s] without a message of the page: the pedal is up. The console waits up to 20 ms more
+SPEED = 1.5       # [m/s] of the device; faster motion is cut
+TURN_SPEED = 10.0  # [rad/s]
+HALF = 2.0        # [m] from the middle: beyond it the device goes back while the pedal is up
+BACK_SPEED = 1.0  # [m/s]
+LONGEST = 0.1     # [s] that one message may count for
+DITHER = 1e-7     # [m] to and fro: the console takes a device whose pose never changes for one that is not calibrated
+
+
+def _numbers(values, count):
+    if not isinstance(values, list) or len(values) != count:
+        raise ValueError(f"expected {count} numbers")
+    for value in values:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise ValueError(f"{value!r} is not a number")
+    return [float(value) for value in values]
+
+
+def _limited(vector, most):
+    size = math.sqrt(sum(v * v for v in vector))
+    return vector if size <= most or size == 0.0 else [v * most / size for v in vector]
+
+
+def product(a, b):
+    """Of quaternions x, y, z, w."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return [aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz]
+
+
+def turned(rotation):
+    """Quaternion of a rotation vector [rad]."""
+    angle = math.sqrt(sum(r * r for r in rotation))
+    if angle < 1e-12:
+        return [0.0, 0.0, 0.0, 1.0]
+    return [r / angle * math.sin(angle / 2) for r in rotation] + [math.cos(angle / 2)]
+
+
+class Hand:
+    """One virtual device: x right, y forward, z up, as config/masters/browser.yaml has it."""
+
+    def __init__(self):
+        self.position = [0.0, 0.0, 0.0]              # [m]
+        self.orientation = [0.0, 0.0, 0.0, 1.0]
+        self.jaw = 0.6                               # [rad] 0 closed
+
+    def move(self, motion, rotation, dt):
+        step = _limited(motion, SPEED * dt)
+        self.position = [p + s for p, s in zip(self.position, step)]
+        q = product(turned(_limited(rotation, TURN_SPEED * dt)), self.orientation)
+        size = math.sqrt(sum(v * v for v in q))
+        self.orientation = [v / size for v in q]
+
+    def centre(self, dt):
+        """Back toward the middle, slowly: only with the pedal up, where nothing follows."""
+        distance = math.sqrt(sum(p * p for p in self.position))
+        if distance > HALF / 2:
+            self.position = [p - p / distance * min(BACK_SPEED * dt, distance) for p in self.position]
+
+
+class Hands:
+    """The device of the page that drives. Times are monotonic seconds."""
+
+    def __init__(self):
+        self.arms = {"gold": Hand(), "green": Hand()}
+        self.pedal = self.camera = False
+        self._heard, self._dither = None, DITHER
+
+    def apply(self, message, now):
+        """@throw ValueError for a message that is not as it should be; then nothing has changed."""
+        if not isinstance(message, dict):
+            raise ValueError("expected an object")
+        pedal, camera = message.get("pedal"), message.get("camera", False)
+        if not isinstance(pedal, bool) or not isinstance(camera, bool):
+            raise ValueError("pedal and camera are true or false")
+        moves, arms = {}, message.get("arms", {})
+        if not isinstance(arms, dict):
+            raise ValueError("arms are an object")
+        for arm, given in arms.items():
+            if arm not in self.arms or not isinstance(given, dict):
+                raise ValueError("arms are gold and green")
+            jaw = given.get("jaw")
+            moves[arm] = (_numbers(given.get("move", [0, 0, 0]), 3), _numbers(given.get("turn", [0, 0, 0]), 3),
+                          None if jaw is None else _numbers([jaw], 1)[0])
+        dt = min(LONGEST, now - self._heard) if self._heard is not None else 1.0 / 60.0
+        dt = max(dt, 1e-3)
+        for arm, (motion, rotation, jaw) in moves.items():
+            hand = self.arms[arm]
+            if pedal or camera:
+                hand.move(motion, rotation, dt)
+            if jaw is not None:
+                hand.jaw = min(1.2, max(0.0, jaw))
+        if not pedal and not camera:
+            for hand in self.arms.values():
+                hand.centre(dt)
+        self.pedal, self.camera, self._heard = pedal, camera, now
+
+    def poses(self):
+        """For the console: what the virtual device publishes."""
+        self._dither = -self._dither
+        return {arm: {"p": [hand.position[0] + self._dither, *hand.position[1:]], "q": hand.orientation, "jaw": hand.jaw}
+                for arm, hand in self.arms.items()}
+
+    def watch(self, now):
+        """Call often. @return whether the pedal came up because the page was silent."""
+        if self._heard is None or now - self._heard <= SILENT:
+            return False
+        was_down = self.pedal or self.camera
+        self.release()
+        return was_down
+
+    def release(self):
+        """The page is gone, hidden or was replaced."""
+        self.pedal = self.camera = False
+        self._heard = None

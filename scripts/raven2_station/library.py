@@ -1,0 +1,47 @@
+"""The choices on the instructor's page: exercises, hazards, links, curricula and hand devices of the configuration folder."""
+
+import pathlib
+
+import yaml
+
+from . import words
+
+TRAINEE = r"^[a-z0-9_-]{1,32}$"
+
+
+def _files(folder):
+    for path in sorted(pathlib.Path(folder).glob("*.yaml")):
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        if isinstance(content, dict):
+            yield path.stem, content
+
+
+class Library:
+    """@param share: the folder with config/, urdf/ and meshes/."""
+
+    def __init__(self, share):
+        config = pathlib.Path(share) / "config"
+        exercises = sorted(_files(config / "exercises"), key=lambda item: item[1].get("number", 0))
+        self.exercises = [{"name": name, "title": e["title"], "time_limit": e.get("time_limit"), "skills": e.get("skills", []),
+                           "drill": e.get("drill", {}).get("scenario"), "clumsy": sorted(e.get("clumsy", {})),
+                           "expert": bool(e.get("expert")), "steps": words.steps(e)} for name, e in exercises]
+        self.hazards = [{"name": name, "title": h["title"], "expected": h.get("expected", ""), "response": h.get("response", ""),
+                         "severity": words.severity(h.get("hazard", [])), "number": h.get("number", 0)}
+                        for name, h in _files(config / "faults")]
+        self.hazards.sort(key=lambda h: (words.SEVERITIES.index(h["severity"]), h["number"] == 0, h["number"], h["name"]))
+        self.links = [{"name": "none", "title": "good link"}] + [
+            {"name": name, "title": i.get("meaning", name)} for name, i in _files(config / "impairments")]
+        self.curricula = [{"name": name, "title": c["title"], "stages": c["stages"]} for name, c in _files(config / "curricula")]
+        self.masters = [{"name": name, "title": m.get("meaning", name)} for name, m in _files(config / "masters")
+                        if name != "browser"]
+
+    def describe(self):
+        """What the page gets once."""
+        return {"exercises": self.exercises, "hazards": self.hazards, "links": self.links, "curricula": self.curricula,
+                "masters": self.masters}
+
+    def exercise(self, name):
+        return next((e for e in self.exercises if e["name"] == name), None)
+
+    def names(self, what):
+        return [each["name"] for each in getattr(self, what)]

@@ -1,0 +1,136 @@
+// Mouse, keyboard and gamepad as two hands. Motion is of the device [m, rad], in the axes of config/masters/browser.yaml:
+// x right, y forward, z up. The picture is the endoscope's, looking forward and down.
+
+const M_PER_PIXEL = 0.0006;    // [m] of the device: the tool moves a tenth of it
+const M_PER_NOTCH = 0.012;     // [m] of the device, a notch of the wheel along the view
+const RAD_PER_PIXEL = 0.004;
+const RAD_PER_NOTCH = 0.12;
+const STICK_SPEED = 0.25;      // [m/s] of the device at a stick's end
+const JAW_OPEN = 0.6;          // [rad]
+const DEAD_BAND = 0.12;
+const NOTCH = 100;             // wheel units of a notch
+
+export const ACTIONS = {
+  pedal: "Pedal: hold to move", arm: "Change arm", camera: "Camera: hold to move it", roll_left: "Roll left", roll_right: "Roll right",
+  jaw: "Close or open the jaws (also left button)",
+};
+const DEFAULT_KEYS = { pedal: "Space", arm: "Tab", camera: "KeyC", roll_left: "KeyQ", roll_right: "KeyE", jaw: "KeyJ" };
+const STORE = "raven2_station_keys";
+
+export function loadKeys() {
+  try {
+    return { ...DEFAULT_KEYS, ...JSON.parse(localStorage.getItem(STORE) || "{}") };
+  } catch {
+    return { ...DEFAULT_KEYS };
+  }
+}
+
+export function saveKeys(keys) {
+  localStorage.setItem(STORE, JSON.stringify(keys));
+}
+
+export class Hands {
+  constructor(screen, keys) {
+    this.screen = screen;
+    this.keys = keys;
+    this.arm = "gold";
+    this.jaws = { gold: JAW_OPEN, green: JAW_OPEN };
+    this.speed = 1;
+    this.reset();
+    screen.addEventListener("mousemove", (e) => this.mouse(e));
+    screen.addEventListener("wheel", (e) => this.wheel(e), { passive: false });
+    screen.addEventListener("mousedown", (e) => this.button(e, true));
+    window.addEventListener("mouseup", (e) => this.button(e, false));
+    screen.addEventListener("contextmenu", (e) => e.preventDefault());
+    window.addEventListener("keydown", (e) => this.key(e, true));
+    window.addEventListener("keyup", (e) => this.key(e, false));
+  }
+
+  reset() {
+    this.pedal = this.camera = this.turning = false;
+    this.held = new Set();
+    this.padPedal = false;
+    this.moves = { gold: [0, 0, 0], green: [0, 0, 0] };
+    this.turns = { gold: [0, 0, 0], green: [0, 0, 0] };
+  }
+
+  get isLocked() {
+    return document.pointerLockElement === this.screen;
+  }
+
+  add(list, values) {
+    values.forEach((v, i) => { list[i] += v * this.speed; });
+  }
+
+  mouse(event) {
+    if (!this.isLocked) return;
+    const [dx, dy] = [event.movementX, event.movementY];
+    if (this.turning) this.add(this.turns[this.arm], [-dy * RAD_PER_PIXEL, 0, -dx * RAD_PER_PIXEL]);
+    else this.add(this.moves[this.arm], [dx * M_PER_PIXEL, -dy * M_PER_PIXEL * 0.7, -dy * M_PER_PIXEL * 0.7]);
+  }
+
+  wheel(event) {
+    if (!this.isLocked) return;
+    event.preventDefault();
+    const notches = Math.max(-3, Math.min(3, -event.deltaY / NOTCH));
+    if (this.turning) this.add(this.turns[this.arm], [0, notches * RAD_PER_NOTCH, 0]);
+    else this.add(this.moves[this.arm], [0, notches * M_PER_NOTCH * 0.7, -notches * M_PER_NOTCH * 0.7]);
+  }
+
+  button(event, isDown) {
+    if (!this.isLocked) return;
+    if (event.button === 2) this.turning = isDown;
+    if (event.button === 0) this.jaws[this.arm] = isDown ? 0 : JAW_OPEN;
+  }
+
+  key(event, isDown) {
+    const typing = ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName) && event.target.type !== "checkbox";
+    const action = Object.keys(this.keys).find((a) => this.keys[a] === event.code);
+    if (!action || typing || !this.isActive) return;
+    event.preventDefault();
+    if (event.repeat) return;
+    if (action === "pedal") this.pedal = isDown;
+    if (action === "camera") this.camera = isDown;
+    if (action === "arm" && isDown) this.arm = this.arm === "gold" ? "green" : "gold";
+    if (action === "jaw" && isDown) this.jaws[this.arm] = this.jaws[this.arm] > 0 ? 0 : JAW_OPEN;
+    if (isDown) this.held.add(action);
+    else this.held.delete(action);
+  }
+
+  // Sticks are speeds: called once a frame. Left stick and left trigger are gold, right ones green.
+  gamepad(seconds) {
+    const pad = [...(navigator.getGamepads ? navigator.getGamepads() : [])].find((p) => p && p.connected);
+    this.padPedal = false;
+    if (!pad) return "";
+    const stick = (i) => (Math.abs(pad.axes[i] || 0) > DEAD_BAND ? pad.axes[i] : 0);
+    const pressed = (i) => Boolean(pad.buttons[i] && pad.buttons[i].pressed);
+    const step = STICK_SPEED * seconds;
+    const up = (pressed(12) ? 1 : 0) - (pressed(13) ? 1 : 0);
+    const upGreen = (pressed(3) ? 1 : 0) - (pressed(0) ? 1 : 0);
+    this.add(this.moves.gold, [stick(0) * step, -stick(1) * step, up * step]);
+    this.add(this.moves.green, [stick(2) * step, -stick(3) * step, upGreen * step]);
+    this.padPedal = pressed(4) || pressed(5);
+    if (pad.buttons[6] && pad.buttons[7]) {
+      this.jaws.gold = JAW_OPEN * (1 - pad.buttons[6].value);
+      this.jaws.green = JAW_OPEN * (1 - pad.buttons[7].value);
+    }
+    this.pad = pad;
+    return pad.id;
+  }
+
+  rumble(strength) {
+    const motor = this.pad && this.pad.vibrationActuator;
+    if (motor && motor.playEffect) motor.playEffect("dual-rumble", { duration: 120, strongMagnitude: strength, weakMagnitude: strength }).catch(() => {});
+  }
+
+  // What has come together since the last call, as a message of the hands.
+  take(seconds) {
+    const roll = (this.held.has("roll_right") ? 1 : 0) - (this.held.has("roll_left") ? 1 : 0);
+    this.turns[this.arm][1] += roll * 1.5 * seconds;
+    const message = { pedal: this.pedal || this.padPedal, camera: this.camera, arms: {} };
+    for (const arm of ["gold", "green"]) message.arms[arm] = { move: this.moves[arm], turn: this.turns[arm], jaw: this.jaws[arm] };
+    this.moves = { gold: [0, 0, 0], green: [0, 0, 0] };
+    this.turns = { gold: [0, 0, 0], green: [0, 0, 0] };
+    return message;
+  }
+}

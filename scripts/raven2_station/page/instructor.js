@@ -1,0 +1,324 @@
+// The instructor's page.
+
+import { byId, fill, Link, option, Picture, showHealth, showTask } from "/static/link.js";
+import { drawCurve, Strip } from "/static/charts.js";
+
+const pictures = { view: new Picture(byId("picture")), camera: new Picture(byId("camera")) };
+const strips = {
+  apart: new Strip(byId("strip-error"), "Tips apart", "mm", 5, 3),
+  force: new Strip(byId("strip-force"), "Force on the hands", "N", 2),
+};
+let library = null;
+let station = { phase: "idle" };
+let mode = { mode: "", view: "virtual" };
+let lastPicture = 0;
+
+const link = new Link("instructor", {
+  library: (m) => { library = m; showLibrary(); },
+  mode: showMode,
+  health: showHealth,
+  station: showStation,
+  exercise: (m) => showTask(m, stepsOf(m.exercise)),
+  plan: (m) => { byId("plan-text").textContent = m.status === "idle" ? "" : `Plan: ${m.status}`; },
+  strips: showStrips,
+  progress: showProgress,
+}, showPicture, showOpen);
+
+function showOpen(isOpen) {
+  if (!isOpen) showHealth({ level: 2, text: "The station does not answer. Trying again." });
+  if (isOpen) link.ask("watch", { pictures: byId("second").open ? ["view", "camera"] : ["view"] });
+}
+
+function stepsOf(name) {
+  const exercise = library && library.exercises.find((e) => e.name === name);
+  return exercise ? exercise.steps : [];
+}
+
+function showPicture(which, blob) {
+  lastPicture = performance.now();
+  pictures[which].show(blob);
+}
+
+function showMode(message) {
+  mode = message;
+  const stopped = message.mode === "stopped";
+  byId("mode").textContent = message.text + (message.pedal ? " (pedal down)" : "");
+  byId("clear-stop").hidden = !stopped;
+  byId("view").setAttribute("aria-pressed", message.view === "real");
+  byId("view").textContent = message.view === "real" ? "Show virtual scene" : "Show real camera";
+}
+
+function showStation(message) {
+  const before = station;
+  station = message;
+  const runs = message.phase === "running";
+  byId("start").disabled = message.phase !== "idle";
+  byId("next").disabled = !message.choice || message.phase === "starting" || message.phase === "ending";
+  for (const id of ["stop", "pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "cancel-plan"]) byId(id).disabled = !runs;
+  byId("take-hands").setAttribute("aria-pressed", message.hands_away);
+  byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
+  if (message.phase !== "running") byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
+  showArmed();
+  if (message.last && message.last !== before.last) showVerdict(message.last);
+}
+
+function showArmed() {
+  const choice = station.choice;
+  let name = choice ? choice.hazard : "none";
+  if (name === "own" && library) name = (library.exercises.find((e) => e.name === choice.exercise) || {}).drill || "none";
+  const hazard = library && library.hazards.find((h) => h.name === name);
+  byId("armed").textContent = hazard ? `${hazard.title}. ${choice.when === "own" ? "It comes by itself." : "It comes when you press Inject."}`
+    : "No hazard chosen: Inject uses the one in Set up.";
+}
+
+function showStrips(message) {
+  const now = performance.now() / 1000;
+  const mm = (v) => (v === null || v === undefined ? null : 1000 * v);
+  strips.apart.add(now, { gold: mm(message.apart.gold), green: mm(message.apart.green) });
+  strips.force.add(now, message.force);
+}
+
+setInterval(() => {
+  if (document.hidden) return;
+  const now = performance.now();
+  strips.apart.draw(now / 1000);
+  strips.force.draw(now / 1000);
+  byId("picture-note").hidden = now - lastPicture < 1500;
+  byId("picture-note").textContent = station.phase === "running" ? "No picture comes from the trainer." : "No picture: no session is running.";
+}, 100);
+
+// ---- set up
+
+const SEVERITY = { high: "severe", medium: "moderate", low: "light", none: "no harm expected" };
+
+function showLibrary() {
+  fill(byId("trainees"), library.trainees.map((t) => option(t, t)), false);
+  fill(byId("history-trainee"), library.trainees.map((t) => option(t, t)));
+  fill(byId("curriculum"), [option("", "none: choose the exercise"), ...library.curricula.map((c) => option(c.name, c.title))]);
+  fill(byId("exercise"), [option("none", "free session"), ...library.exercises.map((e) => option(e.name, e.title))]);
+  fill(byId("link"), library.links.map((l) => option(l.name, l.name === "none" ? "good link" : `${l.name}: ${l.title}`)));
+  showChoices();
+}
+
+function showChoices() {
+  const exercise = library.exercises.find((e) => e.name === byId("exercise").value);
+  const hazards = [option("none", "none")];
+  if (exercise && exercise.drill) hazards.push(option("own", `the exercise's own: ${exercise.drill}`));
+  fill(byId("hazard"), [...hazards, ...library.hazards.map((h) => option(h.name, `${h.title} (${SEVERITY[h.severity]})`))]);
+  const drivers = [option("browser", "mouse, keyboard or gamepad (page /trainee)")];
+  if (exercise && exercise.expert) drivers.push(option("expert", "demonstration: expert surgeon"));
+  for (const name of exercise ? exercise.clumsy : []) drivers.push(option(`clumsy:${name}`, `demonstration: clumsy surgeon (${name})`));
+  if (!exercise) drivers.push(option("scripted", "demonstration: scripted motion"));
+  fill(byId("driver"), [...drivers, ...library.masters.map((m) => option(`master:${m.name}`, `${m.name}: ${m.title}`))]);
+  byId("exercise-help").textContent = exercise ? `Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
+    : "The arms move freely; nothing is scored.";
+  const name = byId("hazard").value === "own" && exercise ? exercise.drill : byId("hazard").value;
+  const hazard = library.hazards.find((h) => h.name === name);
+  byId("hazard-help").textContent = hazard ? `${hazard.expected} Right response: ${hazard.response}` : "Nothing goes wrong.";
+  byId("driver-help").textContent = byId("driver").value === "browser" ? "Open /trainee in another window and press Take the hands."
+    : byId("driver").value.startsWith("master:") ? "The device's driver must run." : "A simulated surgeon moves the arms.";
+  const hasStage = byId("curriculum").value !== "";
+  byId("exercise").disabled = byId("hazard").disabled = hasStage;
+}
+
+for (const id of ["curriculum", "exercise", "hazard", "driver"]) byId(id).addEventListener("change", showChoices);
+
+function settings() {
+  const hasStage = byId("curriculum").value !== "";
+  return {
+    trainee: byId("trainee").value.trim(), curriculum: byId("curriculum").value, exercise: hasStage ? "none" : byId("exercise").value,
+    hazard: hasStage ? "none" : byId("hazard").value, when: byId("when").value, link: byId("link").value, driver: byId("driver").value,
+    seed: -1,
+  };
+}
+
+function say(reply) {
+  byId("said").textContent = reply.text;
+  byId("said").className = reply.ok ? "good" : "bad";
+}
+
+byId("form").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  say({ ok: true, text: "The session starts." });
+  say(await link.ask("start", settings()));
+});
+
+function press(id, what, given = () => ({})) {
+  byId(id).addEventListener("click", async () => {
+    const reply = await link.ask(what, given());
+    say({ ok: reply.ok, text: reply.text || (reply.ok ? "Done." : "It did not happen.") });
+  });
+}
+
+press("next", "next");
+press("stop", "stop");
+press("pause", "pause");
+press("restart", "restart-exercise");
+press("emergency-stop", "emergency-stop");
+press("clear-stop", "clear-stop");
+press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: byId("hazard").value }));
+press("stop-hazard", "stop-hazard");
+press("view", "view", () => ({ real: mode.view !== "real" }));
+press("take-hands", "take-hands", () => ({ away: !station.hands_away }));
+press("plan", "plan");
+press("execute", "execute", () => ({ on_robot: false }));
+press("cancel-plan", "cancel-plan");
+
+document.addEventListener("keydown", (event) => {
+  const typing = ["INPUT", "SELECT", "TEXTAREA", "BUTTON", "A", "SUMMARY"].includes(document.activeElement.tagName);
+  if (event.code !== "Space" || typing || event.repeat) return;
+  event.preventDefault();
+  byId("emergency-stop").click();
+});
+
+byId("second").addEventListener("toggle", () => link.ask("watch", { pictures: byId("second").open ? ["view", "camera"] : ["view"] }));
+
+// ---- learn
+
+let shown = "";
+
+async function showVerdict(name) {
+  shown = name;
+  byId("verdict").textContent = "The report is being written.";
+  const reply = await link.ask("verdict", { session: name });
+  if (!reply.ok || shown !== name) return;
+  const verdict = reply.more;
+  byId("verdict").textContent = verdict.headline === "No report yet" ? "The report is being written." : verdict.headline;
+  byId("verdict").className = verdict.passed === true ? "good" : verdict.passed === false ? "bad" : "";
+  byId("improve").replaceChildren(...verdict.improve.map((advice) => {
+    const item = document.createElement("li");
+    item.textContent = `${advice.what}: ${advice.how}`;
+    return item;
+  }));
+  const hasReport = verdict.headline !== "No report yet";
+  byId("report").hidden = !hasReport;
+  byId("report").href = `/sessions/${name}/report.html`;
+  byId("video").hidden = !hasReport;
+  byId("video-link").hidden = true;
+}
+
+byId("video").addEventListener("click", async () => {
+  const reply = await link.ask("video", { session: shown });
+  byId("progress-text").textContent = reply.text;
+});
+
+function showProgress(message) {
+  const done = message.share === 1;
+  if (message.session === shown) {
+    byId("progress").hidden = done || message.share === null;
+    byId("progress").value = message.share || 0;
+    byId("progress-text").textContent = message.share === null ? `The ${message.what} failed: ${message.text}`
+      : done ? "" : `${message.what} ${Math.round(100 * message.share)} %`;
+    if (message.what === "report" && done) showVerdict(message.session);
+    if (message.what === "video" && done) {
+      byId("video-link").hidden = false;
+      byId("video-link").href = `/sessions/${message.session}/video.mp4`;
+    }
+  }
+  if (done) refreshTab();
+}
+
+const TABS = ["result", "history", "class", "sessions"];
+
+function openTab(name) {
+  for (const tab of TABS) {
+    byId(tab).hidden = tab !== name;
+    byId(`tab-${tab}`).setAttribute("aria-selected", tab === name);
+  }
+  refreshTab();
+}
+
+for (const tab of TABS) byId(`tab-${tab}`).addEventListener("click", () => openTab(tab));
+
+function refreshTab() {
+  if (!byId("history").hidden) showHistory();
+  if (!byId("class").hidden) showClass();
+  if (!byId("sessions").hidden) showSessions();
+}
+
+function row(cells, tag = "td") {
+  const line = document.createElement("tr");
+  for (const cell of cells) {
+    const element = document.createElement(tag);
+    if (cell instanceof Node) element.append(cell);
+    else element.textContent = cell;
+    line.append(element);
+  }
+  return line;
+}
+
+const passed = (value) => (value === true ? "passed" : value === false ? "not passed" : "not judged");
+const number = (value, unit) => (typeof value === "number" ? `${value.toFixed(1)} ${unit}` : "");
+
+async function showHistory() {
+  const list = await link.ask("sessions");
+  if (list.ok) fill(byId("history-trainee"), list.more.trainees.map((t) => option(t, t)));
+  if (list.ok) fill(byId("trainees"), list.more.trainees.map((t) => option(t, t)), false);
+  const trainee = byId("history-trainee").value;
+  const reply = trainee ? await link.ask("history", { trainee }) : { ok: false };
+  const attempts = reply.ok ? reply.more.attempts : [];
+  drawCurve(byId("curve"), attempts);
+  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "result", "time", "hazard response"], "th"),
+    ...attempts.map((a) => row([a.start.replace("T", " ").replace("Z", ""), a.exercise, a.drill, passed(a.passed), number(a.time, "s"),
+      number(a.response, "s")])));
+}
+
+byId("history-trainee").addEventListener("change", showHistory);
+
+async function showClass() {
+  const curriculum = byId("curriculum").value;
+  byId("class-csv").href = `/class.csv?curriculum=${encodeURIComponent(curriculum)}`;
+  const reply = await link.ask("class", { curriculum });
+  if (!reply.ok) return;
+  byId("class-table").replaceChildren(row(["trainee", "sessions", ...reply.more.titles.map((t) => t.replaceAll("_", " ")), "last session"], "th"),
+    ...reply.more.rows.map((r) => row([r.trainee, String(r.sessions),
+      ...r.stages.map((s) => (s.attempts === 0 ? "" : s.done ? `done (${s.attempts})` : `${s.best_row} in a row (${s.attempts})`)),
+      r.last.replace("T", " ").replace("Z", "")])));
+}
+
+function anchor(text, href, download = false) {
+  const element = document.createElement("a");
+  element.className = "button";
+  element.textContent = text;
+  element.href = href;
+  if (download) element.download = "";
+  else Object.assign(element, { target: "_blank", rel: "noopener" });
+  return element;
+}
+
+function action(text, run, name) {
+  const element = document.createElement("button");
+  element.type = "button";
+  element.textContent = text;
+  element.dataset.test = name;
+  element.addEventListener("click", run);
+  return element;
+}
+
+async function showSessions() {
+  const reply = await link.ask("sessions");
+  if (!reply.ok) return;
+  byId("session-table").replaceChildren(row(["session", "trainee", "exercise", "hazard", "result", "length", "files", ""], "th"),
+    ...reply.more.sessions.map((s) => {
+      const files = document.createElement("span");
+      files.className = "buttons";
+      files.append(s.report ? anchor("Report", `/sessions/${s.name}/report.html`) : action("Write report", () => link.ask("report", { session: s.name }), "write-report"));
+      files.append(s.video ? anchor("Video", `/sessions/${s.name}/video.mp4`) : action("Render video", () => link.ask("video", { session: s.name }), "render-video"));
+      files.append(anchor("Log", `/sessions/${s.name}/session.rlog?download`, true));
+      return row([s.name, s.trainee, s.exercise, s.drill, passed(s.passed), number(s.duration, "s"), files,
+        action("Delete", () => askToDelete(s.name), "delete")]);
+    }));
+}
+
+function askToDelete(name) {
+  byId("sure-text").textContent = `Delete session ${name} with all its files? This cannot be undone.`;
+  byId("sure").dataset.session = name;
+  byId("sure").showModal();
+}
+
+byId("sure-no").addEventListener("click", () => byId("sure").close());
+byId("sure-yes").addEventListener("click", async () => {
+  byId("sure").close();
+  say(await link.ask("delete", { session: byId("sure").dataset.session, sure: true }));
+  refreshTab();
+});

@@ -1,0 +1,207 @@
+// The trainee's page: the picture, forces for eyes and ears, and hands without hardware.
+
+import { byId, Link, Picture, showHealth, showTask } from "/static/link.js";
+import { ACTIONS, Hands, loadKeys, saveKeys } from "/static/input.js";
+
+const PERIOD_MS = 16;
+const NOTICEABLE = 0.5;  // [N] as in doc/scores.md
+const picture = new Picture(byId("picture"));
+const screen = byId("screen");
+const keys = loadKeys();
+const hands = new Hands(screen, keys);
+let station = { phase: "idle" };
+let me = null;
+let drives = false;
+let mode = "";
+let lastPicture = 0;
+let lastSent = performance.now();
+let wasDown = false;
+
+const link = new Link("trainee", {
+  hello: (m) => { me = m.number; },
+  mode: showMode,
+  health: showHealth,
+  station: showStation,
+  exercise: (m) => showTask(m, []),
+  strips: showForce,
+}, (_, blob) => { lastPicture = performance.now(); picture.show(blob); }, (isOpen) => {
+  if (!isOpen) {
+    release();
+    showHealth({ level: 2, text: "The station does not answer. Trying again." });
+  }
+});
+
+function showMode(message) {
+  mode = message.mode;
+  byId("mode").textContent = message.text;
+  const banner = byId("banner");
+  const text = mode === "stopped" ? "STOPPED" : mode === "paused" ? "PAUSED" : "";
+  if (text && banner.hidden) beep(220, 0.5);
+  banner.hidden = !text;
+  banner.textContent = text;
+}
+
+function showStation(message) {
+  station = message;
+  const isMine = message.drives !== null && message.drives === me;
+  if (drives && !isMine) release();
+  drives = isMine;
+  hands.isActive = drives;
+  const may = message.choice && message.choice.driver === "browser" && message.phase === "running";
+  byId("drive").disabled = !may && !drives;
+  byId("drive").textContent = drives ? "Give the hands back" : "Take the hands";
+  if (message.phase !== "running") byId("mode").textContent = "No session";
+  if (!may) byId("said").textContent = "Wait: the instructor starts a session for the browser.";
+  else if (message.hands_away) byId("said").textContent = "The instructor has the hands.";
+  else if (!drives && message.drives !== null) byId("said").textContent = "Another page drives.";
+  else if (drives && !hands.isLocked) byId("said").textContent = "Click the picture. Then hold the pedal key and move the mouse.";
+  else byId("said").textContent = drives ? "Esc gives the mouse back." : "Press Take the hands.";
+}
+
+// ---- forces without haptics
+
+let context = null;
+
+function beep(frequency, seconds, volume = 0.2) {
+  if (!byId("sound").checked) return;
+  try {
+    context = context || new AudioContext();
+    const tone = context.createOscillator();
+    const gain = context.createGain();
+    tone.frequency.value = frequency;
+    gain.gain.value = volume;
+    tone.connect(gain).connect(context.destination);
+    tone.start();
+    tone.stop(context.currentTime + seconds);
+  } catch {
+    // no sound on this computer
+  }
+}
+
+let lastBeep = 0;
+
+function showForce(message) {
+  const now = performance.now();
+  let strongest = 0;
+  for (const arm of ["gold", "green"]) {
+    const force = message.force[arm] || 0;
+    strongest = Math.max(strongest, force);
+    const arrow = byId(`push-${arm}`);
+    arrow.hidden = force < NOTICEABLE;
+    // base frames: gold x up, y to the surgeon, z right; green x up, y forward, z left
+    const [x, , z] = message.push[arm];
+    const right = arm === "gold" ? z : -z;
+    arrow.style.transform = `rotate(${Math.atan2(-x, right)}rad) scale(${Math.min(1.6, 0.6 + force / 3)})`;
+  }
+  screen.classList.toggle("forced", strongest >= NOTICEABLE);
+  if (strongest >= NOTICEABLE && now - lastBeep > 150) {
+    lastBeep = now;
+    beep(440 + 60 * strongest, 0.1);
+    hands.rumble(Math.min(1, strongest / 3));
+  }
+}
+
+// ---- hands
+
+byId("drive").addEventListener("click", async () => {
+  if (drives) {
+    release();
+    await link.ask("leave");
+    return;
+  }
+  const reply = await link.ask("drive");
+  byId("said").textContent = reply.text;
+  if (reply.ok) screen.focus();
+});
+
+screen.addEventListener("click", () => {
+  if (drives && !hands.isLocked) screen.requestPointerLock();
+});
+
+document.addEventListener("pointerlockchange", () => {
+  if (!hands.isLocked) hands.turning = false;
+  showStation(station);
+});
+
+// The pedal comes up at once when the page loses the focus or is hidden.
+function release() {
+  hands.reset();
+  if (drives) link.send("hands", hands.take(0));
+  showPedal(false);
+}
+
+window.addEventListener("blur", release);
+window.addEventListener("pagehide", release);
+document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
+
+function showPedal(isDown) {
+  if (isDown === wasDown && byId("pedal").textContent) return;
+  wasDown = isDown;
+  byId("pedal").dataset.down = isDown ? "yes" : "no";
+  byId("pedal").textContent = isDown ? "Pedal DOWN" : "Pedal up";
+}
+
+setInterval(() => {
+  const now = performance.now();
+  const seconds = Math.min(0.1, (now - lastSent) / 1000);
+  lastSent = now;
+  byId("picture-note").hidden = now - lastPicture < 1500;
+  byId("arm").textContent = hands.arm === "gold" ? "gold (left)" : "green (right)";
+  byId("jaw").textContent = hands.jaws[hands.arm] > 0.3 ? "open" : "closed";
+  if (!drives || document.hidden || !document.hasFocus()) return;
+  const pad = hands.gamepad(seconds);
+  if (pad) byId("gamepad").textContent = `Gamepad: ${pad}`;
+  const message = hands.take(seconds);
+  showPedal(message.pedal);
+  link.send("hands", message);
+}, PERIOD_MS);
+
+// ---- keys
+
+const NAMES = (code) => code.replace(/^Key|^Digit/, "").replace(/([a-z])([A-Z])/g, "$1 $2");
+
+function showKeys() {
+  const rows = Object.entries(ACTIONS).map(([action, text]) => {
+    const line = document.createElement("tr");
+    const what = document.createElement("td");
+    what.textContent = text;
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = NAMES(keys[action]);
+    button.dataset.test = `key-${action}`;
+    button.addEventListener("click", () => changeKey(action, button));
+    const key = document.createElement("td");
+    key.append(button);
+    line.append(what, key);
+    return line;
+  });
+  const fixed = [["Move in the picture's plane", "mouse"], ["Along the view", "wheel"], ["Turn the tool", "right button"], ["Jaws", "left button"]];
+  byId("keys").replaceChildren(byId("keys").caption, ...rows, ...fixed.map(([text, how]) => {
+    const line = document.createElement("tr");
+    for (const cell of [text, how]) {
+      const element = document.createElement("td");
+      element.textContent = cell;
+      line.append(element);
+    }
+    return line;
+  }));
+}
+
+function changeKey(action, button) {
+  button.textContent = "press a key";
+  const take = (event) => {
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    if (event.code !== "Escape") {
+      const other = Object.keys(keys).find((a) => keys[a] === event.code);
+      if (other) keys[other] = keys[action];
+      keys[action] = event.code;
+      saveKeys(keys);
+    }
+    showKeys();
+  };
+  window.addEventListener("keydown", take, { once: true, capture: true });
+}
+
+byId("speed").addEventListener("input", () => { hands.speed = Number(byId("speed").value); });
+showKeys();

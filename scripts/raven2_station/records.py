@@ -1,0 +1,130 @@
+"""Sessions on disk: their list, verdicts, a trainee's history, the class. Reads the files of doc/session.md; judges nothing itself."""
+
+import csv
+import io
+import json
+import pathlib
+import re
+import shutil
+
+NAME = re.compile(r"^[A-Za-z0-9_.:-]{1,120}$")  # of a session directory; no separators, and no leading dot (below)
+FILES = {"report.html": "text/html; charset=utf-8", "report.json": "application/json", "video.mp4": "video/mp4",
+         "score.json": "application/json", "metrics.json": "application/json", "session.rlog": "application/octet-stream"}
+LARGEST = 16 << 20  # [bytes] of a JSON file that is read
+
+
+def _json(path):
+    try:
+        if path.stat().st_size > LARGEST:
+            return None
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+
+
+def _dict(value):
+    return value if isinstance(value, dict) else {}
+
+
+class Records:
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+
+    def directory(self, name):
+        """@throw KeyError if this is no session's name, or no session has it."""
+        if not isinstance(name, str) or not NAME.match(name) or name.startswith("."):
+            raise KeyError(name)
+        path = self.folder / name
+        if path.is_symlink() or not (path / "session.rlog").is_file():
+            raise KeyError(name)
+        return path
+
+    def file(self, name, which):
+        path = self.directory(name) / which
+        if which not in FILES or path.is_symlink() or not path.is_file():
+            raise KeyError(which)
+        return path, FILES[which]
+
+    def names(self):
+        if not self.folder.is_dir():
+            return []
+        return sorted((p.name for p in self.folder.iterdir() if NAME.match(p.name) and not p.is_symlink() and
+                       (p / "session.rlog").is_file()), reverse=True)
+
+    def list(self, most=200):
+        return [self.summary(name) for name in self.names()[:most]]
+
+    def summary(self, name):
+        path = self.directory(name)
+        report, meta = _dict(_json(path / "report.json")), _dict(_json(path / "meta.json"))
+        session, verdict = _dict(report.get("session")), _dict(report.get("verdict"))
+        return {"name": name, "start": meta.get("start_time_utc", ""), "trainee": session.get("trainee") or "",
+                "exercise": session.get("exercise", ""), "drill": session.get("drill", ""), "passed": verdict.get("passed"),
+                "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
+                "video": (path / "video.mp4").is_file()}
+
+    def verdict(self, name):
+        """For the end of a session: the headline and three things to improve."""
+        report = _dict(_json(self.directory(name) / "report.json"))
+        verdict = _dict(report.get("verdict"))
+        improve = [{"what": i.get("what", ""), "how": i.get("how", "")} for i in report.get("improve") or [] if isinstance(i, dict)]
+        return {"name": name, "headline": verdict.get("headline", "No report yet"), "passed": verdict.get("passed"),
+                "reasons": verdict.get("reasons", []), "improve": improve[:3], "summary": report.get("summary", "")}
+
+    def delete(self, name):
+        shutil.rmtree(self.directory(name))
+
+    # ---- trainees
+
+    def _index(self):
+        entries = _dict(_json(self.folder / "index.json")).get("sessions")
+        return [e for e in (entries if isinstance(entries, list) else []) if isinstance(e, dict) and isinstance(e.get("trainee"), str) and e["trainee"]]
+
+    def trainees(self):
+        return sorted({e["trainee"] for e in self._index()})
+
+    def history(self, trainee):
+        """Attempts in order of time: score (share of judged metrics passed is not known here: passed), time, hazard response."""
+        found = []
+        for entry in self._index():
+            if entry["trainee"] != trainee:
+                continue
+            attempts = entry.get("attempts")
+            for attempt in map(_dict, attempts if isinstance(attempts, list) else []):
+                metrics = _dict(attempt.get("metrics"))
+                found.append({"session": entry.get("directory", ""), "start": entry.get("start_time_utc", ""),
+                              "exercise": entry.get("exercise", ""), "drill": entry.get("drill", ""),
+                              "status": attempt.get("status"), "passed": attempt.get("passed"), "time": metrics.get("time"),
+                              "response": metrics.get("hazard_response"), "score": metrics.get("score")})
+        return sorted(found, key=lambda a: a["start"])
+
+    def the_class(self, stages):
+        """One row a trainee, one cell a stage: passes in a row at its end, attempts. @param stages: [(exercise, drill, passes)]."""
+        rows = []
+        for trainee in self.trainees():
+            history = self.history(trainee)
+            cells = [self._stage(history, exercise, drill, passes) for exercise, drill, passes in stages]
+            rows.append({"trainee": trainee, "sessions": len({a["session"] for a in history}), "stages": cells,
+                         "last": history[-1]["start"] if history else ""})
+        return rows
+
+    @staticmethod
+    def _stage(history, exercise, drill, passes):
+        attempts = [a for a in history if a["exercise"] == exercise and (a["drill"] or "none") == drill]
+        row = best = 0
+        for attempt in attempts:
+            row = row + 1 if attempt["passed"] is True else 0
+            best = max(best, row)
+        return {"attempts": len(attempts), "best_row": best, "done": best >= passes}
+
+    def class_csv(self, titles, stages):
+        """Text is quoted; a cell that a spreadsheet would take for a formula cannot occur: IDs are of a-z, 0-9, _ and -."""
+        out = io.StringIO()
+        writer = csv.writer(out)
+        writer.writerow(["trainee", "sessions", *[f"{t} {what}" for t in titles for what in ("attempts", "passes in a row", "done")],
+                         "last session"])
+        for row in self.the_class(stages):
+            cells = [value for c in row["stages"] for value in (c["attempts"], c["best_row"], "yes" if c["done"] else "no")]
+            writer.writerow(["'" + row["trainee"] if row["trainee"].startswith("-") else row["trainee"], row["sessions"], *cells,
+                             row["last"]])
+        return out.getvalue()

@@ -1,0 +1,306 @@
+"""What the station knows and does: it joins the pages, the link to ROS, the programs and the sessions. No HTTP here."""
+
+import asyncio
+import collections
+import time
+
+from . import hands, words
+from .supervisor import Refused
+
+DAEMON_SILENT = 1.5  # [s] without a message of the daemon
+TICK = 0.02          # [s]
+STATUS_PERIOD = 1.0  # [s]
+TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
+TRIGGERS = {"stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
+            "restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start"}
+
+
+class Station:
+    """@param supervisor, link, records, finisher, known: see their modules."""
+
+    def __init__(self, known, records):
+        self.known, self.records = known, records
+        self.supervisor = self.link = self.finisher = None  # set by the server, which makes all of them
+        self.clients = {}
+        self.hands = hands.Hands()
+        self.driving = None          # the client that moves the hands
+        self.hands_away = False      # the instructor took them
+        self.refused = collections.Counter()
+        self.newest = {}             # message by kind, for pages that come later
+        self.progress = {}           # (session, what) -> (share, text)
+        self._daemon_heard = self._hands_sent = None
+        self._last_health = None
+        self._status_at = 0.0
+
+    # ---- pages
+
+    def join(self, client):
+        self.clients[client.number] = client
+        client.send({"t": "hello", "role": client.role, "number": client.number})
+        if client.role == "instructor":
+            client.send({"t": "library", **self.known.describe(), "trainees": self.records.trainees()})
+        for kind in ("mode", "exercise", "plan", "session"):
+            if kind in self.newest:
+                client.send(self._for(client, self.newest[kind]))
+        client.send({"t": "station", **self._station(client)})
+        client.send({"t": "health", **self.health()})
+
+    def part(self, client):
+        self.clients.pop(client.number, None)
+        if self.driving is client:
+            self.stop_driving()
+
+    def broadcast(self, message, only=None):
+        for client in list(self.clients.values()):
+            if only is None or client.role == only:
+                shown = self._for(client, message)
+                if shown is not None:
+                    client.send(shown)
+
+    def _for(self, client, message):
+        """A trainee must not learn which hazard will come."""
+        if client.role == "trainee" and message["t"] == "session":
+            return {**message, "drill": "", "hazard": "", "directory": ""}
+        return message
+
+    def _station(self, client):
+        state = self.supervisor.state()
+        if client.role == "trainee" and state["choice"]:
+            state = {**state, "choice": {**state["choice"], "hazard": "", "when": "", "seed": 0}}
+        return {**state, "drives": self.driving.number if self.driving else None, "hands_away": self.hands_away,
+                "ros": self.link.is_up}
+
+    def changed(self):
+        for client in list(self.clients.values()):
+            client.send({"t": "station", **self._station(client)})
+
+    # ---- from ROS
+
+    def heard(self, message, data):
+        kind = message["t"]
+        if kind == "alive":
+            return
+        if kind == "asked":
+            asyncio.ensure_future(self._answer(message))
+            return
+        self._daemon_heard = time.monotonic()
+        if kind == "picture":
+            for client in list(self.clients.values()):
+                client.show(message["which"], data)
+            return
+        if kind == "mode":
+            message["text"] = words.mode(message["mode"])
+        elif kind == "exercise":
+            message["text"] = words.exercise(message["status"], message["failure"])
+            message["mistakes"] = [[words.mistake(name), count] for name, count in message["mistakes"].items() if count]
+        elif kind == "event" and message["mistake"]:
+            message["text"] = words.mistake(message["mistake"])
+        if kind == "diagnostics":
+            self.newest[kind] = message
+            return
+        if kind != "strips":
+            self.newest[kind] = message
+        self.broadcast(message)
+
+    async def _answer(self, message):
+        ok, text, session = await self.do(message["do"], message["with"])
+        self.link.send({"t": "answer", "number": message["number"], "ok": ok, "text": text,
+                        "session": session if isinstance(session, str) else ""})
+
+    def health(self):
+        """Level 0 is green, 1 a warning, 2 an error."""
+        if not self.link.is_up:
+            return {"level": 2, "text": "No ROS master: the station waits for one."}
+        silent = self._daemon_heard is None or time.monotonic() - self._daemon_heard > DAEMON_SILENT
+        if silent and self.supervisor.phase == "running":
+            return {"level": 2, "text": "The trainer does not answer. Stop the session and start it again."}
+        if silent or self.supervisor.phase in ("starting", "ending"):
+            return {"level": 2 if self.supervisor.trouble else 0,
+                    "text": self.supervisor.trouble or {"starting": "The session starts.", "ending": "The session ends."}.get(
+                        self.supervisor.phase, "No session: choose and press Start.")}
+        level, text = words.health([tuple(s) for s in self.newest.get("diagnostics", {}).get("status", [])])
+        return {"level": min(level, 2), "text": text}
+
+    # ---- what pages and ROS services ask for
+
+    async def do(self, what, given, client=None):
+        """@return (whether it happened, a sentence, more)."""
+        method = getattr(self, "_do_" + what.replace("-", "_"), None) if isinstance(what, str) else None
+        try:
+            if not isinstance(given, dict):
+                raise Refused("expected settings by name")
+            if what in TRIGGERS:
+                return await self.link.call(TRIGGERS[what])
+            if method is None:
+                raise Refused("unknown request")
+            if client is not None and client.role == "trainee" and what not in TRAINEE_MAY:
+                raise Refused("that is the instructor's")
+            return await method(given, client)
+        except Refused as reason:
+            return False, str(reason), {}
+        except KeyError:
+            return False, "there is no such session", {}
+
+    async def _do_start(self, given, _):
+        directory = await self.supervisor.start(given)
+        return True, "The session runs.", str(directory)
+
+    async def _do_stop(self, _, __):
+        await self.supervisor.end()
+        return True, "The session has ended.", {}
+
+    _do_end = _do_stop
+
+    async def _do_next(self, _, __):
+        directory = await self.supervisor.next()
+        return True, "The next attempt runs.", str(directory)
+
+    async def _do_inject(self, given, _):
+        name = given.get("hazard") or (self.supervisor.choice and self.supervisor.choice.hazard) or ""
+        if name == "own" and self.supervisor.choice:
+            name = (self.known.exercise(self.supervisor.choice.exercise) or {}).get("drill") or ""
+        if name in ("", "none"):
+            raise Refused("choose a hazard first")
+        if name not in self.known.names("hazards"):
+            raise Refused("that hazard is unknown")
+        return await self.link.call("inject_hazard", {"name": name})
+
+    async def _do_view(self, given, _):
+        return await self.link.call("set_view", {"data": given.get("real") is True})
+
+    async def _do_plan(self, given, _):
+        arm = given.get("arm", "")
+        if arm not in ("", "gold", "green"):
+            raise Refused("the arm is gold or green")
+        return await self.link.call("plan", {"arm": arm, "default_goal": True}, limit=60.0)
+
+    async def _do_execute(self, given, _):
+        return await self.link.call("execute_plan", {"on_robot": given.get("on_robot") is True})
+
+    async def _do_cancel_plan(self, _, __):
+        return await self.link.call("cancel_plan")
+
+    async def _do_take_hands(self, given, _):
+        self.hands_away = given.get("away") is not False
+        if self.hands_away:
+            self.stop_driving()
+        self.changed()
+        return True, "The page has no hands now." if self.hands_away else "A page may drive again.", {}
+
+    async def _do_drive(self, _, client):
+        choice = self.supervisor.choice
+        if not self.supervisor.is_running or choice is None or choice.driver != "browser":
+            raise Refused("the instructor has not given the hands to the browser")
+        if self.hands_away:
+            raise Refused("the instructor has taken the hands away")
+        if self.driving not in (None, client):
+            raise Refused("another page drives")
+        self.driving = client
+        self.changed()
+        return True, "You have the hands.", {}
+
+    async def _do_leave(self, _, client):
+        if self.driving is client:
+            self.stop_driving()
+        return True, "", {}
+
+    async def _do_watch(self, given, client):
+        wants = given.get("pictures")
+        if not isinstance(wants, list) or any(w not in ("view", "camera") for w in wants):
+            raise Refused("pictures are view and camera")
+        client.wants = set(wants)
+        return True, "", {}
+
+    async def _do_sessions(self, _, __):
+        return True, "", {"sessions": await asyncio.to_thread(self.records.list), "trainees": self.records.trainees()}
+
+    async def _do_verdict(self, given, _):
+        return True, "", self.records.verdict(given.get("session"))
+
+    async def _do_report(self, given, _):
+        self.finisher.report(self.records.directory(given.get("session")))
+        return True, "The report is being written.", {}
+
+    async def _do_video(self, given, _):
+        self.finisher.video(self.records.directory(given.get("session")))
+        return True, "The video is being rendered.", {}
+
+    async def _do_delete(self, given, _):
+        name = given.get("session")
+        if self.supervisor.state()["session"] == name:
+            raise Refused("this session is running")
+        if given.get("sure") is not True:
+            raise Refused("deleting needs a confirmation")
+        await asyncio.to_thread(self.records.delete, name)
+        return True, "Deleted.", {}
+
+    async def _do_history(self, given, _):
+        trainee = given.get("trainee")
+        if trainee not in self.records.trainees():
+            raise Refused("this trainee has no session yet")
+        return True, "", {"trainee": trainee, "attempts": self.records.history(trainee)}
+
+    async def _do_class(self, given, _):
+        titles, stages = self.stages(given.get("curriculum"))
+        return True, "", {"titles": titles, "rows": await asyncio.to_thread(self.records.the_class, stages)}
+
+    def stages(self, curriculum=None):
+        """@return titles, [(exercise, drill, passes)]."""
+        found = next((c for c in self.known.curricula if curriculum in (None, "", c["name"])), None)
+        stages = [(s["exercise"], s.get("drill", "none"), s.get("passes", 1)) for s in (found or {}).get("stages", [])]
+        titles = [exercise + ("" if drill == "none" else f" + {drill}") for exercise, drill, _ in stages]
+        return titles, stages
+
+    # ---- hands
+
+    def take_hands_message(self, client, message):
+        """From the page that drives, some 60 a second; counted where they are refused."""
+        if client is not self.driving:
+            self.refused["hands_of_a_page_that_does_not_drive"] += 1
+            return
+        try:
+            self.hands.apply(message, time.monotonic())
+        except ValueError:
+            self.refused["hands_malformed"] += 1
+            return
+        self._send_hands()
+
+    def stop_driving(self):
+        self.driving = None
+        self.hands.release()
+        self._send_hands()
+        self.changed()
+
+    def _send_hands(self):
+        self._hands_sent = time.monotonic()
+        self.link.send({"t": "hands", "pedal": self.hands.pedal, "camera": self.hands.camera,
+                        "arms": self.hands.poses()})
+
+    # ---- the clock
+
+    async def run(self):
+        """For ever: hands that are silent, health, the station's own status on /diagnostics."""
+        while True:
+            await asyncio.sleep(TICK)
+            self.tick(time.monotonic())
+
+    def tick(self, now):
+        self.hands.watch(now)
+        choice = self.supervisor.choice
+        drives = self.supervisor.is_running and choice is not None and choice.driver == "browser"
+        if drives and (self._hands_sent is None or now - self._hands_sent >= TICK):
+            self._send_hands()
+        health = self.health()
+        if health != self._last_health:
+            self._last_health = health
+            self.broadcast({"t": "health", **health})
+        if now - self._status_at >= STATUS_PERIOD:
+            self._status_at = now
+            total = sum(self.refused.values())
+            self.link.send({"t": "status", "level": 0, "text": f"{len(self.clients)} pages",
+                            "values": {"pages": len(self.clients), "refused": total,
+                                       **{f"refused_{k}": v for k, v in sorted(self.refused.items())}}})
+
+    def finished(self, name, what, share, text):
+        """Progress of report and video."""
+        self.broadcast({"t": "progress", "session": name, "what": what, "share": share, "text": text}, only="instructor")

@@ -1,0 +1,355 @@
+"""The programs of an attempt: virtual Raven, console, bad link and daemon. Starts, ends and adopts them.
+
+The programs outlive the station: a station that was killed finds them again by the file `processes.json` (process numbers with
+the time at which each began, so that a number that was given to another process since is not taken for ours).
+"""
+
+import asyncio
+import json
+import os
+import pathlib
+import random
+import re
+import signal
+import socket
+import time
+
+import psutil
+
+from . import library
+
+PATIENCE = 8.0      # [s] from SIGTERM to SIGKILL: the daemon writes its last records
+POLL = 0.1          # [s]
+START_LIMIT = 20.0  # [s] until the daemon's session directory has a log
+DRIVERS = r"^(browser|scripted|expert|clumsy:[a-z0-9_]+|master:[A-Za-z0-9_]+)$"
+
+
+class Refused(Exception):
+    """A request that cannot be served. The text is a sentence for the user; nothing has changed."""
+
+
+def free_port(kind, preferred, taken):
+    for port in (preferred, 0):
+        with socket.socket(socket.AF_INET, kind) as s:
+            try:
+                if port in taken:
+                    continue
+                s.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            found = s.getsockname()[1]
+            if found not in taken:
+                taken.add(found)
+                return found
+    raise Refused("no free network port")
+
+
+class Choice:
+    """What the instructor chose, checked against the library."""
+
+    FIELDS = ("trainee", "curriculum", "exercise", "hazard", "when", "link", "driver", "seed")
+
+    def __init__(self, given, known):
+        if not isinstance(given, dict) or set(given) - set(self.FIELDS):
+            raise Refused(f"unknown setting {sorted(set(given) - set(self.FIELDS))[0]}" if isinstance(given, dict)
+                          else "expected settings by name")
+        text = {}
+        for field in self.FIELDS[:-1]:
+            text[field] = "" if given.get(field) is None else given[field]
+            if not isinstance(text[field], str):
+                raise Refused(f"{field} is not a text")
+        self.trainee, self.curriculum, self.driver = text["trainee"], text["curriculum"], text["driver"] or "scripted"
+        self.exercise, self.hazard = text["exercise"] or "none", text["hazard"] or "none"
+        self.when, self.link = text["when"] or "own", text["link"] or "none"
+        self._check(known)
+        self.seed = self._seed(given.get("seed"))
+
+    def _check(self, known):
+        if self.trainee and not re.match(library.TRAINEE, self.trainee):
+            raise Refused(f"trainee \"{self.trainee[:40]}\" is not an ID: use 1 to 32 of a-z, 0-9, _ and -")
+        self._known("curriculum", self.curriculum, [""] + known.names("curricula"))
+        self._known("exercise", self.exercise, ["none"] + known.names("exercises"))
+        self._known("hazard", self.hazard, ["none", "own"] + known.names("hazards"))
+        self._known("link", self.link, known.names("links"))
+        self._known("when", self.when, ["own", "instructor"])
+        if not re.match(DRIVERS, self.driver):
+            raise Refused(f"driver \"{self.driver[:40]}\" is unknown")
+        exercise = known.exercise(self.exercise)
+        if self.hazard == "own" and exercise is None:
+            raise Refused("a drill needs an exercise")
+        if self.driver.startswith("master:"):
+            self._known("hand device", self.driver[7:], known.names("masters"))
+        if self.driver in ("expert",) or self.driver.startswith("clumsy:"):
+            if exercise is None:
+                raise Refused(f"the {self.driver.split(':')[0]} surgeon needs an exercise")
+            if self.driver.startswith("clumsy:"):
+                self._known("clumsy surgeon", self.driver[7:], exercise["clumsy"])
+
+    @staticmethod
+    def _known(what, value, names):
+        if value not in names:
+            raise Refused(f"{what} \"{value[:40]}\" is unknown")
+
+    @staticmethod
+    def _seed(value):
+        if value is None or (isinstance(value, int) and not isinstance(value, bool) and value < 0):
+            return random.randrange(1, 1 << 31)
+        if isinstance(value, bool) or not isinstance(value, int) or value > 1 << 53:
+            raise Refused("the seed is a whole number up to 2^53")
+        return value
+
+    @property
+    def is_drill(self):
+        return self.exercise != "none" and self.hazard != "none" and self.when == "own"
+
+    def as_dict(self):
+        return {field: getattr(self, field) for field in self.FIELDS}
+
+
+class Supervisor:
+    """@param programs: folder of the programs. @param sessions: folder for session directories.
+    @param robot: "" starts a virtual Raven for each attempt; an address: a real robot there, which is never touched.
+    @param changed: called without arguments at each change of state()."""
+
+    def __init__(self, programs, sessions, known, changed, robot="", logs=None):
+        self._programs, self._sessions = pathlib.Path(programs), pathlib.Path(sessions)
+        self._known, self._changed, self._robot = known, changed, robot
+        self._logs = pathlib.Path(logs or self._sessions / "station_logs")
+        self._processes = {}
+        self._choice = self._directory = None
+        self._lock = asyncio.Lock()
+        self._watcher = None
+        self.phase = "idle"      # idle, starting, running, ending
+        self.trouble = ""        # why the last attempt ended early
+        self.last = None         # directory of the newest session that has ended
+
+    # ---- what pages see
+
+    def state(self):
+        return {"phase": self.phase, "trouble": self.trouble, "session": self._directory and self._directory.name,
+                "choice": self._choice and self._choice.as_dict(), "last": self.last and self.last.name}
+
+    @property
+    def choice(self):
+        return self._choice
+
+    @property
+    def is_running(self):
+        return self.phase in ("starting", "running")
+
+    # ---- what pages and services ask for
+
+    async def start(self, given):
+        """@return the session directory. @throw Refused."""
+        async with self._lock:
+            choice = Choice(given, self._known)
+            if self.phase != "idle":
+                raise Refused("a session is running: stop it first")
+            self.phase, self.trouble, self._choice = "starting", "", choice
+            self._changed()
+            try:
+                await self._start(choice)
+            except (Refused, OSError) as error:
+                await self._end_all()
+                self.phase, self._choice, self._directory = "idle", None, None
+                self._changed()
+                raise Refused(str(error)) from error
+            self.phase = "running"
+            self._watch()
+            self._changed()
+            return self._directory
+
+    async def end(self):
+        async with self._lock:
+            if self.phase != "running":
+                raise Refused("no session is running")
+            await self._finish("")
+
+    async def next(self):
+        """The next attempt with the same settings; a curriculum goes on by itself."""
+        choice = self._choice
+        if choice is None:
+            raise Refused("no session has been started yet")
+        if self.is_running:
+            await self.end()
+        return await self.start({**choice.as_dict(), "seed": -1})
+
+    # ---- starting
+
+    def _names(self, choice):
+        now = time.strftime("%Y-%m-%dT%H-%M-%SZ", time.gmtime())
+        base = f"{now}_{choice.trainee or 'guest'}"
+        for number in range(100):
+            directory = self._sessions / (base if number == 0 else f"{base}_{number}")
+            if not directory.exists():
+                return directory
+        raise Refused("the session folder is full of sessions of this second")
+
+    def _arguments(self, choice):
+        arguments = ["--seed", str(choice.seed)]
+        if choice.curriculum:
+            arguments += ["--curriculum", choice.curriculum]
+        if choice.trainee:
+            arguments += ["--trainee", choice.trainee]
+        if not choice.curriculum or choice.exercise != "none":
+            arguments += ["--exercise", choice.exercise]
+            arguments += ["--drill", choice.hazard] if choice.is_drill else []
+        at_start = choice.exercise == "none" and choice.when == "own"
+        return arguments + ["--hazard", choice.hazard if at_start else "none"]
+
+    async def _start(self, choice):
+        taken = set()
+        udp, tcp = socket.SOCK_DGRAM, socket.SOCK_STREAM
+        master, force, sight = (free_port(udp, port, taken) for port in (36010, 36001, 26002))
+        robot, state = (36000, 26100) if self._robot else (free_port(udp, 36000, taken), free_port(tcp, 26100, taken))
+        ports = self._ports(master, robot, force, sight, state)
+        self._directory = self._names(choice)
+        common = self._arguments(choice)
+        if not self._robot:
+            await self._launch("virtual_raven", ["--homing", "quick", *common, *ports])
+        far = ports
+        if choice.link != "none":
+            far_master, far_force, far_sight = (free_port(udp, port, taken) for port in (26020, 26021, 26022))
+            far = self._ports(far_master, robot, far_force, far_sight, state)
+            await self._launch("impair", ["--udp", f"{far_master}:127.0.0.1:{master}", "--udp", f"{force}:127.0.0.1:{far_force}",
+                                          "--udp", f"{sight}:127.0.0.1:{far_sight}", "--profile", choice.link,
+                                          "--seed", str(choice.seed)])
+        await self._launch("master_console", [*self._hands(choice), *common, *far])
+        where = ["--robot-host", self._robot] if self._robot else []
+        await self._launch("simulator", ["--duration", "0", "--output", str(self._directory), "--motion-label", choice.driver,
+                                         *where, *common, *ports])
+        await self._await_log()
+
+    @staticmethod
+    def _ports(master, robot, force, sight, state):
+        return ["--master-port", str(master), "--robot-port", str(robot), "--force-port", str(force), "--sight-port", str(sight),
+                "--state-port", str(state)]
+
+    @staticmethod
+    def _hands(choice):
+        if choice.driver == "browser":
+            return ["--master", "browser"]
+        if choice.driver.startswith("master:"):
+            return ["--master", choice.driver[7:]]
+        return ["--motion", choice.driver]
+
+    async def _launch(self, name, arguments):
+        self._logs.mkdir(parents=True, exist_ok=True)
+        with open(self._logs / f"{name}.log", "wb") as log:
+            process = await asyncio.create_subprocess_exec(
+                str(self._programs / name), *arguments, stdin=asyncio.subprocess.DEVNULL, stdout=log, stderr=log,
+                start_new_session=True)
+        asyncio.ensure_future(process.wait())  # takes its exit status
+        self._processes[name] = psutil.Process(process.pid)
+        self._remember()
+
+    async def _await_log(self):
+        until = time.monotonic() + START_LIMIT
+        while not (self._directory / "session.rlog").exists():
+            ended = self._ended()
+            if ended:
+                raise Refused(self._why(ended))
+            if time.monotonic() > until:
+                raise Refused("the trainer did not start within 20 s")
+            await asyncio.sleep(POLL)
+
+    # ---- watching and ending
+
+    def _alive(self, name):
+        try:
+            return self._processes[name].is_running() and self._processes[name].status() != psutil.STATUS_ZOMBIE
+        except (KeyError, psutil.Error):
+            return False
+
+    def _ended(self):
+        return next((name for name in self._processes if not self._alive(name)), "")
+
+    def _why(self, name):
+        """The last line that the program wrote."""
+        try:
+            lines = (self._logs / f"{name}.log").read_text(encoding="utf-8", errors="replace").replace("\r", "\n").split("\n")
+            said = [line.strip() for line in lines if line.strip()]
+        except OSError:
+            said = []
+        return f"{name} ended" + (f": {said[-1][:200]}" if said else "")
+
+    def _watch(self):
+        self._watcher = asyncio.ensure_future(self._watch_all())
+
+    async def _watch_all(self):
+        while self.phase == "running":
+            await asyncio.sleep(POLL)
+            ended = self._ended()
+            if not ended or self.phase != "running":
+                continue
+            async with self._lock:
+                if self.phase != "running":
+                    return
+                finished = ended == "master_console" and self._choice.driver.split(":")[0] in ("expert", "clumsy")
+                await self._finish("" if finished else self._why(ended))
+
+    async def _finish(self, trouble):
+        self.phase, self.trouble = "ending", trouble
+        self._changed()
+        await self._end_all()
+        if self._directory is not None and (self._directory / "session.rlog").exists():
+            self.last = self._directory
+        self.phase, self._directory = "idle", None
+        self._remember()
+        self._changed()
+
+    async def _end_all(self):
+        """The daemon first: it sends pedal-up and zero forces to the others."""
+        for name in ("simulator", "master_console", "impair", "virtual_raven"):
+            if name in self._processes:
+                await self._end(name)
+        self._processes.clear()
+        self._remember()
+
+    async def _end(self, name):
+        for number, patience in ((signal.SIGTERM, PATIENCE), (signal.SIGKILL, 2.0)):
+            if not self._alive(name):
+                return
+            try:
+                self._processes[name].send_signal(number)
+            except psutil.Error:
+                return
+            until = time.monotonic() + patience
+            while self._alive(name) and time.monotonic() < until:
+                await asyncio.sleep(POLL / 2)
+
+    # ---- a station that starts again
+
+    def _file(self):
+        return self._logs / "processes.json"
+
+    def _remember(self):
+        content = {"processes": {name: [p.pid, self._began(p)] for name, p in self._processes.items()},
+                   "choice": self._choice and self._choice.as_dict(), "session": self._directory and str(self._directory)}
+        self._logs.mkdir(parents=True, exist_ok=True)
+        part = self._file().with_suffix(".part")
+        part.write_text(json.dumps(content), encoding="utf-8")
+        os.replace(part, self._file())
+
+    @staticmethod
+    def _began(process):
+        try:
+            return process.create_time()
+        except psutil.Error:
+            return 0.0
+
+    def adopt(self):
+        """Takes over the programs of an earlier station. @return whether a session is running."""
+        try:
+            content = json.loads(self._file().read_text(encoding="utf-8"))
+            found = {name: psutil.Process(pid) for name, (pid, began) in content["processes"].items()
+                     if psutil.pid_exists(pid) and abs(psutil.Process(pid).create_time() - began) < 0.02}
+            choice = content["choice"] and Choice(content["choice"], self._known)
+        except (OSError, ValueError, KeyError, TypeError, psutil.Error, Refused):
+            return False
+        self._choice = choice
+        if "simulator" not in found:
+            return False
+        self._processes, self._directory, self.phase = found, pathlib.Path(content["session"]), "running"
+        self._watch()
+        return True

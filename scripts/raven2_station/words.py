@@ -1,0 +1,68 @@
+"""States in words, as the pages show them."""
+
+SEVERITIES = ["high", "medium", "low", "none"]
+_SEVERITY = {"H1-2": "high", "H-2": "high", "H1-1": "high", "H1-3": "medium", "H-3": "medium"}
+
+MODES = {
+    "waiting": "Waiting for the robot", "pedal_up": "Ready: press the pedal", "teleoperating": "The hands move the robot",
+    "planning": "Planning a path", "tracking": "The model follows the plan", "stopped": "STOPPED", "paused": "PAUSED: press the pedal",
+    "choosing": "The hands show the goal", "armed": "Plan ready: press the pedal", "executing": "Executing the plan",
+    "simulating": "The hands move the model alone", "simulation_held": "Model alone: press the pedal", "trial": "Virtual trial",
+    "trial_held": "Virtual trial: press the pedal", "trial_ready": "Virtual trial recorded", "returning": "The model returns to the robot",
+    "replaying": "Replay of a session", "camera_moving": "The hands move the camera"}
+
+STATUSES = {"none": "no exercise", "waiting": "not begun", "running": "running", "done": "done", "failed": "failed"}
+FAILURES = {"time_limit": "the time limit is over", "broke_off": "a tower broke off", "object_lost": "an object was lost",
+            "mistakes": "too many mistakes", "given_up": "given up"}
+MISTAKES = {"wire_touch": "wire touched", "collision": "collision", "drop": "dropped", "out_of_order": "wrong order",
+            "wrong_arm": "wrong arm", "break_off": "tower broken off"}
+
+ADVICE = {
+    "physics loop": "Close other programs on this computer.", "haptic loop": "Close other programs on this computer.",
+    "real time": "Start the station as root, or give real-time priority (doc/hardware.md).",
+    "master to daemon link": "Check that the hand device, its driver or the page that drives is connected.",
+    "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or start the virtual robot.",
+    "daemon to robot link": "Check the robot's computer and the network.", "forces to console": "Check the console.",
+    "recorder": "Free disk space: the session cannot be written.", "queues": "Close other programs on this computer.",
+    "live picture": "Close other programs: the picture is slower or smaller than configured.",
+    "real camera": "Check the camera and its driver."}
+
+
+def severity(classes):
+    """Of a hazard, by the classes of the hazard analysis (doc/hazards.md)."""
+    found = [_SEVERITY.get(name, "low") for name in classes]
+    return min(found, key=SEVERITIES.index) if found else "none"
+
+
+def _name(value):
+    """YAML 1.1 reads a step named off as false."""
+    return {False: "off", True: "on"}.get(value, str(value)).replace("_", " ")
+
+
+def steps(exercise):
+    return [f"{_name(track['name'])}: {_name(step['name'])}" for track in exercise.get("tracks", [])
+            for step in track.get("steps", [])]
+
+
+def mode(name):
+    return MODES.get(name, name.replace("_", " "))
+
+
+def mistake(name):
+    return MISTAKES.get(name, name.replace("_", " "))
+
+
+def exercise(status, failure):
+    text = STATUSES.get(status, status)
+    return f"{text}: {FAILURES.get(failure, failure.replace('_', ' '))}" if status == "failed" and failure else text
+
+
+def health(statuses):
+    """@param statuses: [(name, level 0 to 3, message)]. @return (level, sentence): green, or the worst and its remedy."""
+    worst = max(statuses, key=lambda status: status[1], default=None)
+    if worst is None:
+        return 2, "The trainer does not answer."
+    name, level, message = worst
+    if level == 0:
+        return 0, "Everything works."
+    return level, f"{name[:1].upper()}{name[1:]}: {message}. {ADVICE.get(name, '')}".strip()

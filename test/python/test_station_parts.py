@@ -1,0 +1,317 @@
+"""Parts of the station that need neither ROS nor a network: hands, choices, sessions on disk, access, messages, words."""
+
+import json
+import math
+import os
+import pathlib
+import random
+import sys
+import types
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+from raven2_station import access, frames, hands, library, records, supervisor, wire, words  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def known():
+    return library.Library(ROOT)
+
+
+# ---- hands
+
+
+def motion(move=(0, 0, 0), turn=(0, 0, 0), pedal=True, **more):
+    return {"pedal": pedal, "arms": {"gold": {"move": list(move), "turn": list(turn)}, **more}}
+
+
+def test_hands_add_up_and_are_cut_at_their_speed():
+    device = hands.Hands()
+    device.apply(motion(), 10.0)
+    device.apply(motion((0.001, 0, 0)), 10.016)
+    assert device.arms["gold"].position == pytest.approx([0.001, 0, 0])
+    assert device.arms["green"].position == [0, 0, 0]
+    device.apply(motion((5.0, 0, 0)), 10.026)
+    assert device.arms["gold"].position[0] == pytest.approx(0.001 + hands.SPEED * 0.01)
+
+
+def test_the_other_arm_moves_alone():
+    device = hands.Hands()
+    device.apply({"pedal": True, "arms": {"green": {"move": [0, 0.001, 0], "turn": [0, 0, 0], "jaw": 0.0}}}, 1.0)
+    assert device.arms["green"].position == pytest.approx([0, 0.001, 0]) and device.arms["green"].jaw == 0.0
+    assert device.arms["gold"].position == [0, 0, 0] and device.arms["gold"].jaw > 0
+
+
+def test_nothing_moves_with_the_pedal_up_but_back_to_the_middle():
+    device = hands.Hands()
+    device.apply(motion((0.01, 0, 0), pedal=False), 1.0)
+    assert device.arms["gold"].position == [0, 0, 0]
+    device.arms["gold"].position = [1.5, 0, 0]
+    device.apply(motion(pedal=False), 1.1)
+    assert 1.3 < device.arms["gold"].position[0] < 1.5
+
+
+def test_rotations_stay_unit_quaternions():
+    device, source = hands.Hands(), random.Random(1)
+    for i in range(500):
+        device.apply(motion(turn=[source.uniform(-0.1, 0.1) for _ in range(3)]), 1.0 + 0.016 * i)
+    assert math.sqrt(sum(v * v for v in device.arms["gold"].orientation)) == pytest.approx(1.0, abs=1e-12)
+    device = hands.Hands()
+    device.apply(motion(), 0.0)
+    device.apply(motion(turn=(0, 0, 0.1)), 0.016)
+    assert device.arms["gold"].orientation == pytest.approx([0, 0, math.sin(0.05), math.cos(0.05)])
+
+
+def test_a_silent_page_lifts_the_pedal_within_100_ms():
+    device = hands.Hands()
+    device.apply(motion(), 1.0)
+    assert not device.watch(0.999 + hands.SILENT) and device.pedal
+    assert device.watch(1.0 + hands.SILENT + 0.001) and not device.pedal
+    assert hands.SILENT + 0.02 <= 0.1
+    assert not device.watch(5.0), "it is up already"
+
+
+@pytest.mark.parametrize("message", [
+    None, [], "x", {}, {"pedal": 1}, {"pedal": True, "camera": "no"}, {"pedal": True, "arms": []}, {"pedal": True, "arms": {"blue": {}}},
+    {"pedal": True, "arms": {"gold": {"move": [0, 0]}}}, {"pedal": True, "arms": {"gold": {"move": [0, 0, float("nan")]}}},
+    {"pedal": True, "arms": {"gold": {"move": [0, 0, "1"]}}}, {"pedal": True, "arms": {"gold": {"turn": [0, 0, True]}}},
+    {"pedal": True, "arms": {"gold": {"jaw": float("inf")}}}, {"pedal": True, "arms": {"gold": 3}}])
+def test_a_message_that_is_wrong_changes_nothing(message):
+    device = hands.Hands()
+    device.apply(motion((0.001, 0, 0)), 1.0)
+    before = (list(device.arms["gold"].position), device.pedal, device.arms["gold"].jaw)
+    with pytest.raises(ValueError):
+        device.apply(message, 1.016)
+    assert (device.arms["gold"].position, device.pedal, device.arms["gold"].jaw) == before
+
+
+# ---- choices
+
+
+def test_what_the_page_offers_is_what_the_configuration_has(known):
+    assert {e["name"] for e in known.exercises} == {p.stem for p in (ROOT / "config/exercises").glob("*.yaml")}
+    assert {h["name"] for h in known.hazards} == {p.stem for p in (ROOT / "config/faults").glob("*.yaml")}
+    assert all(h["title"] and h["expected"] and h["response"] for h in known.hazards)
+    severities = [words.SEVERITIES.index(h["severity"]) for h in known.hazards]
+    assert severities == sorted(severities) and severities[0] == 0
+    assert known.links[0]["name"] == "none" and "browser" not in known.names("masters")
+    json.dumps(known.describe())
+
+
+GOOD = {"trainee": "ann", "exercise": "pick_hand_over_place", "hazard": "own", "driver": "expert", "link": "net_delay_2"}
+
+
+def test_a_good_choice_is_taken(known):
+    choice = supervisor.Choice(GOOD, known)
+    assert choice.is_drill and choice.seed > 0
+    assert supervisor.Choice({}, known).exercise == "none"
+    assert supervisor.Choice({**GOOD, "seed": 7}, known).seed == 7
+
+
+@pytest.mark.parametrize("change, words_of_it", [
+    ({"trainee": "Ann Smith"}, "not an ID"), ({"trainee": "a" * 33}, "not an ID"), ({"trainee": "../x"}, "not an ID"),
+    ({"exercise": "nonsense"}, "exercise"), ({"hazard": "nonsense"}, "hazard"), ({"link": "nonsense"}, "link"),
+    ({"driver": "nonsense"}, "driver"), ({"driver": "clumsy:nonsense"}, "clumsy"), ({"driver": "master:nonsense"}, "hand device"),
+    ({"driver": "expert; rm -rf /"}, "driver"), ({"exercise": "none"}, "drill"), ({"exercise": "none", "hazard": "none"}, "exercise"),
+    ({"when": "never"}, "when"), ({"curriculum": "nonsense"}, "curriculum"), ({"seed": "1"}, "seed"), ({"seed": 1 << 60}, "seed"),
+    ({"seed": True}, "seed"), ({"extra": 1}, "unknown setting"), ({"trainee": 5}, "not a text"), ({"trainee": None, "link": []}, "link")])
+def test_a_choice_that_cannot_be_is_refused_in_words(known, change, words_of_it):
+    with pytest.raises(supervisor.Refused) as refused:
+        supervisor.Choice({**GOOD, **change}, known)
+    assert words_of_it in str(refused.value) and len(str(refused.value)) > 10
+
+
+def test_programs_get_what_was_chosen(known, tmp_path):
+    boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None)
+    drill = boss._arguments(supervisor.Choice({**GOOD, "seed": 3}, known))
+    assert drill == ["--seed", "3", "--trainee", "ann", "--exercise", "pick_hand_over_place", "--drill", "own", "--hazard", "none"]
+    by_hand = boss._arguments(supervisor.Choice({**GOOD, "seed": 3, "hazard": "sudden_jump", "when": "instructor"}, known))
+    assert "--drill" not in by_hand and by_hand[-2:] == ["--hazard", "none"]
+    free = boss._arguments(supervisor.Choice({"hazard": "sudden_jump", "seed": 3}, known))
+    assert free == ["--seed", "3", "--exercise", "none", "--hazard", "sudden_jump"]
+    stage = boss._arguments(supervisor.Choice({"trainee": "ann", "curriculum": "frs_basics", "seed": 3}, known))
+    assert stage == ["--seed", "3", "--curriculum", "frs_basics", "--trainee", "ann", "--hazard", "none"]
+    assert boss._hands(supervisor.Choice({"driver": "browser"}, known)) == ["--master", "browser"]
+    assert boss._hands(supervisor.Choice({**GOOD, "driver": "master:omni_pair"}, known)) == ["--master", "omni_pair"]
+
+
+# ---- sessions on disk
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name, passed in (("2026-01-01T10-00-00Z_ann", True), ("2026-01-02T10-00-00Z_ann", False)):
+        directory = tmp_path / name
+        directory.mkdir()
+        (directory / "session.rlog").write_bytes(b"x")
+        report = {"session": {"trainee": "ann", "exercise": "peg_transfer", "drill": "none", "duration_s": 12.5},
+                  "verdict": {"headline": "Passed" if passed else "Not passed: time", "passed": passed, "reasons": []},
+                  "improve": [{"what": "time", "how": "be faster", "metric": "time"}] * 5, "summary": ""}
+        (directory / "report.json").write_text(json.dumps(report))
+        (directory / "report.html").write_text("<p>report</p>")
+    entries = [{"directory": f"s{i}", "start_time_utc": f"2026-01-0{i + 1}", "trainee": trainee, "exercise": exercise, "drill": "",
+                "attempts": [{"status": "done", "passed": passed, "metrics": {"time": 10.0 + i}}]}
+               for i, (trainee, exercise, passed) in enumerate([("ann", "peg_transfer", True), ("ann", "peg_transfer", True),
+                                                                ("bea", "peg_transfer", False), ("ann", "camera_clutch", True)])]
+    (tmp_path / "index.json").write_text(json.dumps({"version": 1, "sessions": entries}))
+    (tmp_path / "other").mkdir()
+    return tmp_path
+
+
+def test_sessions_are_listed_newest_first(folder):
+    found = records.Records(folder).list()
+    assert [s["name"] for s in found] == ["2026-01-02T10-00-00Z_ann", "2026-01-01T10-00-00Z_ann"]
+    assert found[0]["passed"] is False and found[0]["report"] and not found[0]["video"]
+    verdict = records.Records(folder).verdict(found[0]["name"])
+    assert verdict["headline"] == "Not passed: time" and len(verdict["improve"]) == 3
+
+
+@pytest.mark.parametrize("name", ["..", ".", "", "../x", "a/b", "/etc", "other", "x" * 200, None, 3, ".hidden", "a\0b", "a b"])
+def test_names_that_are_no_sessions_are_refused(folder, name):
+    store = records.Records(folder)
+    for call in (store.directory, store.summary, store.verdict, store.delete, lambda n: store.file(n, "report.html")):
+        with pytest.raises(KeyError):
+            call(name)
+
+
+def test_only_a_sessions_own_files_are_served(folder):
+    store = records.Records(folder)
+    name = "2026-01-01T10-00-00Z_ann"
+    assert store.file(name, "report.html")[0].name == "report.html"
+    os.symlink("/etc/passwd", folder / name / "video.mp4")
+    for which in ("video.mp4", "configuration", "../index.json", "score.json"):
+        with pytest.raises(KeyError):
+            store.file(name, which)
+    os.symlink(folder / name, folder / "link")
+    with pytest.raises(KeyError):
+        store.directory("link")
+
+
+def test_the_class_has_a_row_a_trainee_and_a_cell_a_stage(folder):
+    store = records.Records(folder)
+    stages = [("peg_transfer", "none", 2), ("camera_clutch", "none", 2), ("peg_transfer", "sudden_jump", 2)]
+    ann, bea = store.the_class(stages)
+    assert (ann["trainee"], ann["sessions"]) == ("ann", 3)
+    assert [c["done"] for c in ann["stages"]] == [True, False, False]
+    assert [c["attempts"] for c in bea["stages"]] == [1, 0, 0] and bea["stages"][0]["best_row"] == 0
+    lines = store.class_csv(["a", "b", "c"], stages).splitlines()
+    assert len(lines) == 3 and lines[1].startswith("ann,3,2,2,yes,1,1,no,0,0,no,")
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"sessions": 3}', '{"sessions": [1, {"trainee": 2}, {"trainee": "x"}]}'])
+def test_a_spoilt_index_is_an_empty_or_shorter_class(tmp_path, text):
+    (tmp_path / "index.json").write_text(text)
+    assert len(records.Records(tmp_path).the_class([("a", "none", 1)])) <= 1
+
+
+def test_deleting_takes_the_whole_directory_and_nothing_else(folder):
+    store = records.Records(folder)
+    store.delete("2026-01-01T10-00-00Z_ann")
+    assert [s["name"] for s in store.list()] == ["2026-01-02T10-00-00Z_ann"] and (folder / "other").exists()
+
+
+# ---- access
+
+
+def test_a_login_is_known_until_it_ends_also_after_a_restart(tmp_path, monkeypatch):
+    door = access.Access(None, tmp_path / "logins.json")
+    token = door.login()
+    assert door.knows(token) and not door.knows(token[:-1] + "?") and not door.knows(None) and not door.knows("")
+    assert (tmp_path / "logins.json").stat().st_mode & 0o077 == 0
+    assert access.Access(None, tmp_path / "logins.json").knows(token)
+    (tmp_path / "logins.json").chmod(0o644)
+    assert not access.Access(None, tmp_path / "logins.json").knows(token), "others could have written it"
+    now = access.time.time()
+    monkeypatch.setattr(access.time, "time", lambda: now + access.LIFETIME + 1)
+    assert not door.knows(token)
+
+
+def test_wrong_passwords_are_counted_and_then_wait():
+    door = access.Access(access.make_hash("right"))
+    assert not access.fits("right", "scrypt$nonsense") and not access.fits("right", "") and access.make_hash("a") != access.make_hash("a")
+    assert door.needs_password and door.check_password("right") == ""
+    for _ in range(access.TRIES):
+        assert door.check_password("wrong") == "Wrong password."
+    assert "wait" in door.check_password("right")
+
+
+def test_origins_and_names():
+    assert access.same_origin("http://localhost:8080", "localhost:8080")
+    for origin in (None, "", "null", "http://evil.example", "http://localhost:8081", "https://localhost:8080.evil.example"):
+        assert not access.same_origin(origin, "localhost:8080")
+    for host in ("localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost"):
+        assert access.is_local_name(host)
+    for host in ("evil.example:8080", "127.0.0.1.evil.example", ""):
+        assert not access.is_local_name(host)
+    assert access.is_loopback("127.0.0.5") and not access.is_loopback("0.0.0.0")
+
+
+# ---- messages, frames, words
+
+
+def test_messages_survive_any_cut():
+    sent = [({"t": "a", "n": 1}, b""), ({"t": "picture"}, bytes(range(256)) * 9), ({"t": "b", "text": "line\nend"}, b"")]
+    stream = b"".join(wire.encode(m, d) for m, d in sent)
+    source = random.Random(3)
+    for _ in range(50):
+        reader, got, at = wire.Reader(), [], 0
+        while at < len(stream):
+            step = source.randint(1, 700)
+            got += reader.feed(stream[at:at + step])
+            at += step
+        assert [(m["t"], d) for m, d in got] == [(m["t"], d) for m, d in sent]
+
+
+def test_a_stream_that_is_no_message_is_an_error():
+    with pytest.raises(ValueError):
+        wire.Reader().feed(b"garbage\n")
+    with pytest.raises(ValueError):
+        wire.Reader().feed(b'{"t": "x", "bytes": 99999999999}\n')
+
+
+def test_tips_are_compared_over_the_chain_of_frames():
+    tree = frames.Frames()
+    half = math.sqrt(0.5)
+    for side, shift in (("model", 0.0), ("robot", 0.003)):
+        tree.put(f"{side}/base_link_L", "world", [1, 0, 0], [0, 0, half, half])
+        tree.put(f"{side}/grasper1_L", f"{side}/base_link_L", [0.1 + shift, 0, 0], [0, 0, 0, 1])
+    assert tree.origin("model/grasper1_L") == pytest.approx([1, 0.1, 0])
+    assert tree.apart("L") == pytest.approx(0.003)
+    assert tree.apart("R") is None
+    tree.put("loop", "loop", [0, 0, 0], [0, 0, 0, 1])
+    assert tree.origin("loop") is None
+
+
+def test_health_names_the_worst_and_a_remedy():
+    assert words.health([("robot", 0, "fine"), ("recorder", 0, "")]) == (0, "Everything works.")
+    level, text = words.health([("robot", 1, "late"), ("recorder", 2, "disk full")])
+    assert level == 2 and text.startswith("Recorder: disk full") and "disk space" in text
+    assert words.health([])[0] == 2
+    header = (ROOT / "include/raven2_trainer/core/mode.h").read_text()
+    names = header.split("kModeNames{")[1].split("}")[0].replace('"', "").replace("\n", "").split(",")
+    assert {n.strip() for n in names} == set(words.MODES)
+
+
+def test_the_page_names_the_elements_that_scripts_use():
+    page = (ROOT / "scripts/raven2_station/page/instructor.html").read_text() + (
+        ROOT / "scripts/raven2_station/page/trainee.html").read_text()
+    for name in ("trainee exercise hazard driver start stop emergency-stop clear-stop inject next picture mode health verdict report "
+                 "class-table take-hands pedal").split():
+        assert f'data-test="{name}"' in page, name
+    assert "http://" not in page and "https://" not in page and " style=" not in page and "<script>" not in page
+
+
+def test_the_station_takes_its_folders_from_where_it_is():
+    text = (ROOT / "scripts/raven2_station/station").read_text()
+    module = types.ModuleType("entry")
+    module.__file__ = str(ROOT / "scripts/raven2_station/station")
+    exec(compile(text.split("if __name__")[0], module.__file__, "exec"), module.__dict__)  # noqa: S102
+    share, programs, scripts = module.places()
+    assert share == ROOT and scripts == ROOT / "scripts" and programs.name == "raven2_trainer"
+    for wrong in (["--port", "0"], ["--port", "70000"], ["--tls-key", "x"], ["--nonsense"]):
+        with pytest.raises(SystemExit):
+            module.parse(wrong)
+    with pytest.raises(SystemExit, match="password"):
+        module.password_hash(module.parse(["--bind", "0.0.0.0"]))

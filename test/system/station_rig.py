@@ -1,0 +1,139 @@
+"""A station with a ROS master of its own, as a user starts it; pages by aiohttp's client."""
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+import tempfile
+
+import aiohttp
+from ros_master import RosMaster
+from stack import BUILD, ROOT, free_ports, wait_until
+
+STATION = os.path.join(ROOT, "scripts/raven2_station/station")
+
+
+class Station:
+    """Use as a context manager. `sessions`: folder; `url`; start() and kill() as often as wanted."""
+
+    def __init__(self, *options):
+        self._folder = tempfile.TemporaryDirectory(prefix="raven2_station_")
+        self.folder = self._folder.name
+        self.sessions = os.path.join(self.folder, "sessions")
+        self.port = free_ports(1)[0]
+        self.url = f"http://localhost:{self.port}"
+        self.master = RosMaster(self.folder)
+        self.master.know_our_messages()
+        self._options, self.process = options, None
+
+    def start(self):
+        environment = dict(os.environ, ROS_MASTER_URI=self.master.uri, ROS_IP="127.0.0.1", ROS_HOME=self.folder,
+                           ROS_LOG_DIR=os.path.join(self.folder, "log"), RAVEN2_TRAINER_BUILD=BUILD,
+                           PYTHONPATH=os.path.join(BUILD, "devel/lib/python3/dist-packages"))
+        with open(self.log_file, "ab") as log:
+            self.process = subprocess.Popen([STATION, "--port", str(self.port), "--sessions", self.sessions, *self._options],
+                                            env=environment, stdout=log, stderr=log, start_new_session=True)
+        wait_until(lambda: self.answers() or self.process.poll() is not None, 20, "the station answers")
+        assert self.process.poll() is None, self.log()
+
+    @property
+    def log_file(self):
+        return os.path.join(self.folder, "station.log")
+
+    def log(self):
+        with open(self.log_file, encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def answers(self):
+        import socket
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self.port)) == 0
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def programs(self):
+        """Names of the programs of a session that run, by the station's own list."""
+        try:
+            with open(os.path.join(self.sessions, "station_logs/processes.json"), encoding="utf-8") as file:
+                listed = json.load(file)["processes"]
+        except (OSError, ValueError):
+            return {}
+        return {name: pid for name, (pid, _) in listed.items() if os.path.exists(f"/proc/{pid}")}
+
+    def __enter__(self):
+        self.master.start()
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+            try:
+                self.process.wait(30)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        for pid in self.programs().values():
+            os.kill(pid, signal.SIGKILL)
+        self.master.kill()
+        self._folder.cleanup()
+
+
+class Page:
+    """What a browser page is to the station. Use as an async context manager."""
+
+    def __init__(self, url, page="instructor", origin=None, cookie=True):
+        self.url, self.page, self.origin, self.cookie = url, page, origin or url, cookie
+        self.newest, self.pictures, self.messages = {}, 0, []
+        self._number, self._waiting = 0, {}
+
+    async def __aenter__(self):
+        self.http = aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar())
+        if self.cookie:
+            async with self.http.get(self.url + ("/trainee" if self.page == "trainee" else "/")) as answer:
+                assert answer.status == 200
+        try:
+            self.socket = await self.http.ws_connect(f"{self.url}/ws?page={self.page}", origin=self.origin, max_msg_size=0)
+        except aiohttp.WSServerHandshakeError:
+            await self.http.close()
+            raise
+        self._reader = asyncio.ensure_future(self._read())
+        return self
+
+    async def __aexit__(self, *_):
+        self._reader.cancel()
+        await self.socket.close()
+        await self.http.close()
+
+    async def _read(self):
+        async for message in self.socket:
+            if message.type == aiohttp.WSMsgType.BINARY:
+                self.pictures += 1
+                continue
+            content = json.loads(message.data)
+            if content["t"] == "reply" and content["id"] in self._waiting:
+                self._waiting.pop(content["id"]).set_result(content)
+            self.newest[content["t"]] = content
+            self.messages.append(content)
+
+    async def ask(self, what, seconds=30, **given):
+        self._number += 1
+        future = asyncio.get_running_loop().create_future()
+        self._waiting[self._number] = future
+        await self.socket.send_str(json.dumps({"id": self._number, "do": what, "with": given}))
+        return await asyncio.wait_for(future, seconds)
+
+    async def until(self, condition, seconds, what):
+        end = asyncio.get_running_loop().time() + seconds
+        while not condition():
+            assert asyncio.get_running_loop().time() < end, f"not within {seconds} s: {what}; {self.newest}"
+            await asyncio.sleep(0.02)
+
+    def mode(self):
+        return self.newest.get("mode", {}).get("mode")
+
+    def phase(self):
+        return self.newest.get("station", {}).get("phase")

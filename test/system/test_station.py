@@ -1,0 +1,276 @@
+"""The station by its WebSocket, with real programs and a real ROS master: sessions, hands, refusals, what is killed."""
+
+import asyncio
+import json
+import os
+import random
+import time
+
+import aiohttp
+import pytest
+from stack import effort, wait_until
+from station_rig import Page, Station
+
+DEMONSTRATION = {"exercise": "pick_hand_over_place", "driver": "expert", "trainee": "ann", "seed": 1}
+
+
+@pytest.fixture(scope="module")
+def station():
+    with Station() as started:
+        yield started
+
+
+def run(scenario):
+    return asyncio.run(scenario)
+
+
+async def start(page, **choice):
+    answer = await page.ask("start", **choice)
+    assert answer["ok"], answer
+    await page.until(lambda: page.phase() == "running", 5, "the session runs")
+
+
+async def stop(page):
+    answer = await page.ask("stop")
+    assert answer["ok"], answer
+    await page.until(lambda: page.phase() == "idle", 20, "the session has ended")
+
+
+def test_a_session_from_start_to_verdict(station):
+    async def scenario():
+        async with Page(station.url) as page, Page(station.url, "trainee") as trainee:
+            await start(page, **DEMONSTRATION, hazard="sudden_jump", when="instructor")
+            assert set(station.programs()) == {"virtual_raven", "master_console", "simulator"}
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the expert moves")
+            await page.until(lambda: page.newest.get("exercise", {}).get("status") == "running", 30, "the exercise runs")
+            assert page.newest["exercise"]["title"].startswith("The ring")
+            asked = time.monotonic()
+            answer = await page.ask("inject")
+            took = time.monotonic() - asked
+            assert answer["ok"] and took < 1.0, (answer, took)
+            await page.until(lambda: page.newest.get("strips", {}).get("force", {}).get("gold", 0) > 0.5, 10, "the hazard is felt")
+            assert (await page.ask("stop-hazard"))["ok"]
+            assert page.pictures > 10 and trainee.pictures > 10
+            assert "sudden_jump" not in json.dumps(trainee.messages), "no hint for the trainee"
+            assert not (await trainee.ask("inject"))["ok"] and not (await trainee.ask("stop"))["ok"]
+            assert (await page.ask("emergency-stop"))["ok"]
+            await page.until(lambda: page.mode() == "stopped", 2, "stopped")
+            await stop(page)
+            last = page.newest["station"]["last"]
+            await page.until(lambda: any(m["t"] == "progress" and m["what"] == "report" and m["share"] == 1.0 for m in page.messages),
+                             60, "the report is written")
+            verdict = (await page.ask("verdict", session=last))["more"]
+            assert verdict["headline"].startswith(("Not passed", "Not judged")) and len(verdict["improve"]) <= 3
+            listed = (await page.ask("sessions"))["more"]
+            assert listed["sessions"][0]["name"] == last and listed["trainees"] == ["ann"]
+            rows = (await page.ask("class"))["more"]["rows"]
+            assert [r["trainee"] for r in rows] == ["ann"]
+            async with page.http.get(f"{station.url}/sessions/{last}/report.html") as report:
+                assert report.status == 200 and "sandbox" in report.headers["Content-Security-Policy"]
+            assert (await page.ask("delete", session=last))["ok"] is False
+            assert (await page.ask("delete", session=last, sure=True))["ok"]
+            assert not os.path.exists(os.path.join(station.sessions, last))
+    run(scenario())
+
+
+def test_hands_of_a_page_move_the_robot_and_let_go_with_it(station):
+    async def scenario():
+        async with Page(station.url) as page:
+            await start(page, driver="browser", exercise="none", hazard="none")
+            async with Page(station.url, "trainee") as trainee:
+                assert (await trainee.ask("drive"))["ok"]
+                await page.until(lambda: page.newest.get("mode", {}).get("mode") == "pedal_up", 20, "the robot is ready")
+                await asyncio.sleep(0.5)
+                begun = time.monotonic()
+                while page.mode() != "teleoperating":
+                    assert time.monotonic() - begun < 10, page.newest["mode"]
+                    await drive(trainee, 30, pedal=False)
+                    await drive(trainee, 30)
+                await drive(trainee, 60, move=[0.001, 0, 0])
+                assert page.mode() == "teleoperating"
+                assert (await page.ask("take-hands", away=True))["ok"]
+                await page.until(lambda: page.mode() == "pedal_up", 2, "the instructor took the hands")
+                assert not (await trainee.ask("drive"))["ok"]
+                assert (await page.ask("take-hands", away=False))["ok"] and (await trainee.ask("drive"))["ok"]
+                await drive(trainee, 20, pedal=False)
+                await drive(trainee, 40)
+                await page.until(lambda: page.mode() == "teleoperating", 2, "it drives again")
+                await asyncio.sleep(0.4)
+                assert page.mode() == "pedal_up", "a silent page holds no pedal"
+                await drive(trainee, 20, pedal=False)
+                await drive(trainee, 40)
+                await page.until(lambda: page.mode() == "teleoperating", 2, "it drives again")
+            await page.until(lambda: page.mode() == "pedal_up", 1, "a closed page holds no pedal")
+            assert page.newest["station"]["drives"] is None
+            await stop(page)
+    run(scenario())
+
+
+async def drive(page, count, pedal=True, move=(0, 0, 0)):
+    for _ in range(count):
+        await page.socket.send_str(json.dumps({"do": "hands", "with": {
+            "pedal": pedal, "arms": {"gold": {"move": list(move), "turn": [0, 0, 0], "jaw": 0.6}}}}))
+        await asyncio.sleep(0.016)
+
+
+def test_a_killed_station_finds_its_session_again(station):
+    async def scenario():
+        async with Page(station.url) as page:
+            await start(page, exercise="none", hazard="none", driver="scripted")
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
+        programs = station.programs()
+        station.kill()
+        time.sleep(0.5)
+        assert station.programs() == programs, "the session goes on"
+        begun = time.monotonic()
+        station.start()
+        async with Page(station.url) as page:
+            await page.until(lambda: page.mode() is not None and page.phase() == "running", 10, "the session is found again")
+            assert time.monotonic() - begun < 10.0
+            await stop(page)
+        assert station.programs() == {}
+    run(scenario())
+
+
+def test_a_killed_daemon_and_a_killed_master_are_named_and_over_by_themselves(station):
+    async def scenario():
+        async with Page(station.url) as page:
+            await start(page, exercise="none", hazard="none", driver="scripted")
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
+            os.kill(station.programs()["simulator"], 9)
+            await page.until(lambda: page.phase() == "idle" and page.newest["health"]["level"] == 2, 15, "a killed daemon is named")
+            assert "simulator" in page.newest["station"]["trouble"]
+            station.master.kill()
+            await page.until(lambda: "No ROS master" in page.newest["health"]["text"], 4, "a killed master is named")
+            assert not (await page.ask("emergency-stop"))["ok"]
+            station.master.start()
+            await page.until(lambda: page.newest["station"]["ros"], 10, "the master that came back is used")
+            await start(page, exercise="none", hazard="none", driver="scripted")
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the next session moves")
+            await stop(page)
+    run(scenario())
+
+
+@pytest.mark.parametrize("origin, cookie", [("http://evil.example", True), ("null", True), (None, False)])
+def test_strangers_get_no_socket(station, origin, cookie):
+    async def scenario():
+        with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+            async with Page(station.url, origin=origin, cookie=cookie):
+                pass
+        assert refused.value.status == 403
+    run(scenario())
+
+
+@pytest.mark.parametrize("path", ["/sessions/../etc/passwd", "/sessions/%2e%2e/index.json", "/sessions/x/report.html",
+                                  "/sessions/%2e%2e%2findex.json/report.html", "/static/../station", "/static/station.py", "/ws/../x"])
+def test_paths_that_lead_elsewhere_are_refused(station, path):
+    async def scenario():
+        async with Page(station.url) as page:
+            from yarl import URL
+            async with page.http.get(URL(station.url + path, encoded=True)) as answer:
+                assert answer.status in (400, 403, 404), answer.status
+    run(scenario())
+
+
+def test_answers_carry_the_headers_and_foreign_names_are_sent_away(station):
+    async def scenario():
+        async with aiohttp.ClientSession() as http:
+            async with http.get(station.url + "/") as answer:
+                assert "default-src 'none'" in answer.headers["Content-Security-Policy"]
+                assert answer.headers["X-Content-Type-Options"] == "nosniff"
+                cookie = answer.headers["Set-Cookie"]
+                assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
+            async with http.get(station.url + "/", headers={"Host": "evil.example"}) as answer:
+                assert answer.status == 421
+            async with http.get(station.url + "/sessions/x/report.html", cookies={}) as answer:
+                assert answer.status in (403, 404)
+    run(scenario())
+
+
+def junk(source):
+    """A message that no page sends."""
+    value = [None, True, -1, 1e308, "x" * source.randint(0, 200), [], {}, [[[]]], {"a": {"b": [1, None]}}]
+    names = ["start", "stop", "next", "inject", "drive", "hands", "delete", "verdict", "watch", "take-hands", "history", "class",
+             "report", "video", "view", "plan", "__init__", "do", "../x", ""]
+    kind = source.random()
+    if kind < 0.15:
+        return bytes(source.randrange(256) for _ in range(source.randint(0, 60)))
+    if kind < 0.3:
+        return json.dumps(source.choice(value))
+    message = {"id": source.choice(value), "do": source.choice(names + value), "with": source.choice(value + [
+        {k: source.choice(value) for k in source.sample(["trainee", "exercise", "session", "sure", "hazard", "pedal", "arms", "seed"], 3)}])}
+    return json.dumps(message)
+
+
+def test_messages_that_no_page_sends_end_nothing(station):
+    async def scenario():
+        source = random.Random(int(os.environ.get("RAVEN2_TRAINER_SEED", 33)))
+        async with Page(station.url) as page, Page(station.url, "trainee") as trainee:
+            for i in range(effort(300, 5000)):
+                message = junk(source)
+                to = page if i % 2 else trainee
+                await (to.socket.send_bytes(message) if isinstance(message, bytes) else to.socket.send_str(message))
+                await asyncio.sleep(0.006)
+            assert (await page.ask("sessions"))["ok"]
+            await page.until(lambda: page.phase() in ("idle", "running"), 30, "a session that was asked for has begun")
+            if page.phase() == "running":  # an empty start is a good one
+                await stop(page)
+        assert "Traceback" not in station.log(), station.log()[-3000:]
+    run(scenario())
+
+
+def test_floods_and_giants_are_cut_off(station):
+    async def scenario():
+        async with Page(station.url) as other:
+            page = Page(station.url)
+            async with page:
+                try:
+                    for _ in range(10000):
+                        await page.socket.send_str('{"do": "hands", "with": {}}')
+                except (ConnectionError, aiohttp.ClientError):
+                    pass
+                await page.until(lambda: page.socket.closed, 10, "a flood is cut off")
+                assert page.socket.close_code == 1008
+            giant = Page(station.url)
+            async with giant:
+                try:
+                    await giant.socket.send_str("x" * (1 << 20))
+                except (ConnectionError, aiohttp.ClientError):
+                    pass
+                await giant.until(lambda: giant.socket.closed, 10, "a giant is cut off")
+            assert (await other.ask("sessions"))["ok"]
+    run(scenario())
+
+
+def test_two_sessions_at_once_are_refused_and_so_is_what_cannot_be(station):
+    async def scenario():
+        async with Page(station.url) as page:
+            for choice in ({"exercise": "nonsense"}, {"trainee": "Not An Id"}, {"driver": "expert"}):
+                answer = await page.ask("start", **choice)
+                assert not answer["ok"] and len(answer["text"]) > 10
+            assert page.phase() == "idle" and station.programs() == {}
+            assert not (await page.ask("stop"))["ok"]
+            await start(page, exercise="none", hazard="none", driver="scripted")
+            answer = await page.ask("start", exercise="none")
+            assert not answer["ok"] and "stop it first" in answer["text"]
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
+            assert (await page.ask("pause"))["ok"]
+            await page.until(lambda: page.mode() == "paused", 2, "paused")
+            before = page.newest["station"]["session"]
+            assert (await page.ask("next", seconds=60))["ok"]
+            await page.until(lambda: page.newest["station"]["session"] not in (None, before), 10, "the next attempt")
+            await stop(page)
+    run(scenario())
+
+
+def test_the_services_do_what_the_page_does(station):
+    master = station.master
+    call = ["rosservice", "call", "--wait", "/station/start_session"]
+    arguments = "{exercise: none, hazard: none, driver: scripted, link: none, when: own, seed: 3}"
+    answer = master.run(*call, arguments, seconds=60)
+    assert "success: True" in answer.stdout, answer
+    refused = master.run(*call, arguments, seconds=60)
+    assert "success: False" in refused.stdout and "stop it first" in refused.stdout
+    wait_until(lambda: "simulator" in station.programs(), 5, "the daemon runs")
+    assert "success: True" in master.run("rosservice", "call", "/station/end_session", seconds=60).stdout
+    assert station.programs() == {}
