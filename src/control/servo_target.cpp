@@ -12,7 +12,7 @@ namespace {
 
 using kinematics::IkStatus;
 
-constexpr double kNormError = 0.02;    // of a quaternion, as ITP's receivers allow (reliability.md 2.2)
+constexpr double kNormError = 0.02;    // of a quaternion, as ITP's receivers allow (sources.md 2.2)
 constexpr double kLeastRatio = 0.001;  // below it a move takes hours
 
 // A set point farther than this from what the arm's mapping made of it was not taken: a limit, or a fault on the way.

@@ -23,7 +23,7 @@ FileDescriptor openSocket(int type) noexcept;
 /** Sets an integer option. @return false if refused. */
 bool setOption(int fd, int level, int option, int value) noexcept;
 
-/** Prompt sending, and a dead peer noticed within about 3 s (reliability.md 2.2, rule 11). */
+/** Prompt sending, and a dead peer noticed within about 3 s (sources.md 2.2). */
 void tuneTcp(int fd) noexcept;
 
 /** Address and port the socket got. */
@@ -33,7 +33,7 @@ Endpoint localEndpoint(int fd) noexcept;
  * signal. */
 short waitFor(int fd, short events, int timeout_ms) noexcept;
 
-/** [bytes] of each TCP buffer: small, so that what is in flight is fresh (reliability.md 2.2, rule 11). */
+/** [bytes] of each TCP buffer: small, so that what is in flight is fresh (sources.md 2.2). */
 constexpr int kTcpBuffer = 32 * 1024;
 
 }  // namespace raven2_trainer::net

@@ -43,8 +43,7 @@ enum class DryFriction {
  *  - Coulomb friction as a bounded row (no chatter, real sticking), only where it is not zero;
  *  - the stops of hinges: those of ODE's own hinge end at +-pi, the tool roll goes further.
  *
- * Rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent, performance.md
- * section 0). Real-time safe after construction.
+ * Rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent, sources.md 1.1). Real-time safe after construction.
  */
 class ArmBodies {
  public:

@@ -11,7 +11,7 @@ namespace raven2_trainer::physics {
 dBodyID createBody(dWorldID world, const model::Inertial& inertial);
 
 /** A shape of a body, or of a fixed part where `body` is null, in no space. @param[in] X_OS Shape in the body (centre
- *  of mass, axes of its link), or in W. Null for a mesh: those are for drawing only (performance.md 1.5, 2.1). */
+ *  of mass, axes of its link), or in W. Null for a mesh: those are for drawing only (sources.md 1.2). */
 Geom createGeom(const model::CollisionShape& shape, const Pose& X_OS, dBodyID body);
 
 }  // namespace raven2_trainer::physics

@@ -14,7 +14,7 @@ namespace raven2_trainer::physics {
  * Contact points of one step, sorted by pair of bodies, and the choice of at most four a pair.
  *
  * dWorldStep is cubic in its rows: all contacts of a ring on a floor cost 455 us a step, four a pair 13 us
- * (performance.md 1.1). The deepest point is kept, then each time the one farthest from those kept: four corners
+ * (sources.md 1.2). The deepest point is kept, then each time the one farthest from those kept: four corners
  * hold a body as well as forty points do. Fixed size, no allocation; what does not fit drops the shallowest point.
  */
 class ContactSet {

@@ -28,7 +28,7 @@ bool isFinite(const dReal* values, int count) noexcept {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
-/** ODE collides meshes incompletely, and not at all from two threads (performance.md section 0). */
+/** ODE collides meshes incompletely, and not at all from two threads (sources.md 1.2). */
 void checkShapes(const model::Description& description, const model::Link& link) {
   const auto is_mesh = [](const model::CollisionShape& shape) { return shape.kind == model::ShapeKind::kMesh; };
   if (link.collisions.empty() || !std::all_of(link.collisions.begin(), link.collisions.end(), is_mesh)) return;

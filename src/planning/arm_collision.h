@@ -15,7 +15,7 @@ namespace raven2_trainer::planning {
 
 /**
  * A shape for FCL with a capsule around it. The distance of two capsules is a formula 10 to 20 times faster than FCL's
- * iteration (performance.md 2.1): it settles capsules and spheres, and rules out most pairs with a box.
+ * iteration (sources.md 1.4): it settles capsules and spheres, and rules out most pairs with a box.
  */
 class Body {
  public:

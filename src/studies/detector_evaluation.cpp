@@ -13,7 +13,7 @@ namespace {
 using StudyScenario = StudyFault::Scenario;
 using Run = std::vector<TrialTick>;
 
-// The grids of the authors' generate_mfi2.py (hazards.md 4, rows 34 to 36).
+// The grids of the authors' generate_mfi2.py (sources.md 4.1).
 constexpr std::array<double, 6> kDistances{350, 700, 1500, 3000, 6000, 9000};                  // [um]
 constexpr std::array<double, 8> kAdded{100, 1000, 2000, 5000, 10000, 100000, 400000, 800000};  // [counts]
 constexpr std::array<Tick, 8> kLengths{1, 2, 4, 8, 16, 32, 64, 128};                           // [packets, ms]

@@ -6,7 +6,7 @@
 namespace raven2_trainer::wire {
 namespace {
 
-constexpr double kUnpinAfter = 0.5;  // [s] a silent master may be replaced by another (reliability.md 2.2, rule 3)
+constexpr double kUnpinAfter = 0.5;  // [s] a silent master may be replaced by another (sources.md 2.2)
 constexpr double kHelloRate = 20.0;  // [1/s] a master asks once a second, at most ten times
 constexpr std::int32_t kHelloBurst = 10;
 

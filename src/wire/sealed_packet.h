@@ -19,7 +19,7 @@ struct PacketKind {
   std::uint16_t size{};  ///< [bytes] of the whole
 };
 
-/** Norms of a quaternion that a packet may have (reliability.md 2.2, rule 5). */
+/** Norms of a quaternion that a packet may have (sources.md 2.2). */
 constexpr double kQuaternionNormMin = 0.98, kQuaternionNormMax = 1.02;
 
 constexpr std::size_t kPacketHead = 8;  ///< [bytes]

@@ -37,7 +37,7 @@ class TcpServer {
  public:
   static constexpr std::size_t kMaxClients = 4;
   static constexpr std::size_t kQueueFrames = 32;
-  static constexpr std::int64_t kStallNs = 2'000'000'000;  ///< [ns] as TCP_USER_TIMEOUT (reliability.md 2.2, rule 11)
+  static constexpr std::int64_t kStallNs = 2'000'000'000;  ///< [ns] as TCP_USER_TIMEOUT (sources.md 2.2)
   static constexpr std::int64_t kYieldNs = 250'000'000;    ///< [ns] a reader that waits so long may lose its place
   // Ten a second (rule 10) would keep a good reader out for seconds behind a crowd on its own host; a hundred, of some
   // 50 us each, cost the robot's computer half a percent of a core.

@@ -22,8 +22,7 @@ struct ArmMotion {
  * rows, so that they differ by rounding, less than 1e-9 over seconds. For roll-outs: what an arm would do, asked beside
  * the live world and faster than real time.
  *
- * Has its own threading implementation and solver memory, so that worlds in several threads do not meet (performance.md
- * 1.5). Not thread-safe: one thread at a time, which must have called attachOdeToThread().
+ * Has its own threading implementation and solver memory, so that worlds in several threads do not meet (sources.md 1.3). Not thread-safe: one thread at a time, which must have called attachOdeToThread().
  */
 class ArmWorld {
  public:

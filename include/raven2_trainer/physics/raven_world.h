@@ -18,7 +18,7 @@ namespace raven2_trainer::physics {
 /**
  * Both arms of the nominal model and the training scene as one ODE world (double precision, dWorldStep, 1 ms).
  *
- * Traps of ODE 0.16.2 met here, all measured (performance.md section 0): its slider rate is wrong on a rotating
+ * Traps of ODE 0.16.2 met here, all measured (sources.md 1.1): its slider rate is wrong on a rotating
  * parent, so joint rates are computed from the bodies; each world has its own threading implementation, or two
  * worlds crash; capsule-trimesh contacts are incomplete, so collisions use primitives only, and a link that collides by
  * meshes only is refused; contacts are reduced to four a body pair; friction is bounded by the normal forces of the

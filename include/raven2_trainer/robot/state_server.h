@@ -29,7 +29,7 @@ namespace raven2_trainer::robot {
  */
 class StateServer {
  public:
-  static constexpr std::int64_t kFrameDeadlineNs = 500'000'000;  ///< [ns] reliability.md 2.2, rule 10
+  static constexpr std::int64_t kFrameDeadlineNs = 500'000'000;  ///< [ns] sources.md 2.2
 
   /** @throw NetworkException. */
   StateServer(const std::string& bind_address, std::uint16_t port, bool is_virtual);

@@ -39,7 +39,7 @@ Learned learnDetector(const TrainerConfig& config, const LearnOptions& options, 
 /** config/detector.yaml as text. @param[in] source how it came about, for the comment. */
 std::string detectorYaml(const Learned& learned, const std::string& source);
 
-/** A fault of the two grids of DSN 2016 (hazards.md 4, rows 34 to 36), on the gold arm. */
+/** A fault of the two grids of DSN 2016 (sources.md 4.1), on the gold arm. */
 struct StudyFault {
   enum class Scenario : std::uint8_t { kInputs, kTorque };
   Scenario scenario{Scenario::kInputs};

@@ -42,7 +42,7 @@ struct Touches {
   Tick ticks{};           ///< [1 ms] with at least one, pauses in it included
 };
 
-constexpr Tick kTouchGap = 100;       ///< [ms] shorter pauses belong to one touch (field.md 5.4)
+constexpr Tick kTouchGap = 100;       ///< [ms] shorter pauses belong to one touch (sources.md 3.4)
 constexpr double kTouchForce = 0.05;  ///< [N] less is no touch; ours: six times the weight of the ring (0.82 g)
 
 /** Distribution of a force over the ticks that had any. */

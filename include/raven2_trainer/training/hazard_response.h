@@ -10,7 +10,7 @@
 #include "raven2_trainer/haptics/perception.h"
 #include "raven2_trainer/training/contact_tally.h"
 
-// What a surgeon could notice of a hazard, and did about it. Ours (field.md 5.4, "reaction time to hazard"); thresholds
+// What a surgeon could notice of a hazard, and did about it. Ours (sources.md 3.4, "reaction time to hazard"); thresholds
 // and sources in doc/scores.md.
 
 namespace raven2_trainer::training {

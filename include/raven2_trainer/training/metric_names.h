@@ -9,7 +9,7 @@
 
 namespace raven2_trainer {
 
-/** As the industry groups them (field.md 5.4). */
+/** As the industry groups them (sources.md 3.4). */
 enum class MetricGroup : std::uint8_t { kEfficiency, kSafety, kControl };
 constexpr std::array<const char*, 3> kMetricGroupNames{"efficiency", "safety", "control"};
 

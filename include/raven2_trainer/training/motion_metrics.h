@@ -18,7 +18,7 @@ namespace raven2_trainer::training {
 
 constexpr Tick kSampleTicks = 10;         ///< [1 ms] that one sample is the mean of
 constexpr double kSampleRate = 100.0;     ///< [Hz]
-constexpr double kActiveSpeed = 0.001;    ///< [m/s] of a tip; slower is idle (field.md 5.4)
+constexpr double kActiveSpeed = 0.001;    ///< [m/s] of a tip; slower is idle (sources.md 3.4)
 constexpr double kStrokeSpeed = 0.005;    ///< [m/s] of a tip; ours
 constexpr std::size_t kStrokeLeast = 30;  ///< [samples] 0.3 s; shorter is no stroke; ours
 

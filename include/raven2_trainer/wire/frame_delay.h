@@ -6,7 +6,7 @@ namespace raven2_trainer::wire {
 
 /**
  * How long each frame of a peer was on its way, although the two clocks have nothing in common: its receipt by our
- * clock less its stamp by the peer's, above the smallest such difference of late (reliability.md 2.2, rule 12). So a
+ * clock less its stamp by the peer's, above the smallest such difference of late (sources.md 2.2). So a
  * frame that waited in some buffer is known to be old when it comes out.
  *
  * The smallest difference is kept over the last 5 to 10 s of the *peer's* clock: a silence wears it out only by its

@@ -8,7 +8,7 @@
 #include "raven2_trainer/wire/itp_key.h"
 
 // Signed ITP: a packet of 124 bytes and a trailer of 32. An unmodified Raven reads 124 bytes and uses them; a receiver
-// with the key knows who sent them, and when. Bytes and handshake: doc/wire.md. Reasons: reliability.md 2.4.
+// with the key knows who sent them, and when. Bytes and handshake: doc/wire.md.
 
 namespace raven2_trainer::wire {
 

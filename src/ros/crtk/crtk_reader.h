@@ -19,7 +19,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** [-] Of a quaternion's length from 1, as ITP's receivers allow (reliability.md 2.2). */
+/** [-] Of a quaternion's length from 1, as ITP's receivers allow (sources.md 2.2). */
 constexpr double kUnitTolerance = 0.02;
 
 /** Names of ServoJoints in CRTK's joint states. */

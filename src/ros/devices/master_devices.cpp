@@ -38,7 +38,7 @@ constexpr std::uint32_t kNewestPose = 1;  // [messages] poses: an old one is wor
 constexpr std::uint32_t kEvents = 100;    // [messages] each press of a button counts
 constexpr double kSettle = 2.0;           // [s] connections are made in
 constexpr double kForceNewsPeriod = 0.1;  // [s] who reads forces is looked at
-constexpr auto kForceLifetime = 50ms;     // a force not renewed is gone, as at the console (reliability.md 2.2)
+constexpr auto kForceLifetime = 50ms;     // a force not renewed is gone, as at the console (sources.md 2.2)
 constexpr int kGoodbyes = 5;              // messages of no force at the end, 5 ms apart
 constexpr int kMostGoodbyes = 50;         // the same to a hand that goes on: 250 ms of the Supervisor's 400
 

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (reliability.md, D6, D7)
+constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (sources.md 2.3)
 constexpr auto kGoodbye = 2s;              // at most for a goodbye, to a master that answers
 constexpr double kGoodbyePatience = 0.25;  // [s] longer nobody who leaves waits for an answer
 constexpr std::size_t kStack = 8U << 20U;  // roscpp's threads inherit nothing from it, its calls are deep
@@ -98,7 +98,7 @@ struct Supervisor::Impl {
   }
 
   /** As long as the master answers: on a busy computer, taking a node's topics back takes longer than one that hangs
-   *  may hold the program up (reliability.md, D5). */
+   *  may hold the program up (sources.md 2.3). */
   bool waitForEnd() {
     const auto latest = std::chrono::steady_clock::now() + kGoodbye;
     bool answers = true;

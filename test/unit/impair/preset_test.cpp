@@ -1,4 +1,4 @@
-// The presets do what their files say: published means and shares (hazards.md, rows 42 to 46), an hour of each.
+// The presets do what their files say: published means and shares (sources.md 4.2), an hour of each.
 
 #include <gtest/gtest.h>
 

@@ -230,7 +230,7 @@ double clearance(const model::CollisionShape& capsule, const Pose& X_WC, const m
 }
 
 TEST(Shapes, TheShaftMeetsTheDomeFromEverySide) {
-  // GIVEN the shipped robot and scene; ODE's own capsule against a mesh would miss a quarter (performance.md 2.1)
+  // GIVEN the shipped robot and scene; ODE's own capsule against a mesh would miss a quarter (sources.md 1.2)
   const TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
   const model::RavenModel raven = model::loadRavenModel(config);
   const model::SceneModel scene = model::loadSceneModel(config);

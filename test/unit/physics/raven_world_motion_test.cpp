@@ -178,7 +178,7 @@ TEST(RavenWorldMotion, StandsStillUnderGravityTorque) {
 
 TEST(RavenWorldMotion, InsertionRateIsTheDerivativeOfItsPositionWhileTheParentTurns) {
   // GIVEN shoulder and elbow swinging fast while the tool slides: here dJointGetSliderPositionRate is wrong by
-  // w x (p1 - p2), about 0.1 m/s (performance.md section 0, finding 2)
+  // w x (p1 - p2), about 0.1 m/s (sources.md 1.1)
   const model::RavenModel raven = makeRaven();
   RavenWorld world(raven, makeEmptyScene(), modelConfig());
   world.setJointState(Arm::kGold, raven.arms.geometry.home, {1.0, -1.2, 0.05, 0.5, 0.1, 0.0, 0.0});

@@ -2,7 +2,7 @@
 #include "support/effort.h"
 
 // Ten attacks on teleoperation (Bonaci et al. 2015; Alemzadeh et al. 2016; figures of the Raven's own rules:
-// reliability.md 2.1), each against the Raven's rules, the hardened plain ingest and the signed one. The attacker reads
+// sources.md 2.1), each against the Raven's rules, the hardened plain ingest and the signed one. The attacker reads
 // the wire and sends from `source`; he has not the key.
 
 namespace raven2_trainer::wire {
@@ -150,7 +150,7 @@ struct Row {
 };
 
 constexpr int kAll = kPackets;
-// compat: reliability.md 2.1 where it has the figure. Forged with the number `+ 999`: 1000 packets ignored. Hijack:
+// compat: sources.md 2.1 where it has the figure. Forged with the number `+ 999`: 1000 packets ignored. Hijack:
 // 3000 of 3000. A replay is taken as a new numbering; the surgeon's next packet is then a gap, dropped, and so on.
 const Row kRows[] = {
     {"forge", forgeOne<0>, false, {kAll - 1, 1}, {kAll - 1, 1}, {kAll, 0}},

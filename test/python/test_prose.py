@@ -1,0 +1,65 @@
+"""How the project is written (scripts/check_prose): words of the list, long sentences, reading ease; the drawing of the README."""
+
+import pathlib
+import re
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CHECK = ROOT / "scripts/check_prose"
+MOST_WORDS = 46000  # words of prose on all pages, as --table counts them
+
+
+def check(*arguments):
+    return subprocess.run([CHECK, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False)
+
+
+def test_pages_and_sources_are_plain():
+    result = check("--names")
+    assert (result.returncode, result.stdout) == (0, "")
+
+
+def test_the_pages_do_not_grow():
+    words = re.search(r"^all pages +(\d+) words", check("--table", *sorted(ROOT.glob("doc/**/*.md")), ROOT / "README.md").stdout, re.M)
+    assert int(words.group(1)) <= MOST_WORDS
+
+
+@pytest.mark.parametrize("text, found", [
+    ("The robot is told to stop.", "told"),
+    ("A number that is none comes.", "number that is"),
+    ("It stands beside the console.", "stand"),
+    ("What the masters moved moves nothing.", "name the thing"),
+    ("Each page begins " + "with a word and " * 12 + "ends.", "sentence of"),
+    ("Incomprehensibility notwithstanding, organisational responsibilities necessitate administrative documentation.", "reading ease"),
+])
+def test_what_is_not_plain_is_found(tmp_path, text, found):
+    page = tmp_path / "page.md"
+    page.write_text(text + "\n")
+    result = check(page)
+    assert result.returncode == 1 and found in result.stdout
+
+
+@pytest.mark.parametrize("text", ["`told` and `stands` are keys.", "```bash\ntold anew\n```", "What is a drill? A hazard.",
+                                  "ITP stands for a packet of hand motion."])
+def test_what_is_plain_passes(tmp_path, text):
+    page = tmp_path / "page.md"
+    page.write_text(text + " It is short. So is this.\n")
+    assert check(page).stdout == ""
+
+
+def test_comments_messages_and_names_of_sources_are_read(tmp_path):
+    source = tmp_path / "a.cpp"
+    source.write_text('// It is told.\nint is_told = 0;  /* anew */\nconst char* text = "beside";\n')
+    lines = check("--names", source).stdout.splitlines()
+    assert [re.search(r"a.cpp:(\d+): (name|'\w+')", line).groups() for line in lines] == [
+        ("1", "'told'"), ("2", "'anew'"), ("3", "'beside'"), ("2", "name")]
+
+
+def test_each_exception_has_a_reason():
+    for line in (ROOT / "test/python/prose_allowed.txt").read_text(encoding="utf-8").splitlines():
+        assert line.startswith("#") or len(line.split(" | ")) == 3, line
+
+
+def test_the_drawing_is_what_its_script_draws():
+    assert subprocess.run([ROOT / "scripts/make_drawing", "--check"], check=False, timeout=60).returncode == 0
