@@ -39,6 +39,8 @@ class Station:
         client.send({"t": "hello", "role": client.role, "number": client.number})
         if client.role == "instructor":
             client.send({"t": "library", **self.known.describe(), "trainees": self.records.trainees()})
+        else:
+            client.send({"t": "library", "steps": {e["name"]: e["steps"] for e in self.known.exercises}})
         for kind in ("mode", "exercise", "plan", "session"):
             if kind in self.newest:
                 client.send(self._for(client, self.newest[kind]))

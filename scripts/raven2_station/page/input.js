@@ -1,7 +1,7 @@
 // Mouse, keyboard and gamepad as two hands. Motion is of the device [m, rad], in the axes of config/masters/browser.yaml:
 // x right, y forward, z up. The picture is the endoscope's, looking forward and down.
 
-const M_PER_PIXEL = 0.0006;    // [m] of the device: the tool moves a tenth of it
+const M_PER_PIXEL = 0.001;     // [m] of the device: the tool moves a tenth of it
 const M_PER_NOTCH = 0.012;     // [m] of the device, a notch of the wheel along the view
 const RAD_PER_PIXEL = 0.004;
 const RAD_PER_NOTCH = 0.12;

@@ -11,6 +11,7 @@ const keys = loadKeys();
 const hands = new Hands(screen, keys);
 let station = { phase: "idle" };
 let me = null;
+let steps = {};
 let drives = false;
 let mode = "";
 let lastPicture = 0;
@@ -19,10 +20,11 @@ let wasDown = false;
 
 const link = new Link("trainee", {
   hello: (m) => { me = m.number; },
+  library: (m) => { steps = m.steps; },
   mode: showMode,
   health: showHealth,
   station: showStation,
-  exercise: (m) => showTask(m, []),
+  exercise: (m) => showTask(m, steps[m.exercise] || []),
   strips: showForce,
 }, (_, blob) => { lastPicture = performance.now(); picture.show(blob); }, (isOpen) => {
   if (!isOpen) {
@@ -110,8 +112,9 @@ byId("drive").addEventListener("click", async () => {
     return;
   }
   const reply = await link.ask("drive");
-  byId("said").textContent = reply.text;
+  showStation(station);
   if (reply.ok) screen.focus();
+  else byId("said").textContent = reply.text;
 });
 
 screen.addEventListener("click", () => {

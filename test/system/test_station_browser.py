@@ -1,0 +1,180 @@
+"""The station's pages in a real Chromium, with real mouse and key events (doc/station.md: data-test names)."""
+
+import os
+import shutil
+import tempfile
+import time
+
+import pytest
+from stack import wait_until
+from station_rig import Station
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="python3-selenium is not installed")
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.support.ui import Select  # noqa: E402
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="chromium or chromium-driver is not installed")
+QUIET = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage")
+
+
+class Browser:
+    """One window of Chromium. Elements by their data-test names."""
+
+    def __init__(self, url):
+        self._profile = tempfile.TemporaryDirectory(prefix="raven2_chromium_")
+        options = webdriver.ChromeOptions()
+        options.binary_location = CHROMIUM
+        for word in (*QUIET, f"--user-data-dir={self._profile.name}"):
+            options.add_argument(word)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+        self.driver.set_window_size(1280, 1000)
+        self.url = url
+
+    def open(self, path="/"):
+        self.driver.get(self.url + path)
+        self.until(lambda: "Connecting" not in self.text("health"), 10, "the page is connected")
+
+    def __getitem__(self, name):
+        return self.driver.find_element(By.CSS_SELECTOR, f'[data-test="{name}"]')
+
+    def text(self, name):
+        return self[name].text
+
+    def choose(self, **choices):
+        for name, value in choices.items():
+            element = self[name]
+            if element.tag_name == "select":
+                Select(element).select_by_value(value)
+            else:
+                element.clear()
+                element.send_keys(value)
+
+    def click(self, name):
+        """Where it can be seen, as a person would."""
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[name])
+        self[name].click()
+
+    def until(self, condition, seconds, what):
+        try:
+            wait_until(condition, seconds, what)
+        except AssertionError:
+            raise AssertionError(f"{what}: {self.driver.find_element(By.TAG_NAME, 'body').text}") from None
+
+    def errors(self):
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+
+    def close(self):
+        self.driver.quit()
+        self._profile.cleanup()
+
+
+@pytest.fixture(scope="module")
+def station():
+    with Station() as started:
+        yield started
+
+
+@pytest.fixture
+def browser(station):
+    window = Browser(station.url)
+    yield window
+    wrong = window.errors()
+    window.close()
+    assert wrong == []
+
+
+def end(browser):
+    browser.click("stop")
+    browser.until(lambda: browser.text("mode") == "No session", 20, "the session has ended")
+
+
+def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
+    browser.open()
+    for trainee in ("ann", "bea"):
+        browser.choose(exercise="pick_hand_over_place", hazard="sudden_jump", when="instructor", driver="expert", trainee=trainee)
+        browser.click("start")
+        browser.until(lambda: browser.text("mode").startswith("The hands move"), 25, "the expert moves")
+        browser.until(lambda: int(browser["picture"].get_attribute("data-frames") or 0) > 20, 10, "pictures come")
+        browser.until(lambda: "running" in browser.text("task"), 20, "the exercise runs")
+        browser.click("inject")
+        browser.until(lambda: "acts" in browser.text("said"), 1, "the hazard acts")
+        browser.until(lambda: browser["health"].get_attribute("data-level") is not None, 1, "health")
+        browser.click("emergency-stop")
+        browser.until(lambda: browser.text("mode").startswith("STOPPED"), 2, "stopped")
+        end(browser)
+        browser.until(lambda: browser.text("verdict").startswith("Not"), 60, "the verdict")
+        assert browser["report"].get_attribute("href").endswith("/report.html")
+    browser.click("tab-class")
+    browser.until(lambda: "bea" in browser.text("class-table"), 5, "the class")
+    rows = browser.text("class-table").splitlines()
+    assert [row.split()[0] for row in rows[1:]] == ["ann", "bea"]
+    browser.click("tab-sessions")
+    browser.until(lambda: browser.text("session-table").count("_ann") == 1, 5, "the sessions")
+    browser.click("delete")
+    browser.until(lambda: browser["sure-yes"].is_displayed(), 2, "a question")
+    browser.click("sure-no")
+    assert len([n for n in os.listdir(station.sessions) if n.endswith(("_ann", "_bea"))]) == 2
+
+
+def tip(station):
+    """[m] of the gold arm's tip in the world, from the daemon's own topic."""
+    text = station.master.run("rostopic", "echo", "-n", "1", "-p", "/arm1/measured_cp", seconds=20).stdout.splitlines()
+    values = dict(zip(text[0].split(","), text[1].split(",")))
+    return [float(values[f"field.pose.position.{axis}"]) for axis in "xyz"]
+
+
+def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser):
+    browser.open()
+    browser.choose(exercise="pick_hand_over_place", hazard="none", driver="browser", trainee="")
+    browser.click("start")
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
+    driver = browser.driver
+    driver.switch_to.new_window("window")
+    browser.open("/trainee")
+    browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+    browser.click("drive")
+    browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
+    before = tip(station)
+    picture = driver.find_element(By.ID, "screen")
+    ActionChains(driver).move_to_element(picture).click().perform()
+    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is the page's")
+    time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
+    ActionChains(driver).key_down(Keys.SPACE).perform()
+    browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the pedal engages")
+    for _ in range(30):
+        ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
+    time.sleep(1.0)
+    after = tip(station)
+    moved = [1e3 * (a - b) for a, b in zip(after, before)]
+    assert moved[1] < -5.0 and abs(moved[0]) < 3.0 and abs(moved[2]) < 3.0, f"right is -y of the world: {moved} mm"
+    driver.switch_to.new_window("tab")  # hides the page
+    driver.switch_to.window(driver.window_handles[0])
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
+    end(browser)
+
+
+@pytest.mark.parametrize("width", [1280, 820, 420])
+@pytest.mark.parametrize("path", ["/", "/trainee"])
+def test_pages_fit_their_window(browser, path, width):
+    browser.open(path)
+    browser.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+    time.sleep(0.3)
+    assert browser.driver.execute_script("return document.documentElement.scrollWidth") <= width
+    for element in browser.driver.find_elements(By.CSS_SELECTOR, "button, input, select"):
+        label = element.accessible_name
+        assert label or not element.is_displayed(), element.get_attribute("outerHTML")
+
+
+def test_the_keyboard_alone_is_enough(browser):
+    browser.open()
+    seen = set()
+    for _ in range(45):
+        ActionChains(browser.driver).send_keys(Keys.TAB).perform()
+        seen.add(browser.driver.switch_to.active_element.get_attribute("data-test"))
+    assert {"emergency-stop", "trainee", "exercise", "hazard", "driver", "start", "tab-class", "tab-sessions"} <= seen
