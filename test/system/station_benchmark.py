@@ -1,0 +1,167 @@
+#!/usr/bin/python3
+"""Figures of the station (doc/station.md), measured with real programs and a real Chromium.
+
+    test/system/station_benchmark.py latency [--samples N]     # hand to picture: from a mouse event to the frame that shows the motion
+    test/system/station_benchmark.py load [--seconds S]        # processor time of the station with an instructor's and a trainee's page
+    test/system/station_benchmark.py watchers [--runs N] [--seconds S]   # on-time ratio of the 1 kHz loops with and without ten watchers
+
+Needs the built programs, chromium, chromium-driver and python3-selenium. Exit status: 0 measured, 1 not.
+"""
+
+import argparse
+import asyncio
+import json
+import os
+import statistics
+import sys
+import time
+
+import psutil
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from station_rig import Page, Station  # noqa: E402
+from test_station_browser import ActionChains, Browser, By, Keys, Select  # noqa: E402
+
+# Right of the status text, where nothing moves unless an arm does. @return a number that changes with the picture.
+PRINT = """
+const canvas = document.querySelector('[data-test="picture"]');
+const w = canvas.width, h = canvas.height;
+const data = canvas.getContext("2d").getImageData(Math.floor(w * 0.36), Math.floor(h * 0.3), Math.floor(w * 0.6), Math.floor(h * 0.65)).data;
+let sum = 0;
+for (let i = 0; i < data.length; i += 16) sum = (sum * 31 + data[i]) % 1000000007;
+return sum;
+"""
+WATCH = """
+const done = arguments[arguments.length - 1];
+const print = () => { %s };
+const before = print();
+let begun = null;
+const screen = document.getElementById("screen");
+screen.addEventListener("mousemove", () => { if (begun === null) begun = performance.now(); }, { once: true });
+window.latency = null;
+const look = () => {
+  if (begun !== null && print() !== before) { window.latency = performance.now() - begun; return; }
+  requestAnimationFrame(look);
+};
+requestAnimationFrame(look);
+done(before);
+""" % PRINT
+
+
+def start_browser_session(browser):
+    browser.open()
+    Select(browser["exercise"]).select_by_value("none")
+    browser.choose(hazard="none", driver="browser")
+    browser.click("start")
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
+    browser.driver.switch_to.new_window("window")
+    browser.open("/trainee")
+    browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+    browser.click("drive")
+    time.sleep(0.3)
+    ActionChains(browser.driver).move_to_element(browser.driver.find_element(By.ID, "screen")).click().perform()
+    time.sleep(0.5)
+    ActionChains(browser.driver).key_down(Keys.SPACE).perform()
+    browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the pedal engages")
+
+
+def still(browser):
+    """Until the arms rest: the picture is the same for half a second."""
+    last, since = None, time.monotonic()
+    while time.monotonic() - since < 0.5:
+        now = browser.driver.execute_script(PRINT)
+        if now != last:
+            last, since = now, time.monotonic()
+        time.sleep(0.05)
+
+
+def latency(options):
+    found = []
+    with Station() as station:
+        browser = Browser(station.url)
+        start_browser_session(browser)
+        for i in range(options.samples):
+            still(browser)
+            browser.driver.execute_async_script(WATCH)
+            ActionChains(browser.driver, duration=0).move_by_offset(30 if i % 2 == 0 else -30, 0).perform()
+            end = time.monotonic() + 2
+            value = None
+            while value is None and time.monotonic() < end:
+                value = browser.driver.execute_script("return window.latency")
+            if value is not None:
+                found.append(value)
+            print(f"{i + 1}/{options.samples}: {value and round(value)} ms", file=sys.stderr, flush=True)
+        browser.close()
+    found.sort()
+    print(json.dumps({"samples": len(found), "median_ms": round(statistics.median(found), 1),
+                      "p95_ms": round(found[int(0.95 * (len(found) - 1))], 1), "largest_ms": round(found[-1], 1)}))
+
+
+def processes_of(station):
+    parent = psutil.Process(station.process.pid)
+    return [parent, *[p for p in parent.children(recursive=True) if "ros_side" in " ".join(p.cmdline())]]
+
+
+def load(options):
+    with Station() as station:
+        browser = Browser(station.url)
+        start_browser_session(browser)
+        ours = processes_of(station)
+        before = [sum(p.cpu_times()[:2]) for p in ours]
+        begun = time.monotonic()
+        while time.monotonic() - begun < options.seconds:
+            ActionChains(browser.driver, duration=20).move_by_offset(4, 0).move_by_offset(-4, 0).perform()
+        spent, wall = [sum(p.cpu_times()[:2]) - b for p, b in zip(ours, before)], time.monotonic() - begun
+        browser.close()
+    print(json.dumps({"server_share": round(spent[0] / wall, 3), "ros_side_share": round(sum(spent[1:]) / wall, 3),
+                      "together": round(sum(spent) / wall, 3)}))
+
+
+def on_time(directory):
+    with open(os.path.join(directory, "metrics.json"), encoding="utf-8") as file:
+        timing = json.load(file)["timing"]
+    return min(loop["on_time"] for name, loop in timing.items() if name in ("physics", "haptic"))
+
+
+async def watched(station, watchers, seconds):
+    pages = [Page(station.url, "trainee") for _ in range(watchers)]
+    async with Page(station.url) as page:
+        answer = await page.ask("start", exercise="none", hazard="none", driver="scripted")
+        assert answer["ok"], answer
+        for each in pages:
+            await each.__aenter__()
+        await asyncio.sleep(seconds)
+        pictures = [each.pictures / seconds for each in pages]
+        for each in pages:
+            await each.__aexit__()
+        await page.ask("stop")
+        await page.until(lambda: page.phase() == "idle", 20, "the session has ended")
+    return on_time(answer["more"]), (min(pictures) if pictures else None)
+
+
+def watchers(options):
+    shares = {0: [], 10: []}
+    with Station() as station:
+        for run in range(2 * options.runs):
+            count = 10 * (run % 2)
+            share, rate = asyncio.run(watched(station, count, options.seconds))
+            shares[count].append(share)
+            print(f"{run + 1}/{2 * options.runs}: {count} watchers, on time {share:.5f}, pictures {rate}", file=sys.stderr, flush=True)
+    print(json.dumps({"without": statistics.median(shares[0]), "with_ten": statistics.median(shares[10])}))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    kinds = parser.add_subparsers(required=True)
+    for name, function in (("latency", latency), ("load", load), ("watchers", watchers)):
+        kind = kinds.add_parser(name)
+        kind.set_defaults(run=function)
+        kind.add_argument("--samples", type=int, default=40)
+        kind.add_argument("--runs", type=int, default=4)
+        kind.add_argument("--seconds", type=float, default=60.0 if name == "watchers" else 20.0)
+    options = parser.parse_args()
+    options.run(options)
+
+
+if __name__ == "__main__":
+    main()
