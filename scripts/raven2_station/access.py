@@ -1,4 +1,4 @@
-"""Who may use the pages: cookies, passwords, origins."""
+"""Access to the pages: cookies, passwords, origins."""
 
 import base64
 import hashlib
@@ -109,6 +109,6 @@ def same_origin(origin, host):
 
 
 def is_local_name(host):
-    """Against DNS rebinding: on loopback the browser must have been told localhost."""
+    """Against DNS rebinding: on loopback the address must be localhost."""
     name = host.rsplit(":", 1)[0].strip("[]") if not host.endswith("]") else host.strip("[]")
     return name in LOCAL_NAMES

@@ -1,4 +1,4 @@
-"""What follows a session: the report, and the video when somebody asks for it. One program at a time, at the lowest priority."""
+"""Work after a session: the report, and the video on request. One program at a time, at the lowest priority."""
 
 import asyncio
 import re

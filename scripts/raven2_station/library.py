@@ -36,7 +36,7 @@ class Library:
                         if name != "browser"]
 
     def describe(self):
-        """What the page gets once."""
+        """The choices, for the page."""
         return {"exercises": self.exercises, "hazards": self.hazards, "links": self.links, "curricula": self.curricula,
                 "masters": self.masters}
 

@@ -77,7 +77,7 @@ class RosLink:
             self._changed()
 
     def send(self, message):
-        """@return whether it was sent. Messages are small; a link that takes none is as good as gone."""
+        """@return whether it was sent. Messages are small: a link that does not take one counts as gone."""
         if self._connection is None or not self.is_up:
             return False
         try:

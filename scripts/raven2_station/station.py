@@ -1,4 +1,4 @@
-"""What the station knows and does: it joins the pages, the link to ROS, the programs and the sessions. No HTTP here."""
+"""The state of the station and its actions. Joins the pages, the link to ROS, the programs and the sessions. No HTTP here."""
 
 import asyncio
 import collections
@@ -281,7 +281,7 @@ class Station:
     # ---- the clock
 
     async def run(self):
-        """For ever: hands that are silent, health, the station's own status on /diagnostics."""
+        """For ever: lifts the pedal of a silent page, watches health, publishes the station's status on /diagnostics."""
         while True:
             await asyncio.sleep(TICK)
             self.tick(time.monotonic())

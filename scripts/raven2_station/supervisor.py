@@ -1,7 +1,7 @@
 """The programs of an attempt: virtual Raven, console, bad link and daemon. Starts, ends and adopts them.
 
-The programs outlive the station: a station that was killed finds them again by the file `processes.json` (process numbers with
-the time at which each began, so that a number that was given to another process since is not taken for ours).
+The programs outlive the station. A station that was killed finds them again by the file `processes.json`. The file has process numbers
+and start times, so that a number of another process is not mistaken for ours.
 """
 
 import asyncio
@@ -45,7 +45,7 @@ def free_port(kind, preferred, taken):
 
 
 class Choice:
-    """What the instructor chose, checked against the library."""
+    """The instructor's choice, checked against the library."""
 
     FIELDS = ("trainee", "curriculum", "exercise", "hazard", "when", "link", "driver", "seed")
 

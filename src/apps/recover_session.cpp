@@ -24,7 +24,7 @@ int recover(const std::string& directory) {
     std::fprintf(stderr, "%s: nothing to recover: it ended cleanly, or was recovered before\n", directory.c_str());
     return 0;
   }
-  return raven2_trainer::recording::recoverAndTell(paths, {}) ? 0 : 1;
+  return raven2_trainer::recording::recoverAndReport(paths, {}) ? 0 : 1;
 }
 
 }  // namespace

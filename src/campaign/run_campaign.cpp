@@ -99,7 +99,7 @@ class Group {
     if (stop != kNever) throw Exception(which + " stops after " + std::to_string(stop) + " ticks, without a fault");
   }
 
-  /** In a child of its own. */
+  /** In its own child. */
   void inject(const CampaignRun& run, std::uint8_t* result) {
     Comparison comparison(campaign_.limits);
     comparison.add(golden_.at(now_), sampleOf(config_.arms, stack_));

@@ -8,7 +8,7 @@
 namespace raven2_trainer::config {
 namespace {
 
-/** A name that ROS takes below any namespace; the nodes of other programs have theirs beside it. */
+/** A name that ROS takes below any namespace; the nodes of other programs have theirs next to it. */
 std::string readNamespace(Section& root, const std::string& key) {
   const std::string name = root.text(key);
   const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '/'; };

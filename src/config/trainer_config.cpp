@@ -22,7 +22,7 @@ TrainerConfig::operator faults::FaultLibrary() const {
   return {scenarios, injection, hazard, drill, exercise.drill, seed};
 }
 
-TrainerConfig::operator console::HandsConfig() const {
+TrainerConfig::operator console::SurgeonConfig() const {
   return {console, arms, exercise, roles, exercise_name, seed};
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMicrometresPerMetre = 1e6;
 constexpr double kMilliradiansPerRadian = 1e3;
 constexpr double kMaxForce = 20.0;   ///< [N] far above any such device (the Omni's peak is 3.3 N): what came is broken
-constexpr int kSightLifetime = 500;  ///< [ticks] after so long without a picture their numbers may start anew
+constexpr int kSightLifetime = 500;  ///< [ticks] after so long without a picture their numbers may start again
 constexpr int kForceLifetime = 50;   ///< [ticks] a force not renewed is gone (sources.md 2.2)
 
 /** Whether a number is to be taken after the newest one, which still counts. */

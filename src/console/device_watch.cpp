@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/console/device_surgeon.h"
 
 namespace raven2_trainer::console {
 namespace {
@@ -82,7 +82,7 @@ DeviceFinding DeviceWatch::judgePlace(const Vector3& p, double elapsed) const no
   return {};
 }
 
-/** A jump counts as the new place, so that it is told once; not for the range, which a glitch must not widen. */
+/** A jump counts as the new place, so that it is reported once; not for the range, which a glitch must not widen. */
 void DeviceWatch::keep(const DeviceSample& sample) noexcept {
   const Vector3 p = config_.metres_per_unit * toEigen(sample.position);
   const bool has_changed = has_place_ && (p != p_ || sample.orientation != q_);

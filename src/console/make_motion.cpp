@@ -15,30 +15,30 @@ bool startsWith(const std::string& text, const std::string& beginning) noexcept 
   return text.compare(0, beginning.size(), beginning) == 0;
 }
 
-std::string clumsyHandsOf(const Exercise& exercise) {
+std::string clumsySurgeonOf(const Exercise& exercise) {
   std::string names;
   for (const ClumsyHand& hand : exercise.clumsy)
     names += (names.empty() ? "" : ", ") + hand.name;
   return names.empty() ? "none" : names;
 }
 
-void demandExpert(const HandsConfig& config, const std::string& motion) {
+void demandExpert(const SurgeonConfig& config, const std::string& motion) {
   if (config.exercise_name == "none")
     throw ConfigException("motion is \"" + motion + "\", which needs an exercise (--exercise)");
   if (config.exercise.expert.empty())
     throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name + " has no expert");
 }
 
-void demandClumsy(const HandsConfig& config, const std::string& motion) {
+void demandClumsy(const SurgeonConfig& config, const std::string& motion) {
   const std::string name = motion.substr(kClumsy.size());
   for (const ClumsyHand& hand : config.exercise.clumsy) {
     if (hand.name == name) return;
   }
   throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name +
-                        " has no such clumsy hand; those it has: " + clumsyHandsOf(config.exercise));
+                        " has no such clumsy hand; those it has: " + clumsySurgeonOf(config.exercise));
 }
 
-std::unique_ptr<MotionSource> makeSurgeon(const HandsConfig& config, const std::string& motion, TruthLog* truth) {
+std::unique_ptr<MotionSource> makeSurgeon(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {
   demandExpert(config, motion);
   std::vector<Verb> verbs = verbsOf(config.exercise, config.roles);
   Skill skill;
@@ -50,7 +50,7 @@ std::unique_ptr<MotionSource> makeSurgeon(const HandsConfig& config, const std::
   return makeExpert(config.console, config.arms, config.roles, verbs, skill, config.seed, truth);
 }
 
-std::unique_ptr<MotionSource> makeHands(const HandsConfig& config, const std::string& motion, TruthLog* truth) {
+std::unique_ptr<MotionSource> makeHands(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {
   if (motion == "scripted") return makeScripted(config.console, config.arms, config.seed);
   if (startsWith(motion, kRecording)) {
     return makeRecorded(config.console, config.arms, loadRecording(motion.substr(kRecording.size())));
@@ -58,12 +58,12 @@ std::unique_ptr<MotionSource> makeHands(const HandsConfig& config, const std::st
   if (doesExercise(motion)) return makeSurgeon(config, motion, truth);
   throw ConfigException("motion is \"" + motion +
                         "\", expected scripted, recording:FILE, expert or clumsy:NAME (clumsy hands of exercise " +
-                        config.exercise_name + ": " + clumsyHandsOf(config.exercise) + ")");
+                        config.exercise_name + ": " + clumsySurgeonOf(config.exercise) + ")");
 }
 
 }  // namespace
 
-std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config, const MotionChoice& choice, TruthLog* truth) {
+std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const MotionChoice& choice, TruthLog* truth) {
   std::unique_ptr<MotionSource> hands = makeHands(config, choice.motion, truth);
   if (!choice.reaction) return hands;
   Reaction reaction;
@@ -71,7 +71,7 @@ std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config, const Motion
   return makeReacting(std::move(hands), reaction, truth);
 }
 
-std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config, const std::string& motion) {
+std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const std::string& motion) {
   return makeMotion(config, MotionChoice{motion, {}});
 }
 

@@ -63,7 +63,7 @@ class ScriptedSource : public MotionSource {
   }
 
   void startStroke(Tick now) {
-    chooseHands();
+    chooseSurgeon();
     Tick longest = 0;
     forMoving([&longest](ScriptedHand& hand) { longest = std::max(longest, hand.planStroke()); });
     if (!fits(now, longest)) {
@@ -89,7 +89,7 @@ class ScriptedSource : public MotionSource {
     next_clutch_ = now + toTicks(config_.clutch_every * random_.uniform(1.0 - kClutchSpread, 1.0 + kClutchSpread));
   }
 
-  void chooseHands() {
+  void chooseSurgeon() {
     turn_ = turn_ == Arm::kGold ? Arm::kGreen : Arm::kGold;
     const bool together = random_.uniform(0.0, 1.0) < kBothHands;
     for (const Arm arm : kArms)

@@ -52,7 +52,7 @@ void ConsoleRunner::send(std::int64_t now_ns) noexcept {
   if (!told) return;
   if (must_sign_ || to_daemon_.isSigning()) pedals_refused_.store(true, std::memory_order_relaxed);
   const wire::PedalBytes bytes = wire::encodePedals(*told);
-  to_daemon_.sendBeside(bytes.data(), bytes.size());
+  to_daemon_.sendPedals(bytes.data(), bytes.size());
 }
 
 void ConsoleRunner::receiveForces() noexcept {

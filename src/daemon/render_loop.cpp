@@ -151,11 +151,11 @@ void RenderLoop::frame() {
  * what thirty take, and a black one nothing of those that will be seen again. */
 void RenderLoop::adapt(double busy, bool is_measure) {
   const double scale = pace_.level().scale;
-  tell(is_measure && pace_.add(busy));
+  reportPace(is_measure && pace_.add(busy));
   if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }
 
-void RenderLoop::tell(bool has_changed) {
+void RenderLoop::reportPace(bool has_changed) {
   told_.fps = pace_.level().fps;
   told_.width = scaled(config_.render.live_width, pace_.level().scale);
   told_.height = scaled(config_.render.live_height, pace_.level().scale);

@@ -139,7 +139,7 @@ struct Simulator::Impl {
       return threads::ThreadOptions{name, ThreadConfig{0, -1}, config.runtime.background_nice, kBackgroundStack};
     };
     recorder.takeMemory();
-    // Not nice: beside other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
+    // Not nice: next to other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
     recorder_thread.start({"recorder", ThreadConfig{0, -1}},
                           every(config.runtime.recorder_period, [this] { recorder.drain(net::monotonicNow()); }));
     if (sight_sender)
@@ -190,7 +190,7 @@ struct Simulator::Impl {
     const std::string parent = own.parent_path().parent_path().string();
     for (const std::string& directory : session::findUnfinishedSessions(parent, kRecoverNewest)) {
       if (stopping()) return;
-      recording::recoverAndTell({directory}, [this] { return stopping(); });
+      recording::recoverAndReport({directory}, [this] { return stopping(); });
     }
   }
 

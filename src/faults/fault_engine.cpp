@@ -93,11 +93,11 @@ void FaultEngine::takeOver(const FaultPlan& plan) noexcept {
     goes_on[was] = true;
   }
   for (std::size_t i = 0; armed_ && i < old.count; ++i) {
-    if (former[i].active && !goes_on[i]) tell(old.faults[i], old.session, false);
+    if (former[i].active && !goes_on[i]) report(old.faults[i], old.session, false);
   }
 }
 
-/** Whether anything may act; what was acting when that changes is told. */
+/** Whether anything may act; what was acting when that changes is reported. */
 void FaultEngine::rearm() noexcept {
   const Fault* const rows = plan_.faults.data();
   const bool has_any = std::any_of(rows, rows + plan_.count, [this](const Fault& f) { return f.host == host_; });
@@ -105,7 +105,7 @@ void FaultEngine::rearm() noexcept {
   if (arms == armed_) return;
   armed_ = arms;
   for (std::size_t i = 0; i < plan_.count; ++i) {
-    if (progress_[i].active) tell(plan_.faults[i], plan_.session, arms);
+    if (progress_[i].active) report(plan_.faults[i], plan_.session, arms);
     for (Element& element : progress_[i].elements) {
       element.seen = false;  // values of before are of no account now
       element.of = -1;
@@ -113,10 +113,10 @@ void FaultEngine::rearm() noexcept {
   }
 }
 
-void FaultEngine::tell(const Fault& fault, std::uint32_t session, bool acts) noexcept {
+void FaultEngine::report(const Fault& fault, std::uint32_t session, bool acts) noexcept {
   if (fault.host != host_) return;
   ++number_;
-  if (changes_begun_ - changes_told_ == kMaxChanges) return;
+  if (changes_begun_ - changes_published_ == kMaxChanges) return;
   FaultChange change;
   change.number = number_;
   change.session = session;
@@ -129,9 +129,9 @@ void FaultEngine::tell(const Fault& fault, std::uint32_t session, bool acts) noe
 }
 
 bool FaultEngine::nextChange(FaultChange* change) noexcept {
-  if (changes_told_ == changes_begun_) return false;
-  *change = changes_[changes_told_ % kMaxChanges];
-  ++changes_told_;
+  if (changes_published_ == changes_begun_) return false;
+  *change = changes_[changes_published_ % kMaxChanges];
+  ++changes_published_;
   return true;
 }
 
@@ -185,7 +185,7 @@ void FaultEngine::advance(const Fault& fault, Progress* progress, bool may_start
   progress->active = true;
   progress->age = 0;
   ++progress->activations;
-  if (armed_) tell(fault, plan_.session, true);
+  if (armed_) report(fault, plan_.session, true);
 }
 
 /** One that began late and ran over its next time does not come again at once. */
@@ -194,7 +194,7 @@ void FaultEngine::end(const Fault& fault, Progress* progress) noexcept {
   const std::int64_t missed = progress->clock - progress->next;
   if (fault.period_ticks > 0 && missed > 0)
     progress->next += (missed + fault.period_ticks - 1) / fault.period_ticks * fault.period_ticks;
-  if (armed_) tell(fault, plan_.session, false);
+  if (armed_) report(fault, plan_.session, false);
 }
 
 bool FaultEngine::concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept {

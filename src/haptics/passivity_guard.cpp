@@ -74,10 +74,10 @@ void PassivityGuard::given(const Vector3d& force, bool is_asked) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis)
     forces_[axis][newest_] = forces_[axis][newest_ + kSlots] = force[static_cast<Eigen::Index>(axis)];
   silence_ = acts ? 0 : silence_ + 1;
-  if (silence_ >= rest_ticks_) startAnew();
+  if (silence_ >= rest_ticks_) startAgain();
 }
 
-void PassivityGuard::startAnew() noexcept {
+void PassivityGuard::startAgain() noexcept {
   for (auto& axis : forces_)
     axis.fill(0.0);
   work_.fill(0.0);

@@ -29,7 +29,7 @@ std::int64_t OutageClock::cutUntil(std::int64_t now_ns) noexcept {
 
 std::int64_t OutageClock::drawLength() noexcept {
   const double length = random_.uniform(static_cast<double>(cuts_.shortest_ns), static_cast<double>(cuts_.longest_ns));
-  return std::max<std::int64_t>(std::llround(length), 1);  // never none at all: the loop above must come to an end
+  return std::max<std::int64_t>(std::llround(length), 1);  // never none: the loop above must come to an end
 }
 
 }  // namespace raven2_trainer::impair

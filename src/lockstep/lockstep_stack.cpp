@@ -131,13 +131,13 @@ struct LockstepStack::Impl {
     relay_channel.flush(now_ns, send);
     shared->relay_network.store(relay_channel.counts());
     plant.step(software.cycle(plant.read()));
-    tellFaultChanges();
+    publishFaultChanges();
     receiveFaultPlan();
     returnState();
   }
 
   /** Ahead of the state, and before the next plan: of the cycle that was. */
-  void tellFaultChanges() {
+  void publishFaultChanges() {
     FaultChange change;
     while (software.nextFaultChange(&change)) {
       const std::size_t size = wire::encodeFaultChange(++frame_sequence, change, buffer.data());

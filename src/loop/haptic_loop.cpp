@@ -105,7 +105,7 @@ void HapticLoop::accountCue(Arm arm, const HapticState& state) noexcept {
   haptics::PassivityGuard& guard = at(cue_guards_, arm);
   if (at(guards_, arm).isResting()) {
     at(fixture_limiters_, arm).resume(Vector3::Zero());
-    if (!guard.isResting()) guard.startAnew();
+    if (!guard.isResting()) guard.startAgain();
     return;
   }
   Vector3 cue_B = toEigen(at(state.force_B, arm)) - at(fixture_limiters_, arm).force();

@@ -44,25 +44,25 @@ void LoopFaults::publish(Tick tick, DaemonFaults* state) noexcept {
   for (const faults::FaultEngine* engine : engines()) {
     if (state->active == 0) state->active = engine->activeId();
   }
-  tellChanges(tick);
+  publishChanges(tick);
   shared_.master_faults.store(master_stream.counts());
   shared_.relay_faults.store(relay_stream.counts());
 }
 
-void LoopFaults::tellChanges(Tick tick) noexcept {
+void LoopFaults::publishChanges(Tick tick) noexcept {
   FaultChange change;
   while (shared_.fault_changes.tryPop(&change))
     shared_.change_records.tryPush({tick, change});
-  std::uint64_t untold = 0;
+  std::uint64_t unreported = 0;
   for (faults::FaultEngine* engine : engines()) {
     while (engine->nextChange(&change)) {
       change.cycle = static_cast<std::uint64_t>(tick);
       shared_.change_records.tryPush({tick, change});
     }
-    untold += engine->changesUntold();
+    unreported += engine->changesUntold();
   }
-  if (untold > untold_) shared_.fault_changes_untold.add(untold - untold_);
-  untold_ = untold;
+  if (unreported > unreported_) shared_.fault_changes_unreported.add(unreported - unreported_);
+  unreported_ = unreported;
 }
 
 }  // namespace raven2_trainer::loop

@@ -26,12 +26,12 @@ class LoopFaults {
   void publish(Tick tick, DaemonFaults* state) noexcept;
 
  private:
-  void tellChanges(Tick tick) noexcept;
+  void publishChanges(Tick tick) noexcept;
   std::array<faults::FaultEngine*, 3> engines() noexcept { return {&relay, &master, &console}; }
 
   SharedState& shared_;
   std::uint64_t generation_{~std::uint64_t{0}};  ///< of the plan in force
-  std::uint64_t untold_{0};
+  std::uint64_t unreported_{0};
 };
 
 }  // namespace raven2_trainer::loop

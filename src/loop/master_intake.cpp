@@ -25,7 +25,7 @@ Quat unitOrNone(const Quat& q) noexcept {
 
 }  // namespace
 
-MasterIntake::MasterIntake(LoopFaults* faults, ServoDesk* servo, Stage* stage) noexcept
+MasterIntake::MasterIntake(LoopFaults* faults, ServoManager* servo, Stage* stage) noexcept
     : faults_(*faults),
       servo_(*servo),
       stage_(*stage),
@@ -120,7 +120,7 @@ void MasterIntake::take(const MasterCommand& command) noexcept {
   silent_ticks_ = 0;
   Increments& total = stage_.increments;
   ++total.commands;
-  if (!stage_.pedal.is_down && stage_.mode() != Mode::kCameraMoving) return;  // the camera has a pedal of its own
+  if (!stage_.pedal.is_down && stage_.mode() != Mode::kCameraMoving) return;  // the camera has its own pedal
   for (const Arm arm : kArms) {
     at(total.dp_I, arm) = sum(at(total.dp_I, arm), at(command.dp_I, arm));
     at(total.dq_I, arm) = product(at(command.dq_I, arm), at(total.dq_I, arm));

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "loop/loop_faults.h"
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 #include "loop/stage.h"
 
 namespace raven2_trainer::loop {
@@ -10,7 +10,7 @@ namespace raven2_trainer::loop {
  * through what faults do to them on the way. One thread; real-time safe. */
 class MasterIntake {
  public:
-  MasterIntake(LoopFaults* faults, ServoDesk* servo, Stage* stage) noexcept;
+  MasterIntake(LoopFaults* faults, ServoManager* servo, Stage* stage) noexcept;
 
   /** Once a tick. @param[in] may_teleoperate a pedal-down leads to teleoperation, now or once the robot is ready. */
   void tick(bool may_teleoperate) noexcept;
@@ -25,7 +25,7 @@ class MasterIntake {
   bool fits(const MasterCommand& command) const noexcept;
 
   LoopFaults& faults_;
-  ServoDesk& servo_;
+  ServoManager& servo_;
   Stage& stage_;
   Tick silent_ticks_{0};  ///< since the last command
   Tick silence_limit_;

@@ -57,14 +57,14 @@ Reject PedalGate::check(std::uint32_t sequence, std::int64_t now_ns) const noexc
 
 PedalRequests PedalGate::take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept {
   if (check(pedals.sequence, now_ns) != Reject::kNone) return {};
-  if (order_.check(pedals.sequence) != Reject::kNone) beginAnew(pedals.sequence);
+  if (order_.check(pedals.sequence) != Reject::kNone) beginAgain(pedals.sequence);
   is_heard_ = true;
   heard_ns_ = now_ns;
   return change(pedals.held, mode, view);
 }
 
 /** Another master, or the same one, restarted. */
-void PedalGate::beginAnew(std::uint32_t sequence) noexcept {
+void PedalGate::beginAgain(std::uint32_t sequence) noexcept {
   held_ = 0;
   order_.reset();
   order_.check(sequence);

@@ -3,11 +3,11 @@
 #include <atomic>
 
 #include "loop/activity/activities.h"
-#include "loop/exercise_desk.h"
+#include "loop/exercise_runner.h"
 #include "loop/loop_faults.h"
 #include "loop/master_intake.h"
 #include "loop/robot_relay.h"
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 #include "loop/stage.h"
 #include "raven2_trainer/loop/contact_records.h"
 
@@ -43,11 +43,11 @@ struct PhysicsLoop::Parts {
   SharedState& shared;
   Stage stage;
   LoopFaults faults;
-  ServoDesk servo;
+  ServoManager servo;
   MasterIntake intake;
   Activities activities;
   RobotRelay relay;
-  ExerciseDesk exercise;
+  ExerciseRunner exercise;
   ContactList contacts{};
   std::uint32_t tool_changes{0};
   bool slipped{false};  ///< since the last tick
@@ -73,7 +73,7 @@ void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   p.activities.takePlans();
   p.activities.supervise();
   p.activities.watchPedal();
-  // where the arms shall be, the model follows, the robot is told
+  // where the arms shall be, the model follows, the robot is reported
   p.stage.state.commands_used = 0;
   p.activities.tick();
   p.activities.move();
@@ -186,7 +186,7 @@ void PhysicsLoop::Parts::describe(std::int64_t now_ns) noexcept {
   state.linked = stage.robot.isLed() ? 1 : 0;
   faults.corruptConsole(faultCycle(), &state.faults);
   faults.publish(state.tick, &state.faults);
-  const bool touches = traitsOf(state.mode).world != WorldMotion::kStands;
+  const bool touches = traitsOf(state.mode).world != WorldMotion::kStill;
   for (const Arm arm : kArms)
     stage.arms.describe(arm, touches, &at(state.arms, arm));
   stage.arms.world().bodyPoses(&state.bodies);
@@ -198,7 +198,7 @@ void PhysicsLoop::Parts::describe(std::int64_t now_ns) noexcept {
 void PhysicsLoop::Parts::listContacts() noexcept {
   contacts.count = 0;
   contacts.dropped = 0;
-  if (traitsOf(stage.mode()).world != WorldMotion::kStands)
+  if (traitsOf(stage.mode()).world != WorldMotion::kStill)
     stage.arms.world().contactList(&contacts);  // else those of the last step are long past
   contacts.tick = stage.state.tick;
 }

@@ -10,7 +10,7 @@ void RobotRelay::tick() noexcept {
   if (robot.isHeard() && !is_in_step_) sequence_ = robot.state().last_sequence;
   is_in_step_ = robot.isHeard();
   if (!robot.wasHeard()) return;
-  RelayPacket packet;  // a robot whose state no longer reaches us is told pedal-up: its last word must not be "down"
+  RelayPacket packet;  // a robot whose state no longer reaches us is sent pedal-up: its last word must not be "down"
   packet.tick = stage_.thisTick();
   packet.command.sequence = ++sequence_;
   if (robot.isLed()) {

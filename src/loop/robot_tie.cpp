@@ -27,7 +27,7 @@ void RobotTie::hear(const StateCell<RobotState>& newest, std::int64_t now_ns) no
 void RobotTie::listen() noexcept {
   const bool is_new = robot_.cycle < heard_cycle_;
   const bool has_changed = robot_.last_sequence != heard_sequence_;
-  tells_sequence_ = !is_new && (tells_sequence_ || (has_changed && heard_cycle_ > 0));
+  reports_sequence_ = !is_new && (reports_sequence_ || (has_changed && heard_cycle_ > 0));
   if (is_new || has_changed) {
     heard_sequence_ = robot_.last_sequence;
     heard_cycle_ = robot_.cycle;
@@ -37,7 +37,7 @@ void RobotTie::listen() noexcept {
 
 /** Packets go to the robot in every tick, also with the pedal up. */
 bool RobotTie::isDeaf() const noexcept {
-  return tells_sequence_ && robot_.cycle - heard_cycle_ > kDeafCycles;
+  return reports_sequence_ && robot_.cycle - heard_cycle_ > kDeafCycles;
 }
 
 void RobotTie::forgetOld() noexcept {

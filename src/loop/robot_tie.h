@@ -22,7 +22,7 @@ class RobotTie {
   void hear(const StateCell<RobotState>& newest, std::int64_t now_ns) noexcept;
   /** Once a tick, behind hear(): whether it hears us. */
   void listen() noexcept;
-  /** A robot that went away, started anew or is not homed is another robot: nothing known of the old one holds. */
+  /** A robot that went away, started again or is not homed is another robot: nothing known of the old one holds. */
   void forgetOld() noexcept;
   /** @return whether it is homed and disengaged, and was not before. */
   bool becomesReady() noexcept;
@@ -73,7 +73,7 @@ class RobotTie {
   bool was_there_{false};
   bool is_linked_{false};
   bool is_unheard_{false};
-  bool tells_sequence_{false};       ///< the last sequence that this robot reports has changed once: some report none
+  bool reports_sequence_{false};     ///< the last sequence that this robot reports has changed once: some report none
   std::uint32_t heard_sequence_{0};  ///< the newest that it reported
   std::uint64_t heard_cycle_{0};     ///< its cycle in which it did first
   std::uint64_t last_cycle_{0};

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 #include "raven2_trainer/control/servo_forces.h"
 
 // Forces that CRTK clients ask for.
@@ -28,7 +28,7 @@ bool areFinite(const std::array<double, 6>& numbers, double jaw) noexcept {
 
 }  // namespace
 
-ServoVerdict ServoDesk::takeForce(const ServoCommand& command) noexcept {
+ServoVerdict ServoManager::takeForce(const ServoCommand& command) noexcept {
   Push& push = at(pushes_, command.arm);
   Effort effort = push.wanted;
   if (command.kind == ServoKind::kServoJawForce) {
@@ -52,7 +52,7 @@ ServoVerdict ServoDesk::takeForce(const ServoCommand& command) noexcept {
 }
 
 /** Within what the joints' own controllers may use. */
-ServoVerdict ServoDesk::checkForce(const ServoCommand& command, const Effort& effort) const noexcept {
+ServoVerdict ServoManager::checkForce(const ServoCommand& command, const Effort& effort) const noexcept {
   if (!areFinite(effort.numbers, effort.jaw)) return {ServoRefusal::kNotFinite};
   constexpr auto kJaws = static_cast<std::uint8_t>(kServoJointCount);
   if (command.kind == ServoKind::kServoJawForce) {
@@ -70,7 +70,7 @@ ServoVerdict ServoDesk::checkForce(const ServoCommand& command, const Effort& ef
   return {};
 }
 
-ServoVerdict ServoDesk::setWeight(const ServoCommand& command) noexcept {
+ServoVerdict ServoManager::setWeight(const ServoCommand& command) noexcept {
   if (stand_.robot_there) return {ServoRefusal::kHasRobot};
   Push& push = at(pushes_, command.arm);
   push.wanted.has_weight = command.number == 0.0;
@@ -78,15 +78,15 @@ ServoVerdict ServoDesk::setWeight(const ServoCommand& command) noexcept {
   return {};
 }
 
-void ServoDesk::endPush(Arm arm) noexcept {
+void ServoManager::endPush(Arm arm) noexcept {
   Push& push = at(pushes_, arm);
   push.has_changed = push.has_changed || push.wanted.isAny();
   push.wanted.kind = EffortKind::kNone;
   push.wanted.has_jaw = false;
 }
 
-/** A client that falls silent pushes no longer, and beside a robot that has come nobody does. */
-void ServoDesk::stepPushes() noexcept {
+/** A client that falls silent pushes no longer, and next to a robot that has come nobody does. */
+void ServoManager::stepPushes() noexcept {
   for (const Arm arm : kArms) {
     if (stand_.robot_there) endPush(arm);
     Push& push = at(pushes_, arm);
@@ -102,7 +102,7 @@ void ServoDesk::stepPushes() noexcept {
 }
 
 /** A force that is asked for with the pedal-down waits until the model takes it. */
-bool ServoDesk::nextEffort(Request* request) noexcept {
+bool ServoManager::nextEffort(Request* request) noexcept {
   for (const Arm arm : kArms) {
     Push& push = at(pushes_, arm);
     const bool waits = push.wanted.isAny() && stand_.mode != Mode::kTeleoperating;

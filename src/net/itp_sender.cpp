@@ -30,7 +30,7 @@ bool ItpSender::send(const wire::ItpPacket& packet, std::int64_t now_ns) noexcep
   return !isSilent() && socket_.send(plain.data(), plain.size());
 }
 
-bool ItpSender::sendBeside(const std::uint8_t* bytes, std::size_t size) noexcept {
+bool ItpSender::sendPedals(const std::uint8_t* bytes, std::size_t size) noexcept {
   return !isSilent() && socket_.send(bytes, size);
 }
 

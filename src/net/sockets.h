@@ -29,7 +29,7 @@ void tuneTcp(int fd) noexcept;
 /** Address and port the socket got. */
 Endpoint localEndpoint(int fd) noexcept;
 
-/** Waits at most `timeout_ms` (negative: not at all) for `events`. @return the events that came; 0 after the time or a
+/** Waits at most `timeout_ms` (negative: not) for `events`. @return the events that came; 0 after the time or a
  * signal. */
 short waitFor(int fd, short events, int timeout_ms) noexcept;
 

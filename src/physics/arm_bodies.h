@@ -21,7 +21,7 @@ struct Excess {
 
 /** What dry friction is in a joint's row of ODE's equations. */
 enum class DryFriction {
-  kRow,       ///< a bounded row of its own: ODE finds out whether it holds. Dear: a row more, and bounds
+  kRow,       ///< its own bounded row: ODE finds out whether it holds. Dear: a row more, and bounds
   kHolds,     ///< a damper up to the creep rate, part of the rotor's row
   kForward,   ///< constant, against positive motion
   kBackward,  ///< constant, against negative motion
@@ -35,7 +35,7 @@ enum class DryFriction {
  * taken off the joint torques; ODE's solution for the mean acceleration a with rotors, contacts, stops and friction;
  * and what changes within the step corrected (correct()), fourth order in h. doc/model.md, Dynamics.
  *
- * Each robot joint is an ODE hinge or slider, and beside it an ODE motor joint along the same axis that adds
+ * Each robot joint is an ODE hinge or slider, and next to it an ODE motor joint along the same axis that adds
  *  - rotor inertia and viscous friction as one implicit row: the motor's velocity equation J v + cfm lambda = target,
  *    with 1 / cfm = I/h + b t and target / cfm = (I/h - b (1 - t)) dq, says
  *    lambda = -I (dq' - dq) / h - b (t dq' + (1 - t) dq), t from 1/2 (second order) to 1 (implicit) so that a decay
@@ -43,7 +43,8 @@ enum class DryFriction {
  *  - Coulomb friction as a bounded row (no chatter, real sticking), only where it is not zero;
  *  - the stops of hinges: those of ODE's own hinge end at +-pi, the tool roll goes further.
  *
- * Rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent, sources.md 1.1). Real-time safe after construction.
+ * Rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent, sources.md 1.1).
+ * Real-time safe after construction.
  */
 class ArmBodies {
  public:

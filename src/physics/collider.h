@@ -29,7 +29,7 @@ struct Wrench {
  *
  * An arm meets the scene, its free bodies and the other arm; nothing meets its own arm (the jaws' stop against each
  * other is a joint, jaw_stop.h). The pairs of links that may meet are listed once; boxes around links, then around
- * shapes, rule most of them out, and what stands still is boxed once. No ODE space: they build their lists anew each
+ * shapes, rule most of them out, and what stands still is boxed once. No ODE space: they build their lists again each
  * step, and some allocate (sources.md 1.2). Real-time safe after construction.
  */
 class Collider {

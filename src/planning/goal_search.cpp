@@ -67,7 +67,7 @@ bool bringTip(const ArmGeometry& geometry, Arm arm, const Vector3& p_BT, JointAr
   return false;
 }
 
-/** One question. Each list is empty, or cut short, once it is told to stop. */
+/** One question. Each list is empty, or cut short, once it is asked to stop. */
 struct GoalSearch {
   const ArmGeometry& geometry;
   const Arm arm;
@@ -123,7 +123,7 @@ std::optional<std::vector<Candidate>> GoalSearch::byJoints() const {
   return found;
 }
 
-/** kNoPath if it is told to stop. */
+/** kNoPath if it is asked to stop. */
 GoalChoice GoalSearch::nearestFree(std::optional<std::vector<Candidate>> candidates) const {
   if (!candidates) return {PlanStatus::kNoPath, {}};
   if (candidates->empty()) return {PlanStatus::kGoalUnreachable, {}};

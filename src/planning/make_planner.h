@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::planning {
 
-/** What OMPL's planners are told. */
+/** What OMPL's planners are reported. */
 struct StockSettings {
   std::uint32_t samples{};     ///< of FMT
   double radius_multiplier{};  ///< of FMT
@@ -19,7 +19,7 @@ struct StockSettings {
 /**
  * One of OMPL's own planners on the problem, set up: FMT, RRTstar, PRMstar, BITstar, ABITstar, RRTConnect. Its
  * generators are seeded; as they draw their seeds from one generator of the process, the same seed gives the same path
- * only where no other thread makes planners meanwhile. PRMstar looks for its path in a thread of its own: its paths
+ * only where no other thread makes planners meanwhile. PRMstar looks for its path in its own thread: its paths
  * differ from run to run.
  * @throw std::invalid_argument for another name.
  */

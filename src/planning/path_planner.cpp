@@ -12,7 +12,7 @@
 namespace raven2_trainer::planning {
 namespace {
 
-/** [m] how far the least distance of a followed path is told. */
+/** [m] how far the least distance of a followed path is reported. */
 constexpr double kFollowedRange = 0.05;
 
 void reset(PlanProgress* progress) {
@@ -56,7 +56,7 @@ bool takesSamples(const std::string& planner) {
   return planner == "FMTstar" || planner == "FMT";
 }
 
-bool tellsSamples(const std::string& planner) {
+bool reportsSamples(const std::string& planner) {
   return planner == "FMTstar";
 }
 
@@ -85,21 +85,21 @@ struct PathPlanner::SceneCache {
         gold(makeDesk(raven, obstacles, config, model, cancel, Arm::kGold)),
         green(makeDesk(raven, obstacles, config, model, cancel, Arm::kGreen)) {
     // From now on the desks stay where they are.
-    for (ArmDesk* desk : {&gold, &green}) {
+    for (ArmServo* desk : {&gold, &green}) {
       if (desk->roll_out == nullptr) continue;
       ArmChecks* checks = &desk->checks;
       desk->roll_out->useClearance([checks](const JointArray& q) { return checks->clearance(q, kFollowedRange); });
     }
   }
 
-  ArmDesk makeDesk(const model::RavenModel& raven,
-                   const SceneObstacles& obstacles,
-                   const PlannerConfig& config,
-                   const ModelConfig* model,
-                   const std::atomic<bool>& cancel,
-                   Arm arm) const {
+  ArmServo makeDesk(const model::RavenModel& raven,
+                    const SceneObstacles& obstacles,
+                    const PlannerConfig& config,
+                    const ModelConfig* model,
+                    const std::atomic<bool>& cancel,
+                    Arm arm) const {
     const Poll poll = [&cancel] { giveUpIf(cancel); };
-    ArmDesk desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step, poll), nullptr};
+    ArmServo desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step, poll), nullptr};
     poll();
     if (model != nullptr) desk.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
     desk.free_volume = estimateVolume(raven.arms.geometry, config, cancel, &desk.checks);
@@ -121,7 +121,7 @@ struct PathPlanner::SceneCache {
   }
 
   const DistanceGrid grid;
-  ArmDesk gold, green;
+  ArmServo gold, green;
 };
 
 struct PathPlanner::Impl {
@@ -201,7 +201,7 @@ PlanResult PathPlanner::plan(const PlanRequest& request,
                              const std::atomic<bool>& cancel,
                              const PlanOptions& options,
                              PlanStatistics* statistics) {
-  const bool repeats = !lockstep || options.planner != "PRMstar";  // it searches in a thread of its own
+  const bool repeats = !lockstep || options.planner != "PRMstar";  // it searches in its own thread
   SceneCache* cache = repeats && areSound(options) ? impl_->tryToPrepare(cancel) : nullptr;
   if (cache == nullptr) return failure(request, cancel);
   const Clock::time_point begin = Clock::now();

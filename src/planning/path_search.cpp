@@ -41,7 +41,7 @@ SearchOutcome searchByFmtStar(const SearchOrder& order) {
   return outcome;
 }
 
-/** One of OMPL's planners, begun anew after each refusal. */
+/** One of OMPL's planners, begun again after each refusal. */
 class StockSearch {
  public:
   explicit StockSearch(const SearchOrder& order) : order_(order), problem_(order.task) {

@@ -129,7 +129,7 @@ std::shared_ptr<const MotionCost> PlanRun::makeCost(double eta_clearance) const 
 
 SearchOrder PlanRun::order() {
   const PlanOptions& o = set_.options;
-  ArmDesk& own = desk(arm_);
+  ArmServo& own = desk(arm_);
   SearchOrder order;
   order.task.start = start_;
   order.task.goal = goal_;
@@ -156,7 +156,7 @@ void PlanRun::search(PlanResult* result) {
   cost_ = makeCost(set_.options.eta_clearance);
   const SearchOutcome outcome = searchPath(order());
   record(outcome);
-  // A path longer than a PlanResult holds counts as none: what the arm may not be told, it cannot follow.
+  // A path longer than a PlanResult holds counts as none: what the arm may not be reported, it cannot follow.
   const bool too_long = kept_.size() > kMaxWaypoints;
   result->status = outcome.status == PlanStatus::kSuccess && too_long ? PlanStatus::kNoPath : outcome.status;
 }

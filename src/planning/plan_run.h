@@ -15,7 +15,7 @@
 namespace raven2_trainer::planning {
 
 /** What belongs to one arm in one scene, from plan to plan. */
-struct ArmDesk {
+struct ArmServo {
   ArmChecks checks;
   std::unique_ptr<RollOut> roll_out;  ///< nullptr: paths are not followed
   double free_volume{1.0};            ///< [-] of the unit cube, upper bound
@@ -25,7 +25,7 @@ struct ArmDesk {
 struct PlanSetting {
   const model::RavenModel& raven;
   const PlannerConfig& config;
-  PerArm<ArmDesk*> desks;
+  PerArm<ArmServo*> desks;
   const PlanRequest& request;
   const PlanOptions& options;
   std::uint64_t seed{};
@@ -48,7 +48,7 @@ class PlanRun {
   using Clock = std::chrono::steady_clock;
 
   bool isOver() const { return set_.is_cancelled() || set_.is_late(); }
-  ArmDesk& desk(Arm arm) const { return *at(set_.desks, arm); }
+  ArmServo& desk(Arm arm) const { return *at(set_.desks, arm); }
   const JointArray& startOf(Arm arm) const;
   const JointArray& otherOf(Arm arm) const;
 

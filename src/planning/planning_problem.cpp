@@ -57,7 +57,7 @@ class SeededSampler : public ob::StateSampler {
   std::atomic<std::uint64_t>* draws_;
 };
 
-/** The space of one problem. Planners take several samplers: each has a stream of its own. */
+/** The space of one problem. Planners take several samplers: each has its own stream. */
 std::shared_ptr<Space> makeSpace(std::uint64_t seed, std::atomic<std::uint64_t>* draws) {
   auto space = std::make_shared<Space>(kPlanDimension);
   space->setBounds(0.0, 1.0);

@@ -35,7 +35,7 @@ struct RollOutReport {
 
 /**
  * Connectedness by dynamics (paper, 2.3.3): one arm of the nominal model follows a path under the control law that
- * the live model follows it with, in an ODE world of its own, and each state it passes is judged.
+ * the live model follows it with, in its own ODE world, and each state it passes is judged.
  *
  * A state whose distance to everything is d is not judged again before some point of the arm can have moved by d
  * (MotionBound). The verdict is FCL's, on the shapes as they are, at each state judged. A path that begins as the one

@@ -6,7 +6,7 @@ namespace raven2_trainer::preload {
 
 constexpr std::uint8_t kPedalDown = 3;  ///< run level
 
-/** The rows of one of the two threads: each has an engine of its own. */
+/** The rows of one of the two threads: each has its own engine. */
 inline FaultPlan rowsOf(const FaultPlan& plan, bool of_network) noexcept {
   FaultPlan rows = plan;
   rows.count = 0;

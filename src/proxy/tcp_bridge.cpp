@@ -108,9 +108,9 @@ void TcpBridge::deliverTo(Connection* connection, std::size_t side) {
     log_.out(where_[side], *piece, "sent", net::monotonicNow());
   }
   flush(connection, side);
-  if (way.ended && !way.end_told && way.out.empty() && way.channel.counts().held == 0) {
+  if (way.ended && !way.end_reported && way.out.empty() && way.channel.counts().held == 0) {
     connection->sockets[1 - side].endSending();
-    way.end_told = true;
+    way.end_reported = true;
   }
 }
 
@@ -133,7 +133,7 @@ void TcpBridge::flush(Connection* connection, std::size_t side) {
 void TcpBridge::reap() {
   for (auto connection = connections_.begin(); connection != connections_.end();) {
     const auto& ways = (*connection)->ways;
-    if (!(*connection)->broken && !(ways[0].end_told && ways[1].end_told)) {
+    if (!(*connection)->broken && !(ways[0].end_reported && ways[1].end_reported)) {
       ++connection;
       continue;
     }

@@ -37,7 +37,7 @@ class TcpBridge {
     std::vector<std::uint8_t> out;  ///< left the channel, not yet taken by the system
     std::size_t sent{0};            ///< of these, taken
     bool ended{false};              ///< the source sends no more
-    bool end_told{false};
+    bool end_reported{false};
   };
   struct Connection {
     std::array<net::StreamSocket, 2> sockets;  ///< client, target

@@ -239,17 +239,17 @@ ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& 
   scored.band = loadBand(config, options);
   if (config.curriculum != "none") scored.curriculum = config::findCurriculum(config.curricula, config.curriculum);
   training::ScoreSettings settings = scoreSettings(config, session::readLogHeader(paths.log()), scored);
-  const auto giveUpIfTold = [&] {
+  const auto giveUpIfAsked = [&] {
     if (options.cancelled && options.cancelled()) throw ScoringCancelled{};
   };
   std::uint64_t ticks = 0;
   settings.on_tick = [&] {
-    if (++ticks % kAskEvery == 0) giveUpIfTold();
+    if (++ticks % kAskEvery == 0) giveUpIfAsked();
   };
   std::optional<ReferencePaths> reference;  // costs memory and time where nothing was carried
   std::size_t plans = 0;
   settings.plan = [&](const training::Transit& transit) {
-    giveUpIfTold();
+    giveUpIfAsked();
     if (++plans > kMostPlans) return std::vector<Vec3>{};
     if (!reference) reference.emplace(config);
     return reference->plan(transit);

@@ -55,7 +55,7 @@ std::vector<std::string> configurationFiles(const TrainerConfig& config) {
   return files;
 }
 
-/** A URDF that is the package's stands beside the configuration, its meshes as they do beside it. */
+/** A URDF that is the package's stands next to the configuration, its meshes as they do next to it. */
 std::map<std::string, std::string> placesOf(const TrainerConfig& config) {
   std::map<std::string, std::string> places;
   for (const auto& [urdf, place] : config.urdf_places) {
@@ -206,10 +206,10 @@ void Recorder::drain(std::int64_t now_ns) {
   if (now_ns < retry_ns_) return;
   const bool taken = tryDrain();
   if (!taken) {
-    tellRefusal();
+    reportRefusal();
     retry_ns_ = now_ns + kRetryNs;
   } else if (status_.failing != 0) {
-    tellReturn();
+    reportReturn();
   }
   if (taken && now_ns - sync_ns_ >= kSyncNs) {
     if (!log_.sync()) status_.error = log_.error();
@@ -219,7 +219,7 @@ void Recorder::drain(std::int64_t now_ns) {
   shared_.recorder.store(status_);
 }
 
-void Recorder::tellRefusal() {
+void Recorder::reportRefusal() {
   status_.error = log_.error();
   if (status_.failing == 0) {
     std::fprintf(stderr, "%s: cannot be written: %s; the session goes on, its record is tried again\n",
@@ -228,7 +228,7 @@ void Recorder::tellRefusal() {
   status_.failing = 1;
 }
 
-void Recorder::tellReturn() {
+void Recorder::reportReturn() {
   status_.failing = 0;
   retry_ns_ = 0;
   std::fprintf(stderr, "%s: written again; %llu records of this session are missing in it\n", paths_.log().c_str(),

@@ -44,7 +44,7 @@ std::string describe(const session::Recovery& done) {
 
 }  // namespace
 
-bool recoverAndTell(const session::SessionPaths& paths, const std::function<bool()>& cancelled) {
+bool recoverAndReport(const session::SessionPaths& paths, const std::function<bool()>& cancelled) {
   using session::RecoveryStatus;
   try {
     const session::Recovery done = session::recoverSession(paths, cancelled);

@@ -62,7 +62,7 @@ class OsMesa : public GlLibrary {
   }
   void destroyContext(void* context) noexcept override { destroy_(context); }
   void* current() const noexcept override { return current_(); }
-  /** OSMesa wants a picture of its own: one pixel, which nothing is drawn into. */
+  /** OSMesa wants its own picture: one pixel, which nothing is drawn into. */
   bool makeCurrent(void* context) noexcept override {
     if (context == nullptr) return make_current_(nullptr, nullptr, 0, 0, 0) != 0;
     return make_current_(context, pixel_, GL_UNSIGNED_BYTE, 1, 1) != 0;

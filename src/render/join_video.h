@@ -19,7 +19,7 @@ struct VideoPieces {
   std::string comment;              ///< and what for programs (settingsComment)
 };
 
-/** Puts the parts one behind the other, without coding them anew, with chapters, sound and metadata. The video takes
+/** Puts the parts one behind the other, without coding them again, with chapters, sound and metadata. The video takes
  * its name in one rename once it is whole. @throw RenderException. */
 void joinVideo(const VideoPieces& pieces, const std::string& path);
 

@@ -10,7 +10,7 @@ namespace raven2_trainer::render {
 using FrameDone = std::function<void()>;
 /** Draws the part of a number. */
 using DrawPart = std::function<void(std::size_t part, const FrameDone&)>;
-/** Makes a DrawPart with a renderer of its own. Called once in each process. */
+/** Makes a DrawPart with its own renderer. Called once in each process. */
 using MakeDrawPart = std::function<DrawPart()>;
 
 /** That this process may run on (sched_getaffinity); at least 1. */

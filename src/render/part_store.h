@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::render {
 
-/** Files of a folder of parts beside the parts and their drafts. */
+/** Files of a folder of parts next to the parts and their drafts. */
 struct PartFolderFiles {
   static constexpr const char* kLock = "lock";
   static constexpr const char* kList = "parts.ffconcat";

@@ -84,12 +84,12 @@ void ShadowPass::draw(const std::vector<DrawItem>& opaque,
     return std::any_of(cameras.begin(), cameras.end(),
                        [&](const model::Camera& c) { return isShadowInView(c, item.centre_W, item.radius); });
   };
-  const bool stands_still = shadow_clip_from_world == clip_from_world_;
+  const bool is_still = shadow_clip_from_world == clip_from_world_;
   clip_from_world_ = shadow_clip_from_world;
   program_.use();
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(0.5F, 2.0F);  // against self-shadowing, together with the lift of MeshPass
-  if (stands_still) {
+  if (is_still) {
     keepFixed(opaque);
     target_.beginAs(fixed_);
     drawItems(opaque, [&](const DrawItem& item) { return !item.is_fixed && isSeen(item); });

@@ -29,7 +29,7 @@ class TipTrails {
   /** @param[in] X_WB arm bases. */
   TipTrails(const ArmGeometry& geometry, const PerArm<Pose>& X_WB, const TrailConfig& config);
 
-  /** The same tick again changes nothing; an older one begins anew. */
+  /** The same tick again changes nothing; an older one begins again. */
   void follow(const Snapshot& snapshot);
 
   /** [m] [@frame W] of both arms, oldest first. */

@@ -93,7 +93,7 @@ void StateServer::receive(ClientId client, const std::uint8_t* bytes, std::size_
   if (result != wire::FrameParser::Result::kBroken) return;
   const std::uint16_t version = reader.parser.refusedVersion();
   if (version != 0) {
-    tell(wire::refusalText("reader " + toString(server_.reader(client).peer), version));
+    report(wire::refusalText("reader " + toString(server_.reader(client).peer), version));
   }
   server_.drop(client);
 }
@@ -120,13 +120,13 @@ void StateServer::refuse(ClientId client, Reader* reader, const char* why) {
   plans_refused_.fetch_add(1, std::memory_order_relaxed);
   if (reader->was_refused) return;
   reader->was_refused = true;
-  tell("fault plan of reader " + toString(server_.reader(client).peer) + " refused: " + why);
+  report("fault plan of reader " + toString(server_.reader(client).peer) + " refused: " + why);
 }
 
 /** At most a line a second, however often somebody comes and goes. */
-void StateServer::tell(const std::string& words) {
-  if (now_ns_ < may_tell_ns_) return;
-  may_tell_ns_ = now_ns_ + kTellEveryNs;
+void StateServer::report(const std::string& words) {
+  if (now_ns_ < may_publish_ns_) return;
+  may_publish_ns_ = now_ns_ + kTellEveryNs;
   std::fprintf(stderr, "%s\n", words.c_str());
 }
 
@@ -139,8 +139,8 @@ void StateServer::arm(const FaultPlan& plan) {
 void StateServer::forget(ClientId client) {
   const net::TcpServer::ReaderInfo info = server_.reader(client);
   if (info.frames.dropped > 0) {
-    tell("reader " + toString(info.peer) + (info.stalled ? " stalled" : " left") + ": " +
-         std::to_string(info.frames.pushed) + " frames, " + std::to_string(info.frames.dropped) + " dropped");
+    report("reader " + toString(info.peer) + (info.stalled ? " stalled" : " left") + ": " +
+           std::to_string(info.frames.pushed) + " frames, " + std::to_string(info.frames.dropped) + " dropped");
   }
   connected_.erase(client);
   if (plan_owner_ != client) return;

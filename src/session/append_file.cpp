@@ -48,7 +48,7 @@ bool AppendFile::resume(const std::string& path, std::uint64_t size) noexcept {
   return takeUp();
 }
 
-/** Opens the file anew and cuts off what a failed piece may have left. */
+/** Opens the file again and cuts off what a failed piece may have left. */
 bool AppendFile::takeUp() noexcept {
   if (!open(0)) return false;
   struct stat status {};

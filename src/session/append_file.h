@@ -8,7 +8,7 @@ namespace raven2_trainer::session {
 
 /**
  * A file that only grows, by whole pieces: append() writes all of a piece or leaves the file as it was. After a
- * failure the file is closed and the next append() opens it anew, so that a disk that was full, read-only or away is
+ * failure the file is closed and the next append() opens it again, so that a disk that was full, read-only or away is
  * taken up where it left off. Room for kReserve more bytes is kept allocated behind the end, so that the last piece
  * fits on a full disk (not on file systems that cannot allocate ahead).
  */

@@ -61,9 +61,9 @@ bool ReplayTimeline::next(ReplayInstant* instant) {
   });
   takeUntil(&plans_, tick, tickOf, [&](const PlanRecord& plan) { out.plans.push_back(plan.result); });
   takeUntil(&executions_, tick, tickOf, [&](const ExecutionRecord& e) { out.executions.push_back(e.report); });
-  const bool tells_events = has_given_ || from_ < 0;
+  const bool reports_events = has_given_ || from_ < 0;
   takeUntil(&events_, tick, tickOf, [&](const ExerciseRecord& event) {
-    if (tells_events || event.tick == tick) out.events.push_back(event);
+    if (reports_events || event.tick == tick) out.events.push_back(event);
   });
   has_given_ = true;
   *instant = std::move(out);

@@ -184,7 +184,7 @@ PlanTableRow tableRow(const planning::PlanOptions& options, const std::vector<co
   row.tracking_time = over(good, [](const PlanRun& run) { return run.track.duration; });
   row.waypoints = over(good, [](const PlanRun& run) { return static_cast<double>(run.result.waypoint_count); });
   row.cost = over(good, [](const PlanRun& run) { return run.result.cost; });
-  const bool tells = planning::tellsSamples(options.planner);
+  const bool tells = planning::reportsSamples(options.planner);
   row.samples_used =
       tells ? over(good, [](const PlanRun& run) { return static_cast<double>(run.result.samples); }) : summarise({});
   row.clearance = over(good, [](const PlanRun& run) { return run.result.clearance; });
@@ -216,19 +216,19 @@ std::string runsLine(const planning::PlanOptions& options, const PlanRun& run) {
   const PlanResult& r = run.result;
   const planning::PlanStatistics& s = run.statistics;
   const auto ofPlan = [&](double value) { return hasPlan(run) ? value : kNaN; };
-  const auto ifTold = [&](double value) { return planning::tellsSamples(options.planner) ? value : kNaN; };
+  const auto ifAsked = [&](double value) { return planning::reportsSamples(options.planner) ? value : kNaN; };
   Line line;
   line << options.samples << run.run << run.seed << isSuccess(run) << std::string(reasonOf(run));
   line << r.planning_time << ofPlan(run.track.duration) << ofPlan(r.waypoint_count) << ofPlan(r.cost)
        << ofPlan(r.clearance) << ofPlan(kMillimetres * r.tracking_error);
   line << options.planner << options.eta_length << options.eta_acceleration << options.eta_clearance
-       << options.time_limit << options.max_samples << ifTold(r.samples);
+       << options.time_limit << options.max_samples << ifAsked(r.samples);
   for (const std::uint64_t count :
        {s.draws, s.state_checks, s.edge_checks, s.cost_evaluations, s.clearance_integrals, std::uint64_t{s.rollouts},
         std::uint64_t{s.failed_rollouts}, std::uint64_t{s.rounds}})
     line << count;
   line << ofPlan(s.plain_cost) << ofPlan(s.improved_cost) << ofPlan(s.clearance_cost);
-  for (const double time : {s.goal_time, ifTold(s.sampling_time), ifTold(s.neighbour_time), s.search_time,
+  for (const double time : {s.goal_time, ifAsked(s.sampling_time), ifAsked(s.neighbour_time), s.search_time,
                             s.improvement_time, s.rollout_time})
     line << time;
   line << ofPlan(run.track.has_touched) << ofPlan(kMillimetres * run.track.error);

@@ -103,13 +103,13 @@ std::vector<std::pair<std::size_t, std::size_t>> findReleases(const HazardWindow
 void findDisengagements(const HazardWindow& window, Tick cue, Responses* found) {
   const std::size_t noticed = noticedAt(window, cue);
   for (const auto& [from, to] : findReleases(window)) {
-    const auto tell = [&](std::size_t k) {
+    const auto add = [&](std::size_t k) {
       found->push_back({Response::kPedalUp, static_cast<Tick>(k - window.injection)});
     };
     const bool lasts =
         to == window.samples.size() || static_cast<Tick>(to - from) >= disengagedFor(window.usual_clutch);
-    if (from >= window.injection && from < noticed) tell(from);  // a coincidence
-    if (to > noticed && lasts) tell(std::max(from, noticed));
+    if (from >= window.injection && from < noticed) add(from);  // a coincidence
+    if (to > noticed && lasts) add(std::max(from, noticed));
   }
 }
 

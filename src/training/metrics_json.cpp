@@ -11,7 +11,7 @@ namespace raven2_trainer::training {
 
 namespace {
 
-/** Written beside it and renamed, so that a reader never meets half a file. */
+/** Written next to it and renamed, so that a reader never meets half a file. */
 void writeJson(const std::string& path, const Json& json) {
   const std::string draft = path + ".part";
   std::ofstream file(draft);

@@ -16,7 +16,7 @@ class TrackRunner {
   TrackRunner(const ExerciseTrack& track, const SceneSenses& senses);
 
   void restart() noexcept;
-  /** What took time has to begin anew, what was done stays done. */
+  /** What took time has to begin again, what was done stays done. */
   void forget() noexcept;
   /** One tick in which its turn has come. @return true if a step was done. */
   bool advance() noexcept;

@@ -93,7 +93,7 @@ bool hasSize(const Frame& frame, std::size_t size) noexcept {
   return frame.minor > kFrameMinor ? frame.size >= size : frame.size == size;
 }
 
-// What a Raven can say at all: an encoder counts 24 bits, homing may shift it by as much again, and 4000 counts are a
+// What a Raven can say: an encoder counts 24 bits, homing may shift it by as much again, and 4000 counts are a
 // turn of the motor. Joints turn less than their motors (the smallest transmission is 5.4). Speeds: no drive of the
 // robot comes near a thousandth of this, but one wild encoder count gives such a difference.
 constexpr double kMaxMotor = 2.0 * 8388608.0 / 4000.0 * 2.0 * kPi;  // [rad]

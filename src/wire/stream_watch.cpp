@@ -57,15 +57,15 @@ bool StreamWatch::look(const LinkCounts& counts, std::int64_t now_ns) noexcept {
   before_ = counts;
   began_ns_ = now_ns;
   const bool is_bad = received >= kFewest && 2 * refused > received;
-  may_tell_ = may_tell_ || (received >= kFewest && !is_bad);
+  may_publish_ = may_publish_ || (received >= kFewest && !is_bad);
   const auto reason = static_cast<Reject>(most);
-  const bool is_new = is_bad && (may_tell_ || reason != finding_.reason);
+  const bool is_new = is_bad && (may_publish_ || reason != finding_.reason);
   const std::uint8_t lasts = is_bad ? 1 : 0;
   const bool has_changed = is_new || lasts != finding_.lasts;
   if (is_new) {
     finding_ = {finding_.number + 1, static_cast<std::uint32_t>(received), static_cast<std::uint32_t>(refused), reason,
                 1};
-    may_tell_ = false;
+    may_publish_ = false;
   }
   finding_.lasts = lasts;
   return has_changed;

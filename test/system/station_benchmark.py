@@ -120,7 +120,7 @@ def load(options):
 def on_time(directory):
     with open(os.path.join(directory, "metrics.json"), encoding="utf-8") as file:
         timing = json.load(file)["timing"]
-    return min(loop["on_time"] for name, loop in timing.items() if name in ("physics", "haptic"))
+    return min(loop["on_time"] / loop["ticks"] for name, loop in timing.items() if name in ("physics", "haptic"))
 
 
 async def watched(station, watchers, seconds):

@@ -16,14 +16,14 @@ namespace raven2_trainer::campaign {
 
 /** Why a scenario may come out otherwise than published. */
 struct Explanation {
-  std::vector<std::string> allowed;  ///< outcomes beside those published
+  std::vector<std::string> allowed;  ///< outcomes in addition to the published ones
   std::string why;
 };
 
 /** By "SCENARIO/PHASE", as "pd_tau_stuck/pedal_down". */
 using Explanations = std::map<std::string, Explanation>;
 
-/** NAME_explained.yaml beside NAME.yaml. */
+/** NAME_explained.yaml next to NAME.yaml. */
 std::string explanationsOf(const std::string& campaign_file);
 
 /** Reads such a file; nothing is explained where there is none.

@@ -9,7 +9,7 @@
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/types.h"
 
-// What came of an injection: from what process and tips did, beside the same run without the fault. Nothing here knows
+// What came of an injection: from what process and tips did, next to the same run without the fault. Nothing here knows
 // what was injected. Pure.
 
 namespace raven2_trainer::campaign {
@@ -17,7 +17,7 @@ namespace raven2_trainer::campaign {
 /** What is compared, at the end of one tick. */
 struct Sample {
   PerArm<Vec3> p_BT{};     ///< [m] [@frame B] true tips, from the plant's joints
-  PerArm<double> force{};  ///< [N] magnitude of what the master's hands are told
+  PerArm<double> force{};  ///< [N] magnitude of the force that the master's hands get
   RunLevel plc{};          ///< true
   RunLevel software{};     ///< as the control program knows it
   ProgramState program{ProgramState::kRunning};

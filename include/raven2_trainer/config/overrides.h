@@ -16,7 +16,7 @@ using Overrides = std::vector<Override>;
 
 /**
  * Some keys are the files' alone, since whoever reaches a ROS master can set parameters: which files are read and
- * written, who is heard and must sign, and what may be injected at all.
+ * written, who is heard and must sign, and what may be injected.
  * @throw ConfigException naming the first such key.
  */
 void checkOverrides(const Overrides& overrides);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "raven2_trainer/console/console_config.h"
-#include "raven2_trainer/console/hands_config.h"
+#include "raven2_trainer/console/surgeon_config.h"
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/control/execution_config.h"
 #include "raven2_trainer/core/exercise.h"
@@ -27,9 +27,9 @@
 #include "raven2_trainer/session/config_source.h"
 #include "raven2_trainer/threads/runtime_config.h"
 
-// Plain structs, one for each file of config/, each in a header of its own. Read once by module `config`, which demands
-// every key, refuses unknown ones and checks the ranges written beside the fields; constant once threads run. Units are
-// SI.
+// Plain structs, one for each file of config/, each in its own header. Read once by module `config`, which demands
+// every key, refuses unknown ones and checks the ranges written next to the fields; constant once threads run. Units
+// are SI.
 
 namespace raven2_trainer {
 
@@ -48,7 +48,7 @@ struct TrainerConfig {
   VirtualRavenConfig virtual_raven{};
   std::string robot_urdf;                          ///< absolute path
   std::string scene_urdf;                          ///< absolute path
-  std::map<std::string, std::string> urdf_places;  ///< where each would stand beside the configuration, if it did
+  std::map<std::string, std::string> urdf_places;  ///< where each would stand next to the configuration, if it did
   std::string hazard;                              ///< scenario armed at the start, or "none"
   InjectionConfig injection{};
   DetectorConfig detector{};
@@ -69,7 +69,7 @@ struct TrainerConfig {
   /** What each module is given. All refer to this, which has to outlive them. */
   operator model::ModelSource() const;
   operator faults::FaultLibrary() const;
-  operator console::HandsConfig() const;
+  operator console::SurgeonConfig() const;
   operator session::ConfigSource() const;
   operator render::PictureConfig() const&;
   operator render::PictureConfig() && = delete;

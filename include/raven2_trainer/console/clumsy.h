@@ -13,7 +13,7 @@ struct Clumsiness {
   std::optional<double> let_go_at;  ///< [-] [0, 1] kCarry: share of the way at which the jaws open
   std::optional<Vec3> via_W;        ///< [m] kCarry, kTouch: passed first
   std::optional<Vec3> push_W;       ///< [m] kPutOver: the tool pushes that far before it lets go; kFollowWire: the
-                                    ///< object is led so far beside the wire
+                                    ///< object is led that far off the wire
   std::optional<double> speed;      ///< [-] factor on both speeds
   std::optional<double> pause;      ///< [s]
   std::optional<double> tremor;     ///< [-]

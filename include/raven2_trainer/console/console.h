@@ -37,7 +37,7 @@ struct Intent {
   PerArm<Vec3> hand_I{};                                ///< [m] [@frame I] where each hand wants to be, from its start
   PerArm<Quat> turn_I{{kIdentityQuat, kIdentityQuat}};  ///< [@frame I] how it wants to be turned, from its start
   PerArm<double> grasp{};                               ///< [rad] wanted jaw opening
-  std::uint32_t pedals{};                               ///< core/pedals.h: those held beside the one above
+  std::uint32_t pedals{};                               ///< core/pedals.h: those held next to the one above
   bool finished{};                                      ///< the motion is over, the pedal stays up
 };
 
@@ -91,7 +91,7 @@ class Console {
   /** One millisecond: the next packet. */
   wire::ItpPacket tick();
 
-  /** Pedals held beside the one that ITP carries, bits of core/pedals.h. */
+  /** Pedals held next to the one that ITP carries, bits of core/pedals.h. */
   std::uint32_t pedals() const noexcept;
   bool finished() const noexcept;
   /** Its hands are. */

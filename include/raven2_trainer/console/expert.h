@@ -44,7 +44,7 @@ struct Verb {
   double let_go_at{-1.0};     ///< [-] kCarry: share of the way at which the jaws open; negative: they do not
   std::optional<Vec3> via_W;  ///< [m] kCarry, kTouch: another place that is passed first
   Vec3 push_W{};              ///< [m] kPutOver: the tool pushes that far before it lets go; kFollowWire: the object
-                              ///< is led so far beside the wire
+                              ///< is led that far off the wire
 };
 
 /** How well a surgeon does it. The figures are an expert's, ours; those of aim and speed as in test/grasp. */

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "raven2_trainer/console/console.h"
-#include "raven2_trainer/console/hands_config.h"
+#include "raven2_trainer/console/surgeon_config.h"
 #include "raven2_trainer/console/truth_log.h"
 
 namespace raven2_trainer::console {
@@ -24,12 +24,12 @@ struct MotionChoice {
  * @throw ConfigException for anything else, for an expert without an exercise or in one that has none, listing the
  * clumsy hands that there are, and as console/script.h.
  */
-std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config,
+std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config,
                                          const MotionChoice& choice,
                                          TruthLog* truth = nullptr);
 
 /** The same without a reaction. */
-std::unique_ptr<MotionSource> makeMotion(const HandsConfig& config, const std::string& motion);
+std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const std::string& motion);
 
 /** Whether it does the exercise, and is finished then. */
 bool doesExercise(const std::string& motion) noexcept;

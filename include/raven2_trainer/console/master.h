@@ -10,11 +10,11 @@
 #include "raven2_trainer/core/state_cell.h"
 #include "raven2_trainer/core/types.h"
 
-// Haptic devices as masters: how a file of config/masters describes them, what they tell, and what they are told.
+// Haptic devices as masters: how a file of config/masters describes them, what they tell, and what they are reported.
 
 namespace raven2_trainer {
 
-/** Whose driver: decides what it is told forces with. */
+/** Whose driver: decides what it is sent forces with. */
 enum class DeviceFamily : std::uint8_t {
   kOmni,      ///< omni_msgs
   kGeomagic,  ///< geomagic_control of WPI
@@ -68,8 +68,8 @@ struct DeviceTopics {
   std::string gripper;               ///< sensor_msgs/JointState, its first joint
   std::string operating_state;       ///< crtk_msgs/OperatingState
   std::string force;
-  std::string force_absolute;        ///< std_msgs/Bool: told true, once, for forces in the axes of the base
-  std::string gravity_compensation;  ///< std_msgs/Bool: told true, once: a device that only feels forces does not sink
+  std::string force_absolute;        ///< std_msgs/Bool: sent true once, for forces in the axes of the base
+  std::string gravity_compensation;  ///< std_msgs/Bool: sent true once: a device that only feels forces does not sink
   std::array<int, 3> sticks{};       ///< axes of a Joy that are velocities along x, y, z
   int gripper_input{-1};             ///< number of the button or of the Joy's axis; -1 none
 };
@@ -121,7 +121,7 @@ struct DeviceSample {
   std::uint8_t is_locked{};      ///< 1: the driver holds it where it is
 };
 
-/** The pedal of a topic of its own. */
+/** The pedal of its own topic. */
 struct FootPedal {
   std::uint8_t is_held{};
 };
@@ -174,7 +174,7 @@ struct MasterReport {
   PerArm<std::uint32_t> found{};   ///< findings so far that were none a tick before, or that a pedal-down met
   PerArm<DeviceFinding> newest{};  ///< of these
   PerArm<DeviceFinding> now{};
-  PerArm<double> hand_force{};  ///< [N] that each device is told
+  PerArm<double> hand_force{};  ///< [N] that each device gets
 };
 static_assert(std::is_trivially_copyable<DeviceSample>::value && std::is_trivially_copyable<MasterReport>::value,
               "cross threads");

@@ -17,7 +17,7 @@ class ArmController {
  public:
   ArmController(const ControllerConfig& config, Arm arm) noexcept;
 
-  /** Forgets the integral: the arm starts anew from where it is. */
+  /** Forgets the integral: the arm starts again from where it is. */
   void reset() noexcept { pid_.reset(); }
 
   /**

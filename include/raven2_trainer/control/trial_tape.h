@@ -15,7 +15,7 @@ struct TrialSample {
 };
 
 /**
- * What was asked for in a virtual trial, tick by tick. Joints and not increments: a clutch starts anew from where the
+ * What was asked for in a virtual trial, tick by tick. Joints and not increments: a clutch starts again from where the
  * arms are, so increments do not add up over it. There the joints asked for step back by what the arms lagged behind
  * them; on the tape that step is spread over the ticks after it, so that it can be followed without a jump.
  *

@@ -63,7 +63,7 @@ enum class RequestKind : std::uint8_t {
   kSetView,         ///< `enabled`: 1 the real camera's picture, 0 the virtual one
   kSetCameraPedal,  ///< `enabled`: a CameraPedal
   kToolChange,      ///< the tool of `arm` was changed
-  kStartExercise,   ///< anew: scene and arms' objects back to where they were, timer and mistakes at nothing
+  kStartExercise,   ///< again: scene and arms' objects back to where they were, timer and mistakes at nothing
   kBeginReplay,     ///< the model shows a recorded session
   kEndReplay,
   kSetEffort,  ///< of a CRTK client, to `arm` of the model (control/effort.h); asked for within the daemon only

@@ -208,7 +208,7 @@ struct Fault {
   std::int8_t arm{-1};               ///< 0 gold, 1 green, -1 both
   std::int8_t channel{-1};           ///< of the variable; -1 all
   std::uint8_t row{};                ///< which of its scenario's rows
-  std::uint32_t arming{};            ///< counts what was armed: the same scenario armed anew begins anew
+  std::uint32_t arming{};            ///< counts what was armed: the same scenario armed again begins again
   std::int64_t first_tick{};         ///< [ticks] earliest start, on the trigger's clock
   std::int64_t duration_ticks{};     ///< [ticks] length: 300 means 300 cycles; 0 = until cleared
   std::int64_t period_ticks{};       ///< [ticks] repeat every; 0 = once
@@ -227,7 +227,7 @@ constexpr std::size_t kMaxFaults = 8;
 /** All faults armed now. `generation` changes whenever the list does. */
 struct FaultPlan {
   std::uint64_t generation{};
-  /** Of whoever arms: a robot's triggers start anew with another session, and go on with the same one. */
+  /** Of whoever arms: a robot's triggers start again with another session, and go on with the same one. */
   std::uint32_t session{};
   std::uint32_t count{};
   std::uint8_t is_suspended{};  ///< 1: whoever armed is gone; nothing acts, time goes on. Does not travel.

@@ -50,16 +50,16 @@ constexpr std::size_t kActivityCount = 9;
 /** Which robot a mode can move. */
 enum class Moves : std::uint8_t {
   kNothing,
-  kModel,      ///< the model moves or holds away from the robot, which stands
-  kBoth,       ///< model and robot from a common pose, or the model alone where no robot joins
-  kBothIfTold  ///< the same if the robot was asked to move
+  kModel,       ///< the model moves or holds away from the robot, which stands
+  kBoth,        ///< model and robot from a common pose, or the model alone where no robot joins
+  kBothIfAsked  ///< the same if the robot was asked to move
 };
 
 /** What the world does. */
 enum class WorldMotion : std::uint8_t {
   kMeets,   ///< it is stepped, and the arms meet what is there
   kPasses,  ///< it is stepped, and the arms pass through everything
-  kStands,  ///< it stands still: what is shown is put where it is, touches nothing, and moves nothing
+  kStill,   ///< it does not move: what is shown is placed directly, without physics
 };
 
 /** What a mode is: a row for each, in traitsOf(). doc/modes.md shows them; a test compares. */
@@ -96,16 +96,16 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
     case Mode::kTracking:       return {A::kPlanning,      M::kModel,      W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kYes, kNo};
     case Mode::kStopped:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
     case Mode::kPaused:         return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
-    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStands, kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo};
+    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStill,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo};
     case Mode::kArmed:          return {A::kExecution,     M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfTold, W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo};
+    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfAsked, W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo};
     case Mode::kSimulating:     return {A::kTeleoperation, M::kModel,      W::kMeets,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo};
     case Mode::kSimulationHeld: return {A::kHold,          M::kModel,      W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
     case Mode::kTrial:          return {A::kTrial,         M::kModel,      W::kMeets,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo};
     case Mode::kTrialHeld:      return {A::kTrial,         M::kModel,      W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
     case Mode::kTrialReady:     return {A::kTrial,         M::kNothing,    W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
     case Mode::kReturning:      return {A::kReturning,     M::kNothing,    W::kPasses, kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kNo,  kNo,  kNo};
-    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStands, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
+    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStill,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
     case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo};
       // clang-format on
   }

@@ -6,7 +6,7 @@
 
 namespace raven2_trainer {
 
-/** Pedals and buttons beside the one that engages, which ITP carries. */
+/** Pedals and buttons next to the one that engages, which ITP carries. */
 enum class Pedal : std::uint8_t {
   kPlanning,    ///< begins planning, ends it at the next press
   kSimulation,  ///< the same for pure simulation

@@ -78,7 +78,7 @@ class RenderLoop {
   void drawAll(const render::Snapshot& seen, bool is_view);
   void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view);
   void adapt(double busy, bool is_measure);
-  void tell(bool has_changed);
+  void reportPace(bool has_changed);
 
   const TrainerConfig& config_;
   const model::RavenModel& raven_;
@@ -98,7 +98,7 @@ class RenderLoop {
 };
 
 /**
- * All that the render thread does: frames, at the loop's pace, until it is told to end. Whatever goes wrong there,
+ * All that the render thread does: frames, at the loop's pace, until it is asked to end. Whatever goes wrong there,
  * memory and who takes the pictures included, ends the live picture and nothing else: LivePicture::failed and stderr
  * say so.
  * @param[in] make constructs the loop, on this thread. @param[in] wait Waits so many seconds, zero included; true: end.

@@ -54,7 +54,7 @@ struct Verdict {
 /**
  * Whether an arm's motion is taken to be a fault's. It begins with a suspicious command in the range of the control law
  * after a calm `memory`, and lasts as long as the tip is predicted to be off, at most `suspicion_time`: the control law
- * soon fights the fault, which hides it. Commands beyond the clip have a rule of their own and end it. Real-time safe.
+ * soon fights the fault, which hides it. Commands beyond the clip have its own rule and end it. Real-time safe.
  */
 class Suspicion {
  public:

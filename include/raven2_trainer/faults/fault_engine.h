@@ -29,14 +29,14 @@ struct FaultCycle {
  * with trigger pedal_down or step, when it is due with the pedal up, it waits for the next pedal-down cycle. Then it
  * lasts for exactly `duration_ticks` cycles, or packets (lastsForPackets()). Draws come from each fault's own seed.
  *
- * Every beginning and end is told once, in order (nextChange()). Real-time safe.
+ * Every beginning and end is reported once, in order (nextChange()). Real-time safe.
  */
 class FaultEngine {
  public:
   explicit FaultEngine(FaultHost host) noexcept : host_(host) {}
 
   /** Takes over a plan if its generation is new: faults that stay keep their progress, unless it is another session's:
-   *  then everything begins anew, the clocks of the pedal and of packets too. A suspended plan leaves the faults in
+   *  then everything begins again, the clocks of the pedal and of packets too. A suspended plan leaves the faults in
    *  their places and lets none act. */
   void setPlan(const FaultPlan& plan) noexcept;
 
@@ -123,7 +123,7 @@ class FaultEngine {
   void start(const Fault& fault, Progress* progress) const noexcept;
   void takeOver(const FaultPlan& plan) noexcept;
   void rearm() noexcept;
-  void tell(const Fault& fault, std::uint32_t session, bool acts) noexcept;
+  void report(const Fault& fault, std::uint32_t session, bool acts) noexcept;
   double corrupt(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept;
   double corrupted(const Fault& fault, Progress* progress, const Element& element, double value) noexcept;
   bool concerns(const Fault& fault, FaultVariable variable, Arm arm, std::size_t channel) const noexcept;
@@ -139,7 +139,7 @@ class FaultEngine {
   std::array<Progress, kMaxFaults> progress_{};
   std::array<FaultChange, kMaxChanges> changes_{};
   std::uint64_t number_{0};  ///< of the newest change
-  std::uint64_t changes_begun_{0}, changes_told_{0};
+  std::uint64_t changes_begun_{0}, changes_published_{0};
   std::int64_t cycle_{-1};
   std::int64_t tick_{-1};
   std::int64_t packet_{-1};

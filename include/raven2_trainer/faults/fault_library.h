@@ -9,7 +9,7 @@
 
 namespace raven2_trainer {
 
-/** config/injection.yaml: what may be injected at all. */
+/** config/injection.yaml: what may be injected. */
 struct InjectionConfig {
   bool enable{};      ///< nothing is armed without
   bool real_robot{};  ///< the second key: the relayed stream to a real robot may be corrupted

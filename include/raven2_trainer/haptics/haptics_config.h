@@ -14,7 +14,7 @@ struct PassivityConfig {
   double budget{};        ///< [J] that the port may give a hand beyond what the hand's damping takes
   double bank{};          ///< [J] most that can be left of it at any time, whatever the hand took before
   double hand_damping{};  ///< [Ns/m] least damping of hand and master together
-  double rest{};          ///< [s] without force after which the account starts anew
+  double rest{};          ///< [s] without force after which the account starts again
 };
 
 /** Guidance along a planned path (haptics/path_guidance.h). */

@@ -31,7 +31,7 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * beyond that, so that no time of dissipation buys a time of swinging. Only what the force now acting gives back while
  * the hand returns to where it began, f_d . (x_a - x), is kept besides: that is stored, not dissipated.
  *
- * The account starts anew after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size
+ * The account starts again after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size
  * (about 23 KiB), at most max_delay steps.
  */
 class PassivityGuard {
@@ -51,7 +51,7 @@ class PassivityGuard {
   /** What was given is not known: nothing holds until a rest has passed. */
   void forget() noexcept;
   /** As after a rest. */
-  void startAnew() noexcept;
+  void startAgain() noexcept;
 
   /** Share of the law's force to give: 1 while the account is good or the controller is off, 0 when it is empty. */
   double gain() const noexcept;
@@ -68,7 +68,7 @@ class PassivityGuard {
 
   PassivityConfig config_;
   std::size_t delays_;       ///< number of round trips watched: 0 ... max_delay
-  std::int64_t rest_ticks_;  ///< without force until the account starts anew
+  std::int64_t rest_ticks_;  ///< without force until the account starts again
   bool resting_{true};       ///< no force since then: nothing to watch
   std::int64_t silence_{0};  ///< [ticks] since the last force
   bool has_position_{false};

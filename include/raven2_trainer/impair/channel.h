@@ -63,7 +63,7 @@ struct ChannelCounts {
 /**
  * One direction of a bad link. It is told what goes in and when, and says what comes out and when; it knows no clock,
  * so the same packets at the same times with the same seed give the same, bit for bit. All times are integer
- * nanoseconds of one monotonic clock of the caller. Every model draws from a generator of its own: with another delay
+ * nanoseconds of one monotonic clock of the caller. Every model draws from its own generator: with another delay
  * the same packets are lost.
  *
  * In this order: outage, loss, corruption and truncation, bottleneck, delay, reordering, duplication. A packet that is

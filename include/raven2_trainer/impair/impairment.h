@@ -53,7 +53,7 @@ struct DelayLaw {
   double pareto_alpha{3.0};                 ///< jitter: Lomax, shape
   std::int64_t pareto_scale_ns{};           ///< and scale; mean is scale / (alpha - 1); 0 is off
   std::vector<ExponentialBranch> branches;  ///< hyper-exponential; empty is off
-  std::int64_t interval_ns{};               ///< a draw holds so long; 0: every packet draws anew
+  std::int64_t interval_ns{};               ///< a draw holds so long; 0: every packet draws again
   bool overtaking{false};                   ///< a packet may overtake an earlier one; else it waits behind it
 };
 

@@ -20,7 +20,7 @@ enum class Loss : std::uint8_t {
 constexpr std::size_t kLossCount = 5;
 constexpr std::array<const char*, kLossCount> kLossNames{"none", "lost", "burst", "cut", "queue_full"};
 
-/** Which packets are lost by chance. Every model has a generator of its own, so that switching one on leaves the losses
+/** Which packets are lost by chance. Every model has its own generator, so that switching one on leaves the losses
  *  of the others as they were. */
 class LossModel {
  public:

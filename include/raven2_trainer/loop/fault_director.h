@@ -9,7 +9,7 @@ namespace raven2_trainer::loop {
  * Body of the faults thread: decides which scenarios are armed. When exactly each acts is in the row itself.
  *
  * A drill is armed for one attempt at a time: with its end what did not come is off, and what acts ends; with the next
- * attempt it is armed anew, its jitter drawn anew. Once its scenario is cleared or started by request it is over for
+ * attempt it is armed again, its jitter drawn again. Once its scenario is cleared or started by request it is over for
  * good.
  */
 class FaultDirector {
@@ -18,7 +18,7 @@ class FaultDirector {
   FaultDirector(const faults::FaultLibrary& library, SharedState* shared);
   void tick();
 
-  /** Whether there is room for a scenario's plan beside what is armed. */
+  /** Whether there is room for a scenario's plan next to what is armed. */
   static bool fits(const FaultPlan& armed, const FaultPlan& added);
 
  private:

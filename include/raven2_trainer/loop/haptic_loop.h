@@ -43,7 +43,7 @@ class HapticLoop {
   /** Last: what was given. */
   void account(const HapticState& state) noexcept;
 
-  /** Records are missing: what was handed on is not known until the guards have started anew. */
+  /** Records are missing: what was handed on is not known until the guards have started again. */
   void forget() noexcept;
   bool knowsItself() const noexcept;
 

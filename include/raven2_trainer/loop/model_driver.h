@@ -20,7 +20,7 @@ class ModelDriver {
   /** Set-up for openLoop(). @throw ModelException if the model cannot be turned into bodies. */
   void allowOpenLoop(const model::RavenModel& raven, const ModelConfig& config);
 
-  /** Forgets the integral of an arm and what pushes it: it starts anew from where it is, in closed loop. */
+  /** Forgets the integral of an arm and what pushes it: it starts again from where it is, in closed loop. */
   void reset(Arm arm) noexcept;
 
   /** From the next step on these forces, each within what that joint's controller may use, take the place of the
@@ -29,7 +29,7 @@ class ModelDriver {
   /** Something pushes the arm, so that it stands nowhere in particular: not the jaws alone. */
   bool isPushed(Arm arm) const noexcept { return at(efforts_, arm).kind != EffortKind::kNone; }
 
-  /** From now on an arm gets the torques of an arm of its own in a world of its own, which starts where it is, at rest,
+  /** From now on an arm gets the torques of its own arm in its own world, which starts where it is, at rest,
    *  and is driven by the law to what is asked for; but for the jaws, which hold what that arm does not have. */
   void openLoop(Arm arm) noexcept;
 

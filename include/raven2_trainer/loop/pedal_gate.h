@@ -21,7 +21,7 @@ struct PedalRequests {
 };
 
 /**
- * From what is held of the pedals beside the one that engages to what is asked for: a press asks, and so does the
+ * From what is held of the pedals next to the one that engages to what is asked for: a press asks, and so does the
  * release of the camera's pedal, which alone is held. What a press means depends on what there is: planning's begins it
  * and records the goal at the next press, simulation's and the trial's begin and end. The stop comes first; it is
  * cleared by a request, never by a pedal. Packets may be lost or doubled, and come late: each tells all that is held.
@@ -45,7 +45,7 @@ class PedalGate {
   std::uint32_t held() const noexcept { return held_; }
 
  private:
-  void beginAnew(std::uint32_t sequence) noexcept;
+  void beginAgain(std::uint32_t sequence) noexcept;
   PedalRequests change(std::uint32_t held, Mode mode, std::uint8_t view) noexcept;
   bool isHeard(std::int64_t now_ns) const noexcept { return is_heard_ && now_ns - heard_ns_ <= timeout_ns_; }
 

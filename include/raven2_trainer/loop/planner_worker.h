@@ -19,7 +19,7 @@ class PlannerWorker {
                 SharedState* shared);
 
   /** What belongs to the scene alone, some tenths of a second: done ahead, no first plan waits for it. What goes wrong
-   *  is told by the plan that wants it. */
+   *  is reported by the plan that wants it. */
   void prepare() noexcept;
 
   /** Serves waiting requests. @return true if there was one. */

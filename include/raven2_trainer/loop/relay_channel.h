@@ -13,7 +13,7 @@ namespace raven2_trainer::loop {
 
 /**
  * The way of the relayed packets out of the daemon: straight, or through the bad network that a fault of kind `impair`
- * put there. Each time one begins it begins anew, from the configuration's seed. What it still holds when the fault
+ * put there. Each time one begins it begins again, from the configuration's seed. What it still holds when the fault
  * ends comes when it is due, unless a packet is held clean (RelayPacket::is_held): then it is lost. For the sender's
  * thread: it allocates.
  */

@@ -23,12 +23,12 @@ class RobotLink {
  public:
   /** [ns] By the estimate, which may be too small by its kMaxErrorNs: nothing older than 50 ms is applied. */
   static constexpr std::int64_t kMaxDelayNs = 50'000'000 - wire::FrameDelay::kMaxErrorNs;
-  /** [ns] A robot of which nothing could be applied for so long is given up and connected to anew. It leaves no room
+  /** [ns] A robot of which nothing could be applied for so long is given up and connected to again. It leaves no room
    * for frames to queue up on the way, and is sooner than a connection across a broken network recovers by itself. */
   static constexpr std::int64_t kSilenceNs = 1'000'000'000;
 
   /** @param[in] session tells this daemon's run from every other: a robot goes on with the faults of the session it
-   *  knows, and begins anew with another's. */
+   *  knows, and begins again with another's. */
   RobotLink(const LoopConfig& config, SharedState* shared, std::uint32_t session = 0);
 
   /** The TCP connection came up, or went away. */

@@ -77,7 +77,7 @@ struct SharedState {
   // written by ingest
   StateCell<LinkCounts> master_link;
   StateCell<StreamFinding> master_stream;
-  // written by ingest: of the packets of pedals beside ITP
+  // written by ingest: of the packets of pedals next to ITP
   StateCell<LinkCounts> pedal_link;
   // written by robot_link
   StateCell<LinkCounts> robot_link;
@@ -105,7 +105,7 @@ struct SharedState {
   SpscRing<MasterCommand, 256> master_commands;
   // ros -> physics
   SpscRing<Request, 32> requests;
-  // ingest -> physics: what the pedals and buttons beside the one that engages ask for
+  // ingest -> physics: what the pedals and buttons next to the one that engages ask for
   SpscRing<Request, 32> pedal_requests;
   // ros (crtk) -> physics
   ServoQueue servo_commands;
@@ -160,7 +160,7 @@ struct SharedState {
 
   Counter contacts_dropped;      // physics: beyond the longest list
   Counter fault_changes_lost;    // robot_link: missing between those that came
-  Counter fault_changes_untold;  // physics: more in a tick than its engines keep
+  Counter fault_changes_unreported;  // physics: more in a tick than its engines keep
   Counter relay_failed;          // sender: the system did not take it
   Counter relay_released;        // sender: pedal-up packets of its own
   Counter force_failed;          // sender
@@ -203,7 +203,7 @@ inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   c.master_faults = s.master_faults.load();
   c.relay_faults = s.relay_faults.load();
   c.relay_network = s.relay_network.load();
-  c.fault_changes_lost = s.fault_changes_lost.value() + s.fault_changes_untold.value();
+  c.fault_changes_lost = s.fault_changes_lost.value() + s.fault_changes_unreported.value();
   c.rings = ringCounts(s);
   for (std::size_t i = static_cast<std::size_t>(RingId::kTickRecords); i < kRingCount; ++i)
     c.records_dropped += c.rings[i].dropped;

@@ -29,7 +29,7 @@ class ItpSender {
 
   /** What is no ITP, from the same socket: the receiver heeds it from whom it heeds ITP. Silent as send() is.
    *  @return as send(). */
-  bool sendBeside(const std::uint8_t* bytes, std::size_t size) noexcept;
+  bool sendPedals(const std::uint8_t* bytes, std::size_t size) noexcept;
 
   /** Packets go out signed. */
   bool isSigning() const noexcept { return signer_ && signer_->isOpen(); }

@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::net {
 
-/** Waits for any of several descriptors, to a point in time. Filled anew for every wait. */
+/** Waits for any of several descriptors, to a point in time. Filled again for every wait. */
 class PollSet {
  public:
   void clear() noexcept { entries_.clear(); }

@@ -11,9 +11,9 @@ namespace raven2_trainer::net {
 
 /**
  * A TCP connection that is kept up: connects without blocking and, when it is lost, again after a pause that doubles
- * from `reconnect_min` to `reconnect_max` and starts anew once something is received. An attempt that nobody answers is
- * given up after kConnectTimeoutNs. A peer that vanishes without a word is noticed within about 3 s (keep-alive 1/1/3,
- * TCP_USER_TIMEOUT 2 s). After construction nothing throws or allocates.
+ * from `reconnect_min` to `reconnect_max` and starts again once something is received. An attempt that nobody answers
+ * is given up after kConnectTimeoutNs. A peer that vanishes without a word is noticed within about 3 s (keep-alive
+ * 1/1/3, TCP_USER_TIMEOUT 2 s). After construction nothing throws or allocates.
  */
 class TcpClient {
  public:
@@ -39,14 +39,14 @@ class TcpClient {
    *  @param[in] now_ns [ns] caller's monotonic time; only the pauses depend on it. */
   Event poll(std::int64_t now_ns, int timeout_ms) noexcept;
 
-  /** Takes bytes that have arrived. @return their number, 0 if there are none; the end of the connection is told by the
-   *  next poll(). */
+  /** Takes bytes that have arrived. @return their number, 0 if there are none; the end of the connection is reported by
+   * the next poll(). */
   std::size_t receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 
   /** All or nothing: a connection that took a part only is given up. @return false if nothing will arrive. */
   bool send(const std::uint8_t* bytes, std::size_t size) noexcept;
 
-  /** Gives the connection up (a broken stream, say); it is made anew after the pause. */
+  /** Gives the connection up (a broken stream, say); it is made again after the pause. */
   void disconnect() noexcept;
 
   bool isConnected() const noexcept { return state_ == State::kUp; }
@@ -69,7 +69,7 @@ class TcpClient {
   std::int64_t next_attempt_ns_{0};
   std::int64_t give_up_ns_{0};
   bool has_tried_{false};
-  bool lost_{false};  ///< kDisconnected is still to be told
+  bool lost_{false};  ///< kDisconnected is still to be reported
   State state_{State::kDown};
   FileDescriptor fd_;
   std::uint64_t attempts_{0};

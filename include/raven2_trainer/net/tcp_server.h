@@ -24,7 +24,7 @@ struct FrameTotals {
 };
 
 /**
- * Sends frames to a few readers and takes bytes from them, without a thread of its own: the owner calls poll().
+ * Sends frames to a few readers and takes bytes from them, without its own thread: the owner calls poll().
  * Every reader has a bounded queue of whole frames. A reader too slow for it loses the oldest ones; it never delays
  * the sender or another reader; one that takes no byte at all for kStallNs is closed. Neither send nor poll raises
  * SIGPIPE.

@@ -76,7 +76,7 @@ class RavenWorld {
   /** Bit i: body i of bodyPoses() is parked. */
   std::uint16_t parked() const noexcept;
 
-  /** The bodies of bodyPoses() with all that their future depends on beside the arms. Real-time safe. */
+  /** The bodies of bodyPoses() with all that their future depends on, apart from the arms. Real-time safe. */
   void saveScene(SceneSnapshot* snapshot) const noexcept;
 
   /**

@@ -17,7 +17,7 @@ namespace raven2_trainer::planning {
  */
 class ClearanceGauge {
  public:
-  static constexpr double kRange = 0.05;  ///< [m] nothing farther away is told
+  static constexpr double kRange = 0.05;  ///< [m] nothing farther away is reported
 
   /** `raven` must outlive this. @throw ModelException for a mesh. */
   ClearanceGauge(const model::RavenModel& raven, const model::SceneModel& scene);

@@ -24,7 +24,7 @@ constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTst
 bool takesSamples(const std::string& planner);
 
 /** True of FMTstar: how many free samples OMPL's planners keep, and what time those cost, they do not tell. */
-bool tellsSamples(const std::string& planner);
+bool reportsSamples(const std::string& planner);
 
 /** What one plan does otherwise than config/planner.yaml says. */
 struct PlanOptions {
@@ -44,7 +44,7 @@ PlanOptions defaultOptions(const PlannerConfig& config);
 
 /** How far the plan under way has come; any thread may read it while another one plans. Zero before the first. */
 struct PlanProgress {
-  std::atomic<std::uint32_t> samples{0};   ///< free samples kept, n and those added after failures; if tellsSamples()
+  std::atomic<std::uint32_t> samples{0};   ///< free samples kept, n and those added after failures; if reportsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
   std::atomic<std::uint32_t> rollouts{0};  ///< paths followed by the dynamics
   std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: none yet
@@ -52,7 +52,7 @@ struct PlanProgress {
 
 /** What a plan cost, for tables. Times are wall clock; in lockstep they stay 0. */
 struct PlanStatistics {
-  std::uint32_t samples{};              ///< free samples used, those added after failures included; if tellsSamples()
+  std::uint32_t samples{};              ///< free samples used, those added after failures included; if reportsSamples()
   std::uint64_t draws{};                ///< samples drawn, free or not
   std::uint64_t state_checks{};         ///< states checked for collision, those within edges left aside
   std::uint64_t edge_checks{};          ///< edges checked for collision
@@ -65,7 +65,7 @@ struct PlanStatistics {
   double improved_cost{};               ///< eq. (1) of the path returned
   double clearance_cost{};              ///< the eta3 term of the path returned
   double goal_time{};                   ///< [s] check of start, search of the goal, choice of the arm
-  double sampling_time{};               ///< [s] if tellsSamples(); else part of the search
+  double sampling_time{};               ///< [s] if reportsSamples(); else part of the search
   double neighbour_time{};              ///< [s] the same
   double search_time{};                 ///< [s] the rest of the search: costs and edge checks
   double improvement_time{};            ///< [s]
@@ -99,7 +99,7 @@ class PathPlanner {
   ~PathPlanner();
 
   /** Works out what belongs to the scene alone, some tenths of a second, unless that was done. plan() does it too.
-   *  @param[in] cancel set from another thread to give up: the next prepare() or plan() begins anew.
+   *  @param[in] cancel set from another thread to give up: the next prepare() or plan() begins again.
    *  @throw ModelException, std::bad_alloc, std::runtime_error if given up; plan() then says kFailed or kCancelled. */
   void prepare(const std::atomic<bool>& cancel);
   /** The same to the end. */

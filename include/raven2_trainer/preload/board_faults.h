@@ -32,7 +32,7 @@ class BoardFaults {
   /**
    * A read of a board's packet has returned.
    * @param[in] result of the call: bytes, or a negative error number. @param[in,out] bytes those read, if all came.
-   * @param[in] now_ns [ns] for the log. @return what the program is to be told, in the same terms.
+   * @param[in] now_ns [ns] for the log. @return the answer for the program, in the same terms.
    */
   std::int32_t read(Arm arm, std::int32_t result, raven::UsbInBytes* bytes, std::int64_t now_ns) noexcept;
 

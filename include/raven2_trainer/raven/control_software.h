@@ -30,7 +30,7 @@ struct DetectorReport {
  */
 class ControlSoftware {
  public:
-  /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. Only `hardened` verifies at all.
+  /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. Only `hardened` verifies.
    *  @throw ConfigException for a behaviour that there is not. */
   ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfig& config, const wire::ItpKey* key = nullptr);
   ~ControlSoftware();

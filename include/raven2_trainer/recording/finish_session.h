@@ -19,7 +19,7 @@ struct ScoringOptions {
   std::string output;   ///< default: score.json of the session
   std::string band;     ///< file; default: the one that the session was run with
   std::string trainee;  ///< id for the index; default: the session's
-  std::string index;    ///< file; default: index.json beside the session
+  std::string index;    ///< file; default: index.json next to the session
   bool no_index{false};
   std::function<bool()> cancelled;  ///< asked now and then: ScoringCancelled is thrown once it says true
 };

@@ -9,7 +9,7 @@ namespace raven2_trainer::recording {
 
 /**
  * Brings the ground truth of the library at a real robot's USB boundary into a session: keeps it there
- * (training/usb_truth.h), makes metrics.json and faults.json anew and, of a session with an exercise, score.json.
+ * (training/usb_truth.h), makes metrics.json and faults.json again and, of a session with an exercise, score.json.
  * @param[in] file what RAVEN2_USB_FAULTS_TRUTH named; empty: the file that the session's meta.json remembers.
  * @throw SessionException, and what scoreRecorded() throws.
  */

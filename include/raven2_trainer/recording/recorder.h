@@ -33,7 +33,7 @@ class Recorder {
            session::FlightRecorder* flight = nullptr);
 
   /** Takes the memory for a batch of all that the queues hold, some 10 MiB: a recorder that comes late needs no more
-   *  then. For one that has a thread of its own; in lockstep no batch is large. @throw std::bad_alloc. */
+   *  then. For one that has its own thread; in lockstep no batch is large. @throw std::bad_alloc. */
   void takeMemory();
 
   /** Writes all that is waiting. @throw SessionException if the disk refuses. */
@@ -66,8 +66,8 @@ class Recorder {
   void settle(const Batch& batch);
   void release(const RecordTally& tails);
   bool tryDrain();
-  void tellRefusal();
-  void tellReturn();
+  void reportRefusal();
+  void reportReturn();
   void writeEnd(SessionCounts* counts);
   void giveUp(SessionCounts* counts);
 
@@ -84,7 +84,7 @@ class Recorder {
   std::int64_t retry_ns_{0}, sync_ns_{0};
 };
 
-/** Header of a session's log; copies the configuration's files beside it. */
+/** Header of a session's log; copies the configuration's files next to it. */
 session::LogHeader logHeader(const TrainerConfig& config,
                              const std::vector<std::string>& body_names,
                              const std::string& motion,

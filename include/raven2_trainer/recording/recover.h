@@ -13,6 +13,6 @@ namespace raven2_trainer::recording {
  * @param cancelled asked now and then; metrics are given up once it says true. May be empty.
  * @return false if the session needed it and could not be recovered.
  */
-bool recoverAndTell(const session::SessionPaths& paths, const std::function<bool()>& cancelled);
+bool recoverAndReport(const session::SessionPaths& paths, const std::function<bool()>& cancelled);
 
 }  // namespace raven2_trainer::recording

@@ -38,8 +38,8 @@ struct VideoContents;
  * number of processes. With the overlay kHazard the frames show what was there, and a banner says what a fault of the
  * video did to the trainee's picture; without it they show what the trainee saw: black, frozen or late.
  *
- * A video is drawn in parts of kPartSeconds, which lie in a folder beside it (video.parts beside video.mp4) until it is
- * whole. A render that was killed goes on with the parts that are there; it gives the same file as one that was not.
+ * A video is drawn in parts of kPartSeconds, which lie in a folder next to it (video.parts next to video.mp4) until it
+ * is whole. A render that was killed goes on with the parts that are there; it gives the same file as one that was not.
  * The video has chapters, and a tone where a tool is at the edge of its workspace. Its metadata say of which session,
  * camera and span it is, and hold a hash of all that decides over it.
  */
@@ -49,7 +49,7 @@ class SessionRenderer {
   using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
 
   static constexpr int kPartSeconds = 4;    ///< whole seconds: a part's length is exact at every rate
-  static constexpr int kMaxProcesses = 32;  ///< each has a scene, a picture's memory and an ffmpeg of its own
+  static constexpr int kMaxProcesses = 32;  ///< each has a scene, a picture's memory and its own ffmpeg
 
   /**
    * Size and rate are those of config.render.

@@ -14,14 +14,15 @@ std::string settingsComment(const std::string& settings);
 /** Of what settings a video is by its comment; empty if it is not whole, or does not say so. */
 std::string videoSettings(const std::string& path);
 
-/** Folder beside a video in which its parts lie until it is whole. */
+/** Folder next to a video in which its parts lie until it is whole. */
 std::string partFolder(const std::string& video);
 
 /** Whether that folder is there, locked or empty: a render of it was killed, or is under way. A folder of other files
  * is somebody's own. */
 bool isUnfinished(const std::string& video);
 
-/** Makes a video that is whole count as unfinished, until it was drawn again. What goes wrong is told by whoever draws.
+/** Makes a video that is whole count as unfinished, until it was drawn again. What goes wrong is reported by whoever
+ * draws.
  */
 void markUnfinished(const std::string& video);
 

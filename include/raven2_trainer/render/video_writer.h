@@ -13,8 +13,8 @@ class FfmpegProcess;
 
 /**
  * H.264 in an MP4 through a pipe to an `ffmpeg` process (linking x264 would make the binary GPL). One encoder thread:
- * the same frames give the same bytes. Every file begins with a picture of its own and refers to no other, so that
- * files of the same settings can be put one behind the other without coding anew. A path that ends in `.png` makes
+ * the same frames give the same bytes. Every file begins with its own picture and refers to no other, so that
+ * files of the same settings can be put one behind the other without coding again. A path that ends in `.png` makes
  * numbered pictures instead and must hold a `%d` pattern for the number; each takes its name in one rename once it is
  * whole, `.tmp` behind it until then. An ffmpeg that goes away raises no SIGPIPE.
  */

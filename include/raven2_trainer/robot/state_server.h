@@ -77,7 +77,7 @@ class StateServer {
   struct Reader {
     wire::FrameParser parser;
     std::int64_t part_since{0};  ///< [ns] since when a part of a frame waits; 0 none
-    bool was_refused{false};     ///< a plan of it, and that was told
+    bool was_refused{false};     ///< a plan of it, and that was reported
     FaultSignals signals;        ///< as it sent them last, whether its plan is armed or not
   };
 
@@ -85,7 +85,7 @@ class StateServer {
   void receive(ClientId client, const std::uint8_t* bytes, std::size_t size);
   void handle(ClientId client, Reader* reader, const wire::Frame& frame);
   void refuse(ClientId client, Reader* reader, const char* why);
-  void tell(const std::string& words);
+  void report(const std::string& words);
   void arm(const FaultPlan& plan);
   void forget(ClientId client);
   void closeDribblers(std::int64_t now_ns);
@@ -109,7 +109,7 @@ class StateServer {
   std::uint32_t session_{0};      // of the owner, or of the last one
   std::uint64_t generation_{0};
   std::uint32_t sequence_{0};
-  std::int64_t now_ns_{0}, may_tell_ns_{0};
+  std::int64_t now_ns_{0}, may_publish_ns_{0};
   std::array<std::uint8_t, wire::kMaxFrame> buffer_{};
 
   threads::Thread thread_;

@@ -11,7 +11,7 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * The daemon's face to ROS: shared state to topics, services to requests. Publishes from a thread of its own; the
+ * The daemon's face to ROS: shared state to topics, services to requests. Publishes from its own thread; the
  * 1 kHz loops never see ROS. Topics, services and their rates: README; which of them a network gets: doc/ros.md.
  */
 class RosBridge : public RosFace {

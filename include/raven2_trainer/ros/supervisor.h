@@ -7,7 +7,7 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * Holds a program's tie to the ROS master, from a thread of its own: nothing else ever waits for ROS.
+ * Holds a program's tie to the ROS master, from its own thread: nothing else ever waits for ROS.
  *
  * Looks for a master every 0.25 s with calls that give up; with the first one it starts roscpp and the face. A master
  * that came back without knowing this node (another process, or its memory gone) is told all topics, services and

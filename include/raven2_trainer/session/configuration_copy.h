@@ -15,7 +15,7 @@ namespace raven2_trainer::session {
  * @param[in] files in the order wanted, the root file first; a path given twice is copied once.
  * @param[in] overridden texts that stand for some of them (TrainerConfig::overridden), so that what reads the copies
  * reads what ran.
- * @param[in] places Where files that are read from elsewhere would stand beside the others (TrainerConfig::urdf_places
+ * @param[in] places Where files that are read from elsewhere would stand next to the others (TrainerConfig::urdf_places
  * and what belongs to them): there the copy has them. The others stand where they are.
  * @throw SessionException if one cannot be read or written.
  */

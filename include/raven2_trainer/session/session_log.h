@@ -53,7 +53,7 @@ struct LogHeader {
   int model_version{1};                              ///< kModelVersion of the program that recorded
   PerArm<bool> arm_contacts{};                       ///< the model's arm meets the scene, at the start
   std::vector<std::string> body_names;               ///< by the numbers of contact records
-  std::vector<ConfigurationFile> configuration;      ///< copies beside the log, the root file first; empty: none
+  std::vector<ConfigurationFile> configuration;      ///< copies next to the log, the root file first; empty: none
 };
 
 /** Where a log stands: all that is whole in the file. */
@@ -85,7 +85,7 @@ class LogWriter {
   void reserve(std::size_t bytes);
   /**
    * Writes the batch. @return false if the disk refuses: then nothing of it is in the file, it is forgotten, and
-   * error() says why. The next commit() tries the disk anew.
+   * error() says why. The next commit() tries the disk again.
    */
   bool commit() noexcept;
   /** Forces what was committed to the disk; may take long. @return false with error() set. */

@@ -11,7 +11,7 @@
 
 namespace raven2_trainer::studies {
 
-/** One tick of a trial: what an observer at the USB boards sees, and the truth beside it. */
+/** One tick of a trial: what an observer at the USB boards sees, and the truth next to it. */
 struct TrialTick {
   PerArm<Vec3> motor{};                       ///< [rad] positioning motors, measured, at the cycle's start
   PerArm<std::array<std::int32_t, 3>> dac{};  ///< [counts] their commands, as written at its end

@@ -63,7 +63,7 @@ bool isSuccess(const PlanRun& run);
 const char* reasonOf(const PlanRun& run);
 
 /**
- * Runs a study. Each thread has a planner of its own; what belongs to the scene is worked out before the first run.
+ * Runs a study. Each thread has its own planner; what belongs to the scene is worked out before the first run.
  * @param[in] take gets each run in the order of cases and runs, one at a time, from any thread; may keep it.
  * @throw ModelException, and what `take` throws.
  */

@@ -46,7 +46,7 @@ struct Progress {
 
 /**
  * How far a trainee is. An attempt counts for the stage under way if it is of its exercise and drill, and else for
- * none; a failure begins the passes in a row anew, but takes nothing from the extra ones. What was not judged counts
+ * none; a failure begins the passes in a row again, but takes nothing from the extra ones. What was not judged counts
  * for none.
  * @param[in] attempts in the order in which they were made.
  */

@@ -7,7 +7,7 @@
 
 #include "raven2_trainer/training/curriculum.h"
 
-// sessions/index.json: what came of the sessions below one folder, by trainee. The only file beside meta.json that
+// sessions/index.json: what came of the sessions below one folder, by trainee. The only file next to meta.json that
 // holds wall-clock times. Format: doc/scores.md.
 
 namespace raven2_trainer::training {

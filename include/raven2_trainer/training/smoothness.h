@@ -6,7 +6,7 @@
 #include "raven2_trainer/core/types.h"
 
 // How smooth a movement is. All take samples of one rate [Hz], in any unit of length, and give nothing where there is
-// nothing to say: fewer than four samples, a value that is not finite, or no motion at all.
+// nothing to say: fewer than four samples, a value that is not finite, or no motion.
 
 namespace raven2_trainer::training {
 

@@ -22,7 +22,7 @@ class FrameDelay {
   static constexpr std::int64_t kMaxErrorNs = 2 * kWindowNs / kDriftDivisor;  ///< [ns] too small by this at most
 
   /**
-   * Delay of the peer's next frame. A peer whose cycle or clock went back started anew: its first delay is 0.
+   * Delay of the peer's next frame. A peer whose cycle or clock went back started again: its first delay is 0.
    * @param[in] cycle the peer's number of the frame.
    * @param[in] time_ns [ns] its stamp by the peer's clock, not negative.
    * @param[in] received_ns [ns] our monotonic clock, not negative.

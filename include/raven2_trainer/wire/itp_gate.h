@@ -40,7 +40,7 @@ class ItpGate {
   /** One ITP datagram. @return kNone: use `*packet`. */
   Reject judge(const Arrival& arrival, ItpPacket* packet) noexcept;
 
-  /** Whether this asks for a session, if anybody is to be answered at all; then it is answer()'s, not judge()'s. */
+  /** Whether this asks for a session, if anybody is to be answered; then it is answer()'s, not judge()'s. */
   bool isHello(const Arrival& arrival) const noexcept;
   /** @param[in] fresh random, used at most once. @return kNone: send `*reply` back to the source. */
   Reject answer(const Arrival& arrival, const Nonce& fresh, HandshakeBytes* reply) noexcept;

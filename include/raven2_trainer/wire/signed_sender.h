@@ -8,7 +8,7 @@ namespace raven2_trainer::wire {
 
 /**
  * The sender's side of signed ITP: asks for a session until it has one, and once a second for the next one, so that a
- * receiver started anew is found again. A new session is used from the first packet with the pedal up on, because a
+ * receiver started again is found again. A new session is used from the first packet with the pedal up on, because a
  * receiver takes over none with the pedal down. Knows no socket and no clock. Real-time safe.
  */
 class SignedSender {

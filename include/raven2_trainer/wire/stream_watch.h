@@ -21,7 +21,7 @@ class StreamWatch {
   LinkCounts before_{};
   std::int64_t began_ns_{-1};
   StreamFinding finding_{};
-  bool may_tell_{true};  ///< a second was good since the last one was found
+  bool may_publish_{true};  ///< a second was good since the last one was found
 };
 
 /** What is refused, why, and what to do about it, in one sentence. */

@@ -16,7 +16,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/training/session_metrics.h"
-#include "ros/bridge/session_teller.h"
+#include "ros/bridge/session_publisher.h"
 #include "ros/bridge/session_topic.h"
 #include "ros/node/topic.h"
 
@@ -116,11 +116,11 @@ training::SessionMetrics metricsOf(const session::SessionPaths& paths) {
 class BagWriter {
  public:
   BagWriter(const TrainerConfig& config, const session::SessionPaths& paths, const std::string& bag)
-      : paths_(paths), teller_(config, paths), metrics_(metricsOf(paths)), sink_(bag), topics_(&sink_) {}
+      : paths_(paths), publisher_(config, paths), metrics_(metricsOf(paths)), sink_(bag), topics_(&sink_) {}
 
   BagCounts write(const std::function<void(double)>& progress) {
     const double ticks = static_cast<double>(std::max<std::uint64_t>(metrics_.ticks, 1));
-    teller_.read(
+    publisher_.read(
         -1.0, [this](const session::ReplayInstant& instant) { publish(instant); },
         [&](const TickRecord& record) {
           if (!has_clock_) offset_ = wallClockOf(paths_, record.model.time_ns);
@@ -139,9 +139,9 @@ class BagWriter {
 
   void begin(const ros::Time& stamp) {
     has_begun_ = true;
-    teller_.begin(topics_, ros_bridge::kQueue, stamp);
-    TrainerConfig recorded = teller_.config();
-    const session::LogHeader& header = teller_.header();
+    publisher_.begin(topics_, ros_bridge::kQueue, stamp);
+    TrainerConfig recorded = publisher_.config();
+    const session::LogHeader& header = publisher_.header();
     recorded.seed = header.seed;
     recorded.hazard = header.hazard;
     recorded.exercise_name = header.exercise;
@@ -153,12 +153,12 @@ class BagWriter {
 
   void publish(const session::ReplayInstant& instant) {
     const ModelState& model = instant.tick.model;
-    if (model.session_tick < 0) return teller_.remember(instant);
+    if (model.session_tick < 0) return publisher_.remember(instant);
     const ros::Time stamp = stampOf(model.time_ns);
     writeChanges(stamp);
     sink_.setTime(stamp);
     if (!has_begun_) begin(stamp);
-    teller_.tell(instant, stamp);
+    publisher_.publish(instant, stamp);
     for (const Arm arm : kArms)
       publishTip(at(model.arms, arm), arm, stamp);
     publishPedal(model, stamp);
@@ -202,7 +202,7 @@ class BagWriter {
   }
 
   const session::SessionPaths paths_;
-  ros_bridge::SessionTeller teller_;
+  ros_bridge::SessionPublisher publisher_;
   const training::SessionMetrics metrics_;
   BagSink sink_;
   ros_bridge::TopicMaker topics_;

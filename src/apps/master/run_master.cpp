@@ -5,7 +5,7 @@
 #include "apps/common/signals.h"
 #include "raven2_trainer/config/load_master.h"
 #include "raven2_trainer/config/share_folder.h"
-#include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/console/device_surgeon.h"
 #include "raven2_trainer/daemon/console_runner.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/ros/master_devices.h"
@@ -74,7 +74,7 @@ int runMaster(TrainerConfig config, const MasterOptions& options, int argc, char
   config.console.scale = master.scale;
   config.network.sight = false;  // a person needs no sight packets
   MasterLink link;
-  daemon::ConsoleRunner console(config, console::makeDeviceHands(master, jawsAtHome(config), &link));
+  daemon::ConsoleRunner console(config, console::makeDeviceSurgeon(master, jawsAtHome(config), &link));
   ros_bridge::MasterDevices devices(master, &link);
   ros_bridge::Supervisor ros(argc, argv, "master_console", &devices);
   console.start();

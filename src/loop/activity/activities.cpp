@@ -57,8 +57,8 @@ void Activities::enter(Mode next) noexcept {
 
 /** Model and robot start from one pose; where no robot joins, the model goes on alone. */
 void Activities::link(Moves moves) noexcept {
-  const bool is_motion = moves == Moves::kBoth || moves == Moves::kBothIfTold;
-  const bool is_the_robots = moves == Moves::kBoth || (moves == Moves::kBothIfTold && execution_.movesRobot());
+  const bool is_motion = moves == Moves::kBoth || moves == Moves::kBothIfAsked;
+  const bool is_the_robots = moves == Moves::kBoth || (moves == Moves::kBothIfAsked && execution_.movesRobot());
   stage_.robot.link(is_the_robots && stage_.robotJoins());
   const bool is_linked = stage_.robot.isLinked();
   if (is_linked) stage_.arms.join(stage_.robot.joints());

@@ -11,7 +11,7 @@
 #include "loop/activity/returning.h"
 #include "loop/activity/teleoperation.h"
 #include "loop/activity/trial.h"
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 
 namespace raven2_trainer::loop {
 

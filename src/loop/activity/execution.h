@@ -33,7 +33,7 @@ class Executable {
  *  stay together. */
 class PlanExecution final : public Executable {
  public:
-  PlanExecution(PlanDesk* desk, Stage* stage) noexcept : desk_(*desk), stage_(*stage) {}
+  PlanExecution(PlanStore* desk, Stage* stage) noexcept : desk_(*desk), stage_(*stage) {}
 
   /** The model stands where the path starts. @param[in] before the mode before it was armed. */
   void place(Mode before) noexcept;
@@ -52,7 +52,7 @@ class PlanExecution final : public Executable {
  private:
   Arm arm() const noexcept { return desk_.plan().arm; }
 
-  PlanDesk& desk_;
+  PlanStore& desk_;
   Stage& stage_;
   JointArray lead_{};  ///< [rad; m] what the arm on its path is asked for
 };
@@ -61,7 +61,7 @@ class PlanExecution final : public Executable {
  *  did then, so the tips are where they were, when they were. */
 class TrialRepetition final : public Executable {
  public:
-  TrialRepetition(TrialDesk* desk, Stage* stage) noexcept : desk_(*desk), stage_(*stage) {}
+  TrialRepetition(TrialStore* desk, Stage* stage) noexcept : desk_(*desk), stage_(*stage) {}
 
   bool movesRobot() const noexcept override { return desk_.onRobot(); }
   bool hasMoved() noexcept override { return stage_.robot.isThere() && desk_.hasMoved(stage_.robot.joints()); }
@@ -76,7 +76,7 @@ class TrialRepetition final : public Executable {
   control::Event endedAlone() const noexcept override { return control::Event::kRepeatShown; }
 
  private:
-  TrialDesk& desk_;
+  TrialStore& desk_;
   Stage& stage_;
 };
 
@@ -119,7 +119,7 @@ class Execution final : public Activity {
   const Executable& current() const noexcept { return repeats() ? static_cast<const Executable&>(repetition_) : plan_; }
 
   Planning& planning_;
-  TrialDesk& trial_;
+  TrialStore& trial_;
   PlanExecution plan_;
   TrialRepetition repetition_;
   bool robot_took_{false};  ///< the robot was sent a piece of it

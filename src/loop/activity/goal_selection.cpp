@@ -17,7 +17,7 @@ PlanningAnswer GoalSelection::request(const Request& request) noexcept {
 
 PlanningAnswer GoalSelection::begin(Arm arm) noexcept {
   if (stage_.mayBegin()) raise(Event::kGoalWanted);
-  PlanDesk& desk = planning_.desk();
+  PlanStore& desk = planning_.desk();
   if (mode() != Mode::kChoosing || desk.state().status == PlanningStatus::kChoosing) return PlanningAnswer::kNotNow;
   JointArray q{}, dq{};
   stage_.arms.world().jointState(arm, &q, &dq);
@@ -57,7 +57,7 @@ void GoalSelection::move() noexcept {
 
 /** Back from where choosing led it. */
 void GoalSelection::leave(Mode /*next*/) noexcept {
-  const PlanDesk& desk = planning_.desk();
+  const PlanStore& desk = planning_.desk();
   stage_.arms.world().setJointState(arm(), desk.chosenFrom(), desk.ratesBefore());
 }
 

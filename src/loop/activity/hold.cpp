@@ -12,7 +12,7 @@ void Hold::lead(PerArm<JointArray>* target) noexcept {
   if (mode() == Mode::kWaiting || mode() == Mode::kPedalUp) followRobot(target);
 }
 
-/** The robot is told pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */
+/** The robot is sent pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */
 PlanningAnswer Hold::request(const Request& request) noexcept {
   if (request.kind == RequestKind::kClearStop) return clearStop();
   stage_.stop_asked = true;

@@ -1,20 +1,20 @@
 #pragma once
 
 #include "loop/activity/activity.h"
-#include "loop/activity/plan_desk.h"
+#include "loop/activity/plan_store.h"
 #include "raven2_trainer/control/path_follower.h"
 
 namespace raven2_trainer::loop {
 
-/** A plan is computed, and then shown by the model: planning, tracking. Keeps the plan (PlanDesk) in other modes, too.
+/** A plan is computed, and then shown by the model: planning, tracking. Keeps the plan (PlanStore) in other modes, too.
  */
 class Planning final : public Activity {
  public:
   /** @throw ModelException for a collision shape that is a mesh. */
   Planning(const model::RavenModel& raven, const model::SceneModel& scene, Stage* stage);
 
-  PlanDesk& desk() noexcept { return desk_; }
-  const PlanDesk& desk() const noexcept { return desk_; }
+  PlanStore& desk() noexcept { return desk_; }
+  const PlanStore& desk() const noexcept { return desk_; }
   /** Asks the planner. As many may be under way as the rings hold: no answer can find its ring full, and whether one is
    *  refused follows from the record. */
   PlanningAnswer plan(Request request) noexcept;
@@ -34,7 +34,7 @@ class Planning final : public Activity {
   void lead(PerArm<JointArray>* target) noexcept override;
   std::uint32_t nextOwnId() noexcept;
 
-  PlanDesk desk_;
+  PlanStore desk_;
   control::PathFollower follower_;
   bool is_scheduled_{true};  ///< a plan that is still to come
   std::uint32_t next_id_{0};

@@ -27,7 +27,7 @@ void Returning::begin() noexcept {
   path_.start(stage_.arms.standing(), goal);
 }
 
-/** To repeat a trial takes a pedal-down of its own: one that is down already is waited for. */
+/** To repeat a trial takes its own pedal-down: one that is down already is waited for. */
 void Returning::supervise() noexcept {
   if (!path_.isOver()) return;
   if (stage_.isAstray(path_.goal())) return begin();

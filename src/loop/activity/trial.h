@@ -1,19 +1,19 @@
 #pragma once
 
 #include "loop/activity/activity.h"
-#include "loop/activity/trial_desk.h"
+#include "loop/activity/trial_store.h"
 
 namespace raven2_trainer::loop {
 
 /** A virtual trial: as in pure simulation the masters move the model alone, and what it does is kept: trial,
- * trial_held, trial_ready. Keeps the trial (TrialDesk) while it is repeated, too. */
+ * trial_held, trial_ready. Keeps the trial (TrialStore) while it is repeated, too. */
 class Trial final : public Activity {
  public:
   /** @param[in] limit [s] longest trial. @throw ModelException for a collision shape that is a mesh. */
   Trial(const model::RavenModel& raven, const model::SceneModel& scene, double limit, Stage* stage);
 
-  TrialDesk& desk() noexcept { return desk_; }
-  const TrialDesk& desk() const noexcept { return desk_; }
+  TrialStore& desk() noexcept { return desk_; }
+  const TrialStore& desk() const noexcept { return desk_; }
   /** What happens now will be put back to what it was when the trial began. */
   bool rehearses() const noexcept { return rehearses_; }
   /** Keeps the tick that is over, if it is part of a trial. */
@@ -36,7 +36,7 @@ class Trial final : public Activity {
   PlanningAnswer checkRepeat(const Request& request) const noexcept;
   bool hasMoved() const noexcept;
 
-  TrialDesk desk_;
+  TrialStore desk_;
   physics::SceneSnapshot scene_{};  ///< when the trial began
   bool rehearses_{false};
 };

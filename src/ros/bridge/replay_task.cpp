@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "ros/node/tell.h"
+#include "ros/node/fill_response.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {

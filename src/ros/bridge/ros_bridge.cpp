@@ -100,12 +100,12 @@ struct RosBridge::Impl {
   void publish() {
     const ros::Time stamp = ros::Time::now();
     const SharedState& shared = simulator.shared();
-    ToldStates states;
+    PublishedStates states;
     loop::loadModel(shared, &states.model, &states.contacts);
     states.robot = shared.robot.load();
     states.haptic = shared.haptic.load();
     topics.publish(states, stamp);
-    tellWhoLooks();
+    reportViewers();
     pedals.idle(net::monotonicNow());
     const double period = simulator.config().runtime.ros_period;
     if (cycle % cyclesIn(kDiagnosticsPeriod, period) == 0 || (cycle % cyclesIn(kNewsPeriod, period) == 0 && isNews())) {
@@ -114,7 +114,7 @@ struct RosBridge::Impl {
     ++cycle;
   }
 
-  void publishDiagnostics(const ToldStates& states, const ros::Time& stamp) {
+  void publishDiagnostics(const PublishedStates& states, const ros::Time& stamp) {
     const SharedState& shared = simulator.shared();
     const SessionCounts counts = simulator.counts();
     const LivePicture picture = shared.live_picture.load();
@@ -130,7 +130,7 @@ struct RosBridge::Impl {
   }
 
   /** In every cycle, so that who comes new waits for the next frame alone. */
-  void tellWhoLooks() {
+  void reportViewers() {
     SharedState& shared = simulator.shared();
     const bool is_stereo = stereo.isWatched();
     shared.stereo_watched.store(is_stereo ? 1 : 0);

@@ -9,7 +9,7 @@
 #include <chrono>
 
 #include "raven2_trainer/core/exceptions.h"
-#include "ros/bridge/session_teller.h"
+#include "ros/bridge/session_publisher.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -60,7 +60,7 @@ ros::Time stampOf(const ModelState& model) {
 
 struct SessionReplay::Impl {
   Impl(const TrainerConfig& config, const session::SessionPaths& session, const SessionReplayOptions& wanted)
-      : paths(session), options(wanted), teller(config, session) {}
+      : paths(session), options(wanted), publisher(config, session) {}
 
   bool hasSimTime() const {
     bool is_set = false;
@@ -69,29 +69,29 @@ struct SessionReplay::Impl {
     return is_set || options.set_sim_time;
   }
 
-  void tell(const session::ReplayInstant& instant) {
+  void publish(const session::ReplayInstant& instant) {
     rosgraph_msgs::Clock now;
     now.clock = stampOf(instant.tick.model);
     clock.publish(now);
-    teller.tell(instant, now.clock);
-    ++told;
+    publisher.publish(instant, now.clock);
+    ++published;
   }
 
   void playOnce(const std::function<bool(double)>& wait) {
     Pace pace(options.rate);
-    teller.read(options.from, [&](const session::ReplayInstant& instant) {
+    publisher.read(options.from, [&](const session::ReplayInstant& instant) {
       if (wait(pace.waitFor(instant.tick.model.time_ns))) throw Ended{};
-      tell(instant);
+      publish(instant);
     });
   }
 
   const session::SessionPaths paths;
   const SessionReplayOptions options;
-  SessionTeller teller;
-  std::uint64_t told{0};
+  SessionPublisher publisher;
+  std::uint64_t published{0};
   std::atomic<bool> refused{false};
   ros::Publisher clock;
-  std::unique_ptr<ros::NodeHandle> node;  // between start() and stop(); so the teller's topics
+  std::unique_ptr<ros::NodeHandle> node;  // between start() and stop(); so the publisher's topics
 };
 
 SessionReplay::SessionReplay(const TrainerConfig& config,
@@ -107,11 +107,11 @@ void SessionReplay::start() {
   if (isRefused()) return;  // without topics: /tf_static is latched, and goes to whoever connects in time
   s.node = std::make_unique<ros::NodeHandle>();
   s.clock = s.node->advertise<rosgraph_msgs::Clock>("/clock", kReplayQueue);
-  s.teller.begin(TopicMaker(s.node.get()), kReplayQueue, ros::Time::now());
+  s.publisher.begin(TopicMaker(s.node.get()), kReplayQueue, ros::Time::now());
 }
 
 void SessionReplay::stop() {
-  impl_->teller.end();
+  impl_->publisher.end();
   impl_->clock = {};
   impl_->node.reset();
 }
@@ -123,14 +123,14 @@ bool SessionReplay::isRefused() const noexcept {
 std::uint64_t SessionReplay::play(const std::function<bool(double)>& wait) {
   try {
     do {
-      impl_->teller.startOver();
-      const std::uint64_t before = impl_->told;
+      impl_->publisher.startOver();
+      const std::uint64_t before = impl_->published;
       impl_->playOnce(wait);
-      if (impl_->told == before) throw SessionException(impl_->paths.log() + ": nothing to play in it");
+      if (impl_->published == before) throw SessionException(impl_->paths.log() + ": nothing to play in it");
     } while (impl_->options.loop);
   } catch (const Ended&) {
   }
-  return impl_->told;
+  return impl_->published;
 }
 
 }  // namespace raven2_trainer::ros_bridge

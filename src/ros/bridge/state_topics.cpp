@@ -46,7 +46,7 @@ StateTopics::StateTopics(const TopicMaker& topics, const TopicSource& source, st
   fixed_transforms_.publish(fixedFrames(source.raven, source.config.render, now));
 }
 
-void StateTopics::publish(const ToldStates& states, const ros::Time& stamp) {
+void StateTopics::publish(const PublishedStates& states, const ros::Time& stamp) {
   const double d4 = source_.config.arms.geometry.d4;
   model_joints_.publish(jointState(states.model, d4, stamp));
   if (states.robot.frame > 0 && states.robot.connected != 0) robot_joints_.publish(jointState(states.robot, d4, stamp));
@@ -66,10 +66,10 @@ void StateTopics::startOver() {
   planning_.startOver();
   training_.startOver();
   cycle_ = 0;
-  has_told_edge_ = false;
+  has_published_edge_ = false;
 }
 
-void StateTopics::publishMarkers(const ToldStates& states, const ros::Time& stamp) {
+void StateTopics::publishMarkers(const PublishedStates& states, const ros::Time& stamp) {
   if (!markers_.isHeard()) return;
   visualization_msgs::MarkerArray all = contactMarkers(states.contacts, stamp);
   const auto forces = forceMarkers(states.model, states.haptic, source_.raven.X_WB, stamp);
@@ -77,17 +77,17 @@ void StateTopics::publishMarkers(const ToldStates& states, const ros::Time& stam
   markers_.publish(all);
 }
 
-void StateTopics::publishEdge(const ToldStates& states) {
+void StateTopics::publishEdge(const PublishedStates& states) {
   const bool is_at_edge = isAtEdge(states.model, states.haptic);
-  if (has_told_edge_ && is_at_edge == told_edge_) return;
-  has_told_edge_ = true;
-  told_edge_ = is_at_edge;
+  if (has_published_edge_ && is_at_edge == published_edge_) return;
+  has_published_edge_ = true;
+  published_edge_ = is_at_edge;
   std_msgs::Bool message;
   message.data = is_at_edge;
   edge_.publish(message);
 }
 
-void StateTopics::publishTransforms(const ToldStates& states, const ros::Time& stamp) {
+void StateTopics::publishTransforms(const PublishedStates& states, const ros::Time& stamp) {
   tf2_msgs::TFMessage message;
   const ModelState& model = states.model;
   const RobotState& robot = states.robot;

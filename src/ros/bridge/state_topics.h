@@ -18,7 +18,7 @@
 namespace raven2_trainer::ros_bridge {
 
 /** The states that one message each is made of. */
-struct ToldStates {
+struct PublishedStates {
   ModelState model{};
   RobotState robot{};
   HapticState haptic{};
@@ -32,19 +32,20 @@ struct ToldStates {
 class StateTopics {
  public:
   /** @param[in] queue [messages] of the topics that come in every cycle, for subscribers that are slow.
-   *  @param[in] now of /tf_static, which is told at once. */
+   *  @param[in] now of /tf_static, which is reported at once. */
   StateTopics(const TopicMaker& topics, const TopicSource& source, std::uint32_t queue, const ros::Time& now);
 
   /** Publishes one cycle of runtime.ros_period; one thread. News (plans, events) are the source's newest. */
-  void publish(const ToldStates& states, const ros::Time& stamp);
+  void publish(const PublishedStates& states, const ros::Time& stamp);
 
-  /** Another run of a session begins: what was told before counts no more; of events, those from now on are told. */
+  /** Another run of a session begins: what was told before counts no more; of events, those from now on are reported.
+   */
   void startOver();
 
  private:
-  void publishMarkers(const ToldStates& states, const ros::Time& stamp);
-  void publishEdge(const ToldStates& states);
-  void publishTransforms(const ToldStates& states, const ros::Time& stamp);
+  void publishMarkers(const PublishedStates& states, const ros::Time& stamp);
+  void publishEdge(const PublishedStates& states);
+  void publishTransforms(const PublishedStates& states, const ros::Time& stamp);
   void addCameras(const ModelState& model,
                   const ros::Time& stamp,
                   std::vector<geometry_msgs::TransformStamped>* transforms);
@@ -65,7 +66,7 @@ class StateTopics {
   std::vector<Pose> poses_;
   const std::vector<bool> is_fixed_;  ///< by link index: told by /tf_static
   int cycle_{0};
-  bool has_told_edge_{false}, told_edge_{false};
+  bool has_published_edge_{false}, published_edge_{false};
 };
 
 /** Is a tool held back by the end of its workspace while a hand moves it (control::isAtEdge), or does a hand feel the

@@ -1,6 +1,6 @@
 #include "ros/bridge/training_services.h"
 
-#include "ros/node/tell.h"
+#include "ros/node/fill_response.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -14,7 +14,7 @@ Request requestOf(RequestKind kind, Arm arm = Arm::kGold) {
 
 /** success and message of the standard services. */
 template <typename Response>
-bool tellPlainly(PlanningAnswer answer, Response* response) {
+bool sendPlain(PlanningAnswer answer, Response* response) {
   response->success = answer == PlanningAnswer::kAccepted;
   response->message = words(answer);
   return true;
@@ -51,7 +51,7 @@ std::vector<std::string> TrainingServices::names() const {
 void TrainingServices::offer(const std::string& service, const Request& request) {
   using Callback = boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)>;
   const Callback callback = [this, request](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    return tellPlainly(client_.ask(request).answer, &response);
+    return sendPlain(client_.ask(request).answer, &response);
   };
   servers_.push_back(node_.advertiseService(service, callback));
 }
@@ -61,7 +61,7 @@ void TrainingServices::offerSwitch(const std::string& service, RequestKind kind)
   const Callback callback = [this, kind](std_srvs::SetBool::Request& message, std_srvs::SetBool::Response& response) {
     Request request = requestOf(kind);
     request.enabled = message.data != 0 ? 1 : 0;
-    return tellPlainly(client_.ask(request).answer, &response);
+    return sendPlain(client_.ask(request).answer, &response);
   };
   servers_.push_back(node_.advertiseService(service, callback));
 }
@@ -69,7 +69,7 @@ void TrainingServices::offerSwitch(const std::string& service, RequestKind kind)
 /** Reads the first ticks of the session before it answers. */
 bool TrainingServices::beginReplay(BeginReplay::Request& message, BeginReplay::Response& response) {
   const ReplayTask::Outcome outcome = replay_->begin(message.session);
-  tell(outcome.code, outcome.status, &response);
+  fillResponse(outcome.code, outcome.status, &response);
   return true;
 }
 
@@ -77,7 +77,7 @@ bool TrainingServices::repeatTrial(RepeatTrial::Request& message, RepeatTrial::R
   Request request = requestOf(RequestKind::kRepeatTrial);
   request.on_robot = message.on_robot != 0 ? 1 : 0;
   const PlanningClient::Asked asked = client_.ask(request);
-  tell(asked.answer, &response);
+  fillResponse(asked.answer, &response);
   if (response.success) response.execution = asked.id;
   return true;
 }
@@ -86,7 +86,7 @@ bool TrainingServices::repeatTrial(RepeatTrial::Request& message, RepeatTrial::R
 bool TrainingServices::emergencyStop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   const bool is_posted = client_.post(requestOf(RequestKind::kEmergencyStop));
   const bool has_stopped = is_posted && client_.awaitMode(Mode::kStopped);
-  return tellPlainly(has_stopped ? PlanningAnswer::kAccepted : PlanningAnswer::kNone, &response);
+  return sendPlain(has_stopped ? PlanningAnswer::kAccepted : PlanningAnswer::kNone, &response);
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -18,7 +18,7 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * What operators ask of the modes (doc/modes.md) and of the exercise. Each call waits for the loop's answer, on a queue
- * and a thread of their own; emergency_stop, which waits behind nobody, is on the node's.
+ * and its own thread; emergency_stop, which waits behind nobody, is on the node's.
  */
 class TrainingServices {
  public:

@@ -20,36 +20,36 @@ void TrainingTopics::publish(const ModelState& model, const ros::Time& stamp) {
   publishMode(model, stamp);
   publishEvents(stamp);
   publishProgress(model, stamp);
-  has_told_ = true;
+  has_published_ = true;
 }
 
 void TrainingTopics::startOver() {
-  has_told_ = false;
-  events_told_ = source_.shared.exercise_news.load().count;
+  has_published_ = false;
+  events_published_ = source_.shared.exercise_news.load().count;
 }
 
 void TrainingTopics::publishMode(const ModelState& model, const ros::Time& stamp) {
-  const bool is_due = model.mode == Mode::kTrial && model.tick - told_mode_.tick >= kPeriod;
-  if (has_told_ && !is_due && isSameMode(model, told_mode_)) return;
-  told_mode_ = model;
+  const bool is_due = model.mode == Mode::kTrial && model.tick - published_mode_.tick >= kPeriod;
+  if (has_published_ && !is_due && isSameMode(model, published_mode_)) return;
+  published_mode_ = model;
   mode_.publish(trainerMode(model, stamp));
 }
 
 void TrainingTopics::publishProgress(const ModelState& model, const ros::Time& stamp) {
   const bool is_running = model.exercise.status == ExerciseStatus::kRunning;
-  const bool is_due = is_running && model.tick - told_progress_.tick >= kPeriod;
-  if (has_told_ && !is_due && isSameProgress(model.exercise, told_progress_.exercise)) return;
-  told_progress_ = model;
+  const bool is_due = is_running && model.tick - published_progress_.tick >= kPeriod;
+  if (has_published_ && !is_due && isSameProgress(model.exercise, published_progress_.exercise)) return;
+  published_progress_ = model;
   progress_.publish(exerciseProgress(model, source_.config.exercise, stamp));
 }
 
 void TrainingTopics::publishEvents(const ros::Time& stamp) {
   const ExerciseNews news = source_.shared.exercise_news.load();
-  for (std::uint64_t n = news.firstAfter(events_told_); n <= news.count; ++n) {
+  for (std::uint64_t n = news.firstAfter(events_published_); n <= news.count; ++n) {
     const ExerciseRecord& record = news.newest[n % ExerciseNews::kKept];
     events_.publish(exerciseEvent(n, record, source_.config.exercise, source_.body_names, stamp));
   }
-  events_told_ = news.count;
+  events_published_ = news.count;
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -16,7 +16,7 @@ class TrainingTopics {
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
 
-  /** Ticks begin anew: all is told again, but for the events that there are already. */
+  /** Ticks begin again: all is reported again, but for the events that there are already. */
   void startOver();
 
  private:
@@ -28,9 +28,9 @@ class TrainingTopics {
   Outlet<TrainerMode> mode_;
   Outlet<ExerciseProgress> progress_;
   Outlet<ExerciseEventStamped> events_;
-  ModelState told_mode_, told_progress_;  ///< states of the newest messages
-  bool has_told_{false};
-  std::uint64_t events_told_{0};
+  ModelState published_mode_, published_progress_;  ///< states of the newest messages
+  bool has_published_{false};
+  std::uint64_t events_published_{0};
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -73,9 +73,9 @@ CrtkArm::CrtkArm(ros::NodeHandle* node,
 
 void CrtkArm::publish(const CrtkCycle& cycle) {
   publishState(cycle);
-  tellAlone(cycle.servo);
-  tellRunOut(at(cycle.servo.arms, arm_));
-  tellRatio(at(cycle.servo.arms, arm_).ratio);
+  reportAlone(cycle.servo);
+  reportRunOut(at(cycle.servo.arms, arm_));
+  publishRatio(at(cycle.servo.arms, arm_).ratio);
   publishOwn(cycle);
   publishModel(cycle);
 }
@@ -87,44 +87,44 @@ void CrtkArm::publishState(const CrtkCycle& cycle) {
   now.state = nameOf(kOperatingStateNames, servo.state);
   now.is_homed = servo.is_homed;
   now.is_busy = at(servo.arms, arm_).is_busy;
-  const bool is_new = !has_told_ || differs(now, told_);
-  const double age = static_cast<double>(servo.tick - told_tick_) * kTickSeconds;
+  const bool is_new = !has_published_ || differs(now, told_);
+  const double age = static_cast<double>(servo.tick - last_tick_published_) * kTickSeconds;
   if (!is_new && age >= 0.0 && age < state_period_) return;
   operating_state_.publish(now);
-  if (has_told_ && now.state != told_.state) voice_.say(level(servo.state), sentence(servo.state));
+  if (has_published_ && now.state != told_.state) voice_.say(level(servo.state), sentence(servo.state));
   told_ = now;
-  told_tick_ = servo.tick;
-  has_told_ = true;
+  last_tick_published_ = servo.tick;
+  has_published_ = true;
 }
 
-void CrtkArm::tellAlone(const ServoState& servo) {
+void CrtkArm::reportAlone(const ServoState& servo) {
   const bool is_alone = servo.alone != 0;
   if (is_alone && !was_alone_) voice_.say(CrtkLevel::kWarning, kAloneSentence);
   was_alone_ = is_alone;
 }
 
-void CrtkArm::tellRunOut(const ServoArmState& arm) {
-  if (arm.run_out == told_run_out_) return;
-  told_run_out_ = arm.run_out;
+void CrtkArm::reportRunOut(const ServoArmState& arm) {
+  if (arm.run_out == reported_run_out_) return;
+  reported_run_out_ = arm.run_out;
   voice_.say(CrtkLevel::kWarning, runOutSentence(twist_timeout_));
 }
 
-void CrtkArm::tellRatio(double ratio) {
-  if (ratio == told_ratio_) return;
-  told_ratio_ = ratio;
+void CrtkArm::publishRatio(double ratio) {
+  if (ratio == published_ratio_) return;
+  published_ratio_ = ratio;
   publishLatched<std_msgs::Float64>(ratio_, ratio);
 }
 
 /** At each change what measured_* is worth, and why, should it be worth less. */
-void CrtkArm::tellSource() {
+void CrtkArm::publishSource() {
   const MeasuredFrom from = source_.from();
-  if (has_told_source_ && from == told_from_) return;
+  if (has_published_source_ && from == published_from_) return;
   publishLatched<std_msgs::Bool>(is_valid_, static_cast<std::uint8_t>(from == MeasuredFrom::kRobot));
   const std::string why = sentence(from, source_.age());
   if (!why.empty())
     voice_.complain(level(from), "measured/" + std::to_string(static_cast<int>(from)), why, net::monotonicNow());
-  told_from_ = from;
-  has_told_source_ = true;
+  published_from_ = from;
+  has_published_source_ = true;
 }
 
 ArmWrench CrtkArm::contactOn(const CrtkCycle& cycle, const Pose& X_BT) const {
@@ -135,7 +135,7 @@ ArmWrench CrtkArm::contactOn(const CrtkCycle& cycle, const Pose& X_BT) const {
 void CrtkArm::publishOwn(const CrtkCycle& cycle) {
   const JointArray& tau = at(cycle.model.arms, arm_).tau;
   source_.take(arm_, cycle.model, cycle.robot, cycle.stamp);
-  tellSource();
+  publishSource();
   if (source_.from() != MeasuredFrom::kNone) {
     const CrtkMeasured m = measured(geometry_, arm_, source_.q(), source_.dq(), tau);
     own_.publishMeasured(m, contactOn(cycle, m.X_BT), source_.stamp());

@@ -46,10 +46,10 @@ class CrtkArm {
 
  private:
   void publishState(const CrtkCycle& cycle);
-  void tellAlone(const ServoState& servo);
-  void tellRunOut(const ServoArmState& arm);
-  void tellRatio(double ratio);
-  void tellSource();
+  void reportAlone(const ServoState& servo);
+  void reportRunOut(const ServoArmState& arm);
+  void publishRatio(double ratio);
+  void publishSource();
   void publishOwn(const CrtkCycle& cycle);
   void publishModel(const CrtkCycle& cycle);
   ArmWrench contactOn(const CrtkCycle& cycle, const Pose& X_BT) const;
@@ -66,13 +66,13 @@ class CrtkArm {
 
   ros::Publisher operating_state_, is_valid_, ratio_, timeout_;
   crtk::OperatingState told_;
-  bool has_told_{false};
+  bool has_published_{false};
   bool was_alone_{false};
-  Tick told_tick_{};
-  std::uint32_t told_run_out_{0};
-  double told_ratio_{-1.0};
-  MeasuredFrom told_from_{MeasuredFrom::kNone};
-  bool has_told_source_{false};
+  Tick last_tick_published_{};
+  std::uint32_t reported_run_out_{0};
+  double published_ratio_{-1.0};
+  MeasuredFrom published_from_{MeasuredFrom::kNone};
+  bool has_published_source_{false};
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -85,7 +85,7 @@ void CrtkDevice::stop() {
 }
 
 void CrtkDevice::publish() {
-  tellRefused();
+  reportRefused();
   if (!loadCycle()) return;
   cycle_.stamp = stamp_.of(cycle_.model.time_ns, net::monotonicNow(), ros::Time::now());
   for (const auto& arm : arms_)
@@ -106,7 +106,7 @@ bool CrtkDevice::loadCycle() {
   return true;
 }
 
-void CrtkDevice::tellRefused() {
+void CrtkDevice::reportRefused() {
   ServoRefused refused;
   while (shared_.servo_refused.tryPop(&refused)) {
     const std::string about =

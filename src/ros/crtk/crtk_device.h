@@ -22,7 +22,7 @@ namespace raven2_trainer::ros_bridge {
 diagnostic_msgs::DiagnosticStatus crtkStatus(const ServoState& servo, const CrtkCounts& heard);
 
 /**
- * The arms as devices of the Collaborative Robotics Toolkit (doc/crtk.md). Hears commands on a thread of its own and
+ * The arms as devices of the Collaborative Robotics Toolkit (doc/crtk.md). Hears commands on its own thread and
  * publishes states on another one, every CrtkConfig::period.
  */
 class CrtkDevice {
@@ -44,7 +44,7 @@ class CrtkDevice {
  private:
   void publish();
   bool loadCycle();
-  void tellRefused();
+  void reportRefused();
 
   const TopicSource source_;
   SharedState& shared_;

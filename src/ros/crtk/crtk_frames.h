@@ -12,7 +12,7 @@ namespace raven2_trainer::ros_bridge {
 
 /** A frame R that poses, increments and twists of an arm are told and asked for in. */
 struct CrtkFrame {
-  std::string name;                  ///< header.frame_id of what is told; "" has none
+  std::string name;                  ///< header.frame_id of what is reported; "" has none
   std::vector<std::string> allowed;  ///< header.frame_id of what is heard; "" always may stand there
   Pose X_BR{};                       ///< R in the arm's base B
 };

@@ -48,13 +48,13 @@ enum class MeasuredFrom : std::uint8_t {
   kModel,  ///< no robot has been there yet
   kRobot,  ///< it is there, and its state fresh
   kStale,  ///< its last state, repeated with the stamp that it came with
-  kNone,   ///< that is too long ago: nothing is told
+  kNone,   ///< that is too long ago: nothing is reported
 };
 
 /** Keeps to one source: once a robot was there, the model's joints are told of no more. Not of the jaws' alone. */
 class MeasuredSource {
  public:
-  static constexpr Tick kRepeated = 500;  ///< [1 ms] so long a state that grows stale is told again
+  static constexpr Tick kRepeated = 500;  ///< [1 ms] so long a state that grows stale is reported again
 
   /** Of a cycle; not twice of one tick. @param[in] stamp of the cycle. */
   void take(Arm arm, const ModelState& model, const RobotState& robot, const ros::Time& stamp) noexcept;

@@ -109,7 +109,7 @@ ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Reader
                                 ros::SubscriberStatusCallback(remove));
 }
 
-/** What a family's driver is told forces with. */
+/** What a family's driver is sent forces with. */
 struct ForceForm {
   ros::Publisher (*advertise)(ros::NodeHandle*, const std::string& topic, Readers*);
   void (*publish)(const ros::Publisher&, const DeviceForce&, const std::string& frame);
@@ -177,8 +177,8 @@ class Device {
         force_news_(deviceName(arm), topics_.force, topics_.pose, kSettle),
         absolute_news_(deviceName(arm), topics_.force_absolute, kSettle),
         publisher_(advertiseForce(node, config.family, topics_.force, &readers_)) {
-    absolute_ = tellTrue(node, topics_.force_absolute);
-    gravity_ = tellTrue(node, topics_.gravity_compensation);
+    absolute_ = sendTrue(node, topics_.force_absolute);
+    gravity_ = sendTrue(node, topics_.gravity_compensation);
     listen(node);
   }
 
@@ -202,7 +202,7 @@ class Device {
     return rests || !traitsOf(config_.family).subtracts_velocity;  // the last one's stays
   }
 
-  void tellReaders(double time) {
+  void reportReaders(double time) {
     news_.of_publisher.tell(force_news_.look(readers_.names(), driver(), time));
     if (absolute_) news_.of_publisher.tell(absolute_news_.look(!isAbsoluteMissing(), time));
   }
@@ -222,7 +222,7 @@ class Device {
 
  private:
   /** Once, and to whoever comes later. */
-  static ros::Publisher tellTrue(ros::NodeHandle* node, const std::string& topic) {
+  static ros::Publisher sendTrue(ros::NodeHandle* node, const std::string& topic) {
     if (topic.empty()) return {};
     ros::Publisher publisher = node->advertise<std_msgs::Bool>(topic, 1, /*latch=*/true);
     std_msgs::Bool message;
@@ -327,7 +327,7 @@ class PedalTopic {
     bool held = false;
     const bool is_known = readJoyButton(message, config_.pedal_button, &held);
     hold_.hear(held, secondsSince(started_));
-    if (!is_known && !std::exchange(told_refused_, true))
+    if (!is_known && !std::exchange(reported_refused_, true))
       news_.of_spinner.tell("pedal: refused: " + config_.pedal_topic + " is of type " + message.getDataType() +
                             ", or has no button " + std::to_string(config_.pedal_button) +
                             "; a sensor_msgs/Joy is wanted");
@@ -339,7 +339,7 @@ class PedalTopic {
   const Clock::time_point started_{Clock::now()};
   PedalHold hold_;
   ros::Subscriber subscriber_;
-  bool told_refused_{false};  // of the spinner's thread
+  bool reported_refused_{false};  // of the spinner's thread
 };
 
 }  // namespace
@@ -383,13 +383,13 @@ struct MasterDevices::Impl {
       pedal->tell();
       for (const auto& device : devices)
         device->press();
-      if (time - told >= kForceNewsPeriod) tellReaders(time);
+      if (time - told >= kForceNewsPeriod) reportReaders(time);
       if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
     }
 
-    void tellReaders(double time) {
+    void reportReaders(double time) {
       for (const auto& device : devices)
-        device->tellReaders(time);
+        device->reportReaders(time);
       told = time;
     }
 

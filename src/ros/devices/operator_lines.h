@@ -27,7 +27,7 @@ class OperatorLines {
   /** The consumer. @return false: there is none. */
   bool next(std::string* text) {
     Line line;
-    if (!ring_.tryPop(&line)) return tellLost(text);
+    if (!ring_.tryPop(&line)) return reportLost(text);
     text->assign(line.text.data(), line.size);
     return true;
   }
@@ -38,16 +38,16 @@ class OperatorLines {
     std::array<char, 504> text{};
   };
 
-  bool tellLost(std::string* text) {
+  bool reportLost(std::string* text) {
     const std::uint64_t lost = ring_.dropped();
-    if (lost == told_lost_) return false;
-    *text = std::to_string(lost - told_lost_) + " lines more, which were not kept";
-    told_lost_ = lost;
+    if (lost == reported_lost_) return false;
+    *text = std::to_string(lost - reported_lost_) + " lines more, which were not kept";
+    reported_lost_ = lost;
     return true;
   }
 
   SpscRing<Line, 32> ring_;
-  std::uint64_t told_lost_{0};
+  std::uint64_t reported_lost_{0};
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -32,9 +32,9 @@ class PedalHold {
     const double age = time - heard_;
     if (expire(time)) *news = silence(age);
     if (!is_published) held_ = false;
-    const bool is_missing = !is_published && (was_published_ || (!told_missing_ && time > kSettle));
+    const bool is_missing = !is_published && (was_published_ || (!reported_missing_ && time > kSettle));
     if (is_missing) *news = "pedal: nobody publishes " + topic_ + ": it counts as up";
-    told_missing_ = told_missing_ || is_missing;
+    reported_missing_ = reported_missing_ || is_missing;
     was_published_ = is_published;
     return held_;
   }
@@ -59,7 +59,7 @@ class PedalHold {
   const double silent_after_;
   std::mutex mutex_;
   bool held_{false}, lapsed_{false};
-  bool was_published_{false}, told_missing_{false};
+  bool was_published_{false}, reported_missing_{false};
   double heard_{0.0};
 };
 

@@ -79,7 +79,7 @@ const Rates::Sample& Rates::update(const Stream& stream,
   Sample& s = entry->second;
   const double seconds = static_cast<double>(now_ns - s.time_ns) * 1e-9;
   if (is_new || now_ns - s.time_ns < kWindowNs) return s;
-  const std::uint64_t events = count >= s.count ? count - s.count : count;  // a counter that began anew
+  const std::uint64_t events = count >= s.count ? count - s.count : count;  // a counter that began again
   const double expected = std::min(s.expected, stream.expected);            // all the time, not only now
   const bool is_rare = static_cast<double>(events + 1) < (1.0 - kTolerance) * expected * seconds;
   const std::uint64_t failures = expected > 0.0 && failed > s.failed ? failed - s.failed : 0;

@@ -48,7 +48,7 @@ bool registerTopics() {
 }
 
 /** The master answers with who publishes; handing that on to ourselves is what it would do for a later one. An empty
- *  list is kept back: a publisher that did not register anew still sends over the connection that there is. */
+ *  list is kept back: a publisher that did not register again still sends over the connection that there is. */
 bool registerSubscription(const Value& topic, const Value& type) {
   const std::optional<Value> publishers = callMaster("registerSubscriber", {topic, type, ownUri()});
   if (!publishers) return false;
@@ -84,7 +84,7 @@ int masterPid(double patience) {
 }
 
 /** A master that does not know the node says no to lookupNode, which is no answer of call(): so it is asked whether it
- * still answers at all. */
+ * still answers. */
 std::optional<bool> isRegistered() {
   const std::string uri = lookedUp();
   if (uri == std::string(ownUri())) return true;

@@ -33,7 +33,7 @@ void MoveArmServer::look() {
     if (task_.look()) {
       end();
     } else if (++looks_ % kLooksPerTale == 0) {
-      tell();
+      publishFeedback();
     }
   }
   if (!server_.isActive() && server_.isNewGoalAvailable()) begin();
@@ -55,7 +55,7 @@ void MoveArmServer::end() {
   server_.setAborted(result, outcome.status);
 }
 
-void MoveArmServer::tell() {
+void MoveArmServer::publishFeedback() {
   const ModelState model = simulator_.shared().model.load();
   const TipErrors errors = tipErrors(model, simulator_.shared().robot.load(), simulator_.config().arms.geometry);
   clock_.look(model);

@@ -28,7 +28,7 @@ class MoveArmServer {
   void look();
   void begin();
   void end();
-  void tell();
+  void publishFeedback();
 
   const daemon::Simulator& simulator_;
   MoveArmTask task_;

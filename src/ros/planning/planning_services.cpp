@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "ros/node/tell.h"
+#include "ros/node/fill_response.h"
 #include "ros/planning/planning_messages.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -11,9 +11,9 @@ namespace {
 constexpr double kGraceTime = 2.0;  // [s] beyond the planner's limit before an answer is given up
 
 template <typename Response>
-void tell(const std::optional<PlanResult>& result, Response* response) {
-  if (!result) return tell(ErrorCode::kCommunicationFailure, "no answer from the planner", response);
-  tell(errorCode(result->status), kPlanStatusNames[static_cast<std::size_t>(result->status)], response);
+void fillResponse(const std::optional<PlanResult>& result, Response* response) {
+  if (!result) return fillResponse(ErrorCode::kCommunicationFailure, "no answer from the planner", response);
+  fillResponse(errorCode(result->status), kPlanStatusNames[static_cast<std::size_t>(result->status)], response);
   response->plan = result->id;
   response->cost = result->cost;
   response->planning_time = result->planning_time;
@@ -62,16 +62,16 @@ std::vector<std::string> PlanningServices::names() const {
 bool PlanningServices::plan(PlanPath::Request& message, PlanPath::Response& response) {
   const ReadRequest wanted = planRequest(wantedPlan(message), d4_);
   if (!wanted.isGood()) {
-    tell(wanted.code, wanted.status, &response);
+    fillResponse(wanted.code, wanted.status, &response);
     return true;
   }
   const PlanningClient::Asked asked = client_.ask(wanted.request);
   if (asked.answer != PlanningAnswer::kAccepted) {
-    tell(asked.answer, &response);
+    fillResponse(asked.answer, &response);
     return true;
   }
   const std::optional<PlanResult> result = client_.awaitPlan(asked.id, patience_);
-  tell(result, &response);
+  fillResponse(result, &response);
   if (!result || result->status != PlanStatus::kSuccess) return true;
   response.arm = name(result->arm);
   response.clearance = result->clearance;
@@ -87,14 +87,14 @@ bool PlanningServices::planningMode(PlanningMode::Request& message, PlanningMode
     recordGoal(&response);
   } else if (message.command == "end") {
     request.kind = RequestKind::kEndPlanning;
-    tell(client_.ask(request).answer, &response);
+    fillResponse(client_.ask(request).answer, &response);
   } else if (message.command != "begin") {
-    tell(ErrorCode::kFailure, "unknown command; known: begin, record_goal, end", &response);
+    fillResponse(ErrorCode::kFailure, "unknown command; known: begin, record_goal, end", &response);
   } else if (!readArm(message.arm, &request.arm)) {
-    tell(ErrorCode::kInvalidGroupName, "unknown arm; known: gold, green", &response);
+    fillResponse(ErrorCode::kInvalidGroupName, "unknown arm; known: gold, green", &response);
   } else {
     request.kind = RequestKind::kBeginPlanning;
-    tell(client_.ask(request).answer, &response);
+    fillResponse(client_.ask(request).answer, &response);
   }
   return true;
 }
@@ -103,8 +103,8 @@ void PlanningServices::recordGoal(PlanningMode::Response* response) {
   Request request;
   request.kind = RequestKind::kRecordGoal;
   const PlanningClient::Asked asked = client_.ask(request);
-  if (asked.answer != PlanningAnswer::kAccepted) return tell(asked.answer, response);
-  tell(client_.awaitPlan(asked.id, patience_), response);
+  if (asked.answer != PlanningAnswer::kAccepted) return fillResponse(asked.answer, response);
+  fillResponse(client_.awaitPlan(asked.id, patience_), response);
 }
 
 bool PlanningServices::executePlan(ExecutePlan::Request& message, ExecutePlan::Response& response) {
@@ -113,14 +113,14 @@ bool PlanningServices::executePlan(ExecutePlan::Request& message, ExecutePlan::R
   request.on_robot = message.on_robot ? 1 : 0;
   request.plan = message.plan;
   const PlanningClient::Asked asked = client_.ask(request);
-  tell(asked.answer, &response);
+  fillResponse(asked.answer, &response);
   if (response.success) response.execution = asked.id;
   return true;
 }
 
 bool PlanningServices::cancelPlan(CancelPlan::Request&, CancelPlan::Response& response) {
   const PlanningClient::Cancelled cancelled = client_.cancel();
-  tell(cancelled.answer, &response);
+  fillResponse(cancelled.answer, &response);
   if (!cancelled.has_ended) response.status += "; the planner is still ending";
   response.was = kPlanningStatusNames[static_cast<std::size_t>(cancelled.was)];
   return true;

@@ -18,7 +18,7 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * plan, planning_mode, execute_plan and cancel_plan. What waits for a plan (plan, and planning_mode for the goal that
- * was recorded) has a queue and a thread of its own; the other two have another one, so that a plan can be cancelled
+ * was recorded) has a queue and its own thread; the other two have another one, so that a plan can be cancelled
  * while somebody waits for it.
  */
 class PlanningServices {

@@ -30,8 +30,8 @@ void PlanningTopics::publish(const ModelState& model, const ros::Time& stamp) {
 void PlanningTopics::startOver() {
   clock_ = {};
   published_ = -1;
-  if (has_told_path_) tellPath(PlanResult{}, ros::Time());  // without points; who comes now gets this, too
-  has_told_path_ = false;
+  if (has_published_path_) publishPath(PlanResult{}, ros::Time());  // without points; who comes now gets this, too
+  has_published_path_ = false;
 }
 
 void PlanningTopics::publishPlan(const ros::Time& stamp) {
@@ -41,11 +41,11 @@ void PlanningTopics::publishPlan(const ros::Time& stamp) {
   plans_seen_ = version;
   const PlanResult plan = shared.last_plan.load();
   if (plan.status != PlanStatus::kSuccess) return;
-  tellPath(plan, stamp);
-  has_told_path_ = true;
+  publishPath(plan, stamp);
+  has_published_path_ = true;
 }
 
-void PlanningTopics::tellPath(const PlanResult& plan, const ros::Time& stamp) {
+void PlanningTopics::publishPath(const PlanResult& plan, const ros::Time& stamp) {
   const ArmGeometry& geometry = source_.config.arms.geometry;
   trajectory_.publish(trajectory(plan, geometry.d4));  // stamp 0: to be begun when it arrives
   tip_path_.publish(tipPath(plan, geometry, at(source_.raven.X_WB, plan.arm), stamp));

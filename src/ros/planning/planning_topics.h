@@ -19,12 +19,12 @@ class PlanningTopics {
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
 
-  /** Ticks begin anew: of a path that was told nothing is left. The newest execution stands until the next. */
+  /** Ticks begin again: of a path that was told nothing is left. The newest execution stands until the next. */
   void startOver();
 
  private:
   void publishPlan(const ros::Time& stamp);
-  void tellPath(const PlanResult& plan, const ros::Time& stamp);
+  void publishPath(const PlanResult& plan, const ros::Time& stamp);
   void publishExecution(const ros::Time& stamp);
   void publishProgress(const ModelState& model, const ros::Time& stamp);
 
@@ -34,7 +34,7 @@ class PlanningTopics {
   Outlet<PlanningProgress> progress_;
   Outlet<PlanExecution> execution_;
   std::uint64_t plans_seen_{0}, executions_seen_{0};  ///< versions of the cells
-  bool has_told_path_{false};
+  bool has_published_path_{false};
   StatusClock clock_;
   Tick published_{-1};  ///< [1 ms] of the model, of the newest plan/progress; -1 none
 };

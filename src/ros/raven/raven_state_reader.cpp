@@ -9,7 +9,7 @@ namespace raven2_trainer::ros_bridge {
 namespace {
 
 constexpr double kRadians = kPi / 180.0;
-constexpr int kRestart = 0;              // of the stream: no velocity can be told
+constexpr int kRestart = 0;              // of the stream: no velocity can be reported
 constexpr double kRestartGap = 0.1;      // [s] a longer one is a restart
 constexpr double kStampNoise = 0.25e-3;  // [s]
 constexpr std::int32_t kReadyLevel = 2;  // PEDAL_UP: reached only homed, which happens once (raven2.md 4.3)

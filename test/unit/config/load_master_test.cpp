@@ -59,7 +59,8 @@ devices:
 
 TEST(LoadMaster, EveryShippedFileIsGood) {
   const std::vector<std::string> names = masterNames(kFolder);
-  EXPECT_EQ(names, (std::vector<std::string>{"crtk_pair", "gamepad", "mtm", "omni", "omni_pair", "touch_geomagic"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"browser", "crtk_pair", "gamepad", "mtm", "omni", "omni_pair",
+                                             "touch_geomagic"}));
   for (const std::string& name : names) {
     const MasterConfig master = findMaster(kFolder, name);
     EXPECT_EQ(master.name, name);

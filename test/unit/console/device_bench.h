@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/console/device_surgeon.h"
 
 namespace raven2_trainer::console {
 
@@ -44,7 +44,7 @@ inline MasterConfig testMaster() {
 class DeviceBench {
  public:
   explicit DeviceBench(MasterConfig master, double jaws = 0.3)
-      : config(std::move(master)), source(makeDeviceHands(config, {jaws, jaws}, &link)) {}
+      : config(std::move(master)), source(makeDeviceSurgeon(config, {jaws, jaws}, &link)) {}
 
   Intent tick(int ticks = 1) {
     Intent intent;

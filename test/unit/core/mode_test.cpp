@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::array<const char*, kActivityCount> kActivityNames{
     "hold", "teleoperation", "planning", "goal selection", "execution", "trial", "returning", "replay", "camera"};
-constexpr std::array<const char*, 4> kMovesNames{"", "model", "both", "both if told"};
-constexpr std::array<const char*, 3> kWorldNames{"meets", "passes", "stands"};
+constexpr std::array<const char*, 4> kMovesNames{"", "model", "both", "both if asked"};
+constexpr std::array<const char*, 3> kWorldNames{"meets", "passes", "still"};
 
 /** The page's row of a mode. */
 std::string rowOf(std::size_t mode) {
@@ -59,7 +59,7 @@ TEST(ModeTraits, AreWhatThePageSays) {
 TEST(ModeTraits, GoTogether) {
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     const ModeTraits t = traitsOf(static_cast<Mode>(mode));
-    const bool moves_robot = t.moves == Moves::kBoth || t.moves == Moves::kBothIfTold;
+    const bool moves_robot = t.moves == Moves::kBoth || t.moves == Moves::kBothIfAsked;
     EXPECT_TRUE(!moves_robot || t.world == WorldMotion::kMeets) << kModeNames[mode];
     EXPECT_TRUE(!t.judged || t.world == WorldMotion::kMeets) << kModeNames[mode];
     EXPECT_TRUE(!t.follows_plan || t.keeps_plan) << kModeNames[mode];

@@ -359,7 +359,7 @@ TEST(PassivityGuard, StartedAnewWhileForcesActItForgetsThem) {
     used.observe(wander.at(1e-3 * k));
     used.given(anyVector(&random, 3.0), true);
   }
-  used.startAnew();
+  used.startAgain();
   EXPECT_TRUE(used.isResting());
   for (int k = 150; k < 500; ++k) {
     const Vector3d x = wander.at(1e-3 * k), force = anyVector(&random, 1.0);

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/mode_table.h"
 
@@ -159,7 +159,7 @@ class ServoCommands : public ::testing::Test {
 
   const TrainerConfig config = configuration();
   std::unique_ptr<SharedState> shared = std::make_unique<SharedState>();
-  ServoDesk desk{config, shared.get()};
+  ServoManager desk{config, shared.get()};
   PerArm<control::TeleopMapper> mappers{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                                         control::TeleopMapper(config.arms.geometry, Arm::kGreen)};
   ServoStand stand;

@@ -161,7 +161,7 @@ TEST(SessionCounts, TakeEachCounterOfTheSharedStateForWhatItIs) {
   shared->relay_faults.store({4, 5, 6});
   shared->relay_network.store({7, 8, 9});
   shared->fault_changes_lost.add(10);
-  shared->fault_changes_untold.add(20);
+  shared->fault_changes_unreported.add(20);
   const SessionCounts counts = sharedCounts(*shared);
   number = 100;
   for (const Row& row : rows)

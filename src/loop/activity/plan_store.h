@@ -19,14 +19,14 @@ namespace raven2_trainer::loop {
  * A plan that succeeded is kept until another is wanted, it is cancelled, the robot executed it or was lost, an E-stop
  * or a time slip. All methods are real-time safe; one thread.
  */
-class PlanDesk {
+class PlanStore {
  public:
   /** @throw ModelException for a collision shape that is a mesh. */
-  PlanDesk(const LoopConfig& config,
-           const model::RavenModel& raven,
-           const model::SceneModel& scene,
-           Answers* answers,
-           SharedState* shared);
+  PlanStore(const LoopConfig& config,
+            const model::RavenModel& raven,
+            const model::SceneModel& scene,
+            Answers* answers,
+            SharedState* shared);
 
   const PlanningState& state() const noexcept { return state_; }
   /** Id of the plan along whose path the hand may be guided; 0 none. */
@@ -48,7 +48,7 @@ class PlanDesk {
    */
   const PlanResult& take(const PlanResult& result, Tick tick) noexcept;
   bool isAwaited(const PlanResult& result) const noexcept;
-  /** Nobody will follow what is asked for, kept or executed; the planner is told within a tick. */
+  /** Nobody will follow what is asked for, kept or executed; the planner is reported within a tick. */
   void forget() noexcept;
 
   // ---- executing

@@ -1,4 +1,4 @@
-#include "ros/bridge/session_teller.h"
+#include "ros/bridge/session_publisher.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ Tick ticksOf(double seconds) {
 
 }  // namespace
 
-SessionTeller::SessionTeller(const TrainerConfig& config, const session::SessionPaths& paths)
+SessionPublisher::SessionPublisher(const TrainerConfig& config, const session::SessionPaths& paths)
     : config_(config),
       paths_(paths),
       header_(session::readLogHeader(paths.log())),
@@ -42,12 +42,12 @@ SessionTeller::SessionTeller(const TrainerConfig& config, const session::Session
     std::fprintf(stderr, "the robot's description has changed since the session: %s\n", config_.robot_urdf.c_str());
 }
 
-void SessionTeller::begin(const TopicMaker& topics, std::uint32_t queue, const ros::Time& now) {
+void SessionPublisher::begin(const TopicMaker& topics, std::uint32_t queue, const ros::Time& now) {
   const TopicSource source{config_, raven_, *shared_, header_.body_names, [] { return PlanCounts{}; }};
   topics_ = std::make_unique<StateTopics>(topics, source, queue, now);
 }
 
-void SessionTeller::startOver() {
+void SessionPublisher::startOver() {
   events_ = {};
   shared_->exercise_news.store(events_);
   topics_->startOver();
@@ -55,7 +55,7 @@ void SessionTeller::startOver() {
 
 /** The cells, as the daemon's threads would leave them; but topics look at each once an instant, whose answers may be
  * all of before --from: the path among them must not be hidden by a later answer that is none. */
-void SessionTeller::remember(const session::ReplayInstant& instant) {
+void SessionPublisher::remember(const session::ReplayInstant& instant) {
   if (const PlanResult* path = newestPath(instant.plans)) shared_->last_plan.store(*path);
   for (const ExecutionReport& report : instant.executions)
     shared_->last_execution.store(report);
@@ -64,15 +64,15 @@ void SessionTeller::remember(const session::ReplayInstant& instant) {
   shared_->exercise_news.store(events_);
 }
 
-void SessionTeller::tell(const session::ReplayInstant& instant, const ros::Time& stamp) {
+void SessionPublisher::publish(const session::ReplayInstant& instant, const ros::Time& stamp) {
   remember(instant);
   const ModelState& model = instant.tick.model;
   topics_->publish({model, instant.tick.robot, instant.haptic, contactList(model.tick, instant.contacts)}, stamp);
 }
 
-void SessionTeller::read(double from,
-                         const std::function<void(const session::ReplayInstant&)>& use,
-                         const std::function<void(const TickRecord&)>& on_tick) const {
+void SessionPublisher::read(double from,
+                            const std::function<void(const session::ReplayInstant&)>& use,
+                            const std::function<void(const TickRecord&)>& on_tick) const {
   session::ReplayTimeline timeline(std::max<Tick>(1, ticksOf(config_.runtime.ros_period)),
                                    from < 0.0 ? -1 : ticksOf(from));
   const auto useComplete = [&] {

@@ -1,4 +1,4 @@
-#include "loop/activity/plan_desk.h"
+#include "loop/activity/plan_store.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,11 +28,11 @@ PlanRequest toPlanRequest(const Request& request, const PerArm<JointArray>& stan
 
 }  // namespace
 
-PlanDesk::PlanDesk(const LoopConfig& config,
-                   const model::RavenModel& raven,
-                   const model::SceneModel& scene,
-                   Answers* answers,
-                   SharedState* shared)
+PlanStore::PlanStore(const LoopConfig& config,
+                     const model::RavenModel& raven,
+                     const model::SceneModel& scene,
+                     Answers* answers,
+                     SharedState* shared)
     : config_(config.execution),
       geometry_(config.arms.geometry),
       answers_(*answers),
@@ -41,12 +41,12 @@ PlanDesk::PlanDesk(const LoopConfig& config,
       relay_(config.arms.geometry, {static_cast<double>(config.itp.max_increment_um), config.itp.max_rotation}),
       gauge_(raven, scene) {}
 
-std::uint32_t PlanDesk::guidePlan() const noexcept {
+std::uint32_t PlanStore::guidePlan() const noexcept {
   const bool is_kept = state_.status == PlanningStatus::kReady || state_.status == PlanningStatus::kArmed;
   return is_kept ? plan_.id : 0;
 }
 
-void PlanDesk::choose(Arm arm, const JointArray& q, const JointArray& dq) noexcept {
+void PlanStore::choose(Arm arm, const JointArray& q, const JointArray& dq) noexcept {
   forget();
   state_.status = PlanningStatus::kChoosing;
   state_.arm = arm;
@@ -54,7 +54,7 @@ void PlanDesk::choose(Arm arm, const JointArray& q, const JointArray& dq) noexce
   chosen_dq_ = dq;
 }
 
-void PlanDesk::ask(const Request& request, const PerArm<JointArray>& standing, Tick tick) noexcept {
+void PlanStore::ask(const Request& request, const PerArm<JointArray>& standing, Tick tick) noexcept {
   forget();
   PlanRequest plan = toPlanRequest(request, standing);
   plan.requested_tick = tick;
@@ -68,18 +68,18 @@ void PlanDesk::ask(const Request& request, const PerArm<JointArray>& standing, T
   state_.plan = request.id;
 }
 
-void PlanDesk::refuse(std::uint32_t id, Tick tick) noexcept {
+void PlanStore::refuse(std::uint32_t id, Tick tick) noexcept {
   PlanResult refused;
   refused.id = id;
   refused.status = PlanStatus::kCancelled;
   shared_.plan_records.tryPush({tick, refused, /*refused=*/1});
 }
 
-bool PlanDesk::isAwaited(const PlanResult& result) const noexcept {
+bool PlanStore::isAwaited(const PlanResult& result) const noexcept {
   return state_.status == PlanningStatus::kPlanning && result.id == state_.plan;
 }
 
-const PlanResult& PlanDesk::take(const PlanResult& result, Tick tick) noexcept {
+const PlanResult& PlanStore::take(const PlanResult& result, Tick tick) noexcept {
   if (plans_under_way_ > 0) --plans_under_way_;
   newest_ = result;
   if (!isAwaited(result)) {
@@ -96,7 +96,7 @@ const PlanResult& PlanDesk::take(const PlanResult& result, Tick tick) noexcept {
   return newest_;
 }
 
-void PlanDesk::forget() noexcept {
+void PlanStore::forget() noexcept {
   if (state_.status == PlanningStatus::kPlanning) planCancelled(&shared_, serial_).store(true);
   state_.status = PlanningStatus::kIdle;
   state_.plan = 0;
@@ -104,7 +104,7 @@ void PlanDesk::forget() noexcept {
   state_.progress = 0.0;
 }
 
-PlanningAnswer PlanDesk::check(const Request& request, bool robot_joins) const noexcept {
+PlanningAnswer PlanStore::check(const Request& request, bool robot_joins) const noexcept {
   const bool is_meant = request.plan == 0 || request.plan == state_.plan;
   if (state_.status != PlanningStatus::kReady || !is_meant) return PlanningAnswer::kNoPlan;
   if (request.on_robot == 0) return PlanningAnswer::kAccepted;
@@ -112,14 +112,14 @@ PlanningAnswer PlanDesk::check(const Request& request, bool robot_joins) const n
   return plan_.robot_follows != 0 ? PlanningAnswer::kAccepted : PlanningAnswer::kRobotCannotFollow;
 }
 
-bool PlanDesk::hasMoved(Arm arm, const JointArray& q) noexcept {
+bool PlanStore::hasMoved(Arm arm, const JointArray& q) noexcept {
   if (!isNear(q, at(standing_, arm))) return true;
   if (arm != plan_.arm) return !(tipDistance(arm, q, at(standing_, arm)) <= plan_.clearance);
   return !isNear(q, plan_.waypoints[0]) || !isWayFree(q);  // whatever was noted of the arms
 }
 
 /** From there to where the path starts, some millimetres: in steps that no wire is thinner than. */
-bool PlanDesk::isWayFree(const JointArray& from) noexcept {
+bool PlanStore::isWayFree(const JointArray& from) noexcept {
   constexpr int kSteps = 8;
   const JointArray& other = at(standing_, otherArm(plan_.arm));
   for (int i = 0; i < kSteps; ++i) {
@@ -131,12 +131,12 @@ bool PlanDesk::isWayFree(const JointArray& from) noexcept {
   return true;
 }
 
-double PlanDesk::tipDistance(Arm arm, const JointArray& a, const JointArray& b) const noexcept {
+double PlanStore::tipDistance(Arm arm, const JointArray& a, const JointArray& b) const noexcept {
   return (kinematics::forward(geometry_, arm, a).p - kinematics::forward(geometry_, arm, b).p).norm();
 }
 
 /** Not if anything is not a number. */
-bool PlanDesk::isNear(const JointArray& q, const JointArray& before) const noexcept {
+bool PlanStore::isNear(const JointArray& q, const JointArray& before) const noexcept {
   const JointArray& tolerance = config_.start_tolerance;
   for (std::size_t j = 0; j < kGrasp1; ++j) {
     if (!(std::abs(q[j] - before[j]) <= tolerance[j])) return false;
@@ -144,7 +144,7 @@ bool PlanDesk::isNear(const JointArray& q, const JointArray& before) const noexc
   return std::abs(kinematics::jawMidline(q) - kinematics::jawMidline(before)) <= tolerance[kGrasp1];
 }
 
-void PlanDesk::arm(const Request& request) noexcept {
+void PlanStore::arm(const Request& request) noexcept {
   state_.status = PlanningStatus::kArmed;
   state_.on_robot = request.on_robot != 0 ? 1 : 0;
   tally_.start(request.id, plan_, request.on_robot != 0);
@@ -152,23 +152,23 @@ void PlanDesk::arm(const Request& request) noexcept {
   under_way_ = true;
 }
 
-bool PlanDesk::waitForPedal() noexcept {
+bool PlanStore::waitForPedal() noexcept {
   return static_cast<double>(++armed_ticks_) * kTickSeconds <= config_.pedal_timeout;
 }
 
-void PlanDesk::begin(const JointArray& from, Tick tick) noexcept {
+void PlanStore::begin(const JointArray& from, Tick tick) noexcept {
   state_.status = PlanningStatus::kExecuting;
   execution_.start(plan_, from);
   tally_.begin(tick);
 }
 
-const control::JointTarget& PlanDesk::advance(bool may_move) noexcept {
+const control::JointTarget& PlanStore::advance(bool may_move) noexcept {
   const control::JointTarget& target = execution_.tick(may_move);
   state_.progress = execution_.progress();
   return target;
 }
 
-ExecutionEnd PlanDesk::supervise(const ModelState& model, const RobotState& robot) noexcept {
+ExecutionEnd PlanStore::supervise(const ModelState& model, const RobotState& robot) noexcept {
   const ArmState& arm = at(model.arms, plan_.arm);
   const RobotArmState& real = at(robot.arms, plan_.arm);
   const Vec3 path_B = toArray(kinematics::forward(geometry_, plan_.arm, execution_.desired()).p);
@@ -186,7 +186,7 @@ ExecutionEnd PlanDesk::supervise(const ModelState& model, const RobotState& robo
   return execution_.rested() > config_.settle_time ? ExecutionEnd::kNotSettled : ExecutionEnd::kNone;
 }
 
-void PlanDesk::end(ExecutionEnd end, Tick tick) noexcept {
+void PlanStore::end(ExecutionEnd end, Tick tick) noexcept {
   if (!under_way_) return;
   under_way_ = false;
   const ExecutionReport report = tally_.finish(end, tick, state_.progress);

@@ -1,4 +1,4 @@
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ constexpr int kSettle = 5000;                     // [ticks]
 constexpr double kRobotOff = 0.5e-3;              // [m]
 constexpr double kRobotTurn = 0.2 * kPi / 180.0;  // [rad]
 
-class ServoDeskTest : public ::testing::Test {
+class ServoManagerTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { raven2_trainer::testing::useOde(); }
 
@@ -77,7 +77,7 @@ class ServoDeskTest : public ::testing::Test {
 
 // ---- states ------------------------------------------------------------------------------------------------------
 
-TEST_F(ServoDeskTest, TheModelAloneIsHomedAndEnabledByAClient) {
+TEST_F(ServoManagerTest, TheModelAloneIsHomedAndEnabledByAClient) {
   alone();
   EXPECT_EQ(c->state().is_homed, 1);
   EXPECT_EQ(c->ask(StateCommand::kPause), ServoRefusal::kInvalid);
@@ -110,7 +110,7 @@ TEST_F(ServoDeskTest, TheModelAloneIsHomedAndEnabledByAClient) {
   EXPECT_EQ(s.tick, rig->model().tick);
 }
 
-TEST_F(ServoDeskTest, PauseAndResumeInOneTickIsANewPedalDown) {
+TEST_F(ServoManagerTest, PauseAndResumeInOneTickIsANewPedalDown) {
   alone();
   ASSERT_TRUE(c->enable());
   c->send(StateCommand::kPause);
@@ -124,7 +124,7 @@ TEST_F(ServoDeskTest, PauseAndResumeInOneTickIsANewPedalDown) {
   EXPECT_EQ(mode(), Mode::kTeleoperating);
 }
 
-TEST_F(ServoDeskTest, WithoutBeingEnabledNothingMoves) {
+TEST_F(ServoManagerTest, WithoutBeingEnabledNothingMoves) {
   alone();
   const Vec3 before = tip();
   EXPECT_EQ(c->ask(ServoKind::kServoPose, Arm::kGold, beside(setpoint(), {0.005, 0.0, 0.0})),
@@ -148,7 +148,7 @@ TEST_F(ServoDeskTest, WithoutBeingEnabledNothingMoves) {
   EXPECT_LT(apart(tip(), stopped), kRebased) << "what was asked for before is forgotten";
 }
 
-TEST_F(ServoDeskTest, FreeLetsGoAsAPauseDoes) {
+TEST_F(ServoManagerTest, FreeLetsGoAsAPauseDoes) {
   alone();
   ServoCommand let_go;
   let_go.kind = ServoKind::kFree;
@@ -158,7 +158,7 @@ TEST_F(ServoDeskTest, FreeLetsGoAsAPauseDoes) {
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
 
-TEST_F(ServoDeskTest, AClientThatFallsSilentLosesThePedal) {
+TEST_F(ServoManagerTest, AClientThatFallsSilentLosesThePedal) {
   alone([](TrainerConfig* config) { config->crtk.release_after = 0.5; });
   ASSERT_TRUE(c->enable());
   c->rest(300);
@@ -177,7 +177,7 @@ TEST_F(ServoDeskTest, AClientThatFallsSilentLosesThePedal) {
   EXPECT_EQ(state(), OperatingState::kEnabled) << "a move is no silence";
 }
 
-TEST_F(ServoDeskTest, AClientThatKeepsAskingInVainKeepsTheArms) {
+TEST_F(ServoManagerTest, AClientThatKeepsAskingInVainKeepsTheArms) {
   alone([](TrainerConfig* config) { config->crtk.release_after = 0.5; });
   ASSERT_TRUE(c->enable());
   for (int i = 0; i < 6; ++i) {
@@ -192,7 +192,7 @@ TEST_F(ServoDeskTest, AClientThatKeepsAskingInVainKeepsTheArms) {
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
 
-TEST_F(ServoDeskTest, AStopByRequestDisablesAndOnlyTheRequestThatClearsItEndsIt) {
+TEST_F(ServoManagerTest, AStopByRequestDisablesAndOnlyTheRequestThatClearsItEndsIt) {
   alone();
   ASSERT_TRUE(c->enable());
   request(RequestKind::kEmergencyStop);
@@ -215,7 +215,7 @@ TEST_F(ServoDeskTest, AStopByRequestDisablesAndOnlyTheRequestThatClearsItEndsIt)
   EXPECT_EQ(state(), OperatingState::kEnabled);
 }
 
-TEST_F(ServoDeskTest, OtherModesAreEndedFirst) {
+TEST_F(ServoManagerTest, OtherModesAreEndedFirst) {
   alone();
   request(RequestKind::kBeginTrial);
   c->rest(2);
@@ -227,7 +227,7 @@ TEST_F(ServoDeskTest, OtherModesAreEndedFirst) {
   EXPECT_EQ(rig->model().pedal, 0);
 }
 
-TEST_F(ServoDeskTest, AnotherModeBeginsBeforeAClientHasThePedalOrNotAtAll) {
+TEST_F(ServoManagerTest, AnotherModeBeginsBeforeAClientHasThePedalOrNotAtAll) {
   alone();
   c->send(StateCommand::kEnable);
   request(RequestKind::kBeginSimulation);  // in the very same tick, ahead of the pedal
@@ -248,7 +248,7 @@ TEST_F(ServoDeskTest, AnotherModeBeginsBeforeAClientHasThePedalOrNotAtAll) {
   EXPECT_EQ(mode(), Mode::kTeleoperating);
 }
 
-TEST_F(ServoDeskTest, TheCamerasPedalKeepsTheArmsStill) {
+TEST_F(ServoManagerTest, TheCamerasPedalKeepsTheArmsStill) {
   alone();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.03, 0.0, 0.0})), ServoRefusal::kNone);
@@ -267,7 +267,7 @@ TEST_F(ServoDeskTest, TheCamerasPedalKeepsTheArmsStill) {
   EXPECT_LT(apart(tip(), before), kRebased) << "what was asked for before is forgotten";
 }
 
-TEST_F(ServoDeskTest, LostTimePauses) {
+TEST_F(ServoManagerTest, LostTimePauses) {
   alone();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.03, 0.0, 0.0})), ServoRefusal::kNone);
@@ -288,7 +288,7 @@ TEST_F(ServoDeskTest, LostTimePauses) {
 
 // ---- the surgeon's console ---------------------------------------------------------------------------------------
 
-TEST_F(ServoDeskTest, TheConsoleTakesThePedalAtOnceAndAClientNeverTakesItsOwn) {
+TEST_F(ServoManagerTest, TheConsoleTakesThePedalAtOnceAndAClientNeverTakesItsOwn) {
   alone();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
@@ -318,7 +318,7 @@ TEST_F(ServoDeskTest, TheConsoleTakesThePedalAtOnceAndAClientNeverTakesItsOwn) {
   EXPECT_EQ(c->ask(StateCommand::kResume), ServoRefusal::kNone);
 }
 
-TEST_F(ServoDeskTest, WhatAClientMovesIsNoMotionOfTheHands) {
+TEST_F(ServoManagerTest, WhatAClientMovesIsNoMotionOfTheHands) {
   alone();
   ASSERT_TRUE(c->enable());
   const Vec3 hand = rig->model().master_I[0], from = tip();
@@ -334,7 +334,7 @@ TEST_F(ServoDeskTest, WhatAClientMovesIsNoMotionOfTheHands) {
   EXPECT_EQ(rig->model().pedal, 0);
 }
 
-TEST_F(ServoDeskTest, AConsoleThatFallsSilentWithItsPedalDownPauses) {
+TEST_F(ServoManagerTest, AConsoleThatFallsSilentWithItsPedalDownPauses) {
   alone();
   c->rest(100, true);
   EXPECT_EQ(state(), OperatingState::kEnabled);
@@ -345,7 +345,7 @@ TEST_F(ServoDeskTest, AConsoleThatFallsSilentWithItsPedalDownPauses) {
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
 
-TEST_F(ServoDeskTest, AClientsPedalNeedsNoConsole) {
+TEST_F(ServoManagerTest, AClientsPedalNeedsNoConsole) {
   alone();
   ASSERT_TRUE(c->enable());
   std::int64_t now = rig->model().time_ns;
@@ -357,7 +357,7 @@ TEST_F(ServoDeskTest, AClientsPedalNeedsNoConsole) {
 
 // ---- motion of the model -----------------------------------------------------------------------------------------
 
-TEST_F(ServoDeskTest, ServoJpReachesItsJoints) {
+TEST_F(ServoManagerTest, ServoJpReachesItsJoints) {
   alone();
   ASSERT_TRUE(c->enable());
   PerArm<ServoJoints> goal{c->arm(Arm::kGold).setpoint_q, c->arm(Arm::kGreen).setpoint_q};
@@ -377,7 +377,7 @@ TEST_F(ServoDeskTest, ServoJpReachesItsJoints) {
     EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, setpoint(arm).p), 1.5e-3);
 }
 
-TEST_F(ServoDeskTest, ServoCpLeadsTheSetPointAlongALine) {
+TEST_F(ServoManagerTest, ServoCpLeadsTheSetPointAlongALine) {
   alone();
   ASSERT_TRUE(c->enable());
   const RigidPose from = setpoint(), to = beside(from, {0.008, -0.01, 0.006}, 0.15);
@@ -400,7 +400,7 @@ TEST_F(ServoDeskTest, ServoCpLeadsTheSetPointAlongALine) {
   EXPECT_LT(apart(setpoint(Arm::kGreen).p, green), 1e-12) << "the other arm holds";
 }
 
-TEST_F(ServoDeskTest, MovesAreBusyUntilTheyAreThere) {
+TEST_F(ServoManagerTest, MovesAreBusyUntilTheyAreThere) {
   alone();
   ASSERT_TRUE(c->enable());
   const RigidPose from = setpoint(), first = beside(from, {0.0, 0.01, 0.0}), second = beside(from, {0.01, 0.0, 0.0});
@@ -423,7 +423,7 @@ TEST_F(ServoDeskTest, MovesAreBusyUntilTheyAreThere) {
   EXPECT_GT(ticks, 1100) << "10 and 14.1 mm, 15/8 of them at 40 mm/s";
 }
 
-TEST_F(ServoDeskTest, MillimetresForMetresMoveNothing) {
+TEST_F(ServoManagerTest, MillimetresForMetresMoveNothing) {
   alone();
   ASSERT_TRUE(c->enable());
   const Vec3 before = tip();
@@ -438,7 +438,7 @@ TEST_F(ServoDeskTest, MillimetresForMetresMoveNothing) {
   EXPECT_LT(apart(tip(), before), 1e-12);
 }
 
-TEST_F(ServoDeskTest, NoTickOfAClientsExceedsWhatAMasterMaySend) {
+TEST_F(ServoManagerTest, NoTickOfAClientsExceedsWhatAMasterMaySend) {
   alone([](TrainerConfig* config) {
     config->network.itp.max_increment_um = 30;
     config->network.itp.max_rotation = 0.0005;
@@ -461,7 +461,7 @@ TEST_F(ServoDeskTest, NoTickOfAClientsExceedsWhatAMasterMaySend) {
   rig->record = nullptr;
 }
 
-TEST_F(ServoDeskTest, AFaultOfTheMastersStreamIsMadeGoodAtTheRateOfAServo) {
+TEST_F(ServoManagerTest, AFaultOfTheMastersStreamIsMadeGoodAtTheRateOfAServo) {
   alone([](TrainerConfig* config) {
     Fault& fault = raven2_trainer::testing::onlyFaultOf(config, "sudden_jump");
     fault.host = FaultHost::kMaster;
@@ -489,7 +489,7 @@ TEST_F(ServoDeskTest, AFaultOfTheMastersStreamIsMadeGoodAtTheRateOfAServo) {
 
 // ---- model and robot ---------------------------------------------------------------------------------------------
 
-TEST_F(ServoDeskTest, WhileTheRobotHomesItIsBusyAndMovesNothing) {
+TEST_F(ServoManagerTest, WhileTheRobotHomesItIsBusyAndMovesNothing) {
   rig = std::make_unique<Rig>(ModeDriver::configuration());
   c = std::make_unique<ServoClient>(rig.get());
   for (int i = 0; i < 3000 && rig->robot().runlevel != RunLevel::kInit; ++i)
@@ -511,7 +511,7 @@ TEST_F(ServoDeskTest, WhileTheRobotHomesItIsBusyAndMovesNothing) {
   EXPECT_EQ(state(), OperatingState::kEnabled);
 }
 
-TEST_F(ServoDeskTest, TheRobotIsWhereItIsAskedToBeOnceItsToolJointsSettled) {
+TEST_F(ServoManagerTest, TheRobotIsWhereItIsAskedToBeOnceItsToolJointsSettled) {
   together();
   ASSERT_TRUE(c->enable());
   for (const bool in_joints : {false, true}) {
@@ -539,7 +539,7 @@ TEST_F(ServoDeskTest, TheRobotIsWhereItIsAskedToBeOnceItsToolJointsSettled) {
   EXPECT_EQ(rig->model().linked, 1);
 }
 
-TEST_F(ServoDeskTest, WhatFrictionKeepsARestingRobotFromIsAskedForInAddition) {
+TEST_F(ServoManagerTest, WhatFrictionKeepsARestingRobotFromIsAskedForInAddition) {
   constexpr std::size_t kElbow = 1;
   const auto worst_elbow = [&](double trim_time, int settle) {
     together([&](TrainerConfig* config) { config->crtk.trim_time = trim_time; });
@@ -564,7 +564,7 @@ TEST_F(ServoDeskTest, WhatFrictionKeepsARestingRobotFromIsAskedForInAddition) {
       << "control::ServoTrim::kEnough, and noise";
 }
 
-TEST_F(ServoDeskTest, WhatIsAskedForBeforeTheRobotFollowsIsDoneOnceItDoes) {
+TEST_F(ServoManagerTest, WhatIsAskedForBeforeTheRobotFollowsIsDoneOnceItDoes) {
   together();
   const RigidPose to = beside(setpoint(), {0.004, 0.0, 0.0});
   c->send(StateCommand::kEnable);
@@ -574,7 +574,7 @@ TEST_F(ServoDeskTest, WhatIsAskedForBeforeTheRobotFollowsIsDoneOnceItDoes) {
   EXPECT_LT(apart(tip(), to.p), 1e-6);
 }
 
-TEST_F(ServoDeskTest, ARobotThatGoesAwayPausesAndResumingDoesNotLeap) {
+TEST_F(ServoManagerTest, ARobotThatGoesAwayPausesAndResumingDoesNotLeap) {
   together();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
@@ -597,7 +597,7 @@ TEST_F(ServoDeskTest, ARobotThatGoesAwayPausesAndResumingDoesNotLeap) {
   EXPECT_LT(apart(tip(), before), 0.5e-3);
 }
 
-TEST_F(ServoDeskTest, ARobotThatDoesNotHearTheClientsPedalPausesItAndResumingEngagesIt) {
+TEST_F(ServoManagerTest, ARobotThatDoesNotHearTheClientsPedalPausesItAndResumingEngagesIt) {
   together();
   rig->robot_hears = false;
   c->rest(1200);
@@ -612,7 +612,7 @@ TEST_F(ServoDeskTest, ARobotThatDoesNotHearTheClientsPedalPausesItAndResumingEng
   EXPECT_EQ(rig->model().linked, 1);
 }
 
-TEST_F(ServoDeskTest, ARobotThatComesWhileTheModelMovesAlonePausesAndIsJoinedByResuming) {
+TEST_F(ServoManagerTest, ARobotThatComesWhileTheModelMovesAlonePausesAndIsJoinedByResuming) {
   together();
   rig->robot_connected = false;
   rig->link.disconnected();
@@ -642,7 +642,7 @@ TEST_F(ServoDeskTest, ARobotThatComesWhileTheModelMovesAlonePausesAndIsJoinedByR
   EXPECT_EQ(c->state().alone, 0);
 }
 
-TEST_F(ServoDeskTest, TheCamerasPedalKeepsARobotStillAndTheClientEnabled) {
+TEST_F(ServoManagerTest, TheCamerasPedalKeepsARobotStillAndTheClientEnabled) {
   together();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
@@ -666,7 +666,7 @@ TEST_F(ServoDeskTest, TheCamerasPedalKeepsARobotStillAndTheClientEnabled) {
   EXPECT_LT(apart(tip(), to.p), 1e-6);
 }
 
-TEST_F(ServoDeskTest, DisengagingPauses) {
+TEST_F(ServoManagerTest, DisengagingPauses) {
   together();
   ASSERT_TRUE(c->enable());
   request(RequestKind::kDisengage);
@@ -674,7 +674,7 @@ TEST_F(ServoDeskTest, DisengagingPauses) {
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
 
-TEST_F(ServoDeskTest, AnEStopOfTheRobotIsAFaultThatIsEndedAtTheRobot) {
+TEST_F(ServoManagerTest, AnEStopOfTheRobotIsAFaultThatIsEndedAtTheRobot) {
   together();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
@@ -722,7 +722,7 @@ ServoCommand wrenchOf(Arm arm, const Vec3& force, WrenchFrame frame = WrenchFram
   return command;
 }
 
-TEST_F(ServoDeskTest, AForceMovesTheModelAloneItsWayUntilSomethingElseIsAskedFor) {
+TEST_F(ServoManagerTest, AForceMovesTheModelAloneItsWayUntilSomethingElseIsAskedFor) {
   for (const Arm arm : kArms) {
     alone([](TrainerConfig* config) { config->crtk.twist_timeout = 5.0; });
     ASSERT_TRUE(c->enable());
@@ -750,7 +750,7 @@ TEST_F(ServoDeskTest, AForceMovesTheModelAloneItsWayUntilSomethingElseIsAskedFor
   }
 }
 
-TEST_F(ServoDeskTest, TorquesOnJointsMoveEachTheirWayAndEndWithTheirTime) {
+TEST_F(ServoManagerTest, TorquesOnJointsMoveEachTheirWayAndEndWithTheirTime) {
   alone([](TrainerConfig* config) { config->crtk.twist_timeout = 0.2; });
   ASSERT_TRUE(c->enable());
   c->rest(200);
@@ -770,7 +770,7 @@ TEST_F(ServoDeskTest, TorquesOnJointsMoveEachTheirWayAndEndWithTheirTime) {
   EXPECT_EQ(c->arm(Arm::kGold).run_out, 0U);
 }
 
-TEST_F(ServoDeskTest, AForceOnTheJawsLeavesTheArmWhereItIs) {
+TEST_F(ServoManagerTest, AForceOnTheJawsLeavesTheArmWhereItIs) {
   alone();
   ASSERT_TRUE(c->enable());
   c->rest(300);
@@ -785,7 +785,7 @@ TEST_F(ServoDeskTest, AForceOnTheJawsLeavesTheArmWhereItIs) {
   EXPECT_LT(apart(after.arms[0].p_BT, before.arms[0].p_BT), 1e-3);
 }
 
-TEST_F(ServoDeskTest, GravityIsCompensatedBesideAForceUnlessAClientLeavesTheArmItsWeight) {
+TEST_F(ServoManagerTest, GravityIsCompensatedBesideAForceUnlessAClientLeavesTheArmItsWeight) {
   alone();
   ASSERT_TRUE(c->enable());
   c->rest(300);
@@ -807,7 +807,7 @@ TEST_F(ServoDeskTest, GravityIsCompensatedBesideAForceUnlessAClientLeavesTheArmI
   }
 }
 
-TEST_F(ServoDeskTest, AForceThatIsAskedForWithThePedalDownActsOnceTheModelTakesIt) {
+TEST_F(ServoManagerTest, AForceThatIsAskedForWithThePedalDownActsOnceTheModelTakesIt) {
   alone();
   ASSERT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
   const Vec3 start = rig->model().arms[1].p_BT;
@@ -816,7 +816,7 @@ TEST_F(ServoDeskTest, AForceThatIsAskedForWithThePedalDownActsOnceTheModelTakesI
   EXPECT_GT(rig->model().arms[1].p_BT[2] - start[2], 1e-3);
 }
 
-TEST_F(ServoDeskTest, AForceEndsWhenARobotComes) {
+TEST_F(ServoManagerTest, AForceEndsWhenARobotComes) {
   together();
   rig->robot_connected = false;
   rig->link.disconnected();
@@ -834,7 +834,7 @@ TEST_F(ServoDeskTest, AForceEndsWhenARobotComes) {
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
 
-TEST_F(ServoDeskTest, ForcesAreRefusedWithARobotAndBeyondTheControllers) {
+TEST_F(ServoManagerTest, ForcesAreRefusedWithARobotAndBeyondTheControllers) {
   together();
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(wrenchOf(Arm::kGold, {0.0, 0.0, 1.0})), ServoRefusal::kHasRobot);
@@ -858,7 +858,7 @@ TEST_F(ServoDeskTest, ForcesAreRefusedWithARobotAndBeyondTheControllers) {
 
 // ---- set points while the model goes its own way -----------------------------------------------------------------
 
-TEST_F(ServoDeskTest, ASetPointOfTheRobotsIsNoneOfAPlanThatTheModelTracks) {
+TEST_F(ServoManagerTest, ASetPointOfTheRobotsIsNoneOfAPlanThatTheModelTracks) {
   together();
   Request order;
   order.kind = RequestKind::kPlan;
@@ -900,7 +900,7 @@ void speakRaven(TrainerConfig* config) {
   config->crtk.dialect = CrtkDialect::kRaven;
 }
 
-TEST_F(ServoDeskTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
+TEST_F(ServoManagerTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   TrainerConfig config = ModeDriver::configuration();
   speakRaven(&config);
   rig = std::make_unique<Rig>(config);
@@ -923,7 +923,7 @@ TEST_F(ServoDeskTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   EXPECT_EQ(state(), OperatingState::kEnabled);
 }
 
-TEST_F(ServoDeskTest, InTheRavensDialectUnhomeDisablesUntilHome) {
+TEST_F(ServoManagerTest, InTheRavensDialectUnhomeDisablesUntilHome) {
   TrainerConfig config = ModeDriver::configuration();
   speakRaven(&config);
   rig = std::make_unique<Rig>(config);

@@ -12,24 +12,24 @@ namespace raven2_trainer::loop {
 
 /**
  * A virtual trial and its repetition: the physics loop's memory from the trial's beginning to the end of what became of
- * it. Knows no modes and moves nothing, as PlanDesk. The report of a repetition has plan 0; both arms move, and in each
- * tick the one that is farther from where it was in the trial counts. All methods but the constructor are real-time
- * safe; one thread.
+ * it. Knows no modes and moves nothing, as PlanStore. The report of a repetition has plan 0; both arms move, and in
+ * each tick the one that is farther from where it was in the trial counts. All methods but the constructor are
+ * real-time safe; one thread.
  */
-class TrialDesk {
+class TrialStore {
  public:
   /** @param[in] limit [s] longest trial that is kept. @throw ModelException for a collision shape that is a mesh. */
-  TrialDesk(const LoopConfig& config,
-            const model::RavenModel& raven,
-            const model::SceneModel& scene,
-            Answers* answers,
-            SharedState* shared,
-            double limit);
+  TrialStore(const LoopConfig& config,
+             const model::RavenModel& raven,
+             const model::SceneModel& scene,
+             Answers* answers,
+             SharedState* shared,
+             double limit);
 
   // ---- the trial
   /** Begins one from `standing` [rad; m]; forgets the one before. */
   void open(const PerArm<JointArray>& standing) noexcept;
-  /** Forgets it; whoever waits for its repetition was told. */
+  /** Forgets it; whoever waits for its repetition was reported. */
   void close() noexcept { is_open_ = false; }
   bool isOpen() const noexcept { return is_open_; }
   /** The surgeon's pedal went down: what comes need not go on from what is there. */

@@ -14,15 +14,15 @@ namespace raven2_trainer::loop {
  * to the recorder and to whoever looks; those that got lost count among the ring's dropped ones. Without an exercise it
  * does nothing. The constructor is set-up; the rest is real-time safe; one thread.
  */
-class ExerciseDesk {
+class ExerciseRunner {
  public:
   /** The first attempt begins with the first tick. @param[in] world as the session begins; outlives this.
    *  @throw ConfigException as training::ExerciseJudge. */
-  ExerciseDesk(const LoopConfig& config,
-               const model::SceneModel& scene,
-               const CameraConfig& camera,
-               physics::RavenWorld* world,
-               SharedState* shared);
+  ExerciseRunner(const LoopConfig& config,
+                 const model::SceneModel& scene,
+                 const CameraConfig& camera,
+                 physics::RavenWorld* world,
+                 SharedState* shared);
 
   bool hasExercise() const noexcept { return judge_ != nullptr; }
   /** Objects back to where they were, and a new attempt. */

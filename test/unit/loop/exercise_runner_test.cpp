@@ -1,4 +1,4 @@
-#include "loop/exercise_desk.h"
+#include "loop/exercise_runner.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ PlanningAnswer ask(Rig* rig, RequestKind kind, std::uint32_t id) {
   return rig->model().planning.answer;
 }
 
-TEST(ExerciseDesk, WaitsForTheFirstAttemptFromTheFirstTickOn) {
+TEST(ExerciseRunner, WaitsForTheFirstAttemptFromTheFirstTickOn) {
   Rig rig(configWith("pick_hand_over_place"));
   rig.tick(false);
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
@@ -39,7 +39,7 @@ TEST(ExerciseDesk, WaitsForTheFirstAttemptFromTheFirstTickOn) {
   EXPECT_EQ(rig.model().exercise.step, 1U);
 }
 
-TEST(ExerciseDesk, TriggersSeeNoStepBeforeTheTimerRuns) {
+TEST(ExerciseRunner, TriggersSeeNoStepBeforeTheTimerRuns) {
   Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
   ASSERT_TRUE(rig.home());
   EXPECT_EQ(rig.model().exercise.step, 1U);
@@ -51,7 +51,7 @@ TEST(ExerciseDesk, TriggersSeeNoStepBeforeTheTimerRuns) {
   EXPECT_EQ(rig.model().faults.signals.step, 1U) << "what the engines of faults saw";
 }
 
-TEST(ExerciseDesk, TellsItsEventsToWhoeverLooks) {
+TEST(ExerciseRunner, TellsItsEventsToWhoeverLooks) {
   Rig rig(configWith("pick_hand_over_place"));
   ASSERT_TRUE(rig.home());
   ASSERT_EQ(ask(&rig, RequestKind::kStartExercise, 7), PlanningAnswer::kAccepted);
@@ -63,7 +63,7 @@ TEST(ExerciseDesk, TellsItsEventsToWhoeverLooks) {
   EXPECT_EQ(news.newest[2].tick, rig.model().tick);
 }
 
-TEST(ExerciseDesk, BeginsAnewWithTheSceneAsItWas) {
+TEST(ExerciseRunner, BeginsAnewWithTheSceneAsItWas) {
   Rig rig(configWith("pick_hand_over_place"));
   ASSERT_TRUE(rig.home());
   const Vec3 ring = rig.model().bodies[0].p;
@@ -79,7 +79,7 @@ TEST(ExerciseDesk, BeginsAnewWithTheSceneAsItWas) {
   EXPECT_LT(moved(), 1e-3);
 }
 
-TEST(ExerciseDesk, DoesNotBeginAnewWhileTheHandMoves) {
+TEST(ExerciseRunner, DoesNotBeginAnewWhileTheHandMoves) {
   Rig rig(configWith("pick_hand_over_place"));
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 200; ++i)
@@ -93,7 +93,7 @@ TEST(ExerciseDesk, DoesNotBeginAnewWhileTheHandMoves) {
   EXPECT_EQ(rig.model().exercise.attempt, 1);
 }
 
-TEST(ExerciseDesk, DoesNotBeginAnewWithThePedalDownWhereItMovesNothing) {
+TEST(ExerciseRunner, DoesNotBeginAnewWithThePedalDownWhereItMovesNothing) {
   Rig rig(configWith("pick_hand_over_place"));
   for (int i = 0; i < 10; ++i)
     rig.tick(i > 4);
@@ -107,7 +107,7 @@ TEST(ExerciseDesk, DoesNotBeginAnewWithThePedalDownWhereItMovesNothing) {
   EXPECT_EQ(rig.model().exercise.attempt, 1);
 }
 
-TEST(ExerciseDesk, AVirtualTrialIsNoPartOfTheAttempt) {
+TEST(ExerciseRunner, AVirtualTrialIsNoPartOfTheAttempt) {
   Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 200; ++i)
@@ -127,7 +127,7 @@ TEST(ExerciseDesk, AVirtualTrialIsNoPartOfTheAttempt) {
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kRunning);
 }
 
-TEST(ExerciseDesk, CountsEventsThatTheJudgeHadNoRoomFor) {
+TEST(ExerciseRunner, CountsEventsThatTheJudgeHadNoRoomFor) {
   TrainerConfig config = configWith("camera_clutch");
   const model::RavenModel raven = model::loadRavenModel(config);
   const model::SceneModel scene = model::loadSceneModel(config);
@@ -149,7 +149,7 @@ TEST(ExerciseDesk, CountsEventsThatTheJudgeHadNoRoomFor) {
     }
   }
   const auto shared = std::make_unique<SharedState>();
-  ExerciseDesk desk(config, scene, config.render.cameras.front(), &world, shared.get());
+  ExerciseRunner desk(config, scene, config.render.cameras.front(), &world, shared.get());
   ModelState state;
   state.mode = Mode::kTeleoperating;
   state.pedal = 1;
@@ -169,13 +169,13 @@ TEST(ExerciseDesk, CountsEventsThatTheJudgeHadNoRoomFor) {
   EXPECT_EQ(pass(3, contacts) - before, once - 2U) << "touched again; it started and began once";
 }
 
-TEST(ExerciseDesk, WithoutAnExerciseThereIsNothingToBegin) {
+TEST(ExerciseRunner, WithoutAnExerciseThereIsNothingToBegin) {
   Rig rig(configWith("none"));
   EXPECT_EQ(ask(&rig, RequestKind::kStartExercise, 9), PlanningAnswer::kNotNow);
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kNone);
 }
 
-TEST(ExerciseDesk, EveryShippedExerciseCanBegin) {
+TEST(ExerciseRunner, EveryShippedExerciseCanBegin) {
   for (const char* name : {"pick_hand_over_place", "ring_tower_transfer", "ring_along_loops", "peg_transfer",
                            "retrieve_and_reach", "camera_clutch"}) {
     Rig rig(configWith(name));

@@ -1,4 +1,4 @@
-#include "loop/activity/trial_desk.h"
+#include "loop/activity/trial_store.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,12 +27,12 @@ control::IncrementLimits limitsOf(const ItpRules& rules) {
 
 }  // namespace
 
-TrialDesk::TrialDesk(const LoopConfig& config,
-                     const model::RavenModel& raven,
-                     const model::SceneModel& scene,
-                     Answers* answers,
-                     SharedState* shared,
-                     double limit)
+TrialStore::TrialStore(const LoopConfig& config,
+                       const model::RavenModel& raven,
+                       const model::SceneModel& scene,
+                       Answers* answers,
+                       SharedState* shared,
+                       double limit)
     : config_(config.execution),
       geometry_(config.arms.geometry),
       answers_(*answers),
@@ -43,13 +43,13 @@ TrialDesk::TrialDesk(const LoopConfig& config,
               control::PathRelay(config.arms.geometry, limitsOf(config.itp))},
       gauge_(raven, scene) {}
 
-void TrialDesk::open(const PerArm<JointArray>& standing) noexcept {
+void TrialStore::open(const PerArm<JointArray>& standing) noexcept {
   tape_.clear();
   start_ = standing;
   is_open_ = true;
 }
 
-void TrialDesk::keep(const PerArm<ArmState>& arms) noexcept {
+void TrialStore::keep(const PerArm<ArmState>& arms) noexcept {
   control::TrialSample sample;
   for (const Arm arm : kArms) {
     at(sample.q_d, arm) = at(arms, arm).q_d;
@@ -59,7 +59,7 @@ void TrialDesk::keep(const PerArm<ArmState>& arms) noexcept {
 }
 
 /** Also if anything is not a number. The jaws follow the tape from any opening. */
-bool TrialDesk::hasMoved(const PerArm<JointArray>& q) const noexcept {
+bool TrialStore::hasMoved(const PerArm<JointArray>& q) const noexcept {
   for (const Arm arm : kArms) {
     for (std::size_t j = 0; j < kGrasp1; ++j) {
       if (!(std::abs(at(q, arm)[j] - at(start_, arm)[j]) <= config_.start_tolerance[j])) return true;
@@ -68,7 +68,7 @@ bool TrialDesk::hasMoved(const PerArm<JointArray>& q) const noexcept {
   return false;
 }
 
-void TrialDesk::arm(const Request& request) noexcept {
+void TrialStore::arm(const Request& request) noexcept {
   ExecutionReport asked;
   asked.id = request.id;
   asked.on_robot = request.on_robot != 0 ? 1 : 0;
@@ -80,11 +80,11 @@ void TrialDesk::arm(const Request& request) noexcept {
   armed_ticks_ = 0;
 }
 
-bool TrialDesk::waitForPedal() noexcept {
+bool TrialStore::waitForPedal() noexcept {
   return static_cast<double>(++armed_ticks_) * kTickSeconds <= config_.pedal_timeout;
 }
 
-void TrialDesk::begin(const PerArm<JointArray>& from, Tick tick) noexcept {
+void TrialStore::begin(const PerArm<JointArray>& from, Tick tick) noexcept {
   has_begun_ = true;
   execution_.start(tape_, from);
   tally_.begin(tick);
@@ -92,27 +92,27 @@ void TrialDesk::begin(const PerArm<JointArray>& from, Tick tick) noexcept {
     at(sent_opening_, arm) = kinematics::jawOpening(at(from, arm));
 }
 
-void TrialDesk::follow(const PerArm<RobotArmState>& robot) noexcept {
+void TrialStore::follow(const PerArm<RobotArmState>& robot) noexcept {
   for (const Arm arm : kArms)
     at(relays_, arm).start(arm, at(robot, arm).q);
 }
 
-const PerArm<JointArray>& TrialDesk::advance(bool may_move) noexcept {
+const PerArm<JointArray>& TrialStore::advance(bool may_move) noexcept {
   return execution_.tick(may_move).q_d;
 }
 
-control::TipIncrement TrialDesk::tipIncrement(Arm arm) noexcept {
+control::TipIncrement TrialStore::tipIncrement(Arm arm) noexcept {
   return at(relays_, arm).advance(at(execution_.desired().q_d, arm));
 }
 
-double TrialDesk::graspIncrement(Arm arm) noexcept {
+double TrialStore::graspIncrement(Arm arm) noexcept {
   const double missing = at(sent_opening_, arm) - kinematics::jawOpening(at(execution_.desired().q_d, arm));
   const double step = std::round(missing * 1e3) * 1e-3;
   at(sent_opening_, arm) -= step;
   return step;
 }
 
-control::ExecutionSample TrialDesk::sample(Arm arm, const ModelState& model, const RobotState& robot) const noexcept {
+control::ExecutionSample TrialStore::sample(Arm arm, const ModelState& model, const RobotState& robot) const noexcept {
   const ArmState& state = at(model.arms, arm);
   control::ExecutionSample sample;
   sample.path_B = at(execution_.desired().tip_B, arm);
@@ -124,7 +124,7 @@ control::ExecutionSample TrialDesk::sample(Arm arm, const ModelState& model, con
 }
 
 /** At the end both shall rest; where, the tape's tips say, for what the model was pressed against then is there now. */
-ExecutionEnd TrialDesk::supervise(const ModelState& model, const RobotState& robot) noexcept {
+ExecutionEnd TrialStore::supervise(const ModelState& model, const RobotState& robot) noexcept {
   PerArm<control::ExecutionSample> samples;
   PerArm<double> off{};
   double near = planning::ClearanceGauge::kRange, real_near = near, fastest = 0.0;
@@ -148,7 +148,7 @@ ExecutionEnd TrialDesk::supervise(const ModelState& model, const RobotState& rob
   return execution_.rested() > config_.settle_time ? ExecutionEnd::kNotSettled : ExecutionEnd::kNone;
 }
 
-void TrialDesk::end(ExecutionEnd end, Tick tick) noexcept {
+void TrialStore::end(ExecutionEnd end, Tick tick) noexcept {
   if (!under_way_) return;
   under_way_ = false;
   const ExecutionReport report = tally_.finish(end, tick, has_begun_ ? execution_.progress() : 0.0);
@@ -156,7 +156,7 @@ void TrialDesk::end(ExecutionEnd end, Tick tick) noexcept {
   shared_.execution_records.tryPush({tick, report});
 }
 
-PlanningState TrialDesk::overlay(PlanningState state) const noexcept {
+PlanningState TrialStore::overlay(PlanningState state) const noexcept {
   if (!under_way_) return state;
   state.status = has_begun_ ? PlanningStatus::kExecuting : PlanningStatus::kArmed;
   state.on_robot = on_robot_ ? 1 : 0;

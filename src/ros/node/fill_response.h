@@ -16,15 +16,15 @@ inline std::string words(PlanningAnswer answer) {
 
 /** success, status and error_code of any response. */
 template <typename Response>
-void tell(ErrorCode code, const std::string& status, Response* response) {
+void fillResponse(ErrorCode code, const std::string& status, Response* response) {
   response->success = code == ErrorCode::kSuccess;
   response->status = status;
   response->error_code = number(code);
 }
 
 template <typename Response>
-void tell(PlanningAnswer answer, Response* response) {
-  tell(errorCode(answer), words(answer), response);
+void fillResponse(PlanningAnswer answer, Response* response) {
+  fillResponse(errorCode(answer), words(answer), response);
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -18,13 +18,13 @@ namespace raven2_trainer::ros_bridge {
  * or into a bag. What a log does not hold is not told: pictures, diagnostics, the planner's counters (zero in
  * plan/progress).
  */
-class SessionTeller {
+class SessionPublisher {
  public:
   /**
    * @param[in] config with the arms, the scene and the exercise of the session.
    * @throw SessionException for a log that cannot be read; ConfigException if its robot is not `config`'s.
    */
-  SessionTeller(const TrainerConfig& config, const session::SessionPaths& paths);
+  SessionPublisher(const TrainerConfig& config, const session::SessionPaths& paths);
 
   /** Makes the topics, and tells /tf_static. They are there until end(). */
   void begin(const TopicMaker& topics, std::uint32_t queue, const ros::Time& now);
@@ -32,8 +32,8 @@ class SessionTeller {
 
   /** Another run begins. */
   void startOver();
-  void tell(const session::ReplayInstant& instant, const ros::Time& stamp);
-  /** Without telling it: what is news then (plans, events) is told with the next. */
+  void publish(const session::ReplayInstant& instant, const ros::Time& stamp);
+  /** Without telling it: what is news then (plans, events) is reported with the next. */
   void remember(const session::ReplayInstant& instant);
 
   /**

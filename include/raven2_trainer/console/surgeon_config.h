@@ -11,7 +11,7 @@
 namespace raven2_trainer::console {
 
 /** What the surgeon's hands need of the configuration, to which it refers. */
-struct HandsConfig {
+struct SurgeonConfig {
   const ConsoleConfig& console;
   const ArmsConfig& arms;
   const Exercise& exercise;

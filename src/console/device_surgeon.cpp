@@ -1,4 +1,4 @@
-#include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/console/device_surgeon.h"
 
 #include <algorithm>
 #include <cmath>
@@ -162,9 +162,9 @@ class DeviceHand {
   bool was_held_{false};
 };
 
-class DeviceHands : public MotionSource {
+class DeviceSurgeon : public MotionSource {
  public:
-  DeviceHands(const MasterConfig& config, const PerArm<double>& jaws, MasterLink* link)
+  DeviceSurgeon(const MasterConfig& config, const PerArm<double>& jaws, MasterLink* link)
       : config_(config),
         link_(*link),
         hands_{DeviceHand(config_, config_.devices[0], jaws[0]), DeviceHand(config_, config_.devices[1], jaws[1])},
@@ -231,7 +231,7 @@ class DeviceHands : public MotionSource {
     }
   }
 
-  /** A driver that died with its button down says nothing of its release: the pedal is pressed anew, or up. */
+  /** A driver that died with its button down says nothing of its release: the pedal is pressed again, or up. */
   void distrustButtons(Arm arm) noexcept {
     const std::uint32_t held = at(samples_, arm).buttons;
     at(stale_, arm) = at(report_.now, arm).trouble == DeviceTrouble::kSilent ? held : at(stale_, arm) & held;
@@ -339,10 +339,10 @@ Vec3 toDevice(const MasterConfig& config, const Vec3& force_I) noexcept {
   return toArray(Vector3(config.force_per_newton * force));
 }
 
-std::unique_ptr<MotionSource> makeDeviceHands(const MasterConfig& config,
-                                              const PerArm<double>& jaws,
-                                              MasterLink* link) {
-  return std::make_unique<DeviceHands>(config, jaws, link);
+std::unique_ptr<MotionSource> makeDeviceSurgeon(const MasterConfig& config,
+                                                const PerArm<double>& jaws,
+                                                MasterLink* link) {
+  return std::make_unique<DeviceSurgeon>(config, jaws, link);
 }
 
 }  // namespace raven2_trainer::console

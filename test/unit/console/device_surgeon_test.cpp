@@ -1,4 +1,4 @@
-#include "raven2_trainer/console/device_hands.h"
+#include "raven2_trainer/console/device_surgeon.h"
 
 #include <gtest/gtest.h>
 
@@ -93,14 +93,14 @@ TEST(ShippedMasters, TurnsOfTheDeviceTurnTheHandAboutTheSameAxes) {
   }
 }
 
-TEST(DeviceHands, WithoutOrientationTurnsDoNotCount) {
+TEST(DeviceSurgeon, WithoutOrientationTurnsDoNotCount) {
   DeviceBench bench(testMaster());
   bench.warmUp();
   bench.samples[0].orientation = {1.0, 0.0, 0.0, 0.0};
   EXPECT_EQ(bench.tick().turn_I[0], kIdentityQuat);
 }
 
-TEST(DeviceHands, ThePedalEngagesOnlyWhatWasWatchedAndMoved) {
+TEST(DeviceSurgeon, ThePedalEngagesOnlyWhatWasWatchedAndMoved) {
   DeviceBench bench(testMaster());
   bench.samples[0].position = {0.05, 0.0, 0.0};
   bench.tick(300);
@@ -122,7 +122,7 @@ TEST(DeviceHands, ThePedalEngagesOnlyWhatWasWatchedAndMoved) {
   EXPECT_EQ(bench.report().engaged, 1);
 }
 
-TEST(DeviceHands, ARobotThatIsNotReadyIsNotMovedByAPedalThatWasDownBefore) {
+TEST(DeviceSurgeon, ARobotThatIsNotReadyIsNotMovedByAPedalThatWasDownBefore) {
   DeviceBench bench(testMaster());
   bench.senses.may_move = false;
   bench.warmUp();
@@ -137,7 +137,7 @@ TEST(DeviceHands, ARobotThatIsNotReadyIsNotMovedByAPedalThatWasDownBefore) {
   EXPECT_TRUE(bench.tick().pedal);
 }
 
-TEST(DeviceHands, MillimetresTakenForMetresAreRefusedByName) {
+TEST(DeviceSurgeon, MillimetresTakenForMetresAreRefusedByName) {
   DeviceBench bench(testMaster());
   bench.samples[0].position = {0.0, -65.5, 51.0};
   bench.warmUp(1.0);
@@ -147,7 +147,7 @@ TEST(DeviceHands, MillimetresTakenForMetresAreRefusedByName) {
   EXPECT_EQ(bench.said(), "left: positions of 83 m: the driver publishes millimetres; units: mm");
 }
 
-TEST(DeviceHands, MetresTakenForMillimetresAreRefusedByName) {
+TEST(DeviceSurgeon, MetresTakenForMillimetresAreRefusedByName) {
   MasterConfig config = testMaster();
   config.metres_per_unit = 1e-3;
   DeviceBench bench(config);
@@ -160,7 +160,7 @@ TEST(DeviceHands, MetresTakenForMillimetresAreRefusedByName) {
       << bench.said();
 }
 
-TEST(DeviceHands, WhatIsNoPoseLiftsThePedal) {
+TEST(DeviceSurgeon, WhatIsNoPoseLiftsThePedal) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case {
     Vec3 position;
@@ -197,7 +197,7 @@ TEST(DeviceHands, WhatIsNoPoseLiftsThePedal) {
   }
 }
 
-TEST(DeviceHands, AFastHandIsNoJump) {
+TEST(DeviceSurgeon, AFastHandIsNoJump) {
   DeviceBench bench(testMaster());
   bench.warmUp();
   bench.press();
@@ -210,7 +210,7 @@ TEST(DeviceHands, AFastHandIsNoJump) {
   }
 }
 
-TEST(DeviceHands, AFastWristIsNoJumpAndAQuaternionOfTheOtherSignIsNone) {
+TEST(DeviceSurgeon, AFastWristIsNoJumpAndAQuaternionOfTheOtherSignIsNone) {
   MasterConfig config = testMaster();
   config.orientation = true;
   DeviceBench bench(config);
@@ -235,7 +235,7 @@ TEST(DeviceHands, AFastWristIsNoJumpAndAQuaternionOfTheOtherSignIsNone) {
   EXPECT_EQ(bench.said().find("left: it turned by 0.52 rad"), 0U) << bench.said();
 }
 
-TEST(DeviceHands, WithoutOrientationATurnIsNoJump) {
+TEST(DeviceSurgeon, WithoutOrientationATurnIsNoJump) {
   DeviceBench bench(testMaster());
   bench.warmUp();
   bench.press();
@@ -244,7 +244,7 @@ TEST(DeviceHands, WithoutOrientationATurnIsNoJump) {
   EXPECT_TRUE(bench.tick().pedal);
 }
 
-TEST(DeviceHands, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
+TEST(DeviceSurgeon, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
   MasterConfig config = testMaster();
   config.orientation = true;
   DeviceBench bench(config);
@@ -270,7 +270,7 @@ TEST(DeviceHands, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
   EXPECT_NEAR(bench.tick(10).hand_I[0][1], 0.04, 1e-12) << "all of it, 10 ms late";
 }
 
-TEST(DeviceHands, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
+TEST(DeviceSurgeon, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
   DeviceBench bench(testMaster());
   bench.warmUp();
   bench.press();
@@ -285,7 +285,7 @@ TEST(DeviceHands, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
   EXPECT_EQ(bench.report().found[0], told) << "once";
 }
 
-TEST(DeviceHands, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
+TEST(DeviceSurgeon, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
   MasterConfig config = testMaster();
   config.pedal_from = PedalFrom::kAll;
   DeviceBench bench(config);
@@ -308,7 +308,7 @@ TEST(DeviceHands, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
   EXPECT_TRUE(bench.tick().pedal);
 }
 
-TEST(DeviceHands, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {
+TEST(DeviceSurgeon, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {
   DeviceBench bench(testMaster());
   bench.publishes = false;
   bench.tick(1900);
@@ -318,7 +318,7 @@ TEST(DeviceHands, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {
   EXPECT_EQ(bench.report().found[0], 1U);
 }
 
-TEST(DeviceHands, APoseThatDoesNotChangeWhileEngagedIsToldAndLetBe) {
+TEST(DeviceSurgeon, APoseThatDoesNotChangeWhileEngagedIsToldAndLetBe) {
   DeviceBench bench(testMaster());
   bench.warmUp();
   bench.tick(5000);  // may rest with the pedal up
@@ -335,7 +335,7 @@ TEST(DeviceHands, APoseThatDoesNotChangeWhileEngagedIsToldAndLetBe) {
   EXPECT_EQ(bench.newest(), DeviceTrouble::kJump);
 }
 
-TEST(DeviceHands, AnOperatingStateThatIsNotEnabledForbidsAndALockIsToldAlone) {
+TEST(DeviceSurgeon, AnOperatingStateThatIsNotEnabledForbidsAndALockIsToldAlone) {
   DeviceBench bench(testMaster());
   bench.warmUp();
   bench.samples[0].is_locked = 1;
@@ -347,7 +347,7 @@ TEST(DeviceHands, AnOperatingStateThatIsNotEnabledForbidsAndALockIsToldAlone) {
   EXPECT_EQ(bench.newest(Arm::kGreen), DeviceTrouble::kNotReady);
 }
 
-TEST(DeviceHands, AnOperatingStateThatHasNotComeForbidsAndIsToldAfterAMoment) {
+TEST(DeviceSurgeon, AnOperatingStateThatHasNotComeForbidsAndIsToldAfterAMoment) {
   DeviceBench bench(testMaster());
   bench.samples[0].is_ready = 0;
   bench.samples[0].is_stateless = 1;
@@ -370,7 +370,7 @@ TEST(DeviceHands, AnOperatingStateThatHasNotComeForbidsAndIsToldAfterAMoment) {
   EXPECT_TRUE(bench.tick().pedal);
 }
 
-TEST(DeviceHands, ThePedalIsWhereTheFileSays) {
+TEST(DeviceSurgeon, ThePedalIsWhereTheFileSays) {
   struct Case {
     PedalFrom from;
     std::uint32_t left, right;
@@ -399,7 +399,7 @@ TEST(DeviceHands, ThePedalIsWhereTheFileSays) {
   }
 }
 
-TEST(DeviceHands, AllMeansAllThatAreThere) {
+TEST(DeviceSurgeon, AllMeansAllThatAreThere) {
   MasterConfig config = testMaster();
   config.pedal_from = PedalFrom::kAll;
   config.devices[1].is_used = false;
@@ -410,7 +410,7 @@ TEST(DeviceHands, AllMeansAllThatAreThere) {
   EXPECT_TRUE(bench.tick().pedal);
 }
 
-TEST(DeviceHands, AButtonTogglesTheJawsAtTheirSpeedWhileEngaged) {
+TEST(DeviceSurgeon, AButtonTogglesTheJawsAtTheirSpeedWhileEngaged) {
   MasterConfig config = testMaster();
   config.gripper_from = GripperFrom::kToggles;
   DeviceBench bench(config, 0.5);
@@ -427,7 +427,7 @@ TEST(DeviceHands, AButtonTogglesTheJawsAtTheirSpeedWhileEngaged) {
   EXPECT_NEAR(bench.tick(300).grasp[0], 0.6, 1e-12);
 }
 
-TEST(DeviceHands, AHeldButtonClosesAndAJointLeadsTheJaws) {
+TEST(DeviceSurgeon, AHeldButtonClosesAndAJointLeadsTheJaws) {
   MasterConfig config = testMaster();
   config.gripper_from = GripperFrom::kHolds;
   DeviceBench holding(config);
@@ -453,7 +453,7 @@ TEST(DeviceHands, AHeldButtonClosesAndAJointLeadsTheJaws) {
   EXPECT_NEAR(jointed.tick(300).grasp[0], 0.6, 1e-12);
 }
 
-TEST(DeviceHands, AGamepadsSticksAreVelocitiesBeyondTheirDeadBand) {
+TEST(DeviceSurgeon, AGamepadsSticksAreVelocitiesBeyondTheirDeadBand) {
   const MasterConfig config = shipped("gamepad");
   DeviceBench bench(config);
   bench.tick(600);
@@ -473,7 +473,7 @@ TEST(DeviceHands, AGamepadsSticksAreVelocitiesBeyondTheirDeadBand) {
   expectNear(intent.hand_I[1], {0, 0, -0.04}, 1e-9, "up");
 }
 
-TEST(DeviceHands, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
+TEST(DeviceSurgeon, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   MasterConfig config = testMaster();
   config.force_per_newton = 2.0;
   DeviceBench bench(config);
@@ -498,7 +498,7 @@ TEST(DeviceHands, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   EXPECT_EQ(bench.force(Arm::kGreen), (Vec3{0, 0, 0}));
 }
 
-TEST(DeviceHands, AForceSaysWhetherThePedalHasEverCounted) {
+TEST(DeviceSurgeon, AForceSaysWhetherThePedalHasEverCounted) {
   DeviceBench bench(testMaster());
   const auto has_begun = [&] { return bench.link.forces[1].load().has_begun; };
   bench.press();
@@ -518,7 +518,7 @@ TEST(DeviceHands, AForceSaysWhetherThePedalHasEverCounted) {
   EXPECT_EQ(bench.report().engagements, 2U);
 }
 
-TEST(DeviceHands, WithAForceGoesTheLastPlaceThatIsOne) {
+TEST(DeviceSurgeon, WithAForceGoesTheLastPlaceThatIsOne) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   DeviceBench bench(testMaster());
   const auto told = [&] { return bench.link.forces[0].load(); };
@@ -539,7 +539,7 @@ TEST(DeviceHands, WithAForceGoesTheLastPlaceThatIsOne) {
   EXPECT_EQ(told().position, (Vec3{0.01, 0.02, 0.03}));
 }
 
-TEST(DeviceHands, AForceRoundTripsThroughEveryMap) {
+TEST(DeviceSurgeon, AForceRoundTripsThroughEveryMap) {
   for (const Published& family : kPublished) {
     const MasterConfig master = shipped(family.file);
     const Vec3 force{0.3, -0.7, 1.1};
@@ -757,7 +757,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, EachDevice, ::testing::ValuesIn(kArms), [](const 
   return std::string(name(tested.param));
 });
 
-TEST(DeviceHands, AStickBeyondItsEndIsAtItsEndOnEitherSide) {
+TEST(DeviceSurgeon, AStickBeyondItsEndIsAtItsEndOnEitherSide) {
   for (const double side : {-1.0, 1.0}) {
     DeviceBench bench(shipped("gamepad"));
     bench.tick(600);

@@ -1,12 +1,12 @@
-#include "loop/exercise_desk.h"
+#include "loop/exercise_runner.h"
 
 namespace raven2_trainer::loop {
 
-ExerciseDesk::ExerciseDesk(const LoopConfig& config,
-                           const model::SceneModel& scene,
-                           const CameraConfig& camera,
-                           physics::RavenWorld* world,
-                           SharedState* shared)
+ExerciseRunner::ExerciseRunner(const LoopConfig& config,
+                               const model::SceneModel& scene,
+                               const CameraConfig& camera,
+                               physics::RavenWorld* world,
+                               SharedState* shared)
     : world_(*world), shared_(*shared) {
   if (config.exercise.tracks.empty()) return;
   judge_ = std::make_unique<training::ExerciseJudge>(config.exercise, config.roles, scene, config.arms, camera,
@@ -15,13 +15,13 @@ ExerciseDesk::ExerciseDesk(const LoopConfig& config,
   judge_->start();
 }
 
-void ExerciseDesk::restart() noexcept {
+void ExerciseRunner::restart() noexcept {
   if (judge_ == nullptr) return;
   world_.restoreScene(at_first_);
   judge_->start();
 }
 
-void ExerciseDesk::tick(ModelState* state, const ContactList& contacts, bool is_rehearsal) noexcept {
+void ExerciseRunner::tick(ModelState* state, const ContactList& contacts, bool is_rehearsal) noexcept {
   if (judge_ == nullptr) return;
   judge_->setRehearsal(is_rehearsal);
   judge_->tick(*state, contacts, world_.brokenOff());
@@ -36,7 +36,7 @@ void ExerciseDesk::tick(ModelState* state, const ContactList& contacts, bool is_
   lost_ = lost;
 }
 
-void ExerciseDesk::tell(Tick tick) noexcept {
+void ExerciseRunner::tell(Tick tick) noexcept {
   for (std::size_t i = 0; i < judge_->eventCount(); ++i) {
     const ExerciseRecord record{tick, judge_->event(i)};
     shared_.exercise_records.tryPush(record);

@@ -37,9 +37,9 @@ struct ServoStand {
  * pedal-ups do not release that of a client. Whatever else ends teleoperation lets go of it, and nothing that was asked
  * for is left then. Both arms share pedal and state, as a Raven's run level. One thread; real-time safe.
  */
-class ServoDesk {
+class ServoManager {
  public:
-  ServoDesk(const LoopConfig& config, SharedState* shared);
+  ServoManager(const LoopConfig& config, SharedState* shared);
 
   /** The console's pedal is up, and a client holds its own: this command of it is not used. */
   bool overrules(const MasterCommand& command) const noexcept { return holds_pedal_ && command.pedal == 0; }

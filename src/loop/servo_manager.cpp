@@ -1,4 +1,4 @@
-#include "loop/servo_desk.h"
+#include "loop/servo_manager.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +89,7 @@ Quaternion turnStep(const Matrix3& from, const Matrix3& to, double most) noexcep
 
 }  // namespace
 
-ServoDesk::ServoDesk(const LoopConfig& config, SharedState* shared)
+ServoManager::ServoManager(const LoopConfig& config, SharedState* shared)
     : geometry_(config.arms.geometry),
       rules_(config.itp),
       shared_(*shared),
@@ -104,7 +104,7 @@ ServoDesk::ServoDesk(const LoopConfig& config, SharedState* shared)
 
 // ---- who has the pedal -------------------------------------------------------------------------------------------
 
-void ServoDesk::hear(const MasterCommand& command) noexcept {
+void ServoManager::hear(const MasterCommand& command) noexcept {
   console_silence_ = 0;
   const bool was_down = console_pedal_;
   console_pedal_ = command.pedal != 0;
@@ -115,13 +115,13 @@ void ServoDesk::hear(const MasterCommand& command) noexcept {
 }
 
 /** Its pedal-down was seen: a fault on the way may lose a single pedal-up. */
-void ServoDesk::settleRelease(const ServoStand& stand) noexcept {
+void ServoManager::settleRelease(const ServoStand& stand) noexcept {
   if (has_released_ && !stand.pedal_down) releases_ = false;
   has_released_ = false;
 }
 
 /** What happened to the arms since the tick before, and what that means for their clients. */
-void ServoDesk::observe(const ServoStand& stand) noexcept {
+void ServoManager::observe(const ServoStand& stand) noexcept {
   if (console_pedal_ && ++console_silence_ >= console_limit_) {
     console_pedal_ = false;
     state_ = OperatingState::kPaused;
@@ -142,7 +142,7 @@ void ServoDesk::observe(const ServoStand& stand) noexcept {
 }
 
 /** Of a Raven that is homed and has its pedal up, the robot's own branch says PAUSED, from the start on. */
-void ServoDesk::settleRavensState(const ServoStand& stand) noexcept {
+void ServoManager::settleRavensState(const ServoStand& stand) noexcept {
   const bool is_homed = isHomed(stand) && !is_unhomed_;
   if (!is_raven_ || disable_asked_ || stand.stop_asked) return;
   if (state_ == OperatingState::kDisabled && is_homed) state_ = OperatingState::kPaused;
@@ -151,8 +151,8 @@ void ServoDesk::settleRavensState(const ServoStand& stand) noexcept {
 
 /** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows, or one
  * came that the model moved without. Or it never began, and would be something else now: a request of the same tick
- * came first. The camera's pedal lets go of the robot, which is joined anew behind it. */
-bool ServoDesk::hasLostPedal(const ServoStand& stand) const noexcept {
+ * came first. The camera's pedal lets go of the robot, which is joined again behind it. */
+bool ServoManager::hasLostPedal(const ServoStand& stand) const noexcept {
   if (!traitsOf(stand.mode).clients_hold && !stand.teleoperates) return true;
   if (!presses_ || !traitsOf(stand_.mode).clients_hold) return false;
   const bool has_parted = is_joined_ && !stand.linked && stand.mode != Mode::kCameraMoving;
@@ -161,14 +161,14 @@ bool ServoDesk::hasLostPedal(const ServoStand& stand) const noexcept {
   return !traitsOf(stand.mode).clients_hold || has_parted || is_refused || has_come || stand.is_unheard;
 }
 
-void ServoDesk::letGo(OperatingState state) noexcept {
+void ServoManager::letGo(OperatingState state) noexcept {
   releases_ = releases_ || holds_pedal_;
   holds_pedal_ = false;
   state_ = state;
   forget();
 }
 
-void ServoDesk::forget() noexcept {
+void ServoManager::forget() noexcept {
   for (const Arm arm : kArms) {
     at(targets_, arm).hold();
     endPush(arm);
@@ -176,7 +176,7 @@ void ServoDesk::forget() noexcept {
 }
 
 /** A message that no command could be made of is a sign of life, too. */
-void ServoDesk::releaseIdle() noexcept {
+void ServoManager::releaseIdle() noexcept {
   const std::uint64_t unread = shared_.servo_unread.value();
   const bool is_silent = holds_pedal_ && !isMoving() && unread == unread_;
   unread_ = unread;
@@ -186,7 +186,7 @@ void ServoDesk::releaseIdle() noexcept {
 
 // ---- commands ----------------------------------------------------------------------------------------------------
 
-void ServoDesk::drain() noexcept {
+void ServoManager::drain() noexcept {
   ServoQueue& queue = shared_.servo_commands;
   const std::uint64_t asked = queue.asked();  // first: no motion overtakes an order that it was given behind
   ServoOrder order;
@@ -209,7 +209,7 @@ void ServoDesk::drain() noexcept {
 
 /** Motions that it was given behind, and that wait still, are over with a hold or a pause, and were none yet for the
  * one that enables. */
-void ServoDesk::serveOrder(const ServoOrder& order) noexcept {
+void ServoManager::serveOrder(const ServoOrder& order) noexcept {
   const bool was_enabled = state_ == OperatingState::kEnabled, held = holds_pedal_;
   const ServoVerdict verdict = judge(order.command);
   serve(order.command, verdict);
@@ -219,7 +219,7 @@ void ServoDesk::serveOrder(const ServoOrder& order) noexcept {
   if (holds_pedal_ && !held) enabled_ = order.behind;
 }
 
-void ServoDesk::serve(const ServoCommand& command, const ServoVerdict& verdict) noexcept {
+void ServoManager::serve(const ServoCommand& command, const ServoVerdict& verdict) noexcept {
   idle_ = 0;
   ++received_;
   if (verdict.reason == ServoRefusal::kNone) return;
@@ -238,7 +238,7 @@ void ServoDesk::serve(const ServoCommand& command, const ServoVerdict& verdict) 
   shared_.servo_refused.tryPush(refused);
 }
 
-ServoVerdict ServoDesk::judge(const ServoCommand& command) noexcept {
+ServoVerdict ServoManager::judge(const ServoCommand& command) noexcept {
   if (command.kind == ServoKind::kState) return {takeState(command.state)};
   if (command.kind == ServoKind::kFree) return {takeState(StateCommand::kPause)};  // a Raven's brakes hold it
   if (command.kind == ServoKind::kTool) return {ServoRefusal::kNotOffered};
@@ -252,7 +252,7 @@ ServoVerdict ServoDesk::judge(const ServoCommand& command) noexcept {
 }
 
 /** The newest counts: it ends a force on what it moves. */
-ServoVerdict ServoDesk::takeMotion(const ServoCommand& command) noexcept {
+ServoVerdict ServoManager::takeMotion(const ServoCommand& command) noexcept {
   Push& push = at(pushes_, command.arm);
   const ServoVerdict verdict = at(targets_, command.arm).take(command);
   if (verdict.reason != ServoRefusal::kNone) return verdict;
@@ -269,7 +269,7 @@ ServoVerdict ServoDesk::takeMotion(const ServoCommand& command) noexcept {
 }
 
 /** The robot's own branch forgets that it is homed, and disables; here `home` remembers, for nothing has moved it. */
-ServoRefusal ServoDesk::takeHomed(StateCommand command) noexcept {
+ServoRefusal ServoManager::takeHomed(StateCommand command) noexcept {
   if (command == StateCommand::kUnhome && !is_raven_) return ServoRefusal::kNotOffered;
   if (stand_.robot_stopped) return ServoRefusal::kRobotStop;
   if (command == StateCommand::kUnhome && console_pedal_) return ServoRefusal::kConsole;
@@ -278,7 +278,7 @@ ServoRefusal ServoDesk::takeHomed(StateCommand command) noexcept {
   return ServoRefusal::kNone;
 }
 
-ServoRefusal ServoDesk::takeState(StateCommand command) noexcept {
+ServoRefusal ServoManager::takeState(StateCommand command) noexcept {
   if (command == StateCommand::kUnhome || command == StateCommand::kHome) return takeHomed(command);
   if (is_unhomed_ && (command == StateCommand::kEnable || command == StateCommand::kResume))
     return ServoRefusal::kNotHomed;
@@ -297,7 +297,7 @@ ServoRefusal ServoDesk::takeState(StateCommand command) noexcept {
 }
 
 /** What an operator stopped, no client sets going again. */
-ServoRefusal ServoDesk::takePedal() noexcept {
+ServoRefusal ServoManager::takePedal() noexcept {
   if (stand_.stop_asked) return ServoRefusal::kOperatorStop;
   if (stand_.mode == Mode::kStopped) return ServoRefusal::kRobotStop;  // it is being started
   if (!stand_.teleoperates) return ServoRefusal::kMode;
@@ -306,13 +306,13 @@ ServoRefusal ServoDesk::takePedal() noexcept {
   return ServoRefusal::kNone;
 }
 
-ServoRefusal ServoDesk::mayHold() const noexcept {
+ServoRefusal ServoManager::mayHold() const noexcept {
   if (console_pedal_) return ServoRefusal::kConsole;
   return holds_pedal_ ? ServoRefusal::kNone : ServoRefusal::kNotEnabled;
 }
 
 /** What is asked for before the robot takes increments waits for that. */
-ServoRefusal ServoDesk::mayMove() const noexcept {
+ServoRefusal ServoManager::mayMove() const noexcept {
   const ServoRefusal reason = mayHold();
   if (reason != ServoRefusal::kNone) return reason;
   if (stand_.robot_there && !stand_.robot_ready) return ServoRefusal::kNotHomed;
@@ -322,9 +322,9 @@ ServoRefusal ServoDesk::mayMove() const noexcept {
 
 // ---- a tick ------------------------------------------------------------------------------------------------------
 
-bool ServoDesk::next(const ServoStand& stand,
-                     const PerArm<control::TeleopMapper>& mappers,
-                     MasterCommand* command) noexcept {
+bool ServoManager::next(const ServoStand& stand,
+                        const PerArm<control::TeleopMapper>& mappers,
+                        MasterCommand* command) noexcept {
   settleRelease(stand);
   observe(stand);
   releaseIdle();
@@ -333,7 +333,7 @@ bool ServoDesk::next(const ServoStand& stand,
   *command = MasterCommand{};
   command->sequence = sequence_ + 1;
   has_released_ = releases_;
-  presses_ = holds_pedal_ && !releases_ && !stand.is_taken;  // pressed anew: between, it is up for a tick
+  presses_ = holds_pedal_ && !releases_ && !stand.is_taken;  // pressed again: between, it is up for a tick
   command->pedal = presses_ ? kClientsPedal : 0;
   for (const Arm arm : kArms)
     aim(arm, at(mappers, arm), command);
@@ -343,13 +343,13 @@ bool ServoDesk::next(const ServoStand& stand,
 }
 
 /** Increments that the mapping refused led nowhere: from where the arm is asked to be, they are taken back. */
-Pose ServoDesk::takenBy(const control::TeleopMapper& mapper, Arm arm) const noexcept {
+Pose ServoManager::takenBy(const control::TeleopMapper& mapper, Arm arm) const noexcept {
   if (kinematics::isUsable(mapper.status())) return mapper.desiredPose();
   return kinematics::forward(geometry_, arm, mapper.desired());
 }
 
 /** From where the commands before led to the arm's set point; nothing until they are taken. */
-void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept {
+void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept {
   control::ServoTarget& target = at(targets_, arm);
   Sent& sent = at(sent_, arm);
   const bool moves = command->pedal != 0 && stand_.mode == Mode::kTeleoperating && stand_.applies;
@@ -381,7 +381,7 @@ void ServoDesk::aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand*
 }
 
 /** The set point, and what friction keeps the robot from it. @param[in] q [rad; m] the set point's joints. */
-Pose ServoDesk::trimmed(Arm arm, const JointArray& q) noexcept {
+Pose ServoManager::trimmed(Arm arm, const JointArray& q) noexcept {
   Rest& rest = at(rests_, arm);
   const Pose& X_BT = at(targets_, arm).pose();
   const bool stands = X_BT.p == rest.X_BT.p && X_BT.R == rest.X_BT.R;
@@ -392,7 +392,7 @@ Pose ServoDesk::trimmed(Arm arm, const JointArray& q) noexcept {
   return rest.trimmed.of(X_BT);
 }
 
-void ServoDesk::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {
+void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {
   const bool is_homing = !isHomed(stand_) && !stand_.robot_stopped;
   ServoState state;
   state.tick = tick;
