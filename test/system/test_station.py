@@ -6,10 +6,16 @@ import os
 import random
 import time
 
+import sys
+
 import aiohttp
+import numpy as np
 import pytest
-from stack import effort, wait_until
+from stack import ROOT, effort, wait_until
 from station_rig import Page, Station
+
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+import raven2_session  # noqa: E402
 
 DEMONSTRATION = {"exercise": "pick_hand_over_place", "driver": "expert", "trainee": "ann", "seed": 1}
 
@@ -47,14 +53,14 @@ def test_a_session_from_start_to_verdict(station):
             asked = time.monotonic()
             answer = await page.ask("inject")
             took = time.monotonic() - asked
-            assert answer["ok"] and took < 1.0, (answer, took)
+            assert answer["ok"] and took < 3.0, (answer, took)
             await page.until(lambda: page.newest.get("strips", {}).get("force", {}).get("gold", 0) > 0.5, 10, "the hazard is felt")
             assert (await page.ask("stop-hazard"))["ok"]
             assert page.pictures > 10 and trainee.pictures > 10
             assert "sudden_jump" not in json.dumps(trainee.messages), "no hint for the trainee"
             assert not (await trainee.ask("inject"))["ok"] and not (await trainee.ask("stop"))["ok"]
             assert (await page.ask("emergency-stop"))["ok"]
-            await page.until(lambda: page.mode() == "stopped", 2, "stopped")
+            await page.until(lambda: page.mode() == "stopped", 8, "stopped")
             await stop(page)
             last = page.newest["station"]["last"]
             await page.until(lambda: any(m["t"] == "progress" and m["what"] == "report" and m["share"] == 1.0 for m in page.messages),
@@ -89,21 +95,46 @@ def test_hands_of_a_page_move_the_robot_and_let_go_with_it(station):
                 await drive(trainee, 60, move=[0.001, 0, 0])
                 assert page.mode() == "teleoperating"
                 assert (await page.ask("take-hands", away=True))["ok"]
-                await page.until(lambda: page.mode() == "pedal_up", 2, "the instructor took the hands")
+                await page.until(lambda: page.mode() == "pedal_up", 8, "the instructor took the hands")
                 assert not (await trainee.ask("drive"))["ok"]
                 assert (await page.ask("take-hands", away=False))["ok"] and (await trainee.ask("drive"))["ok"]
                 await drive(trainee, 20, pedal=False)
                 await drive(trainee, 40)
-                await page.until(lambda: page.mode() == "teleoperating", 2, "it drives again")
+                await page.until(lambda: page.mode() == "teleoperating", 8, "it drives again")
                 await asyncio.sleep(0.4)
                 assert page.mode() == "pedal_up", "a silent page holds no pedal"
                 await drive(trainee, 20, pedal=False)
                 await drive(trainee, 40)
-                await page.until(lambda: page.mode() == "teleoperating", 2, "it drives again")
-            await page.until(lambda: page.mode() == "pedal_up", 1, "a closed page holds no pedal")
+                await page.until(lambda: page.mode() == "teleoperating", 8, "it drives again")
+            await page.until(lambda: page.mode() == "pedal_up", 8, "a closed page holds no pedal")
             assert page.newest["station"]["drives"] is None
             await stop(page)
     run(scenario())
+
+
+def test_a_page_moves_the_robot_smoothly(station):
+    """A fast sweep at 60 messages a second: no step of the ITP stream over 0.5 mm in a millisecond, and all of it arrives."""
+    async def scenario():
+        async with Page(station.url) as page, Page(station.url, "trainee") as trainee:
+            await start(page, driver="browser", exercise="none", hazard="none")
+            assert (await trainee.ask("drive"))["ok"]
+            await page.until(lambda: page.mode() == "pedal_up", 20, "the robot is ready")
+            await asyncio.sleep(0.5)
+            while page.mode() != "teleoperating":
+                await drive(trainee, 30, pedal=False)
+                await drive(trainee, 30)
+            for sign in (1, -1, 1, -1):
+                await drive(trainee, 30, move=[sign * 0.012, 0, 0])
+            await drive(trainee, 20)
+            directory = os.path.join(station.sessions, page.newest["station"]["session"])
+            await stop(page)
+        return directory
+    commands = raven2_session.SessionLog(os.path.join(run(scenario()), "session.rlog")).commands["command"]
+    steps = np.linalg.norm(commands["dp_I"][:, 0], axis=1)
+    moving = np.flatnonzero(steps > 0)
+    assert 1e3 * steps.max() <= 0.5, "mm"
+    assert 1e3 * steps.sum() == pytest.approx(4 * 30 * 0.1 * 12.0, rel=0.05), "a tenth of the hand's motion"
+    assert len(moving) > 0.8 * (moving[-1] - moving[0]), "motion is spread over the milliseconds between messages"
 
 
 async def drive(page, count, pedal=True, move=(0, 0, 0)):
@@ -255,7 +286,7 @@ def test_two_sessions_at_once_are_refused_and_so_is_what_cannot_be(station):
             assert not answer["ok"] and "stop it first" in answer["text"]
             await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
             assert (await page.ask("pause"))["ok"]
-            await page.until(lambda: page.mode() == "paused", 2, "paused")
+            await page.until(lambda: page.mode() == "paused", 8, "paused")
             before = page.newest["station"]["session"]
             assert (await page.ask("next", seconds=60))["ok"]
             await page.until(lambda: page.newest["station"]["session"] not in (None, before), 10, "the next attempt")
