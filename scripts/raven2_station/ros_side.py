@@ -243,9 +243,12 @@ class Side:
     def _read(self):
         reader = wire.Reader()
         while True:
-            data = self._connection.recv(1 << 16)
+            try:
+                data = self._connection.recv(1 << 16)
+            except OSError:
+                data = b""
             if not data:
-                os._exit(0)
+                os._exit(0)  # the server is gone
             for message, _ in reader.feed(data):
                 self._do(message)
 

@@ -127,11 +127,13 @@ class Station:
 
     async def do(self, what, given, client=None):
         """@return (whether it happened, a sentence, more)."""
-        method = getattr(self, "_do_" + what.replace("-", "_"), None) if isinstance(what, str) else None
         try:
+            if not isinstance(what, str):
+                raise Refused("unknown request")
+            method = getattr(self, "_do_" + what.replace("-", "_"), None)
             if not isinstance(given, dict):
                 raise Refused("expected settings by name")
-            if what in TRIGGERS:
+            if what in TRIGGERS and (client is None or client.role != "trainee"):
                 return await self.link.call(TRIGGERS[what])
             if method is None:
                 raise Refused("unknown request")

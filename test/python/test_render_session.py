@@ -268,18 +268,18 @@ def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(
     # A video that was cut short by something else is none.
     video = night / "a" / "video.mp4"
     video.write_bytes(video.read_bytes()[:-100])
-    assert "is there" not in render(night / "a", *FEW)
-    assert "is there" in render(night / "a", *FEW)
+    assert "exists; --again" not in render(night / "a", *FEW)
+    assert "exists; --again" in render(night / "a", *FEW)
 
 
 def test_a_video_is_drawn_again_where_another_one_is_asked_for(brief):
     video = brief / "video.mp4"
     for options in (FEW, (*FEW, "--camera", "top"), (*FEW, "--overlay", "none"), ("--fps", 2)):
-        assert "is there" not in render(brief, *options), options
+        assert "exists; --again" not in render(brief, *options), options
         before = made(video)
-        assert "is there" in render(brief, *options), options
+        assert "exists; --again" in render(brief, *options), options
         assert made(video) == before
-    assert "is there" not in render(brief, "--fps", 2, "--again")
+    assert "exists; --again" not in render(brief, "--fps", 2, "--again")
     assert made(video) > before
 
 
@@ -297,7 +297,7 @@ def test_again_that_was_killed_goes_on_without_again(brief, tmp_path):
     assert (night[2] / "video.parts").exists() and made(videos[2]) == before[2], "the old one stays until then"
     first = made(videos[0])
     told = render(*night, *FEW)
-    assert "a/video.mp4 is there" in told and "c/video.mp4 is there" not in told, told
+    assert "a/video.mp4 exists" in told and "c/video.mp4 exists" not in told, told
     assert made(videos[0]) == first and all(made(video) > then for video, then in zip(videos, before))
     assert not list(tmp_path.glob("*/video.parts"))
 
@@ -305,7 +305,7 @@ def test_again_that_was_killed_goes_on_without_again(brief, tmp_path):
 def test_simulate_draws_the_video_that_render_session_would(tmp_path):
     directory = tmp_path / "short"
     run("simulate", "--seconds", 0.2, "--homing", "quick", "--hazard", "none", "--video", "--output", directory)
-    assert "video.mp4 is there" in run("render_session", directory)
+    assert "video.mp4 exists" in run("render_session", directory)
 
 
 def test_a_session_that_is_still_being_recorded_is_refused(tmp_path):

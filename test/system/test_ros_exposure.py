@@ -11,7 +11,7 @@ from stack import Stack, wait_until
 LOOPBACK = "127.0.0.1"
 NODES = {"simulator": "/raven2_simulator", "virtual_raven": "/virtual_raven", "raven_state_bridge": "/raven_state_bridge"}
 SAFER_CRTK = {f"/{arm}/{topic}" for arm in ("arm1", "arm2") for topic in ("state_command", "hold")}
-SAFER = {"/stop_hazard", "/disengage", "/cancel_plan", "/emergency_stop"}
+SAFER = {"/stop_hazard", "/pause", "/disengage", "/cancel_plan", "/emergency_stop"}
 TRAINING = {"/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial", "/discard_trial", "/repeat_trial",
             "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
             "/end_replay"}  # not begin_replay, which reads what the caller names
@@ -67,7 +67,7 @@ QUERIES = {f"/{arm}/{prefix}{which}_kinematics" for arm in ("arm1", "arm2") for 
 
 def test_a_network_gets_no_commands_unless_the_configuration_says_so(master):
     open_to_all = {"ROS_HOSTNAME": socket.gethostname()}
-    for key, wanted in ((False, SAFER), (True, SAFER | TRAINING | {"/start_hazard", "/engage", "/plan", "/planning_mode",
+    for key, wanted in ((False, SAFER), (True, SAFER | TRAINING | {"/start_hazard", "/inject_hazard", "/engage", "/plan", "/planning_mode",
                                                         "/execute_plan", "/gold/set_collisions",
                                                         "/green/set_collisions"} | QUERIES)):
         stack, node = start(master, "simulator", open_to_all, {"runtime": {"enable_remote_control": key}})

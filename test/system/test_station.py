@@ -261,7 +261,7 @@ def test_floods_and_giants_are_cut_off(station):
                 except (ConnectionError, aiohttp.ClientError):
                     pass
                 await page.until(lambda: page.socket.closed, 10, "a flood is cut off")
-                assert page.socket.close_code == 1008
+                assert page.socket.close_code in (1008, 1006), "1006: it was closed while the page still sent"
             giant = Page(station.url)
             async with giant:
                 try:
