@@ -9,15 +9,15 @@
 namespace raven2_trainer::detector {
 namespace {
 
-/** Half an encoder count a cycle: 2 pi / 4000 rad (raven2.md 3.1) in 1 ms, halved. */
+/** Half an encoder count per cycle: 2 pi / 4000 rad (raven2.md 3.1) in 1 ms, halved. */
 constexpr double kAtRest = 0.5 * 2.0 * kPi / 4000.0 / kTickSeconds;  // [rad/s]
 
-/** A threshold of zero asks for nothing. */
+/** A threshold of zero is always exceeded. */
 double ratio(double value, double threshold) noexcept {
   return threshold > 0.0 ? std::abs(value) / threshold : std::numeric_limits<double>::infinity();
 }
 
-/** [Nm] What is left of a torque after load and viscous friction. */
+/** [Nm] Torque minus load and viscous friction. */
 double netTorque(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) noexcept {
   double net = torque - axis.offset - axis.viscous * velocity;
   for (std::size_t i = 0; i < kAxes; ++i)
@@ -25,7 +25,7 @@ double netTorque(const DetectorAxis& axis, double torque, double velocity, const
   return net;
 }
 
-/** A torque less the dry friction that opposes it. */
+/** Torque minus the dry friction that opposes it. */
 double opposed(double torque, double coulomb) noexcept {
   return std::copysign(std::max(std::abs(torque) - coulomb, 0.0), torque);
 }
@@ -94,8 +94,8 @@ const Verdict& AnomalyDetector::step(const Observation& now) noexcept {
   return verdict_;
 }
 
-/** The velocity is the difference of encoder positions, as the robot takes it (raven2.md 3.7). What moves under a
- * command beyond the clip, or under suspicion, is not the surgeon's motion: the mean waits. */
+/** The velocity is the difference of encoder positions, as the robot computes it (raven2.md 3.7). The mean does not
+ *  follow motion under a command beyond the clip or under suspicion: that motion is not the surgeon's. */
 void AnomalyDetector::observe(Arm arm, const Observation& now) noexcept {
   const bool is_suspected = at(suspicion_, arm).holds();
   for (std::size_t i = 0; i < kAxes; ++i) {
@@ -133,10 +133,9 @@ void AnomalyDetector::predict(Arm arm, const Observation& now) noexcept {
   at(excursion_, arm) = config_.braking_time * (J.topLeftCorner<3, 3>() * toEigen(joints)).norm();
 }
 
-/** [rad] of the motor: what it has travelled since its command left the clip or roused suspicion, and as far as the
- * velocity gained carries it. Beyond the clip that velocity has what the command adds to it while it is taken to last.
- * Within the clip, if it is more, where the command leads: it stands for a position error that the control law will
- * close, but for what dry friction holds. */
+/** [rad] of the motor: its travel since its command left the clip or became suspicious, plus the gained velocity times
+ *  the braking time. A command beyond the clip adds its acceleration for `persistence`. A command within the clip
+ *  stands for a position error that the control law closes, less dry friction; if that is larger, it counts instead. */
 double AnomalyDetector::departure(Arm arm, std::size_t i, const Observation& now) const noexcept {
   const DetectorAxis& axis = at(config_.axes, arm)[i];
   const double velocity = at(velocity_, arm)[i];

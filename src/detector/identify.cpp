@@ -11,12 +11,12 @@ namespace raven2_trainer::detector {
 namespace {
 
 constexpr std::size_t kHalf = 8;       // [cycles] of the second difference
-constexpr double kMoving = 3.0;        // [rad/s] about two counts a cycle
+constexpr double kMoving = 3.0;        // [rad/s] about two counts per cycle
 constexpr std::size_t kFewest = 1000;  // rows
 constexpr int kUnknowns = 7;           // torque, velocity, sign, one, three joints
 
-/** Mean of the torques around the start of cycle `centre`, weighted as a second difference weights accelerations: a
- *  torque constant from cycle to cycle puts half of its effect on either side. */
+/** Mean of the torques around the start of cycle `centre`, weighted as a second difference weights accelerations. A
+ *  torque that is constant from cycle to cycle puts half of its effect on either side. */
 double meanTorque(const std::vector<AxisSample>& stretch, std::size_t centre) {
   double sum = 0.0;
   for (std::size_t i = centre + 1 - kHalf; i < centre + kHalf; ++i) {
@@ -97,7 +97,8 @@ double TailPercentile::value() const {
   if (heap_.empty()) return 0.0;
   std::vector<double> sorted = heap_;
   std::sort(sorted.begin(), sorted.end(), std::greater<>());
-  const auto above = static_cast<std::size_t>(std::floor(share_ * static_cast<double>(count_)));  // that may exceed it
+  const auto above =
+      static_cast<std::size_t>(std::floor(share_ * static_cast<double>(count_)));  // values that may exceed it
   return sorted[std::min(above, sorted.size() - 1)];
 }
 

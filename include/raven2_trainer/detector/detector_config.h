@@ -10,34 +10,34 @@ namespace raven2_trainer {
 
 constexpr std::size_t kDetectorAxes = 3;  ///< shoulder, elbow, insertion
 
-/** Largest values of fault-free runs. */
+/** Largest values of fault-free runs, by percentile. */
 struct DetectorThresholds {
   double acceleration{};    ///< [rad/s2] of the motor
   double motor_velocity{};  ///< [rad/s]
   double joint_velocity{};  ///< [rad/s; m/s]
 };
 
-/** What the detector believes of one motor axis, identified from commands and encoders alone. */
+/** Model of one motor axis, identified from commands and encoders alone. */
 struct DetectorAxis {
-  double inertia{};  ///< [kg m2] capstan torque by acceleration of the motor shaft, link included
+  double inertia{};  ///< [kg m2] capstan torque per acceleration of the motor shaft, link included
   double viscous{};  ///< [Nms/rad]
   double coulomb{};  ///< [Nm]
-  double offset{};   ///< [Nm] that the axis needs at joints 0
-  Vec3 gravity{};    ///< [Nm/rad, Nm/rad, Nm/m] by which that changes with the joints
-  DetectorThresholds published{}, departure{};  ///< for each rule
+  double offset{};   ///< [Nm] load at joints 0
+  Vec3 gravity{};    ///< [Nm/rad, Nm/rad, Nm/m] change of the load with the joints
+  DetectorThresholds published{}, departure{};  ///< thresholds of each rule
 };
 
-/** What an alarm takes. */
+/** Condition of an alarm. */
 enum class DetectorRule : std::uint8_t {
-  kPublished,  ///< DSN 2016: one step ahead, the three quantities of a joint agree
-  kDeparture,  ///< the same of the velocities that the command leads to, and the tip departs by `excursion`
+  kPublished,  ///< DSN 2016: one step ahead; all three quantities of a joint exceed their thresholds
+  kDeparture,  ///< as above, with predicted changes of velocity; the tip also departs by `excursion`
 };
 constexpr std::array<const char*, 2> kDetectorRuleNames{"published", "departure"};
 
-/** What an alarm does. */
+/** Reaction to an alarm. */
 enum class Mitigation : std::uint8_t {
   kOff,   ///< nothing
-  kHold,  ///< the last safe command is written in its place
+  kHold,  ///< the last safe command replaces the command
   kStop,  ///< software E-stop
 };
 constexpr std::array<const char*, 3> kMitigationNames{"off", "hold", "stop"};
@@ -47,12 +47,12 @@ struct DetectorConfig {
   Mitigation mitigate{Mitigation::kOff};
   DetectorRule rule{DetectorRule::kDeparture};
   double factor{};          ///< [-] on all thresholds
-  double memory{};          ///< [s] over which a motor's mean velocity is taken
-  double braking_time{};    ///< [s] for which velocity gained carries on
-  double asked{};           ///< [-] weight of a position error that a command within the clip stands for
-  double persistence{};     ///< [s] that a command beyond the clip is taken to last
-  double suspicion{};       ///< [-] of an alarm's size, from which on an arm's motion is not taken to be the surgeon's
-  double suspicion_time{};  ///< [s] for which, at most
+  double memory{};          ///< [s] averaging time of a motor's mean velocity
+  double braking_time{};    ///< [s] for which a gained velocity continues
+  double asked{};           ///< [-] weight of the position error that a command within the clip stands for
+  double persistence{};     ///< [s] assumed duration of a command beyond the clip
+  double suspicion{};       ///< [-] size of a verdict from which an arm's motion is suspicious
+  double suspicion_time{};  ///< [s] longest suspicion
   double excursion{};       ///< [m] predicted departure of the tip
   PerArm<std::array<DetectorAxis, kDetectorAxes>> axes{};
 };
