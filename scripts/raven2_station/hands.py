@@ -7,11 +7,11 @@ The page sends increments of both hands, some 60 times a second. Here they add u
 import math
 
 SILENT = 0.08     # [s] without a message of the page: the pedal is up. The console waits up to 20 ms more
-SPEED = 1.5       # [m/s] of the device; faster motion is cut
+SPEED = 1.5       # [m/s] of the device; faster motion comes later
 TURN_SPEED = 10.0  # [rad/s]
 HALF = 2.0        # [m] from the middle: beyond it the device goes back while the pedal is up
 BACK_SPEED = 1.0  # [m/s]
-LONGEST = 0.1     # [s] that one message may count for
+LONGEST = 0.1     # [s] that one message may count for, and by which motion may come later; what is more is lost
 DITHER = 1e-7     # [m] to and fro: the console takes a device whose pose never changes for one that is not calibrated
 
 
@@ -27,6 +27,13 @@ def _numbers(values, count):
 def _limited(vector, most):
     size = math.sqrt(sum(v * v for v in vector))
     return vector if size <= most or size == 0.0 else [v * most / size for v in vector]
+
+
+def _part(waiting, more, speed, dt):
+    """@return (what moves now, what waits)."""
+    whole = _limited([w + m for w, m in zip(waiting, more)], speed * LONGEST)
+    now = _limited(whole, speed * dt)
+    return now, [w - n for w, n in zip(whole, now)]
 
 
 def product(a, b):
@@ -52,11 +59,18 @@ class Hand:
         self.position = [0.0, 0.0, 0.0]              # [m]
         self.orientation = [0.0, 0.0, 0.0, 1.0]
         self.jaw = 0.6                               # [rad] 0 closed
+        self.stop()
+
+    def stop(self):
+        """Motion that has not come yet is lost."""
+        self._motion, self._rotation = [0.0] * 3, [0.0] * 3
 
     def move(self, motion, rotation, dt):
-        step = _limited(motion, SPEED * dt)
+        """Messages of a busy machine arrive in bunches: nothing of them may be lost, and the speed stays what it was."""
+        step, self._motion = _part(self._motion, motion, SPEED, dt)
+        turn, self._rotation = _part(self._rotation, rotation, TURN_SPEED, dt)
         self.position = [p + s for p, s in zip(self.position, step)]
-        q = product(turned(_limited(rotation, TURN_SPEED * dt)), self.orientation)
+        q = product(turned(turn), self.orientation)
         size = math.sqrt(sum(v * v for v in q))
         self.orientation = [v / size for v in q]
 
@@ -101,6 +115,7 @@ class Hands:
                 hand.jaw = min(1.2, max(0.0, jaw))
         if not pedal and not camera:
             for hand in self.arms.values():
+                hand.stop()
                 hand.centre(dt)
         self.pedal, self.camera, self._heard = pedal, camera, now
 
@@ -122,3 +137,5 @@ class Hands:
         """The page is gone, hidden or was replaced."""
         self.pedal = self.camera = False
         self._heard = None
+        for hand in self.arms.values():
+            hand.stop()

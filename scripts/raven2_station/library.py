@@ -6,7 +6,7 @@ import yaml
 
 from . import words
 
-TRAINEE = r"^[a-z0-9_-]{1,32}$"
+TRAINEE = r"[a-z0-9_-]{1,32}"  # the whole ID
 
 
 def _files(folder):
@@ -42,6 +42,10 @@ class Library:
 
     def exercise(self, name):
         return next((e for e in self.exercises if e["name"] == name), None)
+
+    def curriculum(self, name):
+        """The first one if no name is given; None if there is none."""
+        return next((c for c in self.curricula if name in (None, "", c["name"])), None)
 
     def names(self, what):
         return [each["name"] for each in getattr(self, what)]

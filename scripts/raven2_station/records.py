@@ -7,7 +7,9 @@ import pathlib
 import re
 import shutil
 
-NAME = re.compile(r"^[A-Za-z0-9_.:-]{1,120}$")  # of a session directory; no separators, and no leading dot (below)
+from .curriculum import follow, stages_of
+
+NAME = re.compile(r"[A-Za-z0-9_:-][A-Za-z0-9_.:-]{0,119}")  # of a session directory: no separators, no leading dot
 FILES = {"report.html": "text/html; charset=utf-8", "report.json": "application/json", "video.mp4": "video/mp4",
          "score.json": "application/json", "metrics.json": "application/json", "session.rlog": "application/octet-stream"}
 LARGEST = 16 << 20  # [bytes] of a JSON file that is read
@@ -32,7 +34,7 @@ class Records:
 
     def directory(self, name):
         """@throw KeyError if this is no session's name, or no session has it."""
-        if not isinstance(name, str) or not NAME.match(name) or name.startswith("."):
+        if not isinstance(name, str) or not NAME.fullmatch(name):
             raise KeyError(name)
         path = self.folder / name
         if path.is_symlink() or not (path / "session.rlog").is_file():
@@ -48,7 +50,7 @@ class Records:
     def names(self):
         if not self.folder.is_dir():
             return []
-        return sorted((p.name for p in self.folder.iterdir() if NAME.match(p.name) and not p.is_symlink() and
+        return sorted((p.name for p in self.folder.iterdir() if NAME.fullmatch(p.name) and not p.is_symlink() and
                        (p / "session.rlog").is_file()), reverse=True)
 
     def list(self, most=200):
@@ -84,7 +86,7 @@ class Records:
         return sorted({e["trainee"] for e in self._index()})
 
     def history(self, trainee):
-        """Attempts in order of time: score (share of judged metrics passed is not known here: passed), time, hazard response."""
+        """Attempts in order of time, as score_session takes them: result, time, hazard response."""
         found = []
         for entry in self._index():
             if entry["trainee"] != trainee:
@@ -96,35 +98,31 @@ class Records:
                               "exercise": entry.get("exercise", ""), "drill": entry.get("drill", ""),
                               "status": attempt.get("status"), "passed": attempt.get("passed"), "time": metrics.get("time"),
                               "response": metrics.get("hazard_response"), "score": metrics.get("score")})
-        return sorted(found, key=lambda a: a["start"])
+        return sorted(found, key=lambda a: (a["start"], a["session"]))
 
-    def the_class(self, stages):
-        """One row a trainee, one cell a stage: passes in a row at its end, attempts. @param stages: [(exercise, drill, passes)]."""
+    def progress(self, trainee, curriculum):
+        """@return as of curriculum.follow()."""
+        return follow(curriculum, self.history(trainee) if trainee else [])
+
+    def the_class(self, curriculum):
+        """One row a trainee, one cell a stage. @param curriculum: of Library.curricula, or None."""
         rows = []
         for trainee in self.trainees():
             history = self.history(trainee)
-            cells = [self._stage(history, exercise, drill, passes) for exercise, drill, passes in stages]
-            rows.append({"trainee": trainee, "sessions": len({a["session"] for a in history}), "stages": cells,
-                         "last": history[-1]["start"] if history else ""})
+            stages, current = follow(curriculum, history)
+            rows.append({"trainee": trainee, "sessions": len({a["session"] for a in history}), "current": current,
+                         "stages": [stage.describe() for stage in stages], "last": history[-1]["start"] if history else ""})
         return rows
 
-    @staticmethod
-    def _stage(history, exercise, drill, passes):
-        attempts = [a for a in history if a["exercise"] == exercise and (a["drill"] or "none") == drill]
-        row = best = 0
-        for attempt in attempts:
-            row = row + 1 if attempt["passed"] is True else 0
-            best = max(best, row)
-        return {"attempts": len(attempts), "best_row": best, "done": best >= passes}
-
-    def class_csv(self, titles, stages):
+    def class_csv(self, curriculum):
         """Text is quoted; a cell that a spreadsheet would take for a formula cannot occur: IDs are of a-z, 0-9, _ and -."""
         out = io.StringIO()
         writer = csv.writer(out)
-        writer.writerow(["trainee", "sessions", *[f"{t} {what}" for t in titles for what in ("attempts", "passes in a row", "done")],
+        titles = [stage.title for stage in stages_of(curriculum)]
+        writer.writerow(["trainee", "sessions", *[f"{t} {what}" for t in titles for what in ("attempts", "passes in a row", "more passes", "done")],
                          "last session"])
-        for row in self.the_class(stages):
-            cells = [value for c in row["stages"] for value in (c["attempts"], c["best_row"], "yes" if c["done"] else "no")]
+        for row in self.the_class(curriculum):
+            cells = [value for s in row["stages"] for value in (s["attempts"], s["in_a_row"], s["more"], "yes" if s["done"] else "no")]
             writer.writerow(["'" + row["trainee"] if row["trainee"].startswith("-") else row["trainee"], row["sessions"], *cells,
                              row["last"]])
         return out.getvalue()

@@ -30,6 +30,7 @@ MASTER_PERIOD = 0.5    # [s] between questions to the ROS master
 MASTER_PATIENCE = 1.0  # [s] for its answer
 LONGEST_CALL = 20.0    # [s]
 CAMERA_BUTTON = 4      # of `pedals`: config/network.yaml, joy
+FORCES_SILENT = 0.3  # [s] without a force: the strips end
 SIDES = {"gold": "L", "green": "R"}
 POSES = {"gold": "/browser/left/measured_cp", "green": "/browser/right/measured_cp"}
 JAWS = {"gold": "/browser/left/jaw/measured_js", "green": "/browser/right/jaw/measured_js"}
@@ -108,7 +109,7 @@ class Daemon:
         with self._lock:
             apart = {arm: self._frames.apart(side) for arm, side in SIDES.items()}
             force, push, last = dict(self._force), dict(self._push), self._last_tick
-        if last is not None and time.monotonic() - last < 1.0:
+        if last is not None and time.monotonic() - last < FORCES_SILENT:
             self._link.send({"t": "strips", "apart": apart, "force": force, "push": push}, may_drop=True)
 
     def _mode(self, m):

@@ -121,8 +121,7 @@ async def session_file(request):
 async def class_table(request):
     demand_login(request)
     station = request.app[STATION]
-    titles, stages = station.stages(request.query.get("curriculum"))
-    text = await asyncio.to_thread(station.records.class_csv, titles, stages)
+    text = await asyncio.to_thread(station.records.class_csv, station.known.curriculum(request.query.get("curriculum")))
     return web.Response(text=text, content_type="text/csv", headers={"Content-Disposition": 'attachment; filename="class.csv"'})
 
 
@@ -206,7 +205,8 @@ def make_app(options):
             station.finisher.report(last)
         station.changed()
 
-    station.supervisor = Supervisor(options.programs, options.sessions, station.known, changed, options.robot, logs)
+    station.supervisor = Supervisor(options.programs, options.sessions, station.known, changed, station.records.progress,
+                                    options.robot, logs)
     app = web.Application(middlewares=[guard], client_max_size=LARGEST_BODY)
     app[STATION], app[LOCAL], app["numbers"] = station, options.local, 0
     app[ACCESS] = access.Access(options.password_hash, logs / "logins.json")

@@ -5,9 +5,11 @@ import collections
 import time
 
 from . import hands, words
+from .curriculum import stages_of
 from .supervisor import Refused
 
 DAEMON_SILENT = 1.5  # [s] without a message of the daemon
+LAST_WORDS = 0.5     # [s] after the end of an own daemon in which its last messages come
 TICK = 0.02          # [s]
 STATUS_PERIOD = 1.0  # [s]
 TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
@@ -30,6 +32,7 @@ class Station:
         self.progress = {}           # (session, what) -> (share, text)
         self._daemon_heard = self._hands_sent = None
         self._last_health = None
+        self._was_foreign = False
         self._status_at = 0.0
 
     # ---- pages
@@ -70,7 +73,16 @@ class Station:
         if client.role == "trainee" and state["choice"]:
             state = {**state, "choice": {**state["choice"], "hazard": "", "when": "", "seed": 0}}
         return {**state, "drives": self.driving.number if self.driving else None, "hands_away": self.hands_away,
-                "ros": self.link.is_up}
+                "ros": self.link.is_up, "foreign": self.is_foreign}
+
+    @property
+    def is_heard(self):
+        return self._daemon_heard is not None and time.monotonic() - self._daemon_heard <= DAEMON_SILENT
+
+    @property
+    def is_foreign(self):
+        """Whether a trainer answers that the station did not start, for example one of a launch file."""
+        return self.supervisor.phase == "idle" and self.is_heard and self._daemon_heard > self.supervisor.ended_at + LAST_WORDS
 
     def changed(self):
         for client in list(self.clients.values()):
@@ -113,10 +125,10 @@ class Station:
         """Level 0 is green, 1 a warning, 2 an error."""
         if not self.link.is_up:
             return {"level": 2, "text": "No ROS master: the station waits for one."}
-        silent = self._daemon_heard is None or time.monotonic() - self._daemon_heard > DAEMON_SILENT
+        silent = not self.is_heard
         if silent and self.supervisor.phase == "running":
             return {"level": 2, "text": "The trainer does not answer. Stop the session and start it again."}
-        if silent or self.supervisor.phase in ("starting", "ending"):
+        if self.supervisor.phase != "running" and not self.is_foreign:
             return {"level": 2 if self.supervisor.trouble else 0,
                     "text": self.supervisor.trouble or {"starting": "The session starts.", "ending": "The session ends."}.get(
                         self.supervisor.phase, "No session: choose and press Start.")}
@@ -145,7 +157,12 @@ class Station:
         except KeyError:
             return False, "there is no such session", {}
 
+    def _refuse_beside_a_foreign_trainer(self):
+        if self.is_foreign:
+            raise Refused("a trainer runs that this station did not start, for example from a launch file: end it there first")
+
     async def _do_start(self, given, _):
+        self._refuse_beside_a_foreign_trainer()
         directory = await self.supervisor.start(given)
         return True, "The session runs.", str(directory)
 
@@ -156,6 +173,7 @@ class Station:
     _do_end = _do_stop
 
     async def _do_next(self, _, __):
+        self._refuse_beside_a_foreign_trainer()
         directory = await self.supervisor.next()
         return True, "The next attempt runs.", str(directory)
 
@@ -191,9 +209,14 @@ class Station:
         self.changed()
         return True, "The page has no hands now." if self.hands_away else "A page may drive again.", {}
 
-    async def _do_drive(self, _, client):
+    @property
+    def browser_may_drive(self):
+        """A foreign trainer's console may have the family `browser` (config/masters/browser.yaml); if not, it ignores the page."""
         choice = self.supervisor.choice
-        if not self.supervisor.is_running or choice is None or choice.driver != "browser":
+        return self.is_foreign or (self.supervisor.is_running and choice is not None and choice.driver == "browser")
+
+    async def _do_drive(self, _, client):
+        if not self.browser_may_drive:
             raise Refused("the instructor has not given the hands to the browser")
         if self.hands_away:
             raise Refused("the instructor has taken the hands away")
@@ -245,15 +268,18 @@ class Station:
         return True, "", {"trainee": trainee, "attempts": self.records.history(trainee)}
 
     async def _do_class(self, given, _):
-        titles, stages = self.stages(given.get("curriculum"))
-        return True, "", {"titles": titles, "rows": await asyncio.to_thread(self.records.the_class, stages)}
+        curriculum = self.known.curriculum(given.get("curriculum"))
+        titles = [stage.title for stage in stages_of(curriculum)]
+        return True, "", {"titles": titles, "rows": await asyncio.to_thread(self.records.the_class, curriculum)}
 
-    def stages(self, curriculum=None):
-        """@return titles, [(exercise, drill, passes)]."""
-        found = next((c for c in self.known.curricula if curriculum in (None, "", c["name"])), None)
-        stages = [(s["exercise"], s.get("drill", "none"), s.get("passes", 1)) for s in (found or {}).get("stages", [])]
-        titles = [exercise + ("" if drill == "none" else f" + {drill}") for exercise, drill, _ in stages]
-        return titles, stages
+    async def _do_stage(self, given, _):
+        """Which stage of a curriculum a trainee is in."""
+        name, trainee = given.get("curriculum"), given.get("trainee")
+        if not name or name not in self.known.names("curricula"):
+            raise Refused("that curriculum is unknown")
+        stages, current = await asyncio.to_thread(self.records.progress, trainee if isinstance(trainee, str) else "",
+                                                  self.known.curriculum(name))
+        return True, "", {"stages": [stage.describe() for stage in stages], "current": current}
 
     # ---- hands
 
@@ -290,8 +316,10 @@ class Station:
 
     def tick(self, now):
         self.hands.watch(now)
-        choice = self.supervisor.choice
-        drives = self.supervisor.is_running and choice is not None and choice.driver == "browser"
+        if self.is_foreign != self._was_foreign:
+            self._was_foreign = self.is_foreign
+            self.changed()
+        drives = self.browser_may_drive and (self.supervisor.is_running or self.driving is not None)
         if drives and (self._hands_sent is None or now - self._hands_sent >= TICK):
             self._send_hands()
         health = self.health()

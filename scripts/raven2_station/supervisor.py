@@ -21,7 +21,7 @@ from . import library
 PATIENCE = 8.0      # [s] from SIGTERM to SIGKILL: the daemon writes its last records
 POLL = 0.1          # [s]
 START_LIMIT = 20.0  # [s] until the daemon's session directory has a log
-DRIVERS = r"^(browser|scripted|expert|clumsy:[a-z0-9_]+|master:[A-Za-z0-9_]+)$"
+DRIVERS = r"browser|scripted|expert|clumsy:[a-z0-9_]+|master:[A-Za-z0-9_]+"
 
 
 class Refused(Exception):
@@ -65,14 +65,14 @@ class Choice:
         self.seed = self._seed(given.get("seed"))
 
     def _check(self, known):
-        if self.trainee and not re.match(library.TRAINEE, self.trainee):
+        if self.trainee and not re.fullmatch(library.TRAINEE, self.trainee):
             raise Refused(f"trainee \"{self.trainee[:40]}\" is not an ID: use 1 to 32 of a-z, 0-9, _ and -")
         self._known("curriculum", self.curriculum, [""] + known.names("curricula"))
         self._known("exercise", self.exercise, ["none"] + known.names("exercises"))
         self._known("hazard", self.hazard, ["none", "own"] + known.names("hazards"))
         self._known("link", self.link, known.names("links"))
         self._known("when", self.when, ["own", "instructor"])
-        if not re.match(DRIVERS, self.driver):
+        if not re.fullmatch(DRIVERS, self.driver):
             raise Refused(f"driver \"{self.driver[:40]}\" is unknown")
         exercise = known.exercise(self.exercise)
         if self.hazard == "own" and exercise is None:
@@ -109,11 +109,12 @@ class Choice:
 class Supervisor:
     """@param programs: folder of the programs. @param sessions: folder for session directories.
     @param robot: "" starts a virtual Raven for each attempt; an address: a real robot there, which is never touched.
-    @param changed: called without arguments at each change of state()."""
+    @param changed: called without arguments at each change of state().
+    @param progress: progress(trainee, curriculum) as Records.progress()."""
 
-    def __init__(self, programs, sessions, known, changed, robot="", logs=None):
+    def __init__(self, programs, sessions, known, changed, progress, robot="", logs=None):
         self._programs, self._sessions = pathlib.Path(programs), pathlib.Path(sessions)
-        self._known, self._changed, self._robot = known, changed, robot
+        self._known, self._changed, self._progress, self._robot = known, changed, progress, robot
         self._logs = pathlib.Path(logs or self._sessions / "station_logs")
         self._processes = {}
         self._choice = self._directory = None
@@ -122,6 +123,7 @@ class Supervisor:
         self.phase = "idle"      # idle, starting, running, ending
         self.trouble = ""        # why the last attempt ended early
         self.last = None         # directory of the newest session that has ended
+        self.ended_at = -1e9     # [s] monotonic
 
     # ---- what pages see
 
@@ -142,7 +144,7 @@ class Supervisor:
     async def start(self, given):
         """@return the session directory. @throw Refused."""
         async with self._lock:
-            choice = Choice(given, self._known)
+            choice = Choice(self._with_stage(given), self._known)
             if self.phase != "idle":
                 raise Refused("a session is running: stop it first")
             self.phase, self.trouble, self._choice = "starting", "", choice
@@ -151,7 +153,7 @@ class Supervisor:
                 await self._start(choice)
             except (Refused, OSError) as error:
                 await self._end_all()
-                self.phase, self._choice, self._directory = "idle", None, None
+                self.phase, self._choice, self._directory, self.ended_at = "idle", None, None, time.monotonic()
                 self._changed()
                 raise Refused(str(error)) from error
             self.phase = "running"
@@ -166,7 +168,7 @@ class Supervisor:
             await self._finish("")
 
     async def next(self):
-        """The next attempt with the same settings; a curriculum goes on by itself."""
+        """The next attempt with the same settings; of a curriculum, the trainee's stage by then."""
         choice = self._choice
         if choice is None:
             raise Refused("no session has been started yet")
@@ -175,6 +177,17 @@ class Supervisor:
         return await self.start({**choice.as_dict(), "seed": -1})
 
     # ---- starting
+
+    def _with_stage(self, given):
+        """A curriculum chooses exercise and hazard: those of the trainee's stage."""
+        curriculum = given.get("curriculum") if isinstance(given, dict) else None
+        if not curriculum or curriculum not in self._known.names("curricula"):
+            return given
+        trainee = given.get("trainee")
+        stages, current = self._progress(trainee if isinstance(trainee, str) else "", self._known.curriculum(curriculum))
+        if current == len(stages):
+            raise Refused(f"{trainee} has done all stages of this curriculum: choose an exercise, or another curriculum")
+        return {**given, "exercise": stages[current].exercise, "hazard": stages[current].drill or "none", "when": "own"}
 
     def _names(self, choice):
         now = time.strftime("%Y-%m-%dT%H-%M-%SZ", time.gmtime())
@@ -191,9 +204,8 @@ class Supervisor:
             arguments += ["--curriculum", choice.curriculum]
         if choice.trainee:
             arguments += ["--trainee", choice.trainee]
-        if not choice.curriculum or choice.exercise != "none":
-            arguments += ["--exercise", choice.exercise]
-            arguments += ["--drill", choice.hazard] if choice.is_drill else []
+        arguments += ["--exercise", choice.exercise]
+        arguments += ["--drill", choice.hazard] if choice.is_drill else []
         at_start = choice.exercise == "none" and choice.when == "own"
         return arguments + ["--hazard", choice.hazard if at_start else "none"]
 
@@ -294,7 +306,7 @@ class Supervisor:
         await self._end_all()
         if self._directory is not None and (self._directory / "session.rlog").exists():
             self.last = self._directory
-        self.phase, self._directory = "idle", None
+        self.phase, self._directory, self.ended_at = "idle", None, time.monotonic()
         self._remember()
         self._changed()
 

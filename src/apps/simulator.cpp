@@ -108,7 +108,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
   app.add_option("--motion-label", options.motion, "Name of the console's motion, for the record only");
-  app.add_flag("--strict", options.strict, "Refuse to start without real-time priority or with files that others can change");
+  app.add_flag(
+      "--strict", options.strict,
+      "Refuse to start without real-time priority and locked memory, with preloaded libraries, or with files that "
+      "others can change");
   app.add_flag("!--no-render", options.render, "No live picture");
   return apps::runProgram(&app, argc, argv, [&] { return run(common, keys, options, argc, argv); });
 }

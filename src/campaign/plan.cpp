@@ -34,7 +34,7 @@ constexpr std::array<const char*, 12> kAxes{
     "period_ticks", "ramp_ticks", "count"};
 
 std::uint64_t seedOf(std::uint64_t seed, std::uint64_t stream, std::uint64_t number) {
-  // Neighbouring numbers on one stream would give neighbouring states: each is its own stream.
+  // Neighbouring numbers on one stream would give neighbouring states: each has its own stream.
   return Random(seed, (number << 8U) + stream).next();
 }
 

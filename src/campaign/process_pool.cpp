@@ -209,7 +209,7 @@ bool ProcessPool::hasEnded(const Child& child) {
   return ::poll(&polled, 1, 0) == 1;
 }
 
-/** Its result is in the pipe by now, whole or not: nothing here waits for who else may hold that open. */
+/** Its result is in the pipe by now, complete or missing: nothing here waits for who else may hold that open. */
 ChildEnd ProcessPool::endOf(const Child& child) const {
   ChildEnd end;
   end.tag = child.tag;

@@ -37,7 +37,7 @@ std::string readText(const std::string& path) {
   return text.str();
 }
 
-/** Whole or not. */
+/** Writes all of it, or leaves the old file. */
 void replaceFile(const std::string& path, const std::string& text) {
   const std::string fresh = path + ".new";
   std::ofstream out(fresh, std::ios::binary | std::ios::trunc);

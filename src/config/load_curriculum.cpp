@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Names stand for files next to others: nothing that leads elsewhere. */
+/** Names of files in the same folder; paths that lead elsewhere are refused. */
 std::string readName(Section& section, const std::string& key) {
   const std::string name = section.text(key);
   const bool is_name = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {

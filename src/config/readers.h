@@ -22,7 +22,7 @@ void readExecution(Section& root, ExecutionConfig* c);
 void readCrtk(Section& root, CrtkConfig* c);
 void readRender(Section& root, RenderConfig* c);
 void readConsole(Section& root, ConsoleConfig* c);
-/** The plant is its own file, to be read by its name. */
+/** The plant has its own file, which is read by its name. */
 void readVirtualRaven(Section& root, VirtualRavenConfig* c);
 void readPlant(Section& root, PlantConfig* c);
 void readInjection(Section& root, InjectionConfig* c);

@@ -16,7 +16,7 @@ constexpr std::array<const char*, kColumns> kNames{"gold_x_um",  "gold_y_um",  "
                                                    "green_x_um", "green_y_um", "green_z_um"};
 constexpr double kMetresPerMicrometre = 1e-6;
 constexpr double kLimitUm = 1e6;        ///< a tip is never a metre from its remote centre
-constexpr std::size_t kMaxLine = 4096;  ///< six numbers, and whatever else a logger wrote next to them
+constexpr std::size_t kMaxLine = 4096;  ///< six numbers, and whatever else a logger wrote
 constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
 
 using Cells = std::vector<std::string_view>;

@@ -73,7 +73,7 @@ constexpr Row kRows[] = {
     {Mode::kTracking,       Event::kReturnWanted,     Mode::kReturning},
     {Mode::kPaused,         Event::kReturnWanted,     Mode::kReturning},
     {Mode::kReturning,      Event::kReturned,         Mode::kPedalUp},
-    // the camera's pedal, next to all that the masters move
+    // the camera's pedal, in addition to all that the masters move
     {Mode::kTeleoperating,  Event::kCameraPressed,    Mode::kCameraMoving},
     {Mode::kPedalUp,        Event::kCameraPressed,    Mode::kCameraMoving},
     {Mode::kSimulating,     Event::kCameraPressed,    Mode::kCameraMoving},

@@ -139,7 +139,8 @@ struct Simulator::Impl {
       return threads::ThreadOptions{name, ThreadConfig{0, -1}, config.runtime.background_nice, kBackgroundStack};
     };
     recorder.takeMemory();
-    // Not nice: next to other programs a recorder at 19 came to its work seconds late (measured, 9 busy per core).
+    // Not nice: with other programs running, a recorder at 19 came to its work seconds late (measured, 9 busy per
+    // core).
     recorder_thread.start({"recorder", ThreadConfig{0, -1}},
                           every(config.runtime.recorder_period, [this] { recorder.drain(net::monotonicNow()); }));
     if (sight_sender)

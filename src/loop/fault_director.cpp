@@ -53,7 +53,7 @@ void FaultDirector::remove(std::uint32_t id) {
   if (next.count != plan_.count) publish(next);
 }
 
-/** A scenario is armed whole or not. */
+/** Arms all rows of a scenario, or none if they do not fit. */
 void FaultDirector::add(const FaultPlan& added) {
   if (added.count == 0 || !fits(plan_, added)) return;
   FaultPlan next = plan_;

@@ -59,7 +59,7 @@ void LoopFaults::publishChanges(Tick tick) noexcept {
       change.cycle = static_cast<std::uint64_t>(tick);
       shared_.change_records.tryPush({tick, change});
     }
-    unreported += engine->changesUntold();
+    unreported += engine->changesUnreported();
   }
   if (unreported > unreported_) shared_.fault_changes_unreported.add(unreported - unreported_);
   unreported_ = unreported;

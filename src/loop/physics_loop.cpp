@@ -73,7 +73,7 @@ void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   p.activities.takePlans();
   p.activities.supervise();
   p.activities.watchPedal();
-  // where the arms shall be, the model follows, the robot is reported
+  // where the arms shall be, the model follows, the robot gets its packet
   p.stage.state.commands_used = 0;
   p.activities.tick();
   p.activities.move();

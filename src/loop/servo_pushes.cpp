@@ -85,7 +85,7 @@ void ServoManager::endPush(Arm arm) noexcept {
   push.wanted.has_jaw = false;
 }
 
-/** A client that falls silent pushes no longer, and next to a robot that has come nobody does. */
+/** A silent client no longer pushes, and no client pushes once a robot is connected. */
 void ServoManager::stepPushes() noexcept {
   for (const Arm arm : kArms) {
     if (stand_.robot_there) endPush(arm);

@@ -29,8 +29,8 @@ void tuneTcp(int fd) noexcept;
 /** Address and port the socket got. */
 Endpoint localEndpoint(int fd) noexcept;
 
-/** Waits at most `timeout_ms` (negative: not) for `events`. @return the events that came; 0 after the time or a
- * signal. */
+/** Waits at most `timeout_ms` (negative: does not wait) for `events`. @return the events that came; 0 after the time or
+ * a signal. */
 short waitFor(int fd, short events, int timeout_ms) noexcept;
 
 /** [bytes] of each TCP buffer: small, so that what is in flight is fresh (sources.md 2.2). */

@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::planning {
 
-/** What OMPL's planners are reported. */
+/** Settings of OMPL's planners. */
 struct StockSettings {
   std::uint32_t samples{};     ///< of FMT
   double radius_multiplier{};  ///< of FMT

@@ -156,7 +156,7 @@ void PlanRun::search(PlanResult* result) {
   cost_ = makeCost(set_.options.eta_clearance);
   const SearchOutcome outcome = searchPath(order());
   record(outcome);
-  // A path longer than a PlanResult holds counts as none: what the arm may not be reported, it cannot follow.
+  // A path longer than a PlanResult holds counts as none: an arm cannot follow a path that it cannot be sent.
   const bool too_long = kept_.size() > kMaxWaypoints;
   result->status = outcome.status == PlanStatus::kSuccess && too_long ? PlanStatus::kNoPath : outcome.status;
 }

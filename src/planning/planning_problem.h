@@ -86,7 +86,7 @@ class PlanningProblem {
   /** An edge on which the dynamics failed: not free from now on. */
   void block(const UnitState& a, const UnitState& b);
 
-  /** Lets the cost function throw Stopped. Not where its own planner has threads. */
+  /** Lets the cost function throw Stopped. Not where a planner has its own threads. */
   void throwWhenStopped() { objective_->throwWhenStopped(); }
 
  private:

@@ -18,8 +18,8 @@
 #include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/raven/low_pass.h"
 
-// One cycle of the robot's control program, function by function in its order and by its names, to be read next to
-// raven2's sources: that is why this file is long.
+// One cycle of the robot's control program, function by function in its order and by its names, to be read side by side
+// with raven2's sources: that is why this file is long.
 
 namespace raven2_trainer::raven {
 namespace {

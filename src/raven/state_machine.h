@@ -21,7 +21,7 @@ class StateMachine {
   /** Overdrive check or console: all DACs zero and no watchdog until E-STOP has been reached. */
   void softEstop() noexcept { soft_estopped_ = true; }
 
-  /** What the PLC is reported. */
+  /** Outputs to the PLC. */
   struct Outputs {
     bool pedal{};
     RunLevel level{RunLevel::kEStop};

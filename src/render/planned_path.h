@@ -27,8 +27,8 @@ class PlannedPath {
   /** [m] [@frame W] the tip at each waypoint, in their order. */
   const std::vector<Vector3>& stops() const noexcept { return stops_; }
 
-  /** Where desired joints [rad; m] are on the path: 0 at its start, one more at every waypoint. Of joints next to the
-   * path it is the nearest place. */
+  /** Where desired joints [rad; m] are on the path: 0 at its start, one more at every waypoint. For joints off the path
+   * it is the nearest place. */
   double placeOf(const JointArray& q) const noexcept;
   /** Of the tube's triangles, those before a place. */
   std::uint32_t trianglesBefore(double place) const noexcept;

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::training {
 
-constexpr std::uint8_t kNoArm = 2;  ///< next to the indices of both arms
+constexpr std::uint8_t kNoArm = 2;  ///< not an index of an arm
 
 /** Who a body of the contact list is. */
 struct JudgedBody {

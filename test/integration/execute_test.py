@@ -1,7 +1,5 @@
 #!/usr/bin/python3
 """Planning and executing over real sockets: services, topics and a stock actionlib client; the test is the console."""
-import os
-import sys
 import time
 import unittest
 
@@ -10,14 +8,11 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from nav_msgs.msg import Path
-from pedal_stops import PEDAL_DN, PEDAL_UP, check_stops, is_fast, newest_session, release_when, robot_stop
+from pedal_stops import PEDAL_DN, PEDAL_UP, demand_released, is_fast, release_when, robot_stop, stops_of
 from planning_clients import PREEMPTED, SUCCESS, Console, Daemon, Newest, plan_to, until
 from raven2_trainer.msg import MoveArmAction, MoveArmGoal
 from robot_frames import connect
 from trajectory_msgs.msg import JointTrajectory
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "scripts"))
-import raven2_session  # noqa: E402
 
 MASTER_PORT, STATE_PORT = 27170, 27173
 AWAY = (0.12, 0.08, 0.015, 0.3, 0.2, 0.0, 0.0)  # from home, out of the scene's way
@@ -99,12 +94,10 @@ class Execute(unittest.TestCase):
         self.assertGreaterEqual(len(shares), 4, "it is told ten times a second")
 
     def test_2_the_released_pedal_stops_model_and_robot_within_20_ms(self):
-        stops = [self.release_at(0.3 + 0.2 * k) for k in range(RELEASES)]
-        time.sleep(0.5)  # the recorder writes 20 times a second
-        check_stops(self, raven2_session.Session(newest_session("execute")).log, stops)
+        stops_of(self, lambda k: self.release_at(0.3 + 0.2 * k), RELEASES, "execute")
 
     def release_at(self, share):
-        """The pedal goes up on the way, in motion, this share of it done by the shoulder. @return as of check_stops()."""
+        """The pedal goes up on the way, in motion, this share of it done by the shoulder. @return as of stops_of()."""
         start = self.daemon.joints(self.daemon.robot)
         goal = max((self.home, self.away), key=lambda joints: abs(joints[0] - start[0]))
         _, number = self.arm(goal)
@@ -113,6 +106,7 @@ class Execute(unittest.TestCase):
         self.press()
         released, first = release_when(self.console, self.robot, lambda s: abs(s.q[0][0] - begin) > way and is_fast(s))
         report = self.daemon.await_execution(number, 5)
+        demand_released(report)
         self.assertEqual((report.end, report.error_code), ("released", PREEMPTED))
         self.assertLess(report.progress, 1.0)
         return (released, *robot_stop(self.robot, released, first))

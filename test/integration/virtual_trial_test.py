@@ -6,6 +6,7 @@ The tips are compared at equal progress: in each tick of the repetition the robo
 that it sent back, with the model's tip in that tick of the trial which the repetition had come to. Both from the session's
 log; the robot's state is as old as it was when the daemon used it, which counts against us.
 """
+import itertools
 import os
 import sys
 import time
@@ -14,7 +15,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from pedal_stops import PEDAL_DN, PEDAL_UP, check_stops, differ, is_fast, newest_session, release_when, robot_stop
+from pedal_stops import PEDAL_DN, PEDAL_UP, demand_released, differ, is_fast, newest_session, release_when, robot_stop, stops_of
 from planning_clients import PREEMPTED, SUCCESS, Console, Daemon, until
 from robot_frames import connect
 from training_clients import Trainer
@@ -128,18 +129,18 @@ class VirtualTrial(unittest.TestCase):
             self.assertLess(errors[:, arm].mean(), MEAN_LIMIT)
 
     def test_2_the_released_pedal_stops_model_and_robot_within_20_ms(self):
-        stops = [self.release_at(0.3 + 0.2 * k, THERE if k % 2 == 0 else BACK) for k in range(RELEASES)]
-        time.sleep(0.5)
-        check_stops(self, raven2_session.Session(newest_session("virtual_trial")).log, stops, BOTH)
+        strokes = itertools.cycle((THERE, BACK))
+        stops_of(self, lambda k: self.release_at(0.3 + 0.2 * k, next(strokes)), RELEASES, "virtual_trial", BOTH)
 
     def release_at(self, share, strokes):
-        """The pedal goes up on the way, in motion, about this share of it done. @return as of check_stops()."""
+        """The pedal goes up on the way, in motion, about this share of it done. @return as of stops_of()."""
         self.trial(strokes)
         number = self.repeat()
         far = self.press().cycle + int(1000 * (HOLD + share * strokes[0][2]))
         released, first = release_when(self.console, self.robot,
                                        lambda s: s.cycle > far and all(is_fast(s, arm) for arm in BOTH))
         report = self.daemon.await_execution(number, 5)
+        demand_released(report)
         self.assertEqual((report.end, report.error_code), ("released", PREEMPTED))
         self.assertLess(report.progress, 1.0)
         return (released, *robot_stop(self.robot, released, first, BOTH))

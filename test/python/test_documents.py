@@ -135,7 +135,7 @@ def test_scenarios_and_exercises_that_are_asked_for_are_there():
     asked = re.compile(rf"(?:--({options})[ =]|\b({options}):=)([a-z][a-z0-9_]*)\b(?!\.yaml)")
     found = [(place(page, number), first or second, name) for page in TALKED for number, text in pieces(page)
              for first, second, name in asked.findall(text) if name not in NO_FILE]
-    assert len(found) > 15
+    assert len(found) > 20, len(found)
     assert [each for each in found if not (ROOT / "config" / FOLDERS[each[1]] / f"{each[2]}.yaml").exists()] == []
 
 

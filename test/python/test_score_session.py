@@ -2,6 +2,8 @@
 import json
 import os
 import pathlib
+import random
+import re
 import subprocess
 import sys
 
@@ -12,6 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 sys.path.insert(0, str(ROOT / "test" / "python"))
 import raven2_session  # noqa: E402
+from raven2_station import library, records  # noqa: E402
 from smoothness_oracle import dimensionless_jerk, spectral_arc_length  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
@@ -127,3 +130,36 @@ def test_a_folder_without_a_session_is_refused(tmp_path):
     done = score(tmp_path)
     assert done.returncode == 1
     assert "session.rlog" in done.stderr
+
+
+@pytest.fixture(scope="module")
+def course(tmp_path_factory):
+    """A session of a trainee in a curriculum: the index of the folder can then be anything."""
+    output = tmp_path_factory.mktemp("course") / "last"
+    done = subprocess.run([PROGRAMS / "simulate", "--curriculum", "frs_basics", "--trainee", "kim-01", "--exercise", "camera_clutch",
+                           "--seconds", "3", "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return output
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_station_finds_the_stage_that_score_session_finds(course, tmp_path, seed):
+    known = library.Library(ROOT).curriculum("frs_basics")
+    source, entries = random.Random(seed), []
+    for day in range(10, 10 + source.choice((0, 20, 60))):
+        at = min(len(known["stages"]) - 1, max(0, (day - 10) // 3 + source.randint(-1, 1)))
+        stage = known["stages"][at]
+        passed = source.choices((True, False, None), (10, 1, 1))[0]
+        entries.append({"directory": f"s{day}", "start_time_utc": f"2020-01-{day}T10:00:00Z", "trainee": source.choices(("kim-01", "bo"), (9, 1))[0],
+                        "exercise": stage["exercise"], "drill": "" if stage["drill"] == "none" else stage["drill"],
+                        "attempts": [{"status": "done", "passed": passed, "metrics": {}}]})
+    source.shuffle(entries)
+    index = tmp_path / "index.json"
+    index.write_text(json.dumps({"version": 1, "sessions": entries}))
+    done = score(course, "--index", index, "--output", tmp_path / "score.json")
+    assert done.returncode == 0, done.stderr
+    stages, current = records.Records(tmp_path).progress("kim-01", known)
+    assert f"{current} of {len(stages)} stages done" in done.stdout
+    rows = re.findall(r"^[> ] \w.*: (\d+) of \d+ in a row(?:, (\d+) of \d+ more)?$", done.stdout, re.M)
+    found = [(int(in_a_row), int(more or 0)) for in_a_row, more in rows]
+    assert found == [(stage.in_a_row, stage.more) for stage in stages]

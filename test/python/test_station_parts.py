@@ -12,7 +12,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from raven2_station import access, frames, hands, library, records, supervisor, wire, words  # noqa: E402
+from raven2_station import access, curriculum, frames, hands, library, records, supervisor, wire, words  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +35,30 @@ def test_hands_add_up_and_are_cut_at_their_speed():
     assert device.arms["green"].position == [0, 0, 0]
     device.apply(motion((5.0, 0, 0)), 10.026)
     assert device.arms["gold"].position[0] == pytest.approx(0.001 + hands.SPEED * 0.01)
+
+
+def test_messages_in_a_bunch_lose_nothing():
+    device = hands.Hands()
+    device.apply(motion(), 10.0)
+    for now in (10.016, 10.070, 10.071, 10.072, 10.073, 10.090):  # six messages of 60 Hz, four of them late
+        device.apply(motion((0.012, 0, 0), (0, 0, 0.1)), now)
+    for now in (10.106, 10.122, 10.138):
+        device.apply(motion(), now)
+    assert device.arms["gold"].position[0] == pytest.approx(0.072)
+    assert 2 * math.asin(device.arms["gold"].orientation[2]) == pytest.approx(0.6)
+
+
+def test_what_is_late_does_not_come_after_the_pedal():
+    device = hands.Hands()
+    device.apply(motion(), 10.0)
+    device.apply(motion((5.0, 0, 0)), 10.01)
+    device.apply(motion(pedal=False), 10.02)
+    before = device.arms["gold"].position[0]
+    device.apply(motion(), 10.04)
+    assert device.arms["gold"].position[0] == before
+    for i in range(30):
+        device.apply(motion((5.0, 0, 0) if i == 0 else (0, 0, 0)), 10.06 + 0.02 * i)
+    assert device.arms["gold"].position[0] == pytest.approx(before + hands.SPEED * hands.LONGEST), "no more than 0.1 s late"
 
 
 def test_the_other_arm_moves_alone():
@@ -111,7 +135,8 @@ def test_a_good_choice_is_taken(known):
 
 
 @pytest.mark.parametrize("change, words_of_it", [
-    ({"trainee": "Ann Smith"}, "not an ID"), ({"trainee": "a" * 33}, "not an ID"), ({"trainee": "../x"}, "not an ID"),
+    ({"trainee": "Ann Smith"}, "not an ID"), ({"trainee": "a" * 33}, "not an ID"), ({"trainee": "../x"}, "not an ID"), ({"trainee": "ann\n"}, "not an ID"),
+    ({"driver": "expert\n"}, "driver"),
     ({"exercise": "nonsense"}, "exercise"), ({"hazard": "nonsense"}, "hazard"), ({"link": "nonsense"}, "link"),
     ({"driver": "nonsense"}, "driver"), ({"driver": "clumsy:nonsense"}, "clumsy"), ({"driver": "master:nonsense"}, "hand device"),
     ({"driver": "expert; rm -rf /"}, "driver"), ({"exercise": "none"}, "drill"), ({"exercise": "none", "hazard": "none"}, "exercise"),
@@ -123,18 +148,37 @@ def test_a_choice_that_cannot_be_is_refused_in_words(known, change, words_of_it)
     assert words_of_it in str(refused.value) and len(str(refused.value)) > 10
 
 
+def supervise(folder, known, stages=(), current=0):
+    return supervisor.Supervisor(folder, folder, known, lambda: None, lambda trainee, curriculum: (list(stages), current))
+
+
 def test_programs_get_what_was_chosen(known, tmp_path):
-    boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None)
+    boss = supervise(tmp_path, known)
     drill = boss._arguments(supervisor.Choice({**GOOD, "seed": 3}, known))
     assert drill == ["--seed", "3", "--trainee", "ann", "--exercise", "pick_hand_over_place", "--drill", "own", "--hazard", "none"]
     by_hand = boss._arguments(supervisor.Choice({**GOOD, "seed": 3, "hazard": "sudden_jump", "when": "instructor"}, known))
     assert "--drill" not in by_hand and by_hand[-2:] == ["--hazard", "none"]
     free = boss._arguments(supervisor.Choice({"hazard": "sudden_jump", "seed": 3}, known))
     assert free == ["--seed", "3", "--exercise", "none", "--hazard", "sudden_jump"]
-    stage = boss._arguments(supervisor.Choice({"trainee": "ann", "curriculum": "frs_basics", "seed": 3}, known))
-    assert stage == ["--seed", "3", "--curriculum", "frs_basics", "--trainee", "ann", "--hazard", "none"]
     assert boss._hands(supervisor.Choice({"driver": "browser"}, known)) == ["--master", "browser"]
     assert boss._hands(supervisor.Choice({**GOOD, "driver": "master:omni_pair"}, known)) == ["--master", "omni_pair"]
+
+
+def test_a_curriculum_chooses_exercise_and_hazard(known, tmp_path):
+    asked = {"trainee": "ann", "curriculum": "frs_basics", "seed": 3, "when": "instructor", "driver": "expert"}
+    stages = curriculum.stages_of(known.curriculum("frs_basics"))
+    drills = [i for i, stage in enumerate(stages) if stage.drill]
+    assert drills and drills[0] > 0
+    for current in (0, drills[0]):
+        boss = supervise(tmp_path, known, stages, current)
+        choice = supervisor.Choice(boss._with_stage(asked), known)
+        drill = ["--drill", stages[current].drill] if stages[current].drill else []
+        assert boss._arguments(choice) == ["--seed", "3", "--curriculum", "frs_basics", "--trainee", "ann", "--exercise",
+                                           stages[current].exercise, *drill, "--hazard", "none"]
+        assert boss._with_stage(choice.as_dict()) == choice.as_dict(), "the next attempt asks again"
+    with pytest.raises(supervisor.Refused, match="all stages"):
+        supervise(tmp_path, known, stages, len(stages))._with_stage(asked)
+    assert supervise(tmp_path, known)._with_stage({"curriculum": "nonsense"}) == {"curriculum": "nonsense"}
 
 
 # ---- sessions on disk
@@ -168,7 +212,8 @@ def test_sessions_are_listed_newest_first(folder):
     assert verdict["headline"] == "Not passed: time" and len(verdict["improve"]) == 3
 
 
-@pytest.mark.parametrize("name", ["..", ".", "", "../x", "a/b", "/etc", "other", "x" * 200, None, 3, ".hidden", "a\0b", "a b"])
+@pytest.mark.parametrize("name", ["..", ".", "", "../x", "a/b", "/etc", "other", "x" * 200, None, 3, ".hidden", "a\0b", "a b",
+                                  "2026-01-01T10-00-00Z_ann\n"])
 def test_names_that_are_no_sessions_are_refused(folder, name):
     store = records.Records(folder)
     for call in (store.directory, store.summary, store.verdict, store.delete, lambda n: store.file(n, "report.html")):
@@ -189,21 +234,40 @@ def test_only_a_sessions_own_files_are_served(folder):
         store.directory("link")
 
 
+STAGES = {"stages": [{"exercise": "peg_transfer", "drill": "none", "passes": 2, "extra": 0},
+                     {"exercise": "camera_clutch", "drill": "none", "passes": 2, "extra": 1},
+                     {"exercise": "peg_transfer", "drill": "sudden_jump", "passes": 2, "extra": 0}]}
+
+
 def test_the_class_has_a_row_a_trainee_and_a_cell_a_stage(folder):
     store = records.Records(folder)
-    stages = [("peg_transfer", "none", 2), ("camera_clutch", "none", 2), ("peg_transfer", "sudden_jump", 2)]
-    ann, bea = store.the_class(stages)
-    assert (ann["trainee"], ann["sessions"]) == ("ann", 3)
+    ann, bea = store.the_class(STAGES)
+    assert (ann["trainee"], ann["sessions"], ann["current"]) == ("ann", 3, 1)
     assert [c["done"] for c in ann["stages"]] == [True, False, False]
-    assert [c["attempts"] for c in bea["stages"]] == [1, 0, 0] and bea["stages"][0]["best_row"] == 0
-    lines = store.class_csv(["a", "b", "c"], stages).splitlines()
-    assert len(lines) == 3 and lines[1].startswith("ann,3,2,2,yes,1,1,no,0,0,no,")
+    assert [c["attempts"] for c in bea["stages"]] == [1, 0, 0] and bea["stages"][0]["in_a_row"] == 0
+    lines = store.class_csv(STAGES).splitlines()
+    assert len(lines) == 3 and lines[1].startswith("ann,3,2,2,0,yes,1,1,0,no,0,0,0,no,")
+    assert "peg transfer with sudden jump done" in lines[0]
+
+
+def test_attempts_count_for_the_stage_under_way_alone():
+    def after(text):  # p, c: passed peg, camera; P, C: not passed; j: a passed drill; ?: not judged
+        kinds = {"p": ("peg_transfer", ""), "c": ("camera_clutch", ""), "j": ("peg_transfer", "sudden_jump"), "?": ("peg_transfer", "")}
+        attempts = [{"exercise": kinds[k.lower()][0], "drill": kinds[k.lower()][1], "passed": None if k == "?" else k.islower()} for k in text]
+        stages, current = curriculum.follow(STAGES, attempts)
+        return current, [(s.in_a_row, s.more, s.attempts) for s in stages]
+    assert after("") == (0, [(0, 0, 0)] * 3)
+    assert after("ccc") == (0, [(0, 0, 0)] * 3), "too early"
+    assert after("pPp") == (0, [(1, 0, 3), (0, 0, 0), (0, 0, 0)]), "a failure begins again"
+    assert after("p?p") == (1, [(2, 0, 2), (0, 0, 0), (0, 0, 0)])
+    assert after("ppccCc") == (2, [(2, 0, 2), (2, 1, 4), (0, 0, 0)]), "a failure takes nothing from what comes after the row"
+    assert after("ppcccjj") == (3, [(2, 0, 2), (2, 1, 3), (2, 0, 2)])
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"sessions": 3}', '{"sessions": [1, {"trainee": 2}, {"trainee": "x"}]}'])
 def test_a_spoilt_index_is_an_empty_or_shorter_class(tmp_path, text):
     (tmp_path / "index.json").write_text(text)
-    assert len(records.Records(tmp_path).the_class([("a", "none", 1)])) <= 1
+    assert len(records.Records(tmp_path).the_class(STAGES)) <= 1
 
 
 def test_deleting_takes_the_whole_directory_and_nothing_else(folder):

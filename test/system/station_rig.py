@@ -28,12 +28,12 @@ class Station:
         self._options, self.process = options, None
 
     def start(self):
-        environment = dict(os.environ, ROS_MASTER_URI=self.master.uri, ROS_IP="127.0.0.1", ROS_HOME=self.folder,
-                           ROS_LOG_DIR=os.path.join(self.folder, "log"), RAVEN2_TRAINER_BUILD=BUILD,
-                           PYTHONPATH=os.path.join(BUILD, "devel/lib/python3/dist-packages"))
+        self.environment = dict(os.environ, ROS_MASTER_URI=self.master.uri, ROS_IP="127.0.0.1", ROS_HOME=self.folder,
+                                ROS_LOG_DIR=os.path.join(self.folder, "log"), RAVEN2_TRAINER_BUILD=BUILD,
+                                PYTHONPATH=os.path.join(BUILD, "devel/lib/python3/dist-packages"))
         with open(self.log_file, "ab") as log:
             self.process = subprocess.Popen([STATION, "--port", str(self.port), "--sessions", self.sessions, *self._options],
-                                            env=environment, stdout=log, stderr=log, start_new_session=True)
+                                            env=self.environment, stdout=log, stderr=log, start_new_session=True)
         wait_until(lambda: self.answers() or self.process.poll() is not None, 20, "the station answers")
         assert self.process.poll() is None, self.log()
 
@@ -129,7 +129,8 @@ class Page:
     async def until(self, condition, seconds, what):
         end = asyncio.get_running_loop().time() + seconds
         while not condition():
-            assert asyncio.get_running_loop().time() < end, f"not within {seconds} s: {what}; {self.newest}"
+            if asyncio.get_running_loop().time() >= end:
+                raise AssertionError(f"not within {seconds} s: {what}; { {k: v for k, v in self.newest.items() if k != 'library'} }")
             await asyncio.sleep(0.02)
 
     def mode(self):

@@ -103,10 +103,10 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
         browser.until(lambda: int(browser["picture"].get_attribute("data-frames") or 0) > 20, 10, "pictures come")
         browser.until(lambda: "running" in browser.text("task"), 20, "the exercise runs")
         browser.click("inject")
-        browser.until(lambda: "acts" in browser.text("said"), 8, "the hazard acts")
-        browser.until(lambda: browser["health"].get_attribute("data-level") is not None, 8, "health")
+        browser.until(lambda: "acts" in browser.text("said"), 3, "the hazard acts")
+        browser.until(lambda: browser["health"].get_attribute("data-level") is not None, 3, "health")
         browser.click("emergency-stop")
-        browser.until(lambda: browser.text("mode").startswith("STOPPED"), 8, "stopped")
+        browser.until(lambda: browser.text("mode").startswith("STOPPED"), 2, "stopped")
         end(browser)
         browser.until(lambda: browser.text("verdict").startswith("Not"), 60, "the verdict")
         assert browser["report"].get_attribute("href").endswith("/report.html")
@@ -117,7 +117,7 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
     browser.click("tab-sessions")
     browser.until(lambda: browser.text("session-table").count("_ann") == 1, 5, "the sessions")
     browser.click("delete")
-    browser.until(lambda: browser["sure-yes"].is_displayed(), 8, "a question")
+    browser.until(lambda: browser["sure-yes"].is_displayed(), 3, "a question")
     browser.click("sure-no")
     assert len([n for n in os.listdir(station.sessions) if n.endswith(("_ann", "_bea"))]) == 2
 
@@ -139,11 +139,11 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     browser.open("/trainee")
     browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
     browser.click("drive")
-    browser.until(lambda: "Click the picture" in browser.text("said"), 8, "the hands are there")
+    browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
     before = tip(station)
     picture = driver.find_element(By.ID, "screen")
     ActionChains(driver).move_to_element(picture).click().perform()
-    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 8, "the mouse is the page's")
+    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is the page's")
     time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
     ActionChains(driver).key_down(Keys.SPACE).perform()
     browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the pedal engages")
@@ -155,7 +155,7 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     assert moved[1] < -5.0 and abs(moved[0]) < 3.0 and abs(moved[2]) < 3.0, f"right is -y of the world: {moved} mm"
     driver.switch_to.new_window("tab")  # hides the page
     driver.switch_to.window(driver.window_handles[0])
-    browser.until(lambda: browser.text("mode").startswith("Ready"), 8, "a hidden page holds no pedal")
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
     end(browser)
 
 

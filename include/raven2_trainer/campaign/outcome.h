@@ -9,8 +9,8 @@
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/types.h"
 
-// What came of an injection: from what process and tips did, next to the same run without the fault. Nothing here knows
-// what was injected. Pure.
+// What came of an injection: from what process and tips did, compared with the same run without the fault. Nothing here
+// knows what was injected. Pure.
 
 namespace raven2_trainer::campaign {
 

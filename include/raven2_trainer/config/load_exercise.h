@@ -28,7 +28,7 @@ namespace raven2_trainer::config {
  * right, wrong: lists of pedal_up, hold_still, slow, retreat, stop, push_on, within: [s] [0.05, 60]} expert: optional:
  * a list of mappings whose first key is a verb clumsy:      optional: a mapping of mappings
  *
- * A PREDICATE is one of these, an object being the track's unless `object: NAME` stands next to:
+ * A PREDICATE is one of these, an object being the track's unless the predicate has `object: NAME`:
  *   held: ARM, held_alone: ARM       gold, green, any or both
  *   untouched, lifted, resting: true or false
  *   around: PEG, unthreaded: WIRE, along: WIRE with to: [-] [0.01, 1]

@@ -10,11 +10,11 @@
 #include "raven2_trainer/core/state_cell.h"
 #include "raven2_trainer/core/types.h"
 
-// Haptic devices as masters: how a file of config/masters describes them, what they tell, and what they are reported.
+// Haptic devices as masters: how a file of config/masters describes them, their messages, and the messages to them.
 
 namespace raven2_trainer {
 
-/** Whose driver: decides what it is sent forces with. */
+/** The driver: determines the message of forces. */
 enum class DeviceFamily : std::uint8_t {
   kOmni,      ///< omni_msgs
   kGeomagic,  ///< geomagic_control of WPI
@@ -121,7 +121,7 @@ struct DeviceSample {
   std::uint8_t is_locked{};      ///< 1: the driver holds it where it is
 };
 
-/** The pedal of its own topic. */
+/** A pedal with its own topic. */
 struct FootPedal {
   std::uint8_t is_held{};
 };

@@ -28,7 +28,7 @@ struct Effort {
   bool isAny() const noexcept { return kind != EffortKind::kNone || has_jaw; }
 };
 
-constexpr std::uint8_t kEffortJaw = 8, kEffortWeight = 16;  // next to the kind, in Request::enabled
+constexpr std::uint8_t kEffortJaw = 8, kEffortWeight = 16;  // in addition to the kind, in Request::enabled
 
 /** kSetEffort. */
 inline Request requestOf(Arm arm, const Effort& effort) noexcept {

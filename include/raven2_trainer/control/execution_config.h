@@ -10,7 +10,7 @@ namespace raven2_trainer {
 /** What moves the model's arm along a path. */
 enum class ExecutionDrive : std::uint8_t {
   kTracking,  ///< its control law
-  kOpenLoop,  ///< torques that the law finds for its own arm next to it, whatever the model does (paper, 2.3.3)
+  kOpenLoop,  ///< torques that the law computes for a separate arm, whatever the model does (paper, 2.3.3)
 };
 constexpr std::array<const char*, 2> kExecutionDriveNames{"tracking", "open_loop"};
 

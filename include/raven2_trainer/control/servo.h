@@ -6,8 +6,8 @@
 
 #include "raven2_trainer/core/types.h"
 
-// What a CRTK client (Collaborative Robotics Toolkit) asks of the arms, and what it is reported. The arms are moved as
-// by a master: what is asked for becomes increments and a pedal, so that model, robot, faults and the log take it as
+// What a CRTK client (Collaborative Robotics Toolkit) asks of the arms, and what it hears of them. The arms are moved
+// as by a master: what is asked for becomes increments and a pedal, so that model, robot, faults and the log take it as
 // theirs.
 
 namespace raven2_trainer {

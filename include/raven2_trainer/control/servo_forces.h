@@ -6,7 +6,7 @@
 #include "raven2_trainer/control/servo.h"
 #include "raven2_trainer/kinematics/arms_config.h"
 
-// Forces and the Jacobian in the joints that CRTK clients use: shoulder to wrist, the jaws' mid-line, and next to them
+// Forces and the Jacobian in the joints that CRTK clients use: shoulder to wrist, the jaws' mid-line, and in addition
 // the jaws' opening. Pure; real-time safe.
 
 namespace raven2_trainer::control {

@@ -9,7 +9,7 @@ namespace raven2_trainer::control {
 
 /**
  * What dry friction keeps a robot's shoulder, elbow and insertion from: their control has no integral (raven2.md 3.6),
- * so that they rest next to where they are asked to be, the virtual Raven's elbow 3.5 mrad. While a CRTK client's set
+ * so that they rest away from their commanded position, the virtual Raven's elbow 3.5 mrad. While a CRTK client's set
  * point rests, what is missing is asked for in addition, as slowly as the robot's own integral works in its tool
  * joints; what moves forgets it as slowly. Bounded: a tool that is held back by what it touches presses no harder than
  * by kLimit. Pure; real-time safe.

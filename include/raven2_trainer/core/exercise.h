@@ -136,7 +136,7 @@ struct ExerciseDrill {
   std::string scenario;  ///< of config/faults; empty: no drill
   std::uint32_t step{};  ///< ExerciseState::step with whose beginning the clock starts; 1: the timer's
   double delay{};        ///< [s] from there
-  double jitter{};       ///< [s] next to it, uniform in [0, jitter]
+  double jitter{};       ///< [s] added to it, uniform in [0, jitter]
   std::vector<DrillResponse> right, wrong;  ///< first responses
   double within{};                          ///< [s] from the cue; a right one that comes later is late
 };
@@ -247,7 +247,7 @@ struct ExerciseEvent {
 };
 static_assert(std::is_trivially_copyable<ExerciseEvent>::value, "travels in a ring");
 
-/** What the judge looks at in one tick next to the model's state. */
+/** Inputs of the judge in one tick, in addition to the model's state. */
 struct BrokenOff {
   std::uint16_t mask{};  ///< bit i: SceneRoles::breakables[i] is off its foot
 };

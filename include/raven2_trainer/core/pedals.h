@@ -6,7 +6,7 @@
 
 namespace raven2_trainer {
 
-/** Pedals and buttons next to the one that engages, which ITP carries. */
+/** Pedals and buttons other than the engaging pedal, which ITP carries. */
 enum class Pedal : std::uint8_t {
   kPlanning,    ///< begins planning, ends it at the next press
   kSimulation,  ///< the same for pure simulation

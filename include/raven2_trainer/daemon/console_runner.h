@@ -13,7 +13,7 @@
 
 namespace raven2_trainer::daemon {
 
-/** The console's thread: one ITP packet a millisecond out, pedals next to it; forces and pictures in. */
+/** The console's thread: one ITP packet a millisecond out, and pedal packets; forces and pictures in. */
 class ConsoleRunner {
  public:
   /** @throw NetworkException, ConfigException (the key). */
@@ -33,7 +33,8 @@ class ConsoleRunner {
   bool realtime() const noexcept { return thread_.realtime(); }
   /** Packets go out signed: the daemon has answered. */
   bool signing() const noexcept { return signing_.load(std::memory_order_relaxed); }
-  /** Pedals next to ITP were held though packets go out signed, or have to: the daemon refuses those, unsigned. */
+  /** Pedals that ITP does not carry were held, but ITP packets are signed or must be: the daemon refuses unsigned pedal
+   * packets. */
   bool pedalsRefused() const noexcept { return pedals_refused_.load(std::memory_order_relaxed); }
   std::uint16_t forcePort() const noexcept { return forces_.port(); }
   /** 0: it takes no pictures. */

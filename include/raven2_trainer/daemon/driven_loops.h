@@ -39,7 +39,7 @@ class DrivenLoops {
   void drain() noexcept;
 
   ModelState model() const noexcept;
-  /** For requests, and what else may come next to the motion: from the physics thread, where the observer is. */
+  /** For requests, and what else may come in addition to the motion: from the physics thread, where the observer is. */
   SharedState& shared() noexcept;
   HapticState haptic() const noexcept;
 

@@ -56,7 +56,7 @@ class FaultEngine {
    * is none. Whoever never asks loses the newest. */
   bool nextChange(FaultChange* change) noexcept;
   /** Those lost so, since the start. */
-  std::uint64_t changesUntold() const noexcept { return number_ - changes_begun_; }
+  std::uint64_t changesUnreported() const noexcept { return number_ - changes_begun_; }
 
   /** One element of a variable after its faults. `arm` is of no account where a variable has none. */
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {

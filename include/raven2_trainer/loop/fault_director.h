@@ -18,7 +18,7 @@ class FaultDirector {
   FaultDirector(const faults::FaultLibrary& library, SharedState* shared);
   void tick();
 
-  /** Whether there is room for a scenario's plan next to what is armed. */
+  /** Whether there is room for a scenario's plan in addition to the armed ones. */
   static bool fits(const FaultPlan& armed, const FaultPlan& added);
 
  private:

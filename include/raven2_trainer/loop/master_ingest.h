@@ -12,8 +12,8 @@
 namespace raven2_trainer::loop {
 
 /**
- * Body of the ingest thread: one datagram at a time, judged, counted, queued. Pedals next to ITP are heard from whom
- * ITP is heard from, and counted apart; where ITP has to be signed they are refused, for they are not. Real-time safe.
+ * Body of the ingest thread: one datagram at a time, judged, counted, queued. Pedal packets are accepted from the
+ * sender of ITP and counted separately. They are unsigned: where ITP must be signed they are refused. Real-time safe.
  */
 class MasterIngest {
  public:

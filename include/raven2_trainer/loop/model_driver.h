@@ -29,7 +29,7 @@ class ModelDriver {
   /** Something pushes the arm, so that it stands nowhere in particular: not the jaws alone. */
   bool isPushed(Arm arm) const noexcept { return at(efforts_, arm).kind != EffortKind::kNone; }
 
-  /** From now on an arm gets the torques of its own arm in its own world, which starts where it is, at rest,
+  /** From now on an arm gets the torques of a separate arm in a separate world, which starts where it is, at rest,
    *  and is driven by the law to what is asked for; but for the jaws, which hold what that arm does not have. */
   void openLoop(Arm arm) noexcept;
 

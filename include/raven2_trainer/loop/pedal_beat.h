@@ -8,7 +8,7 @@
 namespace raven2_trainer::loop {
 
 /**
- * When a console tells which pedals are held next to the one in ITP: at each change and every 10 ms, because packets
+ * When a console sends the pedals that ITP does not carry: at each change and every 10 ms, because packets
  * get lost; nothing before the first of them is pressed. Pure; real-time safe.
  */
 class PedalBeat {

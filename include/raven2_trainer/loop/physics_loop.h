@@ -27,8 +27,8 @@ constexpr double kTrialLimit = 120.0;
  * link is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next
  * pedal-down: it never moves, nor does the cue act, without a new start from a common pose.
  *
- * CRTK clients are one more master (ServoManager): what they ask for comes as commands next to the console's, and is
- * recorded, corrupted, taken and relayed as those are.
+ * CRTK clients are one more master (ServoManager): their requests arrive as commands in addition to the console's, and
+ * is recorded, corrupted, taken and relayed as those are.
  */
 class PhysicsLoop {
  public:

@@ -77,7 +77,7 @@ struct SharedState {
   // written by ingest
   StateCell<LinkCounts> master_link;
   StateCell<StreamFinding> master_stream;
-  // written by ingest: of the packets of pedals next to ITP
+  // written by ingest: of pedal packets
   StateCell<LinkCounts> pedal_link;
   // written by robot_link
   StateCell<LinkCounts> robot_link;
@@ -105,7 +105,7 @@ struct SharedState {
   SpscRing<MasterCommand, 256> master_commands;
   // ros -> physics
   SpscRing<Request, 32> requests;
-  // ingest -> physics: what the pedals and buttons next to the one that engages ask for
+  // ingest -> physics: requests of pedals and buttons other than the engaging pedal
   SpscRing<Request, 32> pedal_requests;
   // ros (crtk) -> physics
   ServoQueue servo_commands;

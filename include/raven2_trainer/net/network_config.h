@@ -9,7 +9,7 @@
 
 namespace raven2_trainer {
 
-/** Pedals and buttons next to the one that engages, as sensor_msgs/Joy (doc/ros.md). */
+/** Pedals and buttons other than the engaging pedal, as sensor_msgs/Joy (doc/ros.md). */
 struct JoyConfig {
   std::string topic;                       ///< empty: none
   double timeout{};                        ///< [s] silence after which the camera's counts as up

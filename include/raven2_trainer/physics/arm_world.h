@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::physics {
 
-/** All that an ArmWorld's future depends on next to the torques. */
+/** All that an ArmWorld's future depends on, apart from the torques. */
 struct ArmMotion {
   JointArray q{}, dq{};  ///< [rad; m], [rad/s; m/s] robot joint coordinates
   JointArray urdf_q{},
@@ -19,8 +19,8 @@ struct ArmMotion {
 /**
  * One arm of the nominal model alone in its own ODE world, without shapes, but for its jaws, which stop each
  * other. It moves as that arm of a RavenWorld does where nothing touches it: ODE solves the same equations in fewer
- * rows, so that they differ by rounding, less than 1e-9 over seconds. For roll-outs: what an arm would do, asked next
- * to the live world and faster than real time.
+ * rows, so that they differ by rounding, less than 1e-9 over seconds. For roll-outs: what an arm would do, computed
+ * in addition to the live world and faster than real time.
  *
  * Has its own threading implementation and solver memory, so that worlds in several threads do not meet
  * (sources.md 1.3). Not thread-safe: one thread at a time, which must have called attachOdeToThread().

@@ -13,8 +13,8 @@ namespace raven2_trainer::physics {
 constexpr std::size_t kMaxContactPairs = 48;    ///< of bodies, in one step
 constexpr std::size_t kMaxParkedContacts = 24;  ///< two for each body
 
-/** All that the future of a scene's moving parts depends on next to the arms. Of the world that filled it, or of one
- * made from the same models. */
+/** All that the future of a scene's moving parts depends on, apart from the arms. Of the world that filled it, or of
+ * one made from the same models. */
 struct SceneSnapshot {
   struct Body {
     Vec3 p_WC{};                 ///< [m] centre of mass

@@ -6,7 +6,7 @@
 namespace raven2_trainer::recording {
 
 /**
- * What decides over the bits of a simulation next to its inputs, each by name:
+ * What decides over the bits of a simulation, apart from its inputs, each by name:
  * `sources` (hash of this package's C++), `compiler` (with its flags), `processor` (the instructions that libm chooses
  * its code by), and for each of libode, libm, libc and libstdc++ as loaded, the hash of its file.
  */

@@ -9,7 +9,7 @@
 
 namespace raven2_trainer::recording {
 
-/** A loop judged next to bare threads on the same machine a moment before. */
+/** A loop compared with bare threads on the same machine a moment before. */
 struct TimingVerdict {
   double on_time{};          ///< [0, 1] share of ticks that ended within 1 ms of their release
   double calibrated_miss{};  ///< [0, 1] share of the bare thread's ticks that did not
@@ -23,7 +23,7 @@ TimingVerdict judgeTiming(const LoopTiming& loop, const LoopTiming& calibration)
 /** Lines of text, one an octave of time: from, count, bar with logarithmic length. */
 std::string histogramText(const Histogram& histogram);
 
-/** One loop next to its calibration, for people. */
+/** One loop compared with its calibration, as text. */
 std::string timingText(const std::string& name, const LoopTiming& loop, const LoopTiming& calibration);
 
 /** The same for programs; times in microseconds. */

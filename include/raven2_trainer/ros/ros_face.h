@@ -13,7 +13,7 @@ class RosFace {
   virtual void start() = 0;
   /** They go and their threads end. Safe without start(). */
   virtual void stop() = 0;
-  /** Resolved names of the services offered now: roscpp tells nobody, and a restarted master must be reported. */
+  /** Resolved names of the services offered now: roscpp does not list them, and a restarted master must be informed. */
   virtual std::vector<std::string> services() const = 0;
 };
 

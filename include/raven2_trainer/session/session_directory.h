@@ -41,7 +41,7 @@ struct SessionMeta {
   double wall_duration{};  ///< [s]
   std::string realtime;    ///< what scheduling was granted, in words; "lockstep"
   std::string motion;
-  std::map<std::string, std::string> build{};     ///< what decides over the bits next to the inputs, by name
+  std::map<std::string, std::string> build{};     ///< what decides over the bits, apart from the inputs, by name
   std::string ingest{};                           ///< what was taken for ITP and from whom, in words; empty in lockstep
   std::string usb_truth{};                        ///< what RAVEN2_USB_FAULTS_TRUTH named; empty: it was not set
   std::string flight_recorder{"none: lockstep"};  ///< file of the record queues while the session runs, or "none: WHY"

@@ -40,7 +40,7 @@ std::vector<IndexEntry> readIndex(const std::string& path);
  */
 void addToIndex(const std::string& path, const IndexEntry& entry);
 
-/** A trainee's attempts in order, for follow(). Those that were not judged count as failed. */
+/** A trainee's attempts in order, for follow(). */
 std::vector<CurriculumAttempt> attemptsOf(const std::vector<IndexEntry>& index, const std::string& trainee);
 
 /** One attempt of a learning curve. */

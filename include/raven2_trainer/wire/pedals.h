@@ -7,7 +7,7 @@
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/pedals.h"
 
-// Pedals and buttons that ITP has no room for: its own packet next to it, to the same port. Each packet tells all
+// Pedals and buttons that ITP has no room for: a separate packet to the same port. Each packet tells all
 // that is held, so a lost one costs nothing once the next is there. Described byte for byte in doc/wire.md.
 
 namespace raven2_trainer::wire {

@@ -14,7 +14,7 @@ export const ACTIONS = {
   pedal: "Pedal: hold to move", arm: "Change arm", camera: "Camera: hold to move it", roll_left: "Roll left", roll_right: "Roll right",
   jaw: "Close or open the jaws (also left button)",
 };
-const DEFAULT_KEYS = { pedal: "Space", arm: "Tab", camera: "KeyC", roll_left: "KeyQ", roll_right: "KeyE", jaw: "KeyJ" };
+const DEFAULT_KEYS = { pedal: "Space", arm: "KeyX", camera: "KeyC", roll_left: "KeyQ", roll_right: "KeyE", jaw: "KeyJ" };
 const STORE = "raven2_station_keys";
 
 export function loadKeys() {
@@ -84,9 +84,9 @@ export class Hands {
   }
 
   key(event, isDown) {
-    const typing = ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName) && event.target.type !== "checkbox";
     const action = Object.keys(this.keys).find((a) => this.keys[a] === event.code);
-    if (!action || typing || !this.isActive) return;
+    if (!action || !this.isActive) return;
+    if (isDown && !this.isLocked && document.activeElement !== this.screen) return; // keys elsewhere are the page's own
     event.preventDefault();
     if (event.repeat) return;
     if (action === "pedal") this.pedal = isDown;

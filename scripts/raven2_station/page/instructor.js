@@ -51,13 +51,17 @@ function showMode(message) {
 function showStation(message) {
   const before = station;
   station = message;
-  const runs = message.phase === "running";
-  byId("start").disabled = message.phase !== "idle";
-  byId("next").disabled = !message.choice || message.phase === "starting" || message.phase === "ending";
-  for (const id of ["stop", "pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "cancel-plan"]) byId(id).disabled = !runs;
+  const own = message.phase === "running";
+  const runs = own || message.foreign;
+  byId("start").disabled = message.phase !== "idle" || message.foreign;
+  byId("next").disabled = !message.choice || message.foreign || message.phase === "starting" || message.phase === "ending";
+  byId("stop").disabled = !own;
+  for (const id of ["pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "cancel-plan"]) byId(id).disabled = !runs;
   byId("take-hands").setAttribute("aria-pressed", message.hands_away);
   byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
-  if (message.phase !== "running") byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
+  if (!runs) byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
+  if (message.foreign && !before.foreign) say({ ok: true, text: "This trainer was not started here. Set up and Stop belong to its launch file." });
+  if (message.phase === "idle" && before.phase !== "idle") showStage();
   showArmed();
   if (message.last && message.last !== before.last) showVerdict(message.last);
 }
@@ -84,7 +88,7 @@ setInterval(() => {
   strips.apart.draw(now / 1000);
   strips.force.draw(now / 1000);
   byId("picture-note").hidden = now - lastPicture < 1500;
-  byId("picture-note").textContent = station.phase === "running" ? "No picture comes from the trainer." : "No picture: no session is running.";
+  byId("picture-note").textContent = station.phase === "running" || station.foreign ? "No picture comes from the trainer." : "No picture: no session is running.";
 }, 100);
 
 // ---- set up
@@ -117,17 +121,40 @@ function showChoices() {
   byId("hazard-help").textContent = hazard ? `${hazard.expected} Right response: ${hazard.response}` : "Nothing goes wrong.";
   byId("driver-help").textContent = byId("driver").value === "browser" ? "Open /trainee in another window and press Take the hands."
     : byId("driver").value.startsWith("master:") ? "The device's driver must run." : "A simulated surgeon moves the arms.";
-  const hasStage = byId("curriculum").value !== "";
-  byId("exercise").disabled = byId("hazard").disabled = hasStage;
+  for (const id of ["exercise", "hazard", "when"]) byId(id).disabled = byId("curriculum").value !== "";
 }
 
-for (const id of ["curriculum", "exercise", "hazard", "driver"]) byId(id).addEventListener("change", showChoices);
+// A curriculum shows its stage in the fields that it decides.
+async function showStage() {
+  const curriculum = byId("curriculum").value;
+  if (!curriculum) {
+    byId("stage").textContent = "With a curriculum, the trainee's stage chooses exercise and hazard.";
+    return showChoices();
+  }
+  const reply = await link.ask("stage", { curriculum, trainee: byId("trainee").value.trim() });
+  if (!reply.ok || byId("curriculum").value !== curriculum) return undefined;
+  const { stages, current } = reply.more;
+  if (current === stages.length) {
+    byId("stage").textContent = `All ${stages.length} stages are done. Choose another curriculum, or none.`;
+    return showChoices();
+  }
+  const stage = stages[current];
+  const more = stage.extra ? `, ${stage.more} of ${stage.extra} more` : "";
+  byId("stage").textContent = `Stage ${current + 1} of ${stages.length}: ${stage.title}. Passed ${stage.in_a_row} of ${stage.passes} in a row${more}.`;
+  byId("exercise").value = stage.exercise;
+  showChoices();
+  byId("hazard").value = stage.drill || "none";
+  byId("when").value = "own";
+  return showChoices();
+}
+
+for (const id of ["curriculum", "trainee"]) byId(id).addEventListener("change", showStage);
+for (const id of ["exercise", "hazard", "driver"]) byId(id).addEventListener("change", showChoices);
 
 function settings() {
-  const hasStage = byId("curriculum").value !== "";
   return {
-    trainee: byId("trainee").value.trim(), curriculum: byId("curriculum").value, exercise: hasStage ? "none" : byId("exercise").value,
-    hazard: hasStage ? "none" : byId("hazard").value, when: byId("when").value, link: byId("link").value, driver: byId("driver").value,
+    trainee: byId("trainee").value.trim(), curriculum: byId("curriculum").value, exercise: byId("exercise").value,
+    hazard: byId("hazard").value, when: byId("when").value, link: byId("link").value, driver: byId("driver").value,
     seed: -1,
   };
 }
@@ -265,14 +292,20 @@ async function showHistory() {
 
 byId("history-trainee").addEventListener("change", showHistory);
 
+function stageCell(stage) {
+  if (stage.done) return `done (${stage.attempts} ${stage.attempts === 1 ? "attempt" : "attempts"})`;
+  if (stage.attempts === 0) return "";
+  return `${stage.in_a_row} of ${stage.passes} in a row` + (stage.extra ? `, ${stage.more} of ${stage.extra} more` : "") + ` (${stage.attempts})`;
+}
+
 async function showClass() {
   const curriculum = byId("curriculum").value;
   byId("class-csv").href = `/class.csv?curriculum=${encodeURIComponent(curriculum)}`;
   const reply = await link.ask("class", { curriculum });
   if (!reply.ok) return;
-  byId("class-table").replaceChildren(row(["trainee", "sessions", ...reply.more.titles.map((t) => t.replaceAll("_", " ")), "last session"], "th"),
+  byId("class-table").replaceChildren(row(["trainee", "sessions", ...reply.more.titles, "last session"], "th"),
     ...reply.more.rows.map((r) => row([r.trainee, String(r.sessions),
-      ...r.stages.map((s) => (s.attempts === 0 ? "" : s.done ? `done (${s.attempts})` : `${s.best_row} in a row (${s.attempts})`)),
+      ...r.stages.map(stageCell),
       r.last.replace("T", " ").replace("Z", "")])));
 }
 

@@ -49,10 +49,10 @@ function showStation(message) {
   if (drives && !isMine) release();
   drives = isMine;
   hands.isActive = drives;
-  const may = message.choice && message.choice.driver === "browser" && message.phase === "running";
+  const may = message.foreign || (message.choice && message.choice.driver === "browser" && message.phase === "running");
   byId("drive").disabled = !may && !drives;
   byId("drive").textContent = drives ? "Give the hands back" : "Take the hands";
-  if (message.phase !== "running") byId("mode").textContent = "No session";
+  if (message.phase !== "running" && !message.foreign) byId("mode").textContent = "No session";
   if (!may) byId("said").textContent = "Wait: the instructor starts a session for the browser.";
   else if (message.hands_away) byId("said").textContent = "The instructor has the hands.";
   else if (!drives && message.drives !== null) byId("said").textContent = "Another page drives.";
@@ -134,6 +134,7 @@ function release() {
 }
 
 window.addEventListener("blur", release);
+screen.addEventListener("blur", release);
 window.addEventListener("pagehide", release);
 document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
 

@@ -27,7 +27,7 @@ void Camera::enter(Mode before) noexcept {
 }
 
 /** A pedal that is still down when the camera's goes up is pressed again in the same tick; not when silence took the
- *  camera from a surgeon who goes on moving it: then it takes its own pedal-down. */
+ *  camera from a surgeon who goes on moving it: then a new pedal-down is needed. */
 PlanningAnswer Camera::request(const Request& request) noexcept {
   const auto pedal = static_cast<CameraPedal>(request.enabled);
   const bool is_moving = mode() == Mode::kCameraMoving;

@@ -48,7 +48,7 @@ class PlanStore {
    */
   const PlanResult& take(const PlanResult& result, Tick tick) noexcept;
   bool isAwaited(const PlanResult& result) const noexcept;
-  /** Nobody will follow what is asked for, kept or executed; the planner is reported within a tick. */
+  /** Nobody will follow what is asked for, kept or executed; the planner learns it within a tick. */
   void forget() noexcept;
 
   // ---- executing

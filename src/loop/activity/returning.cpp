@@ -27,7 +27,7 @@ void Returning::begin() noexcept {
   path_.start(stage_.arms.standing(), goal);
 }
 
-/** To repeat a trial takes its own pedal-down: one that is down already is waited for. */
+/** A repetition needs a new pedal-down: a pedal that is already down must come up first. */
 void Returning::supervise() noexcept {
   if (!path_.isOver()) return;
   if (stage_.isAstray(path_.goal())) return begin();

@@ -29,7 +29,7 @@ class TrialStore {
   // ---- the trial
   /** Begins one from `standing` [rad; m]; forgets the one before. */
   void open(const PerArm<JointArray>& standing) noexcept;
-  /** Forgets it; whoever waits for its repetition was reported. */
+  /** Deletes it; a client that waits for its repetition has had its answer. */
   void close() noexcept { is_open_ = false; }
   bool isOpen() const noexcept { return is_open_; }
   /** The surgeon's pedal went down: what comes need not go on from what is there. */

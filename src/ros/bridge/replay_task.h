@@ -22,7 +22,7 @@ class ReplayTask {
 
   /**
    * @param[in] client must outlive this.
-   * @param[in] next to directory of the running session: relative directories are looked for where it is.
+   * @param[in] beside directory of the running session: relative directories are looked for where it is.
    */
   ReplayTask(PlanningClient* client, Open open, const std::string& beside);
 

@@ -33,7 +33,7 @@ class SessionPublisher {
   /** Another run begins. */
   void startOver();
   void publish(const session::ReplayInstant& instant, const ros::Time& stamp);
-  /** Without telling it: what is news then (plans, events) is reported with the next. */
+  /** Without publishing it: new plans and events are published with the next. */
   void remember(const session::ReplayInstant& instant);
 
   /**

@@ -38,7 +38,8 @@ class StateTopics {
   /** Publishes one cycle of runtime.ros_period; one thread. News (plans, events) are the source's newest. */
   void publish(const PublishedStates& states, const ros::Time& stamp);
 
-  /** Another run of a session begins: what was told before counts no more; of events, those from now on are reported.
+  /** Another run of a session begins: what was published before no longer counts; of events, those from now on are
+   * published.
    */
   void startOver();
 

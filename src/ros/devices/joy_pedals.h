@@ -16,7 +16,7 @@ namespace raven2_trainer::ros_bridge {
 std::uint32_t heldPedals(const sensor_msgs::Joy& joy, const JoyConfig& config) noexcept;
 
 /**
- * Pedals and buttons that come as sensor_msgs/Joy. Their edges ask for what those of the packet next to ITP ask for
+ * Pedals and buttons that come as sensor_msgs/Joy. Their edges ask for what those of the pedal packet ask for
  * (loop::PedalGate), but as an operator's requests do. Any thread.
  */
 class JoyPedals {

@@ -109,7 +109,7 @@ ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Reader
                                 ros::SubscriberStatusCallback(remove));
 }
 
-/** What a family's driver is sent forces with. */
+/** Publishes forces in the message of a family's driver. */
 struct ForceForm {
   ros::Publisher (*advertise)(ros::NodeHandle*, const std::string& topic, Readers*);
   void (*publish)(const ros::Publisher&, const DeviceForce&, const std::string& frame);

@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** What is known of one device next to the report. */
+/** State of one device, in addition to the report. */
 struct DeviceTraffic {
   double pose_rate{};          ///< [1/s]
   std::uint32_t readers{};     ///< of its force

@@ -34,7 +34,7 @@ class PlanningClient {
     PlanningAnswer answer{PlanningAnswer::kNone};
   };
   /**
-   * Gives its own request an id and waits for the loop's answer, at most half a second.
+   * Gives a request its own id and waits for the loop's answer, at most half a second.
    * @return kNone if there was no answer; an execution or repetition that was asked for is called off then.
    */
   Asked ask(Request request);
