@@ -33,8 +33,9 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_flag("--again", o->again,
                 "Render existing videos again; delete the pictures of an earlier render in --output");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
-  app->add_option("--inset", o->render.inset, "Camera of the small picture in the corner, or none")
-      ->capture_default_str();
+  app->add_option(
+      "--inset", o->render.inset,
+      "Camera of the small picture in the corner, or none (default: overview; endoscope in the overview's picture)");
   app->add_option(
          "--overlay", o->overlays,
          "Overlays, A,B,...: ghost, force_arrows, force_bars, hazard, plan, trails, workspace, timer, status, latency; "

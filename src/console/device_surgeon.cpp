@@ -7,6 +7,7 @@ namespace raven2_trainer::console {
 namespace {
 
 constexpr int kLongestSpread = 20;   ///< [ticks] slower drivers than 50 Hz are felt as steps, rather than late
+constexpr double kUsual = 0.125;     ///< [-] weight of the newest interval between poses in the usual one
 constexpr double kMaxStep = 0.0019;  ///< [m] of the tool in one packet: less than network.yaml's max_increment_um
 constexpr Tick kConnecting = 2000;   ///< [ticks] a start in which silence is no news: ROS needs a moment
 
@@ -62,12 +63,15 @@ class DeviceHand {
   double jaws() const noexcept { return jaws_; }
 
  private:
-  /** A pose is gone to within the time since the one before: a driver of 100 Hz makes no steps of 10 ms. */
+  /** A pose is gone to within the time since the one before, or the usual time if it came early: a driver of 100 Hz
+   * makes no steps of 10 ms, nor do two of its poses that a busy computer brings together. */
   void followPoses(const DeviceSample& sample) noexcept {
     ++since_pose_;
     if (sample.poses != poses_) {
       aimAt(sample);
-      ticks_left_ = std::clamp(since_pose_, 1, kLongestSpread);
+      const int interval = std::clamp(since_pose_, 1, kLongestSpread);
+      usual_ = usual_ > 0.0 ? usual_ + kUsual * (interval - usual_) : interval;
+      ticks_left_ = std::max(interval, static_cast<int>(std::lround(usual_)));
       since_pose_ = 0;
     }
     const double share = 1.0 / ticks_left_;
@@ -151,6 +155,7 @@ class DeviceHand {
   const double max_step_;  ///< [m] of the hand in a tick, along each axis; what is beyond follows
   std::uint32_t poses_{0};
   int since_pose_{0}, ticks_left_{1};
+  double usual_{0.0};                   ///< [ticks] between poses; 0 before the first
   bool engaged_{false}, starts_{true};  ///< the next pose moves nothing
   Vector3 start_{0, 0, 0};              ///< [m] where hand_ would be zero, the device's axes
   Quaternion q_start_{Quaternion::Identity()};

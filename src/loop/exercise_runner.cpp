@@ -30,13 +30,13 @@ void ExerciseRunner::tick(ModelState* state, const ContactList& contacts, bool i
   for (std::size_t i = 0; i < state->exercise.bodies.size(); ++i) {
     if ((parked >> i & 1U) != 0) state->exercise.bodies[i] |= kBodyParked;
   }
-  if (judge_->eventCount() > 0) tell(state->tick);
+  if (judge_->eventCount() > 0) publish(state->tick);
   const std::uint64_t lost = judge_->lostEvents();
   if (lost != lost_) shared_.exercise_records.drop(lost - lost_);
   lost_ = lost;
 }
 
-void ExerciseRunner::tell(Tick tick) noexcept {
+void ExerciseRunner::publish(Tick tick) noexcept {
   for (std::size_t i = 0; i < judge_->eventCount(); ++i) {
     const ExerciseRecord record{tick, judge_->event(i)};
     shared_.exercise_records.tryPush(record);

@@ -10,8 +10,8 @@
 namespace raven2_trainer::loop {
 
 /**
- * The exercise of a session within the physics loop: its judge, how the scene was at first, and the way of its events
- * to the recorder and to whoever looks; those that got lost count among the ring's dropped ones. Without an exercise it
+ * The exercise of a session within the physics loop: its judge, the scene's first state, and the ring that brings its
+ * events to recorder and pages; lost events count among the ring's dropped ones. Without an exercise it
  * does nothing. The constructor is set-up; the rest is real-time safe; one thread.
  */
 class ExerciseRunner {
@@ -34,14 +34,14 @@ class ExerciseRunner {
   FaultSignals signals() const noexcept { return judge_ != nullptr ? judge_->signals() : FaultSignals{}; }
 
  private:
-  void tell(Tick tick) noexcept;
+  void publish(Tick tick) noexcept;
 
   physics::RavenWorld& world_;
   SharedState& shared_;
   std::unique_ptr<training::ExerciseJudge> judge_;
   physics::SceneSnapshot at_first_;
   ExerciseNews news_;
-  std::uint64_t lost_{};  ///< events that the judge had no room for, as told to the ring
+  std::uint64_t lost_{};  ///< events that the judge had no room for, as counted in the ring
 };
 
 }  // namespace raven2_trainer::loop

@@ -27,7 +27,7 @@ void FaultDirector::serve(const FaultRequest& request) {
   if (request.order == FaultOrder::kArmAtOnce) add(faults::immediatePlan(library_, request.fault_id, 0));
 }
 
-/** What triggers look at in an attempt's first tick is still of the one before: it is armed a tick later. */
+/** In an attempt's first tick, triggers would see data of the attempt before. So the fault is armed a tick later. */
 void FaultDirector::followAttempts() {
   const ModelState model = shared_.model.load();
   const ExerciseState& exercise = model.exercise;

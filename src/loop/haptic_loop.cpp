@@ -10,7 +10,7 @@
 namespace raven2_trainer::loop {
 namespace {
 
-constexpr double kNoForce = 1e-9;  ///< [N] rounding of two limiters that go the same way
+constexpr double kNoForce = 1e-9;  ///< [N] rounding of two limiters that act in one direction
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::loop {
 
-/** What the hands moved in one tick: it moves the model, and the robot by the relay. */
+/** Motion of the hands in one tick. It moves the model, and through the relay the robot. */
 struct Increments {
   PerArm<Vec3> dp_I{};                                ///< [m] [@frame I]
   PerArm<Quat> dq_I{{kIdentityQuat, kIdentityQuat}};  ///< [@frame I]

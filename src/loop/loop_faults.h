@@ -19,10 +19,10 @@ class LoopFaults {
   void read(Tick tick) noexcept;
   /** Nothing acts while held; what was kept back of packets is thrown away. */
   void hold(bool is_held) noexcept;
-  /** What the surgeon feels and sees: from what is right to what faults make of it. */
+  /** Applies faults to the surgeon's forces and pictures. */
   void corruptConsole(const faults::FaultCycle& cycle, DaemonFaults* state) noexcept;
-  /** What acts in this tick, and what faults made of packets; beginnings and ends since the last one go to the record:
-   * the robot's as they came, and our own. */
+  /** Writes which faults act in this tick, and their effect on packets. Beginnings and ends since the last tick go to
+   * the record: the robot's as they came, and our own. */
   void publish(Tick tick, DaemonFaults* state) noexcept;
 
  private:

@@ -35,7 +35,7 @@ Reject MasterIngest::judgePedals(const wire::Arrival& arrival, PedalState* pedal
   return reason;
 }
 
-/** What finds its ring full is counted there, and asked for again by the next press. */
+/** A request that finds its ring full is counted there. The next press sends it again. */
 void MasterIngest::ask(const PedalRequests& requests) noexcept {
   for (std::size_t i = 0; i < requests.count; ++i)
     shared_.pedal_requests.tryPush(requests.items[i]);

@@ -17,7 +17,7 @@ Quat product(const Quat& later, const Quat& earlier) noexcept {
   return toArray((toEigen(later) * toEigen(earlier)).normalized());
 }
 
-/** What a fault made of a turn may be no turn: then there is none. */
+/** A fault can change a rotation so that it is no rotation any more: then no rotation is used. */
 Quat unitOrNone(const Quat& q) noexcept {
   const double norm = toEigen(q).norm();
   return norm > 1e-6 && std::isfinite(norm) ? toArray(toEigen(q).normalized()) : kIdentityQuat;
@@ -67,9 +67,9 @@ void MasterIntake::takeConsole() noexcept {
   }
 }
 
-ServoStand MasterIntake::servoStand(bool may_teleoperate) const noexcept {
+ServoSituation MasterIntake::servoStand(bool may_teleoperate) const noexcept {
   const RobotTie& robot = stage_.robot;
-  ServoStand stand;
+  ServoSituation stand;
   stand.mode = stage_.mode();
   stand.teleoperates = may_teleoperate;
   stand.robot_there = !robot.isLost();

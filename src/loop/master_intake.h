@@ -6,8 +6,8 @@
 
 namespace raven2_trainer::loop {
 
-/** Takes the masters' commands, and what CRTK clients ask for, and makes one tick's increments and pedal of them,
- * through what faults do to them on the way. One thread; real-time safe. */
+/** Takes the commands of masters and CRTK clients, and makes one tick's increments and pedal of them, with the changes
+ * that faults make. One thread; real-time safe. */
 class MasterIntake {
  public:
   MasterIntake(LoopFaults* faults, ServoManager* servo, Stage* stage) noexcept;
@@ -19,7 +19,7 @@ class MasterIntake {
   void begin() noexcept;
   void takeConsole() noexcept;
   void takeHeld() noexcept;
-  ServoStand servoStand(bool may_teleoperate) const noexcept;
+  ServoSituation servoStand(bool may_teleoperate) const noexcept;
   void consume(const MasterCommand& command) noexcept;
   void take(const MasterCommand& command) noexcept;
   bool fits(const MasterCommand& command) const noexcept;

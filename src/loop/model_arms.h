@@ -28,7 +28,7 @@ class ModelArms {
 
   /** [rad; m] where an arm is. */
   JointArray joints(Arm arm) const noexcept;
-  PerArm<JointArray> standing() const noexcept { return {joints(Arm::kGold), joints(Arm::kGreen)}; }
+  PerArm<JointArray> joints() const noexcept { return {joints(Arm::kGold), joints(Arm::kGreen)}; }
 
   // ---- where they shall be
   /** [rad; m] */

@@ -12,7 +12,7 @@
 #include "raven2_trainer/loop/contact_records.h"
 
 namespace raven2_trainer::loop {
-/** What a tick is made of, in the order in which it uses them. */
+/** The parts of a tick, in the order in which it uses them. */
 struct PhysicsLoop::Parts {
   Parts(const LoopConfig& config,
         const model::RavenModel& raven,
@@ -173,7 +173,7 @@ PlanningAnswer PhysicsLoop::Parts::restartExercise() noexcept {
   return PlanningAnswer::kAccepted;
 }
 
-// ---- what is told ------------------------------------------------------------------------------------------------
+// ---- what is published --------------------------------------------------------------------------------------------
 
 faults::FaultCycle PhysicsLoop::Parts::faultCycle() const noexcept {
   return {stage.robot.isLinked(), static_cast<int>(stage.robot.state().runlevel), stage.state.faults.signals};

@@ -56,7 +56,7 @@ PlanResult PlannerWorker::planNow(const PlanRequest& request) {
   return plan(request, /*lockstep=*/true);
 }
 
-/** Before the plan itself: whoever learns of the plan finds its path. */
+/** Before the plan itself, so that a reader of the plan finds its path. */
 void PlannerWorker::publishPath(const PlanResult& result) {
   if (result.status == PlanStatus::kSuccess) shared_.guide_path.store(control::tipPath(arms_.geometry, result));
 }

@@ -32,7 +32,7 @@ void RelayChannel::begin(std::uint32_t impairment, std::int64_t now_ns) {
   channel_.emplace(config_.impairments[impairment - 1], config_.library.seed, kStream, now_ns);
 }
 
-/** What the channel still holds is lost. */
+/** Packets that are still in the channel are lost. */
 void RelayChannel::end() {
   before_ = counts();
   before_.lost += std::exchange(before_.held, 0);

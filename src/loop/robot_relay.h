@@ -5,15 +5,15 @@
 
 namespace raven2_trainer::loop {
 
-/** Sends the robot, in every tick, the increments that moved the model, or pedal-up, through what faults do to them on
- * the way. One thread; real-time safe. */
+/** Sends the robot, in every tick, the increments that moved the model, or pedal-up, with the changes that faults make.
+ * One thread; real-time safe. */
 class RobotRelay {
  public:
   RobotRelay(LoopFaults* faults, Stage* stage) noexcept : faults_(*faults), stage_(*stage) {}
 
   void tick() noexcept;
-  /** [rad; m] What the robot is asked for, as far as is known here. The model may go ways of its own: along a plan that
-   * it tracks, in a trial, in a replay. With the pedal up a robot is asked to stand where it is. */
+  /** [rad; m] The robot's set points, as far as they are known here. The model may move without the robot: along a plan
+   * that it tracks, in a trial, in a replay. With the pedal up the set point is where the robot is. */
   const PerArm<JointArray>& setPoints() noexcept;
 
  private:

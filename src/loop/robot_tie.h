@@ -8,8 +8,8 @@
 namespace raven2_trainer::loop {
 
 /**
- * What is known of the robot, and whether model and robot are linked: started from a common pose, with nothing between.
- * A robot that hears no packets (the last sequence that it reports stands still) and is not in PEDAL_DN is sent
+ * The robot's state, and whether model and robot are linked: started from a common pose, with nothing between. A robot
+ * hears no packets if the last sequence that it reports does not change. If it is not in PEDAL_DN then, it is sent
  * pedal-up until the surgeon's next pedal-down: a press that it did not hear does not engage it when it hears again.
  * One thread; real-time safe.
  */
@@ -58,7 +58,7 @@ class RobotTie {
   bool isLed() const noexcept { return is_linked_ && !is_unheard_; }
   /** Both sides must apply the same increments: the robot does so from the cycle in which it reports PEDAL_DN. */
   bool applies() const noexcept;
-  /** Until the robot takes increments, and while it is not heard, what is executed stands still. */
+  /** An execution pauses until the robot takes increments, and while it is not heard. */
   bool mayMoveOn() const noexcept { return !is_linked_ || (applies() && is_fresh_); }
 
  private:

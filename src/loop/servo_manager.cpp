@@ -11,15 +11,15 @@ namespace {
 
 using control::ServoVerdict;
 
-// [1 a tick] What is looked at: poses of a move are looked at one by one along its way.
+// [1 a tick] Commands that are checked: poses of a move are checked one by one along its path.
 constexpr int kMostCommands = 32;
 constexpr int kMostMoves = 1;
 
 constexpr double kNoTurn = 1e-9;  // [rad] rounding
 
-constexpr Tick kRestTicks = 200;  // a set point that stands: the robot's arm has stopped, too
+constexpr Tick kRestTicks = 200;  // a set point that does not change: the robot's arm has stopped, too
 
-/** What a receiver of ITP takes in one packet bounds how fast anybody may move. */
+/** The largest increment that an ITP receiver accepts limits the speed of all clients. */
 CrtkConfig withinRules(CrtkConfig crtk, const ItpRules& rules) {
   crtk.max_speed = std::min(crtk.max_speed, rules.max_increment_um * 1e-6 / kTickSeconds);
   crtk.max_turn_rate = std::min(crtk.max_turn_rate, rules.max_rotation / kTickSeconds);
@@ -53,12 +53,12 @@ bool isOfJaw(ServoKind kind) noexcept {
 
 /** Of the robot that is there, once it has left INIT, too: what is asked for before that is refused. Else of the model.
  */
-bool isHomed(const ServoStand& stand) noexcept {
+bool isHomed(const ServoSituation& stand) noexcept {
   return !stand.robot_there || (stand.robot_homed && stand.robot_ready);
 }
 
 /** There is a robot that could move. */
-bool isReady(const ServoStand& stand) noexcept {
+bool isReady(const ServoSituation& stand) noexcept {
   return stand.robot_there && stand.robot_ready;
 }
 
@@ -114,14 +114,14 @@ void ServoManager::hear(const MasterCommand& command) noexcept {
   state_ = console_pedal_ ? OperatingState::kEnabled : OperatingState::kPaused;
 }
 
-/** Its pedal-down was seen: a fault on the way may lose a single pedal-up. */
-void ServoManager::settleRelease(const ServoStand& stand) noexcept {
+/** Its pedal-down was seen: a fault may lose a single pedal-up. */
+void ServoManager::settleRelease(const ServoSituation& stand) noexcept {
   if (has_released_ && !stand.pedal_down) releases_ = false;
   has_released_ = false;
 }
 
-/** What happened to the arms since the tick before, and what that means for their clients. */
-void ServoManager::observe(const ServoStand& stand) noexcept {
+/** Events of the arms since the last tick, and their meaning for the clients. */
+void ServoManager::observe(const ServoSituation& stand) noexcept {
   if (console_pedal_ && ++console_silence_ >= console_limit_) {
     console_pedal_ = false;
     state_ = OperatingState::kPaused;
@@ -142,17 +142,17 @@ void ServoManager::observe(const ServoStand& stand) noexcept {
 }
 
 /** Of a Raven that is homed and has its pedal up, the robot's own branch says PAUSED, from the start on. */
-void ServoManager::settleRavensState(const ServoStand& stand) noexcept {
+void ServoManager::settleRavensState(const ServoSituation& stand) noexcept {
   const bool is_homed = isHomed(stand) && !is_unhomed_;
   if (!is_raven_ || disable_asked_ || stand.stop_asked) return;
   if (state_ == OperatingState::kDisabled && is_homed) state_ = OperatingState::kPaused;
   if (state_ == OperatingState::kPaused && !is_homed) state_ = OperatingState::kDisabled;
 }
 
-/** What began with the client's pedal-down is over: time was lost, the robot went away or no longer follows, or one
- * came that the model moved without. Or it never began, and would be something else now: a request of the same tick
- * came first. The camera's pedal lets go of the robot, which is joined again behind it. */
-bool ServoManager::hasLostPedal(const ServoStand& stand) const noexcept {
+/** Whether the motion that began with the client's pedal-down is over. Time was lost, the robot went away or no longer
+ * follows, or a robot came while the model moved alone. Or the motion never began, since a request of the same tick
+ * came first. The camera's pedal lets go of the robot, which is joined again afterwards. */
+bool ServoManager::hasLostPedal(const ServoSituation& stand) const noexcept {
   if (!traitsOf(stand.mode).clients_hold && !stand.teleoperates) return true;
   if (!presses_ || !traitsOf(stand_.mode).clients_hold) return false;
   const bool has_parted = is_joined_ && !stand.linked && stand.mode != Mode::kCameraMoving;
@@ -207,8 +207,7 @@ void ServoManager::drain() noexcept {
   }
 }
 
-/** Motions that it was given behind, and that wait still, are over with a hold or a pause, and were none yet for the
- * one that enables. */
+/** A hold or a pause also ends motions that came after it and still wait. An order to enable ends none. */
 void ServoManager::serveOrder(const ServoOrder& order) noexcept {
   const bool was_enabled = state_ == OperatingState::kEnabled, held = holds_pedal_;
   const ServoVerdict verdict = judge(order.command);
@@ -296,7 +295,7 @@ ServoRefusal ServoManager::takeState(StateCommand command) noexcept {
   return holds_pedal_ ? ServoRefusal::kNone : takePedal();
 }
 
-/** What an operator stopped, no client sets going again. */
+/** After an operator's stop no client starts the arms again. */
 ServoRefusal ServoManager::takePedal() noexcept {
   if (stand_.stop_asked) return ServoRefusal::kOperatorStop;
   if (stand_.mode == Mode::kStopped) return ServoRefusal::kRobotStop;  // it is being started
@@ -311,7 +310,7 @@ ServoRefusal ServoManager::mayHold() const noexcept {
   return holds_pedal_ ? ServoRefusal::kNone : ServoRefusal::kNotEnabled;
 }
 
-/** What is asked for before the robot takes increments waits for that. */
+/** A motion that is requested before the robot takes increments waits for it. */
 ServoRefusal ServoManager::mayMove() const noexcept {
   const ServoRefusal reason = mayHold();
   if (reason != ServoRefusal::kNone) return reason;
@@ -322,7 +321,7 @@ ServoRefusal ServoManager::mayMove() const noexcept {
 
 // ---- a tick ------------------------------------------------------------------------------------------------------
 
-bool ServoManager::next(const ServoStand& stand,
+bool ServoManager::next(const ServoSituation& stand,
                         const PerArm<control::TeleopMapper>& mappers,
                         MasterCommand* command) noexcept {
   settleRelease(stand);
@@ -384,8 +383,8 @@ void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterComma
 Pose ServoManager::trimmed(Arm arm, const JointArray& q) noexcept {
   Rest& rest = at(rests_, arm);
   const Pose& X_BT = at(targets_, arm).pose();
-  const bool stands = X_BT.p == rest.X_BT.p && X_BT.R == rest.X_BT.R;
-  rest.ticks = stands ? rest.ticks + 1 : 0;
+  const bool is_unchanged = X_BT.p == rest.X_BT.p && X_BT.R == rest.X_BT.R;
+  rest.ticks = is_unchanged ? rest.ticks + 1 : 0;
   rest.X_BT = X_BT;
   rest.trim.step(q, at(stand_.robot_q, arm), stand_.linked && rest.ticks >= kRestTicks);
   rest.trimmed = control::displacement(geometry_, arm, q, rest.trim.with(q));

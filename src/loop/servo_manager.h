@@ -11,8 +11,8 @@
 
 namespace raven2_trainer::loop {
 
-/** How things stand when a tick begins. */
-struct ServoStand {
+/** The situation when a tick begins. */
+struct ServoSituation {
   Mode mode{Mode::kWaiting};
   bool teleoperates{};   ///< a pedal-down leads to teleoperation, now or once the robot is ready
   bool robot_there{};    ///< it is heard
@@ -23,8 +23,8 @@ struct ServoStand {
   bool stop_asked{};   ///< by request or pedal
   bool linked{};       ///< model and robot move from a common pose
   bool is_unheard{};   ///< the robot did not hear the pedal-down: it takes another one
-  bool applies{};      ///< whoever shall move takes increments
-  bool keeps_back{};   ///< a fault holds commands on their way to the mapping
+  bool applies{};      ///< the arms that shall move take increments
+  bool keeps_back{};   ///< a fault holds commands before the mapping
   bool pedal_down{};   ///< as the loop has taken commands so far
   bool is_taken{};     ///< a command of the console was used in this tick: a press would be lost behind its release
   PerArm<JointArray> robot_q{};  ///< [rad; m] as measured; while linked
@@ -51,7 +51,7 @@ class ServoManager {
    * @param[in] mappers of both arms, as the tick before left them.
    * @return whether there is a command of theirs in this tick.
    */
-  bool next(const ServoStand& stand, const PerArm<control::TeleopMapper>& mappers, MasterCommand* command) noexcept;
+  bool next(const ServoSituation& stand, const PerArm<control::TeleopMapper>& mappers, MasterCommand* command) noexcept;
 
   /** Forces on the model that changed in this tick. @return false if there are no more. */
   bool nextEffort(Request* request) noexcept;
@@ -73,15 +73,15 @@ class ServoManager {
     control::ServoTrim trim;
     control::Displacement trimmed{};  ///< by it, of the tick before
     Pose X_BT{};                      ///< set point of the tick before
-    Tick ticks{0};                    ///< that it stands
+    Tick ticks{0};                    ///< since it changed last
 
     void leave() noexcept { trim.forget(), trimmed = {}, ticks = 0; }
   };
 
-  void settleRelease(const ServoStand& stand) noexcept;
-  void observe(const ServoStand& stand) noexcept;
+  void settleRelease(const ServoSituation& stand) noexcept;
+  void observe(const ServoSituation& stand) noexcept;
   bool isInFault() const noexcept { return stand_.robot_stopped || !stand_.is_healthy; }
-  bool hasLostPedal(const ServoStand& stand) const noexcept;
+  bool hasLostPedal(const ServoSituation& stand) const noexcept;
   void drain() noexcept;
   void serveOrder(const ServoOrder& order) noexcept;
   void serve(const ServoCommand& command, const control::ServoVerdict& verdict) noexcept;
@@ -92,7 +92,7 @@ class ServoManager {
   control::ServoVerdict setWeight(const ServoCommand& command) noexcept;
   void endPush(Arm arm) noexcept;
   void stepPushes() noexcept;
-  void settleRavensState(const ServoStand& stand) noexcept;
+  void settleRavensState(const ServoSituation& stand) noexcept;
   ServoRefusal takeState(StateCommand command) noexcept;
   ServoRefusal takeHomed(StateCommand command) noexcept;
   ServoRefusal takePedal() noexcept;
@@ -117,12 +117,12 @@ class ServoManager {
   Tick console_limit_, idle_limit_, push_ticks_;
   bool is_raven_;  ///< states and state commands as the robot's own branch has them
 
-  ServoStand stand_{};
+  ServoSituation stand_{};
   OperatingState state_{OperatingState::kDisabled};
   bool holds_pedal_{false};    ///< a client
   bool releases_{false};       ///< it let go, and the loop's pedal is not seen up yet
-  bool has_released_{false};   ///< the loop was told in the tick before
-  bool presses_{false};        ///< the loop was told that it is down
+  bool has_released_{false};   ///< the loop received it in the last tick
+  bool presses_{false};        ///< the loop received that it is down
   bool console_pedal_{false};  ///< down
   bool is_joined_{false};      ///< model and robot, but for the camera's pedal
   bool had_robot_{false};

@@ -32,7 +32,7 @@ class ModeMachine {
   ~ModeMachine() = default;
 };
 
-/** What the activities of one physics loop share. One thread. */
+/** Data that the activities of one physics loop share. One thread. */
 struct Stage {
   Stage(const LoopConfig& configuration,
         const model::RavenModel& raven,
@@ -61,7 +61,7 @@ struct Stage {
   bool mustReturn() const noexcept { return arms.isApart() && robot.isThere(); }
   /** There is a robot, and it is not where the model is, or was. @param[in] from [rad; m] */
   bool isAstray(const PerArm<JointArray>& from) const noexcept;
-  /** What the hands moved in this tick moves something. */
+  /** Applies this tick's motion of the hands. */
   void useCommands() noexcept;
 };
 

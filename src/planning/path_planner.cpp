@@ -82,28 +82,28 @@ struct PathPlanner::SceneCache {
              const ModelConfig* model,
              const std::atomic<bool>& cancel)
       : grid(raven, scene, [&cancel] { giveUpIf(cancel); }),
-        gold(makeDesk(raven, obstacles, config, model, cancel, Arm::kGold)),
-        green(makeDesk(raven, obstacles, config, model, cancel, Arm::kGreen)) {
-    // From now on the desks stay where they are.
-    for (ArmServo* desk : {&gold, &green}) {
-      if (desk->roll_out == nullptr) continue;
-      ArmChecks* checks = &desk->checks;
-      desk->roll_out->useClearance([checks](const JointArray& q) { return checks->clearance(q, kFollowedRange); });
+        gold(makeArm(raven, obstacles, config, model, cancel, Arm::kGold)),
+        green(makeArm(raven, obstacles, config, model, cancel, Arm::kGreen)) {
+    // From now on both keep their addresses.
+    for (ArmPlanning* each : {&gold, &green}) {
+      if (each->roll_out == nullptr) continue;
+      ArmChecks* checks = &each->checks;
+      each->roll_out->useClearance([checks](const JointArray& q) { return checks->clearance(q, kFollowedRange); });
     }
   }
 
-  ArmServo makeDesk(const model::RavenModel& raven,
-                    const SceneObstacles& obstacles,
-                    const PlannerConfig& config,
-                    const ModelConfig* model,
-                    const std::atomic<bool>& cancel,
-                    Arm arm) const {
+  ArmPlanning makeArm(const model::RavenModel& raven,
+                      const SceneObstacles& obstacles,
+                      const PlannerConfig& config,
+                      const ModelConfig* model,
+                      const std::atomic<bool>& cancel,
+                      Arm arm) const {
     const Poll poll = [&cancel] { giveUpIf(cancel); };
-    ArmServo desk{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step, poll), nullptr};
+    ArmPlanning planning{ArmChecks(raven, obstacles, grid, arm, config.clearance, config.edge_step, poll), nullptr};
     poll();
-    if (model != nullptr) desk.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
-    desk.free_volume = estimateVolume(raven.arms.geometry, config, cancel, &desk.checks);
-    return desk;
+    if (model != nullptr) planning.roll_out = std::make_unique<RollOut>(raven, obstacles, *model, arm);
+    planning.free_volume = estimateVolume(raven.arms.geometry, config, cancel, &planning.checks);
+    return planning;
   }
 
   /** With the jaws as at home, and the other arm there. An upper bound: the radius grows with it. */
@@ -121,7 +121,7 @@ struct PathPlanner::SceneCache {
   }
 
   const DistanceGrid grid;
-  ArmServo gold, green;
+  ArmPlanning gold, green;
 };
 
 struct PathPlanner::Impl {

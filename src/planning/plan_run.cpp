@@ -94,16 +94,16 @@ PlanStatus PlanRun::choose() {
 ArmProspect PlanRun::prospect(Arm arm) {
   const JointSpace space(set_.raven.arms.geometry, kinematics::jawOpening(startOf(arm)));
   const UnitState start = space.toUnit(startOf(arm));
-  desk(arm).checks.begin(space, otherOf(arm));
+  planningOf(arm).checks.begin(space, otherOf(arm));
   ArmProspect found;
-  found.may_start = space.contains(start, kStartSlack) && desk(arm).checks.allowEnd(clampToCube(start));
+  found.may_start = space.contains(start, kStartSlack) && planningOf(arm).checks.allowEnd(clampToCube(start));
   if (found.may_start) found.goal = goalOf(arm, space, start);
   if (found.goal.status == PlanStatus::kSuccess) found.distance = distance(start, found.goal.goal);
   return found;
 }
 
 GoalChoice PlanRun::goalOf(Arm arm, const JointSpace& space, const UnitState& start) {
-  ArmChecks& checks = desk(arm).checks;
+  ArmChecks& checks = planningOf(arm).checks;
   const PlanRequest& request = set_.request;
   if (request.goal == GoalKind::kJoints) {
     JointArray q = request.goal_q;
@@ -124,12 +124,12 @@ std::shared_ptr<const MotionCost> PlanRun::makeCost(double eta_clearance) const 
   const PlanOptions& o = set_.options;
   const CostWeights weights{o.eta_length, o.eta_acceleration, eta_clearance, set_.config.clearance_range};
   return std::make_shared<MotionCost>(set_.raven.arms.geometry, arm_, space_, set_.config, weights,
-                                      desk(arm_).checks.clearanceFunction());
+                                      planningOf(arm_).checks.clearanceFunction());
 }
 
 SearchOrder PlanRun::order() {
   const PlanOptions& o = set_.options;
-  ArmServo& own = desk(arm_);
+  ArmPlanning& own = planningOf(arm_);
   SearchOrder order;
   order.task.start = start_;
   order.task.goal = goal_;
@@ -181,7 +181,9 @@ std::vector<UnitState> PlanRun::improve(const std::vector<UnitState>& path) {
   const Stopwatch watch(&statistics_.improvement_time);
   ImprovementTask task;
   task.cost = cost_.get();
-  task.is_edge_free = [this](const UnitState& a, const UnitState& b) { return desk(arm_).checks.isEdgeFree(a, b); };
+  task.is_edge_free = [this](const UnitState& a, const UnitState& b) {
+    return planningOf(arm_).checks.isEdgeFree(a, b);
+  };
   task.stop = [this] { return isOver(); };
   task.attempts = set_.options.improve_attempts;
   task.seed = set_.seed;
@@ -191,15 +193,15 @@ std::vector<UnitState> PlanRun::improve(const std::vector<UnitState>& path) {
 RollOutReport PlanRun::follow(const std::vector<UnitState>& path) {
   RollOutReport report;
   report.free = true;
-  if (desk(arm_).roll_out == nullptr) return report;
+  if (planningOf(arm_).roll_out == nullptr) return report;
   const Stopwatch watch(&statistics_.rollout_time);
   ++statistics_.rollouts;
   count(&set_.progress->rollouts);
   const std::vector<JointArray> waypoints = waypointsOf(path);
   // An anytime planner's path is there only when the time is up: it is followed all the same.
   const bool timeless = set_.options.until_time_limit;
-  report = desk(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
-                                       [&] { return timeless ? set_.is_cancelled() : isOver(); });
+  report = planningOf(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
+                                             [&] { return timeless ? set_.is_cancelled() : isOver(); });
   if (report.broken) throw std::runtime_error("the world of the roll-out gave up");  // it says nothing of the path
   if (report.free && report.tracking_error > set_.config.max_tracking_error) {
     report.free = false;

@@ -14,18 +14,18 @@
 
 namespace raven2_trainer::planning {
 
-/** What belongs to one arm in one scene, from plan to plan. */
-struct ArmServo {
+/** Data of one arm in one scene, kept from plan to plan. */
+struct ArmPlanning {
   ArmChecks checks;
   std::unique_ptr<RollOut> roll_out;  ///< nullptr: paths are not followed
   double free_volume{1.0};            ///< [-] of the unit cube, upper bound
 };
 
-/** What a plan is given. */
+/** Inputs of one plan. */
 struct PlanSetting {
   const model::RavenModel& raven;
   const PlannerConfig& config;
-  PerArm<ArmServo*> desks;
+  PerArm<ArmPlanning*> arms;
   const PlanRequest& request;
   const PlanOptions& options;
   std::uint64_t seed{};
@@ -48,7 +48,7 @@ class PlanRun {
   using Clock = std::chrono::steady_clock;
 
   bool isOver() const { return set_.is_cancelled() || set_.is_late(); }
-  ArmServo& desk(Arm arm) const { return *at(set_.desks, arm); }
+  ArmPlanning& planningOf(Arm arm) const { return *at(set_.arms, arm); }
   const JointArray& startOf(Arm arm) const;
   const JointArray& otherOf(Arm arm) const;
 

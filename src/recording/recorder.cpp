@@ -69,12 +69,11 @@ std::map<std::string, std::string> placesOf(const TrainerConfig& config) {
   return places;
 }
 
-session::HeaderCamera videoCamera(const RenderConfig& render) {
-  session::HeaderCamera camera{render.video_camera, 0.0, 1.0 * render.video_width / render.video_height};
-  for (const CameraConfig& each : render.cameras) {
-    if (each.name == render.video_camera) camera.vertical_fov = each.vertical_fov;
-  }
-  return camera;
+/** The camera that the metric out_of_view asks for (config/render.yaml: the first). */
+session::HeaderCamera scoredCamera(const RenderConfig& render) {
+  if (render.cameras.empty()) return {};
+  const CameraConfig& first = render.cameras.front();
+  return {first.name, first.vertical_fov, 1.0 * render.video_width / render.video_height};
 }
 
 void describeTraining(const TrainerConfig& config, session::LogHeader* header) {
@@ -84,7 +83,7 @@ void describeTraining(const TrainerConfig& config, session::LogHeader* header) {
   header->curriculum = config.curriculum;
   header->motion_scale = config.console.scale;
   header->hand = {config.console.hand_mass, config.console.hand_stiffness, config.console.hand_damping};
-  header->camera = videoCamera(config.render);
+  header->camera = scoredCamera(config.render);
   for (const ExerciseTrack& track : config.exercise.tracks) {
     header->step_names.emplace_back();
     for (const ExerciseStep& step : track.steps)

@@ -23,7 +23,7 @@ std::int64_t frameAt(double seconds, std::int64_t fps) {
 }
 
 template <typename News>
-void tell(const News& news, PlanNews* plans) {
+void addTo(PlanNews* plans, const News& news) {
   if (news.answer) plans->add(news.answer);
   if (news.execution) plans->add(news.execution);
 }
@@ -60,7 +60,9 @@ void FrameTimeline::add(const TickRecord& record) {
   Slot* slot = slotOf(session_tick);
   clock_.add(record.model);
   last_ = std::max(last_, session_tick);
-  if (slot == nullptr || (slot->has_tick && slot->tick.model.session_tick > session_tick)) return;
+  if (slot == nullptr) return;
+  if (const std::uint32_t fault = activeFault(record.model, record.robot); fault != 0) slot->fault = fault;
+  if (slot->has_tick && slot->tick.model.session_tick > session_tick) return;
   slot->tick = record;
   slot->has_tick = true;
 }
@@ -103,19 +105,24 @@ std::vector<Snapshot> FrameTimeline::frames(const std::vector<std::string>& scen
   const std::vector<News> news = sortedNews();
   auto next = news.begin();
   Snapshot newest;
+  std::int64_t fault_until = 0;
   for (std::int64_t i = 0; i < count; ++i) {
+    if (i == fault_until) newest.fault.clear();
     if (static_cast<std::size_t>(i) < slots_.size()) {
       const Slot& slot = slots_[static_cast<std::size_t>(i)];
       if (slot.has_tick) {
         newest.model = slot.tick.model;
         newest.robot = slot.tick.robot;
         newest.contact_W = slot.contact_tick == newest.model.tick ? slot.contact_W : PerArm<Vec3>{};
-        newest.fault = faultName(scenarios, activeFault(newest.model, newest.robot));
+      }
+      if (slot.fault != 0) {
+        newest.fault = faultName(scenarios, slot.fault);
+        fault_until = i + kFaultSeconds * fps_;
       }
       if (slot.haptic.tick >= 0) newest.haptic = slot.haptic;
     }
     for (; next != news.end() && next->tick <= newest.model.tick; ++next)
-      tell(*next, &newest.plans);
+      addTo(&newest.plans, *next);
     out.push_back(newest);
   }
   return out;

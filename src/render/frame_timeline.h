@@ -48,12 +48,16 @@ class FrameTimeline {
   std::int64_t sessionFrames() const noexcept;
 
   static constexpr std::int64_t kMaxFrames = 500'000;  ///< 4.6 hours at 30 Hz, some 3 GB
+  /** [s] Snapshot::fault stays from the last tick in which the fault acted: some act for milliseconds, and are to be
+   * read. */
+  static constexpr std::int64_t kFaultSeconds = 2;
 
  private:
   struct Slot {
     TickRecord tick;
     HapticState haptic;
     bool has_tick{false};
+    std::uint32_t fault{0};  // that acted in any tick of the slot; 0 none
     Tick contact_tick{-1};  // of the newest contacts
     PerArm<Vec3> contact_W{};
   };

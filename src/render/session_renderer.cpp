@@ -82,15 +82,21 @@ std::string nameOf(const std::string& directory) {
   return path.filename().string();
 }
 
-/** In words, for whoever finds the file. */
+std::string insetOf(const SessionRenderOptions& options, const std::string& camera) {
+  if (!options.inset.empty()) return options.inset;
+  return camera == "overview" ? "endoscope" : "overview";
+}
+
+/** In words, for a reader of the file. */
 std::string describe(const VideoContents& contents, const SessionRenderOptions& options, const RenderConfig& render) {
   const double fps = render.video_fps;
   const double from = static_cast<double>(std::llround(std::max(options.from, 0.0) * fps)) / fps;
   std::array<char, 96> span{};
   std::snprintf(span.data(), span.size(), "; %.2f s to %.2f s of the session", from,
                 from + static_cast<double>(contents.count()) / fps);
-  const bool has_inset = options.inset != contents.camera && model::findCamera(render.cameras, options.inset) != nullptr;
-  return "Camera " + contents.camera + (has_inset ? ", in the corner " + options.inset : "") + span.data();
+  const std::string inset = insetOf(options, contents.camera);
+  const bool has_inset = inset != contents.camera && model::findCamera(render.cameras, inset) != nullptr;
+  return "Camera " + contents.camera + (has_inset ? ", in the corner " + inset : "") + span.data();
 }
 
 /** Of an earlier render in this directory: whole ones, and those that a kill has cut. */
@@ -298,7 +304,7 @@ void SessionRenderer::writePictures(const VideoContents& contents,
     fs::remove(picture);
   const std::string pattern = picturePattern(options.output);
   const MakeDrawPart make = [&]() -> DrawPart {
-    const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
+    const auto drawer = std::make_shared<FrameDrawer>(config_, contents, insetOf(options, contents.camera));
     return [&, drawer](std::size_t part, const FrameDone& done) {
       const PartSpan span = contents.span(part);
       VideoWriter pictures(pattern, config_.render, span.first);
@@ -318,7 +324,7 @@ void SessionRenderer::writeVideo(const VideoContents& contents,
   const std::string video = outputOf(options);
   PartStore store(partFolder(video), settings, contents.parts());
   const MakeDrawPart make = [&]() -> DrawPart {
-    const auto drawer = std::make_shared<FrameDrawer>(config_, contents, options.inset);
+    const auto drawer = std::make_shared<FrameDrawer>(config_, contents, insetOf(options, contents.camera));
     return [&, drawer](std::size_t part, const FrameDone& done) {
       VideoWriter draft(store.draft(part), config_.render);
       writeSpan(drawer.get(), contents.span(part), &draft, done);

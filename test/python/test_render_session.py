@@ -124,7 +124,7 @@ def test_the_number_of_processes_changes_nothing(recorded, whole, tmp_path):
 def test_a_video_says_of_which_session_camera_and_span_it_is(whole):
     tags = probe(whole[0], "-show_format")["format"]["tags"]
     assert tags["title"] == "a session"
-    assert tags["description"] == f"Camera overview, in the corner endoscope; 0.00 s to {SECONDS:.2f} s of the session"
+    assert tags["description"] == f"Camera endoscope, in the corner overview; 0.00 s to {SECONDS:.2f} s of the session"
     assert tags["comment"].startswith("raven2_trainer settings ")
 
 

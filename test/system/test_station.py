@@ -4,6 +4,7 @@ import asyncio
 import json
 import os
 import random
+import shutil
 import subprocess
 import sys
 import time
@@ -17,6 +18,7 @@ from station_rig import Page, Station
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
+from raven2_station import access  # noqa: E402
 
 DEMONSTRATION = {"exercise": "pick_hand_over_place", "driver": "expert", "trainee": "ann", "seed": 1}
 
@@ -145,20 +147,24 @@ async def drive(page, count, pedal=True, move=(0, 0, 0)):
         await asyncio.sleep(0.016)
 
 
-def test_a_killed_station_finds_its_session_again(station):
+def test_a_killed_station_finds_its_session_again_within_3_s(station):
     async def scenario():
         async with Page(station.url) as page:
             await start(page, exercise="none", hazard="none", driver="scripted")
             await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
-        programs = station.programs()
-        station.kill()
-        time.sleep(0.5)
-        assert station.programs() == programs, "the session goes on"
-        begun = time.monotonic()
-        station.start()
+        programs, took = station.programs(), []
+        while len(took) < 3 and min(took, default=9.0) > 3.0:  # a busy machine may start Python late
+            station.kill()
+            time.sleep(0.5)
+            assert station.programs() == programs, "the session goes on"
+            begun = time.monotonic()
+            station.start()
+            async with Page(station.url) as page:
+                await page.until(lambda: page.mode() is not None and page.phase() == "running", 10, "the session is found again")
+                took.append(time.monotonic() - begun)
+        assert min(took) <= 3.0, took
         async with Page(station.url) as page:
-            await page.until(lambda: page.mode() is not None and page.phase() == "running", 10, "the session is found again")
-            assert time.monotonic() - begun < 10.0
+            await page.until(lambda: page.phase() == "running", 5, "it runs still")
             await stop(page)
         assert station.programs() == {}
     run(scenario())
@@ -223,16 +229,21 @@ def test_a_trainer_of_a_launch_file_is_used_and_not_doubled(station):
             program.wait()
 
 
-def test_a_killed_daemon_and_a_killed_master_are_named_and_over_by_themselves(station):
+def test_what_is_killed_is_named_within_2_s_and_over_by_itself(station):
     async def scenario():
         async with Page(station.url) as page:
             await start(page, exercise="none", hazard="none", driver="scripted")
             await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
-            os.kill(station.programs()["simulator"], 9)
-            await page.until(lambda: page.phase() == "idle" and page.newest["health"]["level"] == 2, 15, "a killed daemon is named")
-            assert "simulator" in page.newest["station"]["trouble"]
+            for program in ("virtual_raven", "simulator"):
+                os.kill(station.programs()[program], 9)
+                await page.until(lambda: page.newest["health"]["level"] == 2, 2, "it is named")
+                assert program in page.newest["station"]["trouble"]
+                await page.until(lambda: page.phase() == "idle", 15, "the session has ended")
+                if program == "virtual_raven":
+                    await start(page, exercise="none", hazard="none", driver="scripted")
+                    await page.until(lambda: page.mode() == "teleoperating", 20, "the next session moves")
             station.master.kill()
-            await page.until(lambda: "No ROS master" in page.newest["health"]["text"], 4, "a killed master is named")
+            await page.until(lambda: "No ROS master" in page.newest["health"]["text"], 2, "a killed master is named")
             assert not (await page.ask("emergency-stop"))["ok"]
             station.master.start()
             await page.until(lambda: page.newest["station"]["ros"], 10, "the master that came back is used")
@@ -275,6 +286,42 @@ def test_answers_carry_the_headers_and_foreign_names_are_sent_away(station):
                 assert answer.status == 421
             async with http.get(station.url + "/sessions/x/report.html", cookies={}) as answer:
                 assert answer.status in (403, 404)
+    run(scenario())
+
+
+@pytest.fixture
+def guarded(tmp_path):
+    """Open to other computers: password and TLS."""
+    if not shutil.which("openssl"):
+        pytest.skip("openssl is not installed")
+    key, certificate, password = (tmp_path / name for name in ("key.pem", "certificate.pem", "password"))
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj",
+                    "/CN=localhost", "-keyout", key, "-out", certificate], check=True, capture_output=True)
+    password.write_text(access.make_hash("operating room 3"))
+    password.chmod(0o600)
+    with Station("--bind", "0.0.0.0", "--password-file", str(password), "--tls-certificate", str(certificate), "--tls-key", str(key)) as started:
+        yield started
+
+
+def test_other_computers_need_the_password(guarded):
+    url = guarded.url.replace("http:", "https:")
+
+    async def scenario():
+        async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(), connector=aiohttp.TCPConnector(ssl=False)) as http:
+            async def refused(path):
+                async with http.get(url + path) as answer:
+                    return answer.status == 403
+            async with http.get(url + "/") as answer:
+                assert "password" in await answer.text() and not answer.cookies
+            assert await refused("/ws?page=instructor") and await refused("/class.csv") and await refused("/sessions/x/report.html")
+            for given, origin, status in (("wrong", url, 403), ("operating room 3", "https://evil.example", 403), ("operating room 3", url, 303)):
+                async with http.post(url + "/login", data={"password": given}, headers={"Origin": origin}, allow_redirects=False) as answer:
+                    assert answer.status == status, given
+            assert answer.cookies["raven2_station"]["secure"] and answer.cookies["raven2_station"]["httponly"]
+            async with http.get(url + "/") as answer:
+                assert "Emergency stop" in await answer.text()
+            async with http.ws_connect(url + "/ws?page=instructor", origin=url) as socket:
+                assert json.loads((await socket.receive()).data)["t"] == "hello"
     run(scenario())
 
 

@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import tarfile
 import tempfile
 import time
 
@@ -122,9 +124,9 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
     assert len([n for n in os.listdir(station.sessions) if n.endswith(("_ann", "_bea"))]) == 2
 
 
-def tip(station):
-    """[m] of the gold arm's tip in the world, from the daemon's own topic."""
-    text = station.master.run("rostopic", "echo", "-n", "1", "-p", "/arm1/measured_cp", seconds=20).stdout.splitlines()
+def tip(station, arm="arm1"):
+    """[m] of an arm's tip in the world, from the daemon's own topic."""
+    text = station.master.run("rostopic", "echo", "-n", "1", "-p", f"/{arm}/measured_cp", seconds=20).stdout.splitlines()
     values = dict(zip(text[0].split(","), text[1].split(",")))
     return [float(values[f"field.pose.position.{axis}"]) for axis in "xyz"]
 
@@ -169,6 +171,62 @@ def test_pages_fit_their_window(browser, path, width):
     for element in browser.driver.find_elements(By.CSS_SELECTOR, "button, input, select"):
         label = element.accessible_name
         assert label or not element.is_displayed(), element.get_attribute("outerHTML")
+
+
+AXE = "axe-core@4.10.2"  # of the npm registry; not shipped
+
+
+@pytest.fixture(scope="module")
+def axe(tmp_path_factory):
+    """The source of axe-core, whose rules say whether a page can be used by everybody."""
+    if not shutil.which("npm"):
+        pytest.skip("npm is not installed: no axe-core")
+    folder = tmp_path_factory.mktemp("axe")
+    try:
+        subprocess.run(["npm", "pack", "--silent", AXE], cwd=folder, check=True, capture_output=True, timeout=30)
+    except (subprocess.SubprocessError, OSError):
+        pytest.skip(f"{AXE} cannot be had from the npm registry")
+    with tarfile.open(next(folder.glob("*.tgz"))) as archive:
+        return archive.extractfile("package/axe.min.js").read().decode()
+
+
+@pytest.mark.parametrize("path", ["/", "/trainee"])
+def test_pages_keep_the_rules_of_axe(browser, axe, path):
+    browser.open(path)
+    browser.driver.execute_script(axe + "; window.axe = axe;")
+    found = browser.driver.execute_async_script("const done = arguments[arguments.length - 1]; axe.run(document).then((r) => done(r.violations));")
+    assert [(each["id"], each["help"], each["nodes"][0]["html"]) for each in found] == []
+
+
+PAD = """
+const buttons = Array.from({length: 17}, () => ({pressed: false, value: 0}));
+window.pad = {connected: true, id: "test pad", axes: [0, 0, 0, 0], buttons};
+navigator.getGamepads = () => [window.pad];
+"""
+
+
+def test_a_gamepad_moves_both_arms(station, browser):
+    browser.open()
+    browser.choose(exercise="none", hazard="none", driver="browser", trainee="")
+    browser.click("start")
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
+    browser.driver.switch_to.new_window("window")
+    browser.open("/trainee")
+    browser.driver.execute_script(PAD)
+    browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+    browser.click("drive")
+    time.sleep(0.4)  # the console watches a device for 0.2 s before its pedal counts
+    before = [tip(station, arm) for arm in ("arm1", "arm2")]
+    browser.driver.execute_script("pad.buttons[4].pressed = true")
+    browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the shoulder button is the pedal")
+    browser.driver.execute_script("pad.axes = [0.6, 0, -0.6, 0]")
+    time.sleep(1.0)
+    browser.driver.execute_script("pad.axes = [0, 0, 0, 0]; pad.buttons[4].pressed = false")
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "the pedal is up")
+    gold, green = ([1e3 * (a - b) for a, b in zip(tip(station, arm), old)] for arm, old in zip(("arm1", "arm2"), before))
+    assert gold[1] < -5.0 and green[1] > 5.0, f"gold right, green left: {gold}, {green} mm"
+    browser.driver.switch_to.window(browser.driver.window_handles[0])
+    end(browser)
 
 
 def test_the_keyboard_alone_is_enough(browser):

@@ -54,9 +54,10 @@ class DeviceWatch {
  * Hands on one or two real devices, or on a gamepad. The pedal counts from a press on that meets nothing wrong: a
  * device that goes silent, jumps or leaves its workspace lifts it, and it has to be released and pressed again.
  * A hand starts at its first pose from the press on: what it did before that moves nothing, however late it is
- * reported. Poses that come slower than 1 kHz are gone to within the time between them, at most 20 ms, and in steps of
- * which each fits into a packet at config.scale. Jaws move, at config.jaw_speed, only while engaged; what a finger does
- * meanwhile they catch up with. `link` must outlive it. Its tick() is real-time safe.
+ * reported. Poses that come slower than 1 kHz are gone to within the time between them (the usual time for one that
+ * comes early), at most 20 ms, and in steps of which each fits into a packet at config.scale. Jaws move, at
+ * config.jaw_speed, only while engaged; what a finger does meanwhile they catch up with. `link` must outlive it. Its
+ * tick() is real-time safe.
  * @param[in] jaws [rad] opening of each arm's jaws at the start.
  */
 std::unique_ptr<MotionSource> makeDeviceSurgeon(const MasterConfig& config,

@@ -16,7 +16,9 @@ namespace raven2_trainer::render {
 /** What to make of a recorded session. */
 struct SessionRenderOptions {
   std::string camera;                  ///< of render.yaml; empty: the video camera
-  std::string inset{"endoscope"};      ///< camera of the small picture in the corner; "none" or unknown: left out
+  /** Camera of the small picture in the corner; "none" or unknown: left out; empty: overview, or endoscope in its
+   * picture. */
+  std::string inset;
   double from{0.0};                    ///< [s] session time of the first frame
   double to{-1.0};                     ///< [s] end; negative: the session's
   std::string output;                  ///< FILE.mp4, or a directory for PNG pictures; empty: video.mp4 of the session

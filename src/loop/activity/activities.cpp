@@ -154,7 +154,8 @@ void Activities::watchPedal() noexcept {
   raise(Event::kPedalReleased);
 }
 
-/** A pedal-down has to wait until the model is back on the robot, and sets it on its way if it is not yet. */
+/** A pedal-down has to wait until the model is back on the robot. If the model is not on its path there yet, it starts.
+ */
 bool Activities::waitsForReturn() noexcept {
   if (stage_.mustReturn()) raise(Event::kReturnWanted);
   return stage_.mode() == Mode::kReturning;
@@ -169,10 +170,10 @@ void Activities::disengage() noexcept {
 void Activities::loseTime() noexcept {
   stage_.robot.unlink();
   raise(Event::kTimeSlip);
-  planning_.desk().forget();
+  planning_.store().forget();
 }
 
-// ---- what is told ------------------------------------------------------------------------------------------------
+// ---- what is published --------------------------------------------------------------------------------------------
 
 bool Activities::leadsToTeleoperation() const noexcept {
   const Mode mode = stage_.mode();
@@ -181,11 +182,11 @@ bool Activities::leadsToTeleoperation() const noexcept {
 }
 
 void Activities::describe(ModelState* state) noexcept {
-  state->planning = trial_.desk().overlay(planning_.desk().state());
+  state->planning = trial_.store().overlay(planning_.store().state());
   stage_.answers.show(&state->planning);
-  state->guide_plan = planning_.desk().guidePlan();
+  state->guide_plan = planning_.store().guidePlan();
   trial_.keep();
-  state->trial_ticks = trial_.desk().ticks();
+  state->trial_ticks = trial_.store().ticks();
   state->camera = camera_.state();
   state->pedals = state->mode == Mode::kCameraMoving ? bit(Pedal::kCamera) : 0;
   if (state->mode == Mode::kReplaying) state->bodies = replay_.shown().bodies_W;

@@ -42,9 +42,9 @@ class Activities final : public ModeMachine {
   void disengage() noexcept;
   /** Simulated time was given up. */
   void loseTime() noexcept;
-  /** What is told of them at the end of a tick. */
+  /** Writes their part of the state at the end of a tick. */
   void describe(ModelState* state) noexcept;
-  /** What happens now will be undone. */
+  /** Whether everything now will be undone. */
   bool rehearses() const noexcept { return trial_.rehearses(); }
   /** A pedal-down leads to teleoperation, now or once the robot is ready. */
   bool leadsToTeleoperation() const noexcept;

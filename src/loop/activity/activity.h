@@ -13,11 +13,12 @@ class Activity {
  public:
   virtual ~Activity() = default;
 
-  /** The mode became one of its own, from `before`. Model and robot are linked by then, or not. */
+  /** The mode changed to one of this activity, from `before`. Model and robot may be linked or not. */
   virtual void enter(Mode before) noexcept;
-  /** The mode, one of its own, becomes `next`. */
+  /** The mode changes from one of this activity to `next`. */
   virtual void leave(Mode next) noexcept;
-  /** Any mode becomes `next`, whoever is at work: what it keeps over several modes may be kept no longer. */
+  /** Any mode becomes `next`, also outside this activity: it may have to drop state that it keeps over several modes.
+   */
   virtual void settle(Mode next, control::Event event) noexcept;
 
   /** On what the tick before led to: it may be over. */
@@ -25,7 +26,7 @@ class Activity {
   /** The pedal goes down. @return whether that counts. */
   virtual bool press() noexcept;
   virtual void release() noexcept;
-  /** What the hands moved moves something, or nothing. */
+  /** Uses this tick's motion of the hands, or ignores it. */
   virtual void tick() noexcept;
   /** The world goes on by one step. */
   virtual void move() noexcept;
@@ -35,7 +36,7 @@ class Activity {
  protected:
   explicit Activity(Stage* stage) noexcept : stage_(*stage) {}
 
-  /** What the controllers are asked for [rad; m], where that is not what the arms shall be at. */
+  /** The controllers' set points [rad; m], where they differ from where the arms shall be. */
   virtual void lead(PerArm<JointArray>* target) noexcept;
   void followRobot(PerArm<JointArray>* target) noexcept;
   /** The hands move both arms. */

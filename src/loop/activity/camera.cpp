@@ -5,7 +5,7 @@ namespace {
 
 using control::Event;
 
-/** What releasing the camera's pedal leads back to. */
+/** The event by which releasing the camera's pedal goes back to mode `from`. */
 Event cameraLeft(Mode from) noexcept {
   switch (from) {
     case Mode::kSimulating:

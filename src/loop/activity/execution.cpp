@@ -25,7 +25,7 @@ ExecutionEnd endBy(Event event) noexcept {
 /** On the robot, or on the start of the path where there is no robot. */
 void PlanExecution::place(Mode before) noexcept {
   if (stage_.robot.isThere()) return stage_.arms.join(stage_.robot.joints());
-  if (before == Mode::kTracking) stage_.arms.world().setJointState(arm(), desk_.plan().waypoints[0], JointArray{});
+  if (before == Mode::kTracking) stage_.arms.world().setJointState(arm(), store_.plan().waypoints[0], JointArray{});
 }
 
 /** Since the plan was asked for. After a path was shown the model's arm is put back to where it starts. */
@@ -34,25 +34,26 @@ bool PlanExecution::hasMoved() noexcept {
   for (const Arm each : kArms) {
     const bool was_shown = stage_.mode() == Mode::kTracking && each == arm();
     if (was_shown && !has_robot) continue;
-    if (desk_.hasMoved(each, has_robot ? at(stage_.robot.state().arms, each).q : stage_.arms.joints(each))) return true;
+    if (store_.hasMoved(each, has_robot ? at(stage_.robot.state().arms, each).q : stage_.arms.joints(each)))
+      return true;
   }
   return false;
 }
 
 void PlanExecution::begin() noexcept {
   lead_ = stage_.arms.joints(arm());
-  desk_.begin(lead_, stage_.thisTick());
+  store_.begin(lead_, stage_.thisTick());
   if (stage_.config.execution.drive == ExecutionDrive::kOpenLoop) stage_.arms.driver().openLoop(arm());
 }
 
 bool PlanExecution::advance(bool may_move) noexcept {
-  const control::JointTarget& target = desk_.advance(may_move);
+  const control::JointTarget& target = store_.advance(may_move);
   stage_.arms.wantOnPath(arm(), target.q);
   if (!may_move) return false;  // both go on to what they were asked for last
   const ModelDriver& driver = stage_.arms.driver();
   lead_ = driver.leading(arm(), {at(stage_.arms.wanted(), arm()), target.dq});
   if (!stage_.robot.isLinked()) return false;
-  const control::TipIncrement increment = desk_.increment(driver.leading(arm(), target));
+  const control::TipIncrement increment = store_.increment(driver.leading(arm(), target));
   at(stage_.increments.dp_I, arm()) = increment.dp_I;
   at(stage_.increments.dq_I, arm()) = increment.dq_I;
   return true;
@@ -61,18 +62,18 @@ bool PlanExecution::advance(bool may_move) noexcept {
 // ---- a trial's repetition ----------------------------------------------------------------------------------------
 
 void TrialRepetition::begin() noexcept {
-  desk_.begin(stage_.arms.wanted(), stage_.thisTick());
+  store_.begin(stage_.arms.wanted(), stage_.thisTick());
 }
 
 bool TrialRepetition::advance(bool may_move) noexcept {
-  stage_.arms.want(desk_.advance(may_move));
+  stage_.arms.want(store_.advance(may_move));
   stage_.arms.takeOpenings(stage_.arms.wanted());
   if (!may_move || !stage_.robot.isLinked()) return false;
   for (const Arm arm : kArms) {
-    const control::TipIncrement increment = desk_.tipIncrement(arm);
+    const control::TipIncrement increment = store_.tipIncrement(arm);
     at(stage_.increments.dp_I, arm) = increment.dp_I;
     at(stage_.increments.dq_I, arm) = increment.dq_I;
-    at(stage_.increments.dgrasp, arm) = desk_.graspIncrement(arm);
+    at(stage_.increments.dgrasp, arm) = store_.graspIncrement(arm);
   }
   return true;
 }
@@ -82,9 +83,9 @@ bool TrialRepetition::advance(bool may_move) noexcept {
 Execution::Execution(Planning* planning, Trial* trial, Stage* stage) noexcept
     : Activity(stage),
       planning_(*planning),
-      trial_(trial->desk()),
-      plan_(&planning->desk(), stage),
-      repetition_(&trial->desk(), stage) {}
+      trial_(trial->store()),
+      plan_(&planning->store(), stage),
+      repetition_(&trial->store(), stage) {}
 
 PlanningAnswer Execution::request(const Request& request) noexcept {
   if (request.kind == RequestKind::kExecutePlan) return arm(request);
@@ -95,11 +96,11 @@ PlanningAnswer Execution::request(const Request& request) noexcept {
 PlanningAnswer Execution::arm(const Request& request) noexcept {
   const bool may_arm = mode() != control::nextMode(mode(), Event::kPlanArmed) && stage_.pedal.isUp();
   if (!may_arm) return PlanningAnswer::kNotNow;
-  const PlanningAnswer answer = planning_.desk().check(request, stage_.robotJoins());
+  const PlanningAnswer answer = planning_.store().check(request, stage_.robotJoins());
   if (answer != PlanningAnswer::kAccepted) return answer;
   if (plan_.hasMoved()) return PlanningAnswer::kMoved;
   raise(Event::kPlanArmed);
-  planning_.desk().arm(request);
+  planning_.store().arm(request);
   return answer;
 }
 
@@ -143,8 +144,7 @@ void Execution::supervise() noexcept {
 
 void Execution::superviseMotion() noexcept {
   const RobotTie& robot = stage_.robot;
-  // A robot that took increments and takes none now went to PEDAL_UP by itself: to go on from where it stands takes a
-  // new pedal-down.
+  // A robot that took increments and takes no more went to PEDAL_UP by itself. It needs a new pedal-down to go on.
   const bool is_lost = (movesRobot() && !robot.isLinked()) || (robot.isLinked() && robot_took_ && !robot.applies());
   const ExecutionEnd end = is_lost ? ExecutionEnd::kRobotLost : current().supervise();
   if (end != ExecutionEnd::kNone) finish(end);
@@ -180,13 +180,13 @@ void Execution::cancelAll() noexcept {
   planning_.stopShowing();
   if (mode() == Mode::kReturning) repetition_.end(ExecutionEnd::kCancelled);
   raise(Event::kPlanCancelled);
-  planning_.desk().forget();
+  planning_.store().forget();
 }
 
 void Execution::loseRobot() noexcept {
   endBoth(ExecutionEnd::kRobotLost);
   raise(Event::kPlanCancelled);
-  planning_.desk().forget();
+  planning_.store().forget();
 }
 
 }  // namespace raven2_trainer::loop

@@ -5,20 +5,20 @@
 
 namespace raven2_trainer::loop {
 
-/** What can be armed, and moves the arms while the pedal is held. */
+/** A plan or a recorded trial: it can be armed, and moves the arms while the pedal is held. */
 class Executable {
  public:
   virtual ~Executable() = default;
 
   virtual bool movesRobot() const noexcept = 0;
-  /** An arm no longer stands where it began. */
+  /** An arm is no longer where it began. */
   virtual bool hasMoved() noexcept = 0;
   /** A tick of waiting for the pedal. @return false once it was waited for too long. */
   virtual bool waitForPedal() noexcept = 0;
   virtual void begin() noexcept = 0;
   /** The robot does not take increments yet: what it is sent starts from where it is. */
   virtual void followRobot() noexcept = 0;
-  /** What both are asked for in this tick. @return whether the robot was sent a piece of it. */
+  /** Computes the set points of this tick for both. @return whether the robot was sent a part of it. */
   virtual bool advance(bool may_move) noexcept = 0;
   virtual void lead(PerArm<JointArray>* target) noexcept = 0;
   /** After a tick of executing. @return why it ends; kNone if it does not. */
@@ -33,26 +33,26 @@ class Executable {
  *  stay together. */
 class PlanExecution final : public Executable {
  public:
-  PlanExecution(PlanStore* desk, Stage* stage) noexcept : desk_(*desk), stage_(*stage) {}
+  PlanExecution(PlanStore* store, Stage* stage) noexcept : store_(*store), stage_(*stage) {}
 
-  /** The model stands where the path starts. @param[in] before the mode before it was armed. */
+  /** Puts the model where the path starts. @param[in] before the mode before it was armed. */
   void place(Mode before) noexcept;
 
-  bool movesRobot() const noexcept override { return desk_.state().on_robot != 0; }
+  bool movesRobot() const noexcept override { return store_.state().on_robot != 0; }
   bool hasMoved() noexcept override;
-  bool waitForPedal() noexcept override { return desk_.waitForPedal(); }
+  bool waitForPedal() noexcept override { return store_.waitForPedal(); }
   void begin() noexcept override;
-  void followRobot() noexcept override { desk_.follow(at(stage_.robot.state().arms, arm()).q); }
+  void followRobot() noexcept override { store_.follow(at(stage_.robot.state().arms, arm()).q); }
   bool advance(bool may_move) noexcept override;
   void lead(PerArm<JointArray>* target) noexcept override { at(*target, arm()) = lead_; }
-  ExecutionEnd supervise() noexcept override { return desk_.supervise(stage_.state, stage_.robot.state()); }
-  void end(ExecutionEnd end) noexcept override { desk_.end(end, stage_.thisTick()); }
+  ExecutionEnd supervise() noexcept override { return store_.supervise(stage_.state, stage_.robot.state()); }
+  void end(ExecutionEnd end) noexcept override { store_.end(end, stage_.thisTick()); }
   control::Event endedAlone() const noexcept override { return control::Event::kTrialEnded; }
 
  private:
-  Arm arm() const noexcept { return desk_.plan().arm; }
+  Arm arm() const noexcept { return store_.plan().arm; }
 
-  PlanStore& desk_;
+  PlanStore& store_;
   Stage& stage_;
   JointArray lead_{};  ///< [rad; m] what the arm on its path is asked for
 };
@@ -61,22 +61,22 @@ class PlanExecution final : public Executable {
  *  did then, so the tips are where they were, when they were. */
 class TrialRepetition final : public Executable {
  public:
-  TrialRepetition(TrialStore* desk, Stage* stage) noexcept : desk_(*desk), stage_(*stage) {}
+  TrialRepetition(TrialStore* store, Stage* stage) noexcept : store_(*store), stage_(*stage) {}
 
-  bool movesRobot() const noexcept override { return desk_.onRobot(); }
-  bool hasMoved() noexcept override { return stage_.robot.isThere() && desk_.hasMoved(stage_.robot.joints()); }
-  bool waitForPedal() noexcept override { return desk_.waitForPedal(); }
+  bool movesRobot() const noexcept override { return store_.onRobot(); }
+  bool hasMoved() noexcept override { return stage_.robot.isThere() && store_.hasMoved(stage_.robot.joints()); }
+  bool waitForPedal() noexcept override { return store_.waitForPedal(); }
   void begin() noexcept override;
-  void followRobot() noexcept override { desk_.follow(stage_.robot.state().arms); }
+  void followRobot() noexcept override { store_.follow(stage_.robot.state().arms); }
   bool advance(bool may_move) noexcept override;
   void lead(PerArm<JointArray>* /*target*/) noexcept override {}
-  ExecutionEnd supervise() noexcept override { return desk_.supervise(stage_.state, stage_.robot.state()); }
-  void end(ExecutionEnd end) noexcept override { desk_.end(end, stage_.thisTick()); }
+  ExecutionEnd supervise() noexcept override { return store_.supervise(stage_.state, stage_.robot.state()); }
+  void end(ExecutionEnd end) noexcept override { store_.end(end, stage_.thisTick()); }
   /** It can be repeated again. */
   control::Event endedAlone() const noexcept override { return control::Event::kRepeatShown; }
 
  private:
-  TrialStore& desk_;
+  TrialStore& store_;
   Stage& stage_;
 };
 
@@ -89,7 +89,7 @@ class Execution final : public Activity {
  public:
   Execution(Planning* planning, Trial* trial, Stage* stage) noexcept;
 
-  /** What is armed or executed moves the robot. */
+  /** Whether the armed or executed one moves the robot. */
   bool movesRobot() const noexcept { return current().movesRobot(); }
   /** A trial's repetition is under way, from when it was asked for. */
   bool repeats() const noexcept { return trial_.isUnderWay(); }

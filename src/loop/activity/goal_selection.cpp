@@ -17,11 +17,11 @@ PlanningAnswer GoalSelection::request(const Request& request) noexcept {
 
 PlanningAnswer GoalSelection::begin(Arm arm) noexcept {
   if (stage_.mayBegin()) raise(Event::kGoalWanted);
-  PlanStore& desk = planning_.desk();
-  if (mode() != Mode::kChoosing || desk.state().status == PlanningStatus::kChoosing) return PlanningAnswer::kNotNow;
+  PlanStore& store = planning_.store();
+  if (mode() != Mode::kChoosing || store.state().status == PlanningStatus::kChoosing) return PlanningAnswer::kNotNow;
   JointArray q{}, dq{};
   stage_.arms.world().jointState(arm, &q, &dq);
-  desk.choose(arm, q, dq);
+  store.choose(arm, q, dq);
   return PlanningAnswer::kAccepted;
 }
 
@@ -57,8 +57,8 @@ void GoalSelection::move() noexcept {
 
 /** Back from where choosing led it. */
 void GoalSelection::leave(Mode /*next*/) noexcept {
-  const PlanStore& desk = planning_.desk();
-  stage_.arms.world().setJointState(arm(), desk.chosenFrom(), desk.ratesBefore());
+  const PlanStore& store = planning_.store();
+  stage_.arms.world().setJointState(arm(), store.chosenFrom(), store.ratesBefore());
 }
 
 }  // namespace raven2_trainer::loop

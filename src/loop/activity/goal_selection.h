@@ -4,8 +4,8 @@
 
 namespace raven2_trainer::loop {
 
-/** The surgeon shows a plan's goal: the world stands still but for the arm that the hands move, kinematically; what the
- *  jaws hold stays where it is, and the arm comes back to it. */
+/** The surgeon shows a plan's goal. The hands move one arm, kinematically; everything else in the world keeps its
+ * place. An object in the jaws stays where it is, and the arm comes back to it. */
 class GoalSelection final : public Activity {
  public:
   GoalSelection(Planning* planning, Stage* stage) noexcept : Activity(stage), planning_(*planning) {}
@@ -19,7 +19,7 @@ class GoalSelection final : public Activity {
   PlanningAnswer begin(Arm arm) noexcept;
   PlanningAnswer record(Request request) noexcept;
   PlanningAnswer end() noexcept;
-  Arm arm() const noexcept { return planning_.desk().state().arm; }
+  Arm arm() const noexcept { return planning_.store().state().arm; }
 
   Planning& planning_;
 };

@@ -13,12 +13,12 @@ double speed(const Vec3& v) noexcept {
   return toEigen(v).norm();
 }
 
-PlanRequest toPlanRequest(const Request& request, const PerArm<JointArray>& standing) noexcept {
+PlanRequest toPlanRequest(const Request& request, const PerArm<JointArray>& now) noexcept {
   PlanRequest plan;
   plan.id = request.id;
   plan.arm = request.arm;
-  plan.start = at(standing, request.arm);
-  plan.other = standing[1 - index(request.arm)];
+  plan.start = at(now, request.arm);
+  plan.other = now[1 - index(request.arm)];
   plan.choose_arm = request.choose_arm;
   plan.goal = request.goal;
   plan.goal_W = request.goal_W;
@@ -54,15 +54,15 @@ void PlanStore::choose(Arm arm, const JointArray& q, const JointArray& dq) noexc
   chosen_dq_ = dq;
 }
 
-void PlanStore::ask(const Request& request, const PerArm<JointArray>& standing, Tick tick) noexcept {
+void PlanStore::ask(const Request& request, const PerArm<JointArray>& now, Tick tick) noexcept {
   forget();
-  PlanRequest plan = toPlanRequest(request, standing);
+  PlanRequest plan = toPlanRequest(request, now);
   plan.requested_tick = tick;
   plan.serial = ++serial_;
   planCancelled(&shared_, serial_).store(false);
   shared_.plan_requests.tryPush(plan);
   ++plans_under_way_;
-  standing_ = standing;
+  at_request_ = now;
   state_.status = PlanningStatus::kPlanning;
   state_.arm = request.arm;
   state_.plan = request.id;
@@ -113,15 +113,15 @@ PlanningAnswer PlanStore::check(const Request& request, bool robot_joins) const 
 }
 
 bool PlanStore::hasMoved(Arm arm, const JointArray& q) noexcept {
-  if (!isNear(q, at(standing_, arm))) return true;
-  if (arm != plan_.arm) return !(tipDistance(arm, q, at(standing_, arm)) <= plan_.clearance);
+  if (!isNear(q, at(at_request_, arm))) return true;
+  if (arm != plan_.arm) return !(tipDistance(arm, q, at(at_request_, arm)) <= plan_.clearance);
   return !isNear(q, plan_.waypoints[0]) || !isWayFree(q);  // whatever was noted of the arms
 }
 
 /** From there to where the path starts, some millimetres: in steps that no wire is thinner than. */
 bool PlanStore::isWayFree(const JointArray& from) noexcept {
   constexpr int kSteps = 8;
-  const JointArray& other = at(standing_, otherArm(plan_.arm));
+  const JointArray& other = at(at_request_, otherArm(plan_.arm));
   for (int i = 0; i < kSteps; ++i) {
     JointArray q = from;
     for (std::size_t j = 0; j < kJointCount; ++j)
@@ -196,7 +196,7 @@ void PlanStore::end(ExecutionEnd end, Tick tick) noexcept {
   const bool robot_moved = state_.on_robot != 0 && report.started >= 0;
   state_.on_robot = 0;
   state_.status = PlanningStatus::kReady;
-  if (robot_moved) forget();  // it no longer stands where the plan starts
+  if (robot_moved) forget();  // it is no longer where the plan starts
 }
 
 }  // namespace raven2_trainer::loop

@@ -13,8 +13,8 @@
 namespace raven2_trainer::loop {
 
 /**
- * What is asked of the planner, what it answered and what becomes of the answer: the physics loop's memory between a
- * request and the end of an execution. Knows no modes and moves nothing: the loop asks it and raises the events.
+ * Requests to the planner, its answers and their execution: the physics loop's memory between a request and the end of
+ * an execution. Knows no modes and moves nothing: the loop asks it and raises the events.
  *
  * A plan that succeeded is kept until another is wanted, it is cancelled, the robot executed it or was lost, an E-stop
  * or a time slip. All methods are real-time safe; one thread.
@@ -40,9 +40,9 @@ class PlanStore {
 
   /** As many are under way as the rings hold. */
   bool isFull() const noexcept { return plans_under_way_ >= kMaxPlansUnderWay; }
-  /** @param[in] standing [rad; m] both arms. @param[in] tick in which it is asked for. */
-  void ask(const Request& request, const PerArm<JointArray>& standing, Tick tick) noexcept;
-  /** Notes for the record that a request got no plan; who asked learns it from answer(). An earlier plan stays. */
+  /** @param[in] now [rad; m] both arms. @param[in] tick in which it is asked for. */
+  void ask(const Request& request, const PerArm<JointArray>& now, Tick tick) noexcept;
+  /** Notes for the record that a request got no plan; the client learns it from answer(). An earlier plan stays. */
   void refuse(std::uint32_t id, Tick tick) noexcept;
   /** An answer came. @return it, cancelled if nobody waits for it any more; what was awaited is kept if it succeeded.
    */
@@ -56,20 +56,20 @@ class PlanStore {
   /** @return why the plan that is kept cannot be executed; kAccepted if it can. @param[in] robot_joins [-] the robot is
    *  there to follow. */
   PlanningAnswer check(const Request& request, bool robot_joins) const noexcept;
-  /** An arm is farther from where it stood when the plan was asked for than start_tolerance; the arm that moves, with
-   *  something between it and the start of the path; the other one, by more than the path keeps away from it.
+  /** Whether an arm has moved since the plan was requested. For the arm of the plan: farther than start_tolerance, or
+   * with an obstacle between it and the start of the path. For the other arm: farther than the path keeps away from it.
    *  @param[in] q [rad; m]. */
   bool hasMoved(Arm arm, const JointArray& q) noexcept;
   void arm(const Request& request) noexcept;
   /** A tick of waiting for the pedal. @return false once it was waited for too long. */
   bool waitForPedal() noexcept;
-  /** The pedal is down. @param[in] from [rad; m] where the model's arm stands. */
+  /** The pedal is down. @param[in] from [rad; m] the model's arm. */
   void begin(const JointArray& from, Tick tick) noexcept;
   /** The robot's joints [rad; m] before it applies increments: the relay starts from there. */
   void follow(const JointArray& robot_q) noexcept { relay_.start(plan_.arm, robot_q); }
   /** Where the arm shall be in this tick, and how fast it shall move there. */
   const control::JointTarget& advance(bool may_move) noexcept;
-  /** What the robot is sent for this tick to be asked for the joints `q` [rad; m]. */
+  /** The increment for the robot in this tick, to the joints `q` [rad; m]. */
   control::TipIncrement increment(const JointArray& q) noexcept { return relay_.advance(q); }
   /** After a tick of executing. @return why it ends; kNone if it does not. */
   ExecutionEnd supervise(const ModelState& model, const RobotState& robot) noexcept;
@@ -95,9 +95,9 @@ class PlanStore {
   JointArray chosen_q_{}, chosen_dq_{};
   PlanResult plan_{};              ///< that is kept
   PlanResult newest_{};            ///< newest answer
-  PerArm<JointArray> standing_{};  ///< where the arms stood when plan_ was asked for
+  PerArm<JointArray> at_request_{};  ///< [rad; m] the arms when plan_ was requested
   std::uint32_t serial_{0};
-  std::uint32_t plans_under_way_{0};  ///< asked for and not answered yet, cancelled ones included
+  std::uint32_t plans_under_way_{0};  ///< requested and not answered yet, cancelled ones included
   bool under_way_{false};
   Tick armed_ticks_{0};
 };

@@ -8,19 +8,19 @@ using control::Event;
 
 Planning::Planning(const model::RavenModel& raven, const model::SceneModel& scene, Stage* stage)
     : Activity(stage),
-      desk_(stage->config, raven, scene, &stage->answers, &stage->shared),
+      store_(stage->config, raven, scene, &stage->answers, &stage->shared),
       is_scheduled_(stage->config.plan_at >= 0.0) {}
 
 PlanningAnswer Planning::plan(Request request) noexcept {
-  const bool is_busy = mode() == Mode::kPlanning || desk_.isFull();
+  const bool is_busy = mode() == Mode::kPlanning || store_.isFull();
   if (!is_busy) raise(Event::kPlanRequested);
   const bool is_refused = is_busy || mode() != Mode::kPlanning;
   if (request.id == 0) request.id = nextOwnId();  // who asked waits for no answer, but the planner's has to be known
   if (is_refused) {
-    desk_.refuse(request.id, stage_.thisTick());
+    store_.refuse(request.id, stage_.thisTick());
     return PlanningAnswer::kNotNow;
   }
-  desk_.ask(request, stage_.arms.standing(), stage_.thisTick());
+  store_.ask(request, stage_.arms.joints(), stage_.thisTick());
   return PlanningAnswer::kAccepted;
 }
 
@@ -44,19 +44,19 @@ void Planning::planBySchedule() noexcept {
 void Planning::takeResults() noexcept {
   PlanResult result;
   while (stage_.shared.plan_results.tryPop(&result)) {
-    const bool is_awaited = desk_.isAwaited(result);
-    const PlanResult& answer = desk_.take(result, stage_.thisTick());
+    const bool is_awaited = store_.isAwaited(result);
+    const PlanResult& answer = store_.take(result, stage_.thisTick());
     if (!is_awaited) continue;
     raise(answer.status == PlanStatus::kSuccess ? Event::kPlanReady : Event::kPlanFailed);
     if (mode() == Mode::kTracking) follower_.start(answer);
   }
 }
 
-/** What is no longer shown, computed or chosen is forgotten. */
+/** Forgets a plan that is no longer shown, computed or chosen. */
 void Planning::settle(Mode next, Event /*event*/) noexcept {
-  const PlanningStatus status = desk_.state().status;
+  const PlanningStatus status = store_.state().status;
   const bool is_given_up = status == PlanningStatus::kPlanning || status == PlanningStatus::kChoosing;
-  if (is_given_up || !traitsOf(next).keeps_plan) desk_.forget();
+  if (is_given_up || !traitsOf(next).keeps_plan) store_.forget();
 }
 
 /** After a path was shown the model is back on the robot before anything is planned or chosen. */

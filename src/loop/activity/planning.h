@@ -13,8 +13,8 @@ class Planning final : public Activity {
   /** @throw ModelException for a collision shape that is a mesh. */
   Planning(const model::RavenModel& raven, const model::SceneModel& scene, Stage* stage);
 
-  PlanStore& desk() noexcept { return desk_; }
-  const PlanStore& desk() const noexcept { return desk_; }
+  PlanStore& store() noexcept { return store_; }
+  const PlanStore& store() const noexcept { return store_; }
   /** Asks the planner. As many may be under way as the rings hold: no answer can find its ring full, and whether one is
    *  refused follows from the record. */
   PlanningAnswer plan(Request request) noexcept;
@@ -34,7 +34,7 @@ class Planning final : public Activity {
   void lead(PerArm<JointArray>* target) noexcept override;
   std::uint32_t nextOwnId() noexcept;
 
-  PlanStore desk_;
+  PlanStore store_;
   control::PathFollower follower_;
   bool is_scheduled_{true};  ///< a plan that is still to come
   std::uint32_t next_id_{0};

@@ -55,7 +55,7 @@ void Replay::move() noexcept {
     stage_.arms.show(arm, &stage_.state);
 }
 
-/** As the arms stood; the scene never moved. The robot may have: then the model has to go to it. */
+/** Puts the arms back; the scene never moved. The robot may have moved: then the model has to go to it. */
 void Replay::leave(Mode /*next*/) noexcept {
   for (const Arm arm : kArms)
     stage_.arms.world().setJointState(arm, at(stood_q_, arm), at(stood_dq_, arm));

@@ -5,8 +5,8 @@
 
 namespace raven2_trainer::loop {
 
-/** A recorded session is shown: kinematically, from a ring that recording/session_player.h fills. The world stands
- * still meanwhile, and goes on as if nothing had been. */
+/** Shows a recorded session, kinematically, from a ring that recording/session_player.h fills. The world is paused
+ * meanwhile, and continues unchanged. */
 class Replay final : public Activity {
  public:
   explicit Replay(Stage* stage) noexcept : Activity(stage) {}

@@ -16,22 +16,22 @@ void Returning::enter(Mode before) noexcept {
 
 void Returning::begin() noexcept {
   const bool has_robot = stage_.robot.isThere();
-  const bool has_goal = has_robot || trial_.desk().isOpen();
+  const bool has_goal = has_robot || trial_.store().isOpen();
   PerArm<JointArray> goal = has_robot  ? stage_.robot.joints()
-                            : has_goal ? trial_.desk().start()
-                                       : stage_.arms.standing();
+                            : has_goal ? trial_.store().start()
+                                       : stage_.arms.joints();
   for (const Arm arm : kArms) {
     const double opening = has_goal ? stage_.arms.openingKept(arm) : stage_.arms.opening(arm);
     kinematics::setJaws(kinematics::jawMidline(at(goal, arm)), opening, &at(goal, arm));
   }
-  path_.start(stage_.arms.standing(), goal);
+  path_.start(stage_.arms.joints(), goal);
 }
 
 /** A repetition needs a new pedal-down: a pedal that is already down must come up first. */
 void Returning::supervise() noexcept {
   if (!path_.isOver()) return;
   if (stage_.isAstray(path_.goal())) return begin();
-  const bool repeats = trial_.desk().isUnderWay();
+  const bool repeats = trial_.store().isUnderWay();
   if (repeats && stage_.pedal.is_down) return;
   if (stage_.robot.isThere()) stage_.arms.meetRobot();  // else whatever robot comes is gone to
   stage_.arms.takeOpenings(path_.goal());

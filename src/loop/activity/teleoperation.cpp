@@ -18,7 +18,7 @@ PlanningAnswer Teleoperation::request(const Request& request) noexcept {
   }
 }
 
-/** What a client's forces may do: move a model that goes on alone. Anything else that begins ends them. */
+/** A client's forces may move a model that has no robot. Anything else that begins ends them. */
 void Teleoperation::push(const Request& request) noexcept {
   ModelDriver& driver = stage_.arms.driver();
   const Effort effort = effortOf(request);

@@ -5,7 +5,7 @@ namespace raven2_trainer::loop {
 using control::Event;
 
 Trial::Trial(const model::RavenModel& raven, const model::SceneModel& scene, double limit, Stage* stage)
-    : Activity(stage), desk_(stage->config, raven, scene, &stage->answers, &stage->shared, limit) {}
+    : Activity(stage), store_(stage->config, raven, scene, &stage->answers, &stage->shared, limit) {}
 
 PlanningAnswer Trial::request(const Request& request) noexcept {
   switch (request.kind) {
@@ -25,7 +25,7 @@ PlanningAnswer Trial::begin() noexcept {
   if (answer != PlanningAnswer::kAccepted) return answer;
   const bool has_robot = stage_.robot.isThere();
   if (!has_robot) stage_.arms.keepOpenings();  // it was away before, and what its jaws hold now they shall hold again
-  desk_.open(has_robot ? stage_.robot.joints() : stage_.arms.standing());
+  store_.open(has_robot ? stage_.robot.joints() : stage_.arms.joints());
   stage_.arms.world().saveScene(&scene_);
   rehearses_ = true;
   return answer;
@@ -33,11 +33,11 @@ PlanningAnswer Trial::begin() noexcept {
 
 void Trial::enter(Mode before) noexcept {
   Activity::enter(before);
-  if (mode() == Mode::kTrial) desk_.mark();
+  if (mode() == Mode::kTrial) store_.mark();
 }
 
 void Trial::supervise() noexcept {
-  if (mode() == Mode::kTrial && desk_.isFull()) raise(Event::kTrialDone);
+  if (mode() == Mode::kTrial && store_.isFull()) raise(Event::kTrialDone);
 }
 
 void Trial::tick() noexcept {
@@ -46,7 +46,7 @@ void Trial::tick() noexcept {
 }
 
 void Trial::keep() noexcept {
-  if (mode() == Mode::kTrial) desk_.keep(stage_.state.arms);
+  if (mode() == Mode::kTrial) store_.keep(stage_.state.arms);
 }
 
 void Trial::endRehearsal() noexcept {
@@ -56,9 +56,9 @@ void Trial::endRehearsal() noexcept {
   rehearses_ = false;
 }
 
-/** Its repetition is ended by who executes it. */
+/** The execution ends its repetition. */
 void Trial::settle(Mode next, Event /*event*/) noexcept {
-  if (!traitsOf(next).keeps_trial) desk_.close();
+  if (!traitsOf(next).keeps_trial) store_.close();
 }
 
 // ---- repeating it ------------------------------------------------------------------------------------------------
@@ -67,30 +67,30 @@ PlanningAnswer Trial::repeat(const Request& request) noexcept {
   const PlanningAnswer answer = checkRepeat(request);
   if (answer != PlanningAnswer::kAccepted) return answer;
   raise(Event::kRepeatWanted);
-  desk_.arm(request);
+  store_.arm(request);
   return answer;
 }
 
 PlanningAnswer Trial::checkRepeat(const Request& request) const noexcept {
   if (mode() != Mode::kTrialReady || !stage_.pedal.isUp()) return PlanningAnswer::kNotNow;
-  if (desk_.ticks() == 0) return PlanningAnswer::kNoPlan;
+  if (store_.ticks() == 0) return PlanningAnswer::kNoPlan;
   if (request.on_robot != 0 && !stage_.robotJoins()) return PlanningAnswer::kNoRobot;
   return hasMoved() ? PlanningAnswer::kMoved : PlanningAnswer::kAccepted;
 }
 
 bool Trial::hasMoved() const noexcept {
-  return stage_.robot.isThere() && desk_.hasMoved(stage_.robot.joints());
+  return stage_.robot.isThere() && store_.hasMoved(stage_.robot.joints());
 }
 
-/** What is repeated finds what it found. On the robot it is for good. */
+/** A repetition finds the scene as the trial did. On the robot it cannot be undone. */
 void Trial::armRepeat() noexcept {
-  const bool lacks_robot = desk_.onRobot() && !stage_.robotJoins();
+  const bool lacks_robot = store_.onRobot() && !stage_.robotJoins();
   if (lacks_robot || hasMoved()) {
-    desk_.end(lacks_robot ? ExecutionEnd::kRobotLost : ExecutionEnd::kMoved, stage_.thisTick());
+    store_.end(lacks_robot ? ExecutionEnd::kRobotLost : ExecutionEnd::kMoved, stage_.thisTick());
     return raise(Event::kReturned);
   }
   stage_.arms.world().restoreScene(scene_);
-  rehearses_ = !desk_.onRobot();
+  rehearses_ = !store_.onRobot();
   raise(Event::kRepeatArmed);
 }
 

@@ -12,14 +12,14 @@ class Trial final : public Activity {
   /** @param[in] limit [s] longest trial. @throw ModelException for a collision shape that is a mesh. */
   Trial(const model::RavenModel& raven, const model::SceneModel& scene, double limit, Stage* stage);
 
-  TrialStore& desk() noexcept { return desk_; }
-  const TrialStore& desk() const noexcept { return desk_; }
-  /** What happens now will be put back to what it was when the trial began. */
+  TrialStore& store() noexcept { return store_; }
+  const TrialStore& store() const noexcept { return store_; }
+  /** Whether everything goes back to its state at the trial's beginning. */
   bool rehearses() const noexcept { return rehearses_; }
   /** Keeps the tick that is over, if it is part of a trial. */
   void keep() noexcept;
-  /** A trial leaves nothing behind, however it ended; the scene waits until the arms are out of its way. Behind each
-   *  change of mode. */
+  /** Puts the scene back after a trial, however it ended, once the arms are clear of it. Call after each change of
+   * mode. */
   void endRehearsal() noexcept;
   /** The model is back where the trial began: its repetition waits for the pedal. */
   void armRepeat() noexcept;
@@ -36,7 +36,7 @@ class Trial final : public Activity {
   PlanningAnswer checkRepeat(const Request& request) const noexcept;
   bool hasMoved() const noexcept;
 
-  TrialStore desk_;
+  TrialStore store_;
   physics::SceneSnapshot scene_{};  ///< when the trial began
   bool rehearses_{false};
 };

@@ -43,9 +43,9 @@ TrialStore::TrialStore(const LoopConfig& config,
               control::PathRelay(config.arms.geometry, limitsOf(config.itp))},
       gauge_(raven, scene) {}
 
-void TrialStore::open(const PerArm<JointArray>& standing) noexcept {
+void TrialStore::open(const PerArm<JointArray>& now) noexcept {
   tape_.clear();
-  start_ = standing;
+  start_ = now;
   is_open_ = true;
 }
 

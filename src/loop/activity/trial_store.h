@@ -27,8 +27,8 @@ class TrialStore {
              double limit);
 
   // ---- the trial
-  /** Begins one from `standing` [rad; m]; forgets the one before. */
-  void open(const PerArm<JointArray>& standing) noexcept;
+  /** Begins one from `now` [rad; m]; forgets the one before. */
+  void open(const PerArm<JointArray>& now) noexcept;
   /** Deletes it; a client that waits for its repetition has had its answer. */
   void close() noexcept { is_open_ = false; }
   bool isOpen() const noexcept { return is_open_; }
@@ -49,7 +49,7 @@ class TrialStore {
   void arm(const Request& request) noexcept;
   /** A report is due. */
   bool isUnderWay() const noexcept { return under_way_; }
-  /** What is under way moves the robot. */
+  /** Whether the repetition under way moves the robot. */
   bool onRobot() const noexcept { return under_way_ && on_robot_; }
   /** A tick of waiting for the pedal. @return false once it was waited for too long. */
   bool waitForPedal() noexcept;
@@ -59,7 +59,7 @@ class TrialStore {
   void follow(const PerArm<RobotArmState>& robot) noexcept;
   /** [rad; m] What both arms are asked for in this tick. */
   const PerArm<JointArray>& advance(bool may_move) noexcept;
-  /** What the robot is sent for it. */
+  /** The increment for the robot in this tick. */
   control::TipIncrement tipIncrement(Arm arm) noexcept;
   /** [rad] The same for its jaws, whole milliradians, positive closes. */
   double graspIncrement(Arm arm) noexcept;
@@ -68,7 +68,7 @@ class TrialStore {
   /** Closes what is under way, if anything is. @param[in] tick first one that no longer moves anything. */
   void end(ExecutionEnd end, Tick tick) noexcept;
 
-  /** What is told of planning and executing, with a repetition that is under way in it. */
+  /** `state` with the repetition that is under way. */
   PlanningState overlay(PlanningState state) const noexcept;
 
  private:

@@ -18,7 +18,7 @@ std::vector<bool> fixedLinks(const model::Description& description);
 /** Cameras whose frames are published: the live one, and both eyes. */
 std::set<std::string> liveCameras(const RenderConfig& render);
 
-/** What /tf_static says, and /tf does not: where the links of model and robot are that nothing moves, and the cameras
+/** The frames of /tf_static, which /tf does not have: the fixed links of model and robot, and the cameras
  * that stay where the configuration puts them. @throw ConfigException for a camera that is not configured. */
 tf2_msgs::TFMessage fixedFrames(const model::RavenModel& raven, const RenderConfig& render, const ros::Time& stamp);
 

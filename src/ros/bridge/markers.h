@@ -6,8 +6,9 @@
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/state.h"
 
-// Contacts and forces as markers of RViz, in frame world and in the picture's colours (render/overlays.h). What is not
-// finite is left out.
+// Contacts and forces as markers of RViz, in frame world and in the picture's colours (render/overlays.h). Numbers that
+// are
+// not finite are left out.
 
 namespace raven2_trainer::ros_bridge {
 
@@ -19,7 +20,7 @@ constexpr double kLongestArrow = 0.07;
 /** `contact_points`, a ball each, and `contact_forces` on the first of the two bodies, a line each. */
 visualization_msgs::MarkerArray contactMarkers(const ContactList& contacts, const ros::Time& stamp);
 
-/** `hand_forces`: at the model's tool tip of each arm the force that its master is given; none where there is none. */
+/** `hand_forces`: at the model's tool tip of each arm the force of its master, if there is a force. */
 visualization_msgs::MarkerArray forceMarkers(const ModelState& model,
                                              const HapticState& haptic,
                                              const PerArm<Pose>& X_WB,

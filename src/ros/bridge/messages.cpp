@@ -101,7 +101,7 @@ DiagnosticStatus relayStatus(const SessionCounts& counts) {
   return s;
 }
 
-/** To the console: what the sender sent, zero forces of its own among them. */
+/** To the console: the sender's packets, zero forces that it made itself among them. */
 DiagnosticStatus forceStatus(const SessionCounts& counts) {
   DiagnosticStatus s = status("forces to console", true, sentWords(counts.master, counts.force_sent));
   s.values = {keyValue("sent", counts.force_sent), keyValue("failed", counts.force_failed),

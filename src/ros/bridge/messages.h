@@ -53,8 +53,9 @@ sensor_msgs::CameraInfo cameraInfo(const model::Camera& camera,
                                    const ros::Time& stamp,
                                    double aside = 0.0);
 
-/** What came over a link, and what was refused, by reason; ERROR where the counters do not add up. Nobody need be
- * there: rates.h knows what is expected. */
+/** Counts of a link, and refusals by reason; ERROR where the counters do not add up. A silent link is no error here:
+ * rates.h knows which
+ * rate is expected. */
 diagnostic_msgs::DiagnosticStatus linkStatus(const std::string& name, const LinkCounts& counts);
 
 /** How the live picture goes; WARN while its rate or size is lower than the configured, ERROR once it has failed. */

@@ -18,8 +18,8 @@ std::string folderOf(const std::string& session) {
 
 }  // namespace
 
-ReplayTask::ReplayTask(PlanningClient* client, Open open, const std::string& beside)
-    : client_(*client), open_(std::move(open)), sessions_(folderOf(beside)) {}
+ReplayTask::ReplayTask(PlanningClient* client, Open open, const std::string& running)
+    : client_(*client), open_(std::move(open)), sessions_(folderOf(running)) {}
 
 ReplayTask::Outcome ReplayTask::begin(const std::string& session) {
   const std::string directory = fs::path(sessions_) / session;  // an absolute one is itself

@@ -22,9 +22,9 @@ class ReplayTask {
 
   /**
    * @param[in] client must outlive this.
-   * @param[in] beside directory of the running session: relative directories are looked for where it is.
+   * @param[in] running directory of the running session: relative directories are searched next to it.
    */
-  ReplayTask(PlanningClient* client, Open open, const std::string& beside);
+  ReplayTask(PlanningClient* client, Open open, const std::string& running);
 
   /** @param[in] session its directory. @return whether it is shown, or why not. */
   Outcome begin(const std::string& session);

@@ -32,9 +32,9 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr double kNewsPeriod = 0.05;  // [s] what an operator must hear of at once is told no more often than this
+constexpr double kNewsPeriod = 0.05;  // [s] shortest time between two urgent messages to the operator
 
-using News = std::array<std::uint64_t, 6>;  // counts and flags of what cannot wait; RosBridge::Impl::isNews
+using News = std::array<std::uint64_t, 6>;  // counts and flags of urgent events; RosBridge::Impl::isNews
 
 }  // namespace
 
@@ -149,7 +149,7 @@ struct RosBridge::Impl {
                     shared.haptic_timing.load().late_runs,
                     picture.changes,
                     picture.failed};
-    return std::exchange(told, news) != news;
+    return std::exchange(published, news) != news;
   }
 
   /** On the render thread; roscpp's publish is thread-safe. */
@@ -181,7 +181,7 @@ struct RosBridge::Impl {
   ros::AsyncSpinner spinner;
   PeriodicThread publisher;
   int cycle{0};
-  News told{};
+  News published{};
 };
 
 RosBridge::RosBridge(daemon::Simulator* simulator)

@@ -53,8 +53,9 @@ void SessionPublisher::startOver() {
   topics_->startOver();
 }
 
-/** The cells, as the daemon's threads would leave them; but topics look at each once an instant, whose answers may be
- * all of before --from: the path among them must not be hidden by a later answer that is none. */
+/** Fills the cells as the daemon's threads would. Topics read each cell once an instant, and all answers of an instant
+ * may be from before
+ * --from: a later answer without a path must not hide an earlier path. */
 void SessionPublisher::remember(const session::ReplayInstant& instant) {
   if (const PlanResult* path = newestPath(instant.plans)) shared_->last_plan.store(*path);
   for (const ExecutionReport& report : instant.executions)

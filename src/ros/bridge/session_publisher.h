@@ -14,9 +14,11 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * Tells a recorded session as the daemon's topics of states (StateTopics), an instant every runtime.ros_period: to ROS,
- * or into a bag. What a log does not hold is not told: pictures, diagnostics, the planner's counters (zero in
- * plan/progress).
+ * Publishes a recorded session as the daemon's topics of states (StateTopics), an instant every runtime.ros_period: to
+ * ROS,
+ * or into a bag. A log has no pictures, no diagnostics and no counters of the planner (zero in plan/progress), so they
+ * are not
+ * published.
  */
 class SessionPublisher {
  public:
@@ -26,7 +28,7 @@ class SessionPublisher {
    */
   SessionPublisher(const TrainerConfig& config, const session::SessionPaths& paths);
 
-  /** Makes the topics, and tells /tf_static. They are there until end(). */
+  /** Makes the topics, and publishes /tf_static. They exist until end(). */
   void begin(const TopicMaker& topics, std::uint32_t queue, const ros::Time& now);
   void end() { topics_.reset(); }
 
@@ -39,7 +41,7 @@ class SessionPublisher {
   /**
    * Reads the log. @param[in] from [s] session time of the first instant; negative: the log's first tick.
    * @param[in] use Given each instant. @param[in] on_tick Given each tick as it is read, before instants of that tick;
-   * may be empty. What they throw ends the reading. @throw SessionException.
+   * may be empty. An exception of theirs ends the reading. @throw SessionException.
    */
   void read(double from,
             const std::function<void(const session::ReplayInstant&)>& use,

@@ -104,7 +104,7 @@ SessionReplay::~SessionReplay() = default;
 void SessionReplay::start() {
   Impl& s = *impl_;
   s.refused.store(!s.hasSimTime());
-  if (isRefused()) return;  // without topics: /tf_static is latched, and goes to whoever connects in time
+  if (isRefused()) return;  // without topics: /tf_static is latched, and would reach early subscribers
   s.node = std::make_unique<ros::NodeHandle>();
   s.clock = s.node->advertise<rosgraph_msgs::Clock>("/clock", kReplayQueue);
   s.publisher.begin(TopicMaker(s.node.get()), kReplayQueue, ros::Time::now());

@@ -98,7 +98,7 @@ void StateTopics::publishTransforms(const PublishedStates& states, const ros::Ti
   transforms_.publish(message);
 }
 
-/** Those of the live pictures that move, where they stand now. */
+/** The moving cameras of the live pictures, at their present places. */
 void StateTopics::addCameras(const ModelState& model,
                              const ros::Time& stamp,
                              std::vector<geometry_msgs::TransformStamped>* transforms) {

@@ -26,7 +26,7 @@ struct PublishedStates {
 };
 
 /**
- * All topics that tell what the states are, the same for a running daemon and for a recorded session: joint states,
+ * All topics of states, the same for a running daemon and for a recorded session: joint states,
  * forces, /tf and /tf_static, contacts, the edge of the workspace, plans, mode and exercise.
  */
 class StateTopics {
@@ -65,7 +65,7 @@ class StateTopics {
   Outlet<std_msgs::Bool> edge_;
   std::vector<double> positions_;
   std::vector<Pose> poses_;
-  const std::vector<bool> is_fixed_;  ///< by link index: told by /tf_static
+  const std::vector<bool> is_fixed_;  ///< by link index: published by /tf_static
   int cycle_{0};
   bool has_published_edge_{false}, published_edge_{false};
 };

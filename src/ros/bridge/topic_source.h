@@ -11,8 +11,8 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** What the topics of states are made of: those of a running daemon, or those of a recorded session. All of it must
- *  outlive who publishes. */
+/** Sources of the topics of states: a running daemon, or a recorded session. All of it must outlive the
+ *  publisher. */
 struct TopicSource {
   const TrainerConfig& config;
   const model::RavenModel& raven;

@@ -105,15 +105,15 @@ ExerciseEventStamped exerciseEvent(std::uint64_t number,
 }
 
 bool isSameMode(const ModelState& a, const ModelState& b) noexcept {
-  const auto told = [](const ModelState& m) { return std::tie(m.mode, m.pedal, m.engaged, m.linked, m.view); };
-  return told(a) == told(b);
+  const auto fields = [](const ModelState& m) { return std::tie(m.mode, m.pedal, m.engaged, m.linked, m.view); };
+  return fields(a) == fields(b);
 }
 
 bool isSameProgress(const ExerciseState& a, const ExerciseState& b) noexcept {
-  const auto told = [](const ExerciseState& s) {
+  const auto fields = [](const ExerciseState& s) {
     return std::tie(s.status, s.failure, s.attempt, s.step, s.done, s.began, s.ended, s.mistakes);
   };
-  return told(a) == told(b);
+  return fields(a) == fields(b);
 }
 
 }  // namespace raven2_trainer::ros_bridge

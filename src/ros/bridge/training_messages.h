@@ -19,7 +19,7 @@ namespace raven2_trainer::ros_bridge {
 
 TrainerMode trainerMode(const ModelState& model, const ros::Time& stamp);
 
-/** @param[in] exercise of the session, without tracks if there is none. */
+/** @param[in] exercise of the session; without tracks: no exercise. */
 ExerciseProgress exerciseProgress(const ModelState& model, const Exercise& exercise, const ros::Time& stamp);
 
 /** @param[in] number of the event, from 1 on. @param[in] body_names daemon::Simulator::bodyNames(). */
@@ -29,7 +29,7 @@ ExerciseEventStamped exerciseEvent(std::uint64_t number,
                                    const std::vector<std::string>& body_names,
                                    const ros::Time& stamp);
 
-/** Whether something that a message tells has changed between two looks; not what changes in every tick. */
+/** Whether the message would differ between two states, apart from fields that change in every tick. */
 bool isSameMode(const ModelState& a, const ModelState& b) noexcept;
 bool isSameProgress(const ExerciseState& a, const ExerciseState& b) noexcept;
 

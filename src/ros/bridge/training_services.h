@@ -25,15 +25,16 @@ class TrainingServices {
   /**
    * @param[in] client must outlive this.
    * @param[in] may_command without it only what makes things safer is offered: emergency_stop.
-   * @param[in] replay must outlive this. Who calls it has the daemon read what the caller names: nullptr, and not
-   * offered, where others than this computer can call.
+   * @param[in] replay must outlive this. A caller makes the daemon read a directory of the caller's choice: so it is
+   * nullptr, and not
+   * offered, where other computers can call.
    */
   TrainingServices(ros::NodeHandle* node, PlanningClient* client, ReplayTask* replay, bool may_command);
   ~TrainingServices() { stop(); }
   TrainingServices(const TrainingServices&) = delete;
   TrainingServices& operator=(const TrainingServices&) = delete;
 
-  /** Ends their thread; whoever waits must have been let go (PlanningClient::stop). */
+  /** Ends their thread. Before, end all waiting calls (PlanningClient::stop). */
   void stop() { spinner_.stop(); }
 
   /** Resolved names of what is offered. */

@@ -25,9 +25,9 @@ std::optional<CrtkPublishers> publishersNow();
 std::optional<CrtkPublishers> publishersIn(XmlRpc::XmlRpcValue state);
 
 /**
- * Which messages of a topic may have been stored. A publisher that latches gives its last message to every new
- * connection. If it was there before the topic was listened to, or connects again, that may be of long ago. If it came
- * later, it is what it asks for: raven2_CRTK_Python_controller says `resume` so, before it is connected. One thread.
+ * Finds the messages of a topic that may have been stored. A latching publisher sends its last message to every new
+ * connection. If the publisher is older than our subscription, or connects again, that message may be old. If it is
+ * newer, the message is a command: raven2_CRTK_Python_controller says `resume` so, before it is connected. One thread.
  */
 class CrtkStored {
  public:
@@ -51,10 +51,10 @@ struct CrtkOrigin {
   ros::Time stamp, now{};  ///< of its header, zero: none; of its receipt
 };
 
-/** hold, free, pause, disable: what lets arms stand is never too old. */
+/** hold, free, pause, disable: commands that stop the arms are never too old. */
 bool isSafer(const ServoCommand& command) noexcept;
 
-/** What was asked for; in its place why not if it may have been stored, or its stamp is too old. */
+/** The command; or a refusal if the message may have been stored, or its stamp is too old. */
 CrtkAsked unlessOld(const CrtkAsked& asked, const CrtkOrigin& origin);
 
 }  // namespace raven2_trainer::ros_bridge

@@ -87,12 +87,12 @@ void CrtkArm::publishState(const CrtkCycle& cycle) {
   now.state = nameOf(kOperatingStateNames, servo.state);
   now.is_homed = servo.is_homed;
   now.is_busy = at(servo.arms, arm_).is_busy;
-  const bool is_new = !has_published_ || differs(now, told_);
+  const bool is_new = !has_published_ || differs(now, published_);
   const double age = static_cast<double>(servo.tick - last_tick_published_) * kTickSeconds;
   if (!is_new && age >= 0.0 && age < state_period_) return;
   operating_state_.publish(now);
-  if (has_published_ && now.state != told_.state) voice_.say(level(servo.state), sentence(servo.state));
-  told_ = now;
+  if (has_published_ && now.state != published_.state) voice_.say(level(servo.state), sentence(servo.state));
+  published_ = now;
   last_tick_published_ = servo.tick;
   has_published_ = true;
 }
@@ -131,7 +131,7 @@ ArmWrench CrtkArm::contactOn(const CrtkCycle& cycle, const Pose& X_BT) const {
   return contacts_.on(arm_, cycle.contacts, X_WB_ * X_BT.p);
 }
 
-/** What the arm is asked for is told all the while; where it is, as long as that is known. */
+/** Publishes set points always, measurements while they are known. */
 void CrtkArm::publishOwn(const CrtkCycle& cycle) {
   const JointArray& tau = at(cycle.model.arms, arm_).tau;
   source_.take(arm_, cycle.model, cycle.robot, cycle.stamp);

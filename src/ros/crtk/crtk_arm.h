@@ -16,7 +16,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** What one cycle tells: set point and model of one tick, the newest of the rest. */
+/** Data of one publishing cycle: set point and model of one tick, the newest of the rest. */
 struct CrtkCycle {
   ServoState servo{};
   ModelState model{};
@@ -65,7 +65,7 @@ class CrtkArm {
   SetpointRate setpoint_rate_, model_rate_;
 
   ros::Publisher operating_state_, is_valid_, ratio_, timeout_;
-  crtk::OperatingState told_;
+  crtk::OperatingState published_;
   bool has_published_{false};
   bool was_alone_{false};
   Tick last_tick_published_{};

@@ -99,8 +99,8 @@ bool CrtkDevice::loadCycle() {
     cycle_.servo = shared_.servo.load();
     if (cycle_.servo.tick == cycle_.model.tick) break;
   }
-  if (cycle_.servo.tick < 0 || cycle_.servo.tick == told_) return false;
-  told_ = cycle_.servo.tick;
+  if (cycle_.servo.tick < 0 || cycle_.servo.tick == published_) return false;
+  published_ = cycle_.servo.tick;
   cycle_.robot = shared_.robot.load();
   if (arms_[0]->wantsContacts() || arms_[1]->wantsContacts()) cycle_.contacts = shared_.contacts.load();
   return true;

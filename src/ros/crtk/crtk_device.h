@@ -18,12 +18,12 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** How it stands with CRTK clients; WARN in FAULT, ERROR where counters do not add up. */
+/** Status of the CRTK clients; WARN in FAULT, ERROR where counters do not add up. */
 diagnostic_msgs::DiagnosticStatus crtkStatus(const ServoState& servo, const CrtkCounts& heard);
 
 /**
- * The arms as devices of the Collaborative Robotics Toolkit (doc/crtk.md). Hears commands on its own thread and
- * publishes states on another one, every CrtkConfig::period.
+ * The arms as devices of the Collaborative Robotics Toolkit (doc/crtk.md). One thread receives commands, another one
+ * publishes states every CrtkConfig::period.
  */
 class CrtkDevice {
  public:
@@ -58,7 +58,7 @@ class CrtkDevice {
   PerArm<std::unique_ptr<CrtkKinematics>> kinematics_;
   PictureStamp stamp_;
   CrtkCycle cycle_;
-  Tick told_{-1};
+  Tick published_{-1};
   PeriodicThread publisher_;
 };
 

@@ -10,10 +10,10 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** A frame R that poses, increments and twists of an arm are told and asked for in. */
+/** A frame R for poses, increments and twists of an arm, published and commanded. */
 struct CrtkFrame {
-  std::string name;                  ///< header.frame_id of what is reported; "" has none
-  std::vector<std::string> allowed;  ///< header.frame_id of what is heard; "" always may stand there
+  std::string name;                  ///< header.frame_id of published messages; "": empty
+  std::vector<std::string> allowed;  ///< header.frame_id of accepted commands; "" is always accepted
   Pose X_BR{};                       ///< R in the arm's base B
 };
 

@@ -68,7 +68,7 @@ bool readQuery(const std::vector<double>& jp, bool is_raven, JointArray* q, std:
     return false;
   }
   if (!std::all_of(jp.begin(), jp.end(), [](double x) { return std::isfinite(x); })) {
-    *why = "a number that is not finite";
+    *why = "a number is NaN or infinite";
     return false;
   }
   if (is_raven) {
@@ -112,7 +112,7 @@ crtk::InverseResponse answer(const ArmGeometry& geometry,
   const Quaternion turn(cp.orientation.w, cp.orientation.x, cp.orientation.y, cp.orientation.z);
   const Vector3 p(cp.position.x, cp.position.y, cp.position.z);
   if (!p.allFinite() || !(std::abs(turn.norm() - 1.0) <= kUnitTolerance)) {
-    response.message = "the pose is none: a number that is not finite, or a quaternion whose length is not 1";
+    response.message = "the pose is invalid: a number is NaN or infinite, or the length of the quaternion is not 1";
     return response;
   }
   const Pose X_BT = frame.X_BR * Pose{turn.normalized().toRotationMatrix(), p};

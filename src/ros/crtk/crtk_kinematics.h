@@ -13,7 +13,7 @@
 namespace raven2_trainer::ros_bridge {
 
 /** [rad; m] of a query, joints as measured_js has them: six, or in the robot's own dialect seven.
- *  @return false, and why, of another length or with a number that is not finite. */
+ *  @return false, and why, of another length, or with NaN or infinity. */
 bool readQuery(const std::vector<double>& jp, bool is_raven, JointArray* q, std::string* why);
 
 /** Where the tip is in a frame at joints `jp`, which must be within their limits. */

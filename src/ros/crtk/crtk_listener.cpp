@@ -139,7 +139,7 @@ void CrtkListener::hearWrench(const std::string& prefix, const CrtkFrame& frame,
       });
 }
 
-/** What dVRK's clients set. */
+/** Settings of dVRK's clients. */
 void CrtkListener::hearSettings() {
   hear<std_msgs::Float64>(inArm(topicOf(ServoKind::kRatio)), kOrdered, [this](const std_msgs::Float64& message) {
     return readNumber(arm_, ServoKind::kRatio, message.data);
@@ -150,7 +150,7 @@ void CrtkListener::hearSettings() {
     });
 }
 
-/** A client that is gone stops no twist of its own. */
+/** A client that is gone cannot stop its twist. */
 void CrtkListener::endLeftTwists() {
   if (!goes_on_) return;
   const auto isThere = [this](std::size_t i) { return subscribers_[i].getNumPublishers() > 0; };
@@ -167,7 +167,7 @@ void CrtkListener::hearModern() {
   hearTwist(world_);
 }
 
-/** What the robot's own branch has otherwise. */
+/** Topics in which the robot's own branch differs. */
 void CrtkListener::hearRaven() {
   using geometry_msgs::TransformStamped;
   using sensor_msgs::JointState;

@@ -16,8 +16,9 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** Hears what CRTK clients ask one arm for. What a Raven cannot do is heard, too, and refused in words: clients look at
- *  the start whether their topics are connected. */
+/** Receives the commands of CRTK clients for one arm. Also subscribes to commands that a Raven cannot do, and refuses
+ * them in words: clients check
+ *  at their start whether their topics are connected. */
 class CrtkListener {
  public:
   /**

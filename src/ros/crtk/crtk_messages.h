@@ -42,7 +42,7 @@ struct StringStamped {
   }
 };
 
-/** What the robot's own branch `crtk` calls OperatingState. */
+/** Name of OperatingState in the robot's own branch `crtk`. */
 constexpr const char* kRetiredOperatingStateType = "crtk_msgs/operating_state";
 
 }  // namespace raven2_trainer::ros_bridge::crtk

@@ -21,7 +21,7 @@ CrtkAsked refuse(ServoKind kind, const std::string& why) {
 }
 
 CrtkAsked notFinite(ServoKind kind) {
-  return refuse(kind, "a number that is not finite");
+  return refuse(kind, "a number is NaN or infinite");
 }
 
 ServoCommand commandOf(Arm arm, ServoKind kind) {
@@ -43,7 +43,7 @@ bool areFinite(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
 
-/** What a message of joints tells of them. */
+/** The numbers of a joint message for this kind of command. */
 const std::vector<double>& numbersOf(ServoKind kind, const sensor_msgs::JointState& message) {
   const bool is_force = kind == ServoKind::kServoForces || kind == ServoKind::kServoJawForce;
   if (is_force) return message.effort;
@@ -66,7 +66,7 @@ std::string jointsFault(ServoKind kind, const sensor_msgs::JointState& message, 
   const bool is_named = !message.name.empty();
   if (is_named && !std::equal(message.name.begin(), message.name.end(), wanted.begin(), wanted.end()))
     return "the joints are named " + listed(message.name) + "; it is " + list + ", in this order, or no names";
-  return areFinite(numbers) ? "" : "a number that is not finite";
+  return areFinite(numbers) ? "" : "a number is NaN or infinite";
 }
 
 /** Why nothing can be said in a message's frame; empty: it can. */
@@ -78,7 +78,7 @@ std::string frameFault(const std_msgs::Header& header, const CrtkFrame& frame) {
   return "in frame \"" + name + "\"; it is " + known;
 }
 
-/** A turn of the client's. */
+/** A client's rotation. */
 struct Turn {
   Quaternion q{Quaternion::Identity()};
   std::string fault;
@@ -87,7 +87,7 @@ struct Turn {
 Turn turnOf(const geometry_msgs::Quaternion& r) {
   const Quaternion q(r.w, r.x, r.y, r.z);
   const double length = q.norm();
-  if (!std::isfinite(length)) return {Quaternion::Identity(), "a number that is not finite"};
+  if (!std::isfinite(length)) return {Quaternion::Identity(), "a number is NaN or infinite"};
   if (std::abs(length - 1.0) <= kUnitTolerance) return {q.normalized(), ""};
   char text[96];
   std::snprintf(text, sizeof text, "a quaternion of length %.3g is no orientation: it has length 1 (none: w = 1)",
@@ -133,7 +133,7 @@ CrtkAsked twistIn(Arm arm,
   return {command, ""};
 }
 
-/** Axis times angle, 0 to 2 pi: of a turn by more than a half, w is negative. */
+/** Axis times angle, 0 to 2 pi: of a rotation by more than pi, w is negative. */
 Vector3 longTurn(const Quaternion& q) {
   const double sine = q.vec().norm();
   return sine > 0.0 ? Vector3(q.vec() / sine * (2.0 * std::atan2(sine, q.w()))) : Vector3(Vector3::Zero());
@@ -178,7 +178,7 @@ CrtkAsked readRavensShoulder(Arm arm, ServoKind kind, double number) {
 CrtkAsked readState(Arm arm, const std::string& word) {
   const auto* const found = std::find(kStateCommandNames.begin(), kStateCommandNames.end(), word);
   if (found == kStateCommandNames.end())
-    return refuse(ServoKind::kState, "\"" + word + "\" is none; there are " + listed(kStateCommandNames));
+    return refuse(ServoKind::kState, "\"" + word + "\" is unknown; known are " + listed(kStateCommandNames));
   ServoCommand command = commandOf(arm, ServoKind::kState);
   command.state = static_cast<StateCommand>(found - kStateCommandNames.begin());
   return {command, ""};

@@ -14,8 +14,9 @@
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_frames.h"
 
-// What a CRTK client's message asks for. Lengths, names, frames and numbers are judged here; what the arms may do is
-// judged where they are moved (ServoRefusal).
+// The command in a CRTK client's message. Lengths, names, frames and numbers are checked here. Whether the arms may do
+// it is
+// checked where they are moved (ServoRefusal).
 
 namespace raven2_trainer::ros_bridge {
 
@@ -27,7 +28,7 @@ constexpr std::array<const char*, kServoJointCount> kServoJointNames{"shoulder",
                                                                      "tool_rotation", "wrist", "jaw_midline"};
 constexpr const char* kJawName = "jaw";
 
-/** A command, or the sentence that says why there is none. */
+/** A command, or a sentence with the reason for its refusal. */
 struct CrtkAsked {
   std::optional<ServoCommand> command;
   std::string refusal;
@@ -62,14 +63,15 @@ CrtkAsked readTransform(Arm arm,
                         const CrtkFrame& frame,
                         const geometry_msgs::TransformStamped& message);
 /** Its servo_jp, servo_jr and servo_jv: seven numbers, shoulder to wrist and both graspers, or one, the shoulder's
- * alone (there servo_jp sends the other joints to 0 then; here they stay). What servo_jr and servo_jv have beyond seven
- * counts for nothing, as there; names do not either. Of servo_jv the graspers turn the mid-line alone. Neither arm nor
+ * alone (there servo_jp sends the other joints to 0 then; here they stay). Numbers of servo_jr and servo_jv after the
+ * seventh
+ * are ignored, as there; so are names. Of servo_jv the graspers turn the mid-line alone. Neither arm nor
  * jaws are asked for anything if one is to be beyond its limits; jaws are not if a step leaves them as they are, which
  * would end their move. */
 CrtkAsked readRavenJoints(const ArmGeometry& geometry, Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
 /** Of its graspers: one number, the opening, or seven, of which the first is that, as there. */
 CrtkAsked readRavenJaw(Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
-/** Its servo_cv: translation in m/s; the rotation is the turn of one second, up to a whole one. */
+/** Its servo_cv: translation in m/s; the rotation is that of one second, up to a whole revolution. */
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message);
 
 }  // namespace raven2_trainer::ros_bridge

@@ -13,7 +13,7 @@
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_frames.h"
 
-// States of an arm as CRTK tells them. Messages are filled in place, so that they keep their memory.
+// States of an arm in CRTK's messages. Messages are filled in place, so that they keep their memory.
 
 namespace raven2_trainer::ros_bridge {
 
@@ -43,7 +43,7 @@ CrtkMeasured measured(const ArmGeometry& geometry,
 /** Of what is rigidly the tip's and at the origin of R just then: rows 0 to 2 [m/s], in B still. */
 ServoJacobian atOrigin(const CrtkFrame& frame, const CrtkMeasured& measured);
 
-/** Whose joints measured_* of an arm's own device tells. */
+/** The source of the joints in measured_* of an arm's device. */
 enum class MeasuredFrom : std::uint8_t {
   kModel,  ///< no robot has been there yet
   kRobot,  ///< it is there, and its state fresh
@@ -51,7 +51,7 @@ enum class MeasuredFrom : std::uint8_t {
   kNone,   ///< that is too long ago: nothing is reported
 };
 
-/** Keeps to one source: once a robot was there, the model's joints are told of no more. Not of the jaws' alone. */
+/** Keeps to one source: after a robot was there, the model's joints are no longer published, and the jaws' neither. */
 class MeasuredSource {
  public:
   static constexpr Tick kRepeated = 500;  ///< [1 ms] so long a state that grows stale is reported again

@@ -11,7 +11,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** How a device tells its states: with which messages, in which frames. */
+/** Message types and frames of a device's states. */
 struct CrtkStyle {
   Arm arm{Arm::kGold};
   bool is_raven{};        ///< the robot's own dialect
@@ -22,7 +22,7 @@ struct CrtkStyle {
   CrtkFrame setpoint_cp;  ///< of setpoint_cp
 };
 
-/** The topics in which a device tells where it is and where it is to be; each only while somebody listens. One thread.
+/** The topics with measured and commanded positions of a device; each only while it has a subscriber. One thread.
  */
 class CrtkTopics {
  public:

@@ -89,14 +89,14 @@ std::string reason(const ServoRefused& r) {
     case ServoRefusal::kConsole:
       return "the surgeon's console has the pedal down";
     case ServoRefusal::kMode:
-      return r.in == OperatingState::kFault ? "the model broke down: the daemon must be started anew"
+      return r.in == OperatingState::kFault ? "the model broke down: restart the daemon"
                                             : "planning, a trial, a replay or the camera comes first (topic mode)";
     case ServoRefusal::kRobotStop:
       return "the robot is in E-STOP, which is ended at the robot";
     case ServoRefusal::kOperatorStop:
       return "an operator stopped the arms; service clear_stop first";
     case ServoRefusal::kNotFinite:
-      return "a number that is not finite, or a quaternion that is no orientation";
+      return "a number is NaN or infinite, or a quaternion is no rotation";
     case ServoRefusal::kOutOfRange:
       return outOfRange(r);
     case ServoRefusal::kTooFar:
@@ -148,13 +148,13 @@ CrtkLevel level(OperatingState state) noexcept {
 }
 
 std::string runOutSentence(double timeout) {
-  return "no servo_cv, servo_jv or force for " + number(timeout, "s") + ": the arm slows down and stands";
+  return "no servo_cv, servo_jv or force for " + number(timeout, "s") + ": the arm slows down and stops";
 }
 
 std::string sentence(MeasuredFrom from, Tick age) {
   switch (from) {
     case MeasuredFrom::kModel:
-      return "no robot is there: measured_* tells the model's joints";
+      return "no robot is there: measured_* has the model's joints";
     case MeasuredFrom::kRobot:
       return "";
     case MeasuredFrom::kStale:
@@ -174,14 +174,14 @@ CrtkLevel level(MeasuredFrom from) noexcept {
 std::optional<std::string> CrtkPatience::pass(const std::string& about,
                                               const std::string& sentence,
                                               std::int64_t now_ns) {
-  const auto [found, is_new] = told_.try_emplace(about, Told{now_ns, 0});
-  Told& told = found->second;
-  if (!is_new && now_ns - told.at_ns < kReadingTime) {
-    ++told.left_out;
+  const auto [found, is_new] = said_.try_emplace(about, Said{now_ns, 0});
+  Said& said = found->second;
+  if (!is_new && now_ns - said.at_ns < kReadingTime) {
+    ++said.left_out;
     return std::nullopt;
   }
-  const std::string more = told.left_out > 0 ? " (and " + std::to_string(told.left_out) + " more like it)" : "";
-  told = {now_ns, 0};
+  const std::string more = said.left_out > 0 ? " (and " + std::to_string(said.left_out) + " more like it)" : "";
+  said = {now_ns, 0};
   return sentence + more;
 }
 

@@ -8,11 +8,11 @@
 #include "raven2_trainer/control/servo.h"
 #include "ros/crtk/crtk_states.h"
 
-// What CRTK clients are told in words.
+// Sentences for CRTK clients.
 
 namespace raven2_trainer::ros_bridge {
 
-/** Which of a device's three topics of words. */
+/** The three topics of words of a device. */
 enum class CrtkLevel : std::uint8_t { kInfo, kWarning, kError };
 
 /** Why a command did nothing, with value, limit, unit and the likely cause. */
@@ -20,18 +20,18 @@ std::string sentence(const ServoRefused& refused);
 /** kError for what a person must end at the robot, else kWarning: the arms go on as before. */
 CrtkLevel level(const ServoRefused& refused) noexcept;
 
-/** What a new operating state means. */
+/** Meaning of a new operating state. */
 std::string sentence(OperatingState state);
 /** kError for FAULT. */
 CrtkLevel level(OperatingState state) noexcept;
 
-/** For ServoState::alone: nothing else tells that a motion is none of the robot's. */
+/** For ServoState::alone: only this says that the model moves without the robot. */
 constexpr const char* kAloneSentence = "the robot that was there is not: the model moves alone";
 
 /** For ServoArmState::run_out. @param[in] timeout [s]. */
 std::string runOutSentence(double timeout);
 
-/** What measured_* has become; empty while it is the robot. @param[in] age [1 ms] of its state. */
+/** The source of measured_*; empty while it is the robot. @param[in] age [1 ms] of its state. */
 std::string sentence(MeasuredFrom from, Tick age);
 CrtkLevel level(MeasuredFrom from) noexcept;
 
@@ -43,11 +43,11 @@ class CrtkPatience {
   std::optional<std::string> pass(const std::string& about, const std::string& sentence, std::int64_t now_ns);
 
  private:
-  struct Told {
+  struct Said {
     std::int64_t at_ns{};
     std::uint64_t left_out{};
   };
-  std::map<std::string, Told> told_;
+  std::map<std::string, Said> said_;
 };
 
 }  // namespace raven2_trainer::ros_bridge

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** What the model's contacts do to an arm at its tool tip, in W unless something else is said. */
+/** Force and moment of the model's contacts at an arm's tool tip, in W unless a name says otherwise. */
 struct ArmWrench {
   Vector3 force_W{Vector3::Zero()};   ///< [N]
   Vector3 torque_W{Vector3::Zero()};  ///< [Nm] about the tip

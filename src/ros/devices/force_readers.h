@@ -7,12 +7,12 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** Whether whoever publishes a device's poses is among the readers of its force; so it is before the first pose. */
+/** Whether the publisher of a device's poses is among the readers of its force; true before the first pose. */
 inline bool isDriverAmong(const std::vector<std::string>& readers, const std::string& driver) {
   return driver.empty() || std::find(readers.begin(), readers.end(), driver) != readers.end();
 }
 
-/** Who reads a topic of forces: told once after the start, and at each change. */
+/** Readers of a topic of forces: reported once after the start, and at each change. */
 class ForceReaders {
  public:
   /** @param[in] settle [s] from the start until the first line: connections need a moment. */
@@ -26,10 +26,10 @@ class ForceReaders {
    * @return a line for the operator; empty: nothing new.
    */
   std::string look(const std::vector<std::string>& readers, const std::string& driver, double time) {
-    if (told_.empty() && (topic_.empty() || readers.empty()) && time < settle_) return "";
+    if (reported_.empty() && (topic_.empty() || readers.empty()) && time < settle_) return "";
     const std::string now = topic_.empty() ? "no force: it has no topic for it" : describe(readers, driver);
-    if (now == told_) return "";
-    told_ = now;
+    if (now == reported_) return "";
+    reported_ = now;
     return device_ + ": " + now;
   }
 
@@ -48,11 +48,12 @@ class ForceReaders {
   std::string device_, topic_, pose_;
   double settle_;
   bool was_read_{false};
-  std::string told_;
+  std::string reported_;
 };
 
-/** Who is to be told that forces are in the axes of the base, before there are any: told once missing, and once there.
- */
+/** The reader that must learn that forces are in the axes of the base before the first force: reported once when
+ * missing, and once when
+ * found. */
 class AbsoluteListener {
  public:
   AbsoluteListener(std::string device, std::string topic, double settle)

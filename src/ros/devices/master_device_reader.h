@@ -9,8 +9,8 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * What a device's messages say, gathered to one sample. They are known by their check sums, whatever package they come
- * from. One thread.
+ * Gathers a device's messages to one sample. Message types are recognised by their check sums, from any package.
+ * One thread.
  */
 class MasterDeviceReader {
  public:

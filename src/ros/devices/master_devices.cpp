@@ -145,20 +145,20 @@ class FreshForce {
   DeviceForce take() {
     const Clock::time_point now = Clock::now();
     const std::uint64_t version = cell_.version();
-    if (version != version_) told_ = now;
+    if (version != version_) updated_ = now;
     version_ = version;
     DeviceForce out = cell_.load();
-    if (now - told_ > kForceLifetime) out.force = {};
+    if (now - updated_ > kForceLifetime) out.force = {};
     return out;
   }
 
  private:
   const StateCell<DeviceForce>& cell_;
   std::uint64_t version_{0};
-  Clock::time_point told_{};
+  Clock::time_point updated_{};
 };
 
-/** What an operator is to know, by the thread that says it. */
+/** News for the operator, by the thread that writes them. */
 struct DeviceNews {
   OperatorLines of_spinner, of_publisher;
 };
@@ -203,8 +203,8 @@ class Device {
   }
 
   void reportReaders(double time) {
-    news_.of_publisher.tell(force_news_.look(readers_.names(), driver(), time));
-    if (absolute_) news_.of_publisher.tell(absolute_news_.look(!isAbsoluteMissing(), time));
+    news_.of_publisher.say(force_news_.look(readers_.names(), driver(), time));
+    if (absolute_) news_.of_publisher.say(absolute_news_.look(!isAbsoluteMissing(), time));
   }
 
   /** Since the last call, `elapsed` [s] ago. */
@@ -221,7 +221,7 @@ class Device {
   }
 
  private:
-  /** Once, and to whoever comes later. */
+  /** Once, and to later subscribers. */
   static ros::Publisher sendTrue(ros::NodeHandle* node, const std::string& topic) {
     if (topic.empty()) return {};
     ros::Publisher publisher = node->advertise<std_msgs::Bool>(topic, 1, /*latch=*/true);
@@ -264,7 +264,7 @@ class Device {
     const std::uint32_t poses = reader_.sample().poses;
     if (!read(*event.getConstMessage())) {
       const std::string line = reader_.refusal();
-      if (!line.empty()) news_.of_spinner.tell(std::string(deviceName(arm_)) + ": " + line);
+      if (!line.empty()) news_.of_spinner.say(std::string(deviceName(arm_)) + ": " + line);
       return;
     }
     cell_.store(reader_.sample());
@@ -314,11 +314,11 @@ class PedalTopic {
   }
 
   /** On the publisher's thread. */
-  void tell() {
+  void say() {
     if (!subscriber_) return;
     std::string news;
     const bool is_held = hold_.look(subscriber_.getNumPublishers() > 0, secondsSince(started_), &news);
-    news_.of_publisher.tell(news);
+    news_.of_publisher.say(news);
     cell_.store(FootPedal{static_cast<std::uint8_t>(is_held ? 1 : 0)});
   }
 
@@ -328,9 +328,9 @@ class PedalTopic {
     const bool is_known = readJoyButton(message, config_.pedal_button, &held);
     hold_.hear(held, secondsSince(started_));
     if (!is_known && !std::exchange(reported_refused_, true))
-      news_.of_spinner.tell("pedal: refused: " + config_.pedal_topic + " is of type " + message.getDataType() +
-                            ", or has no button " + std::to_string(config_.pedal_button) +
-                            "; a sensor_msgs/Joy is wanted");
+      news_.of_spinner.say("pedal: refused: " + config_.pedal_topic + " is of type " + message.getDataType() +
+                           ", or has no button " + std::to_string(config_.pedal_button) +
+                           "; a sensor_msgs/Joy is wanted");
   }
 
   const MasterConfig& config_;
@@ -347,7 +347,7 @@ class PedalTopic {
 struct MasterDevices::Impl {
   Impl(const MasterConfig& master, MasterLink* master_link) : config(master), link(*master_link) {}
 
-  /** What needs ROS: between start() and stop(). */
+  /** The parts that need ROS: between start() and stop(). */
   struct Session {
     explicit Session(Impl* owner) : config(owner->config), link(owner->link) {
       node.setCallbackQueue(&queue);
@@ -380,7 +380,7 @@ struct MasterDevices::Impl {
 
     void cycle() {
       const double time = secondsSince(started);
-      pedal->tell();
+      pedal->say();
       for (const auto& device : devices)
         device->press();
       if (time - told >= kForceNewsPeriod) reportReaders(time);

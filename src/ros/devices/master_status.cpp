@@ -16,11 +16,11 @@ diagnostic_msgs::KeyValue value(const char* key, double number) {
   return pair;
 }
 
-/** Why none will be felt; empty if it will, or none is to be. */
+/** Why no force will be felt; empty if one will, or none is wanted. */
 std::string wordsOfForce(const DeviceTopics& topics, const DeviceTraffic& traffic) {
   if (topics.force.empty()) return "";
   if (traffic.readers == 0) return "nobody reads " + topics.force + ": no force will be felt";
-  if (!traffic.is_driver_among) return topics.force + " is read, but not by who publishes " + topics.pose;
+  if (!traffic.is_driver_among) return topics.force + " is read, but not by the publisher of " + topics.pose;
   if (traffic.is_absolute_missing) return "nobody reads " + topics.force_absolute + ": forces stay zero";
   return "";
 }

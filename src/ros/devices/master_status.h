@@ -14,8 +14,8 @@ struct DeviceTraffic {
   bool is_absolute_missing{};  ///< nobody reads force_absolute: forces stay zero
 };
 
-/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if they stand still, or if
- * no force will be felt because nobody reads it, or not who publishes the poses, or nobody its force_absolute. */
+/** Status "master left" or "master right": ERROR if poses are missing or wrong, WARN if they do not change, or if
+ * no force will be felt: nobody reads it, the publisher of the poses does not, or nobody reads force_absolute. */
 diagnostic_msgs::DiagnosticStatus masterStatus(const MasterConfig& config,
                                                Arm arm,
                                                const MasterReport& report,

@@ -16,7 +16,7 @@ namespace raven2_trainer::ros_bridge {
 class OperatorLines {
  public:
   /** The producer. Nothing for an empty line. */
-  void tell(const std::string& text) noexcept {
+  void say(const std::string& text) noexcept {
     if (text.empty()) return;
     Line line;
     line.size = std::min(text.size(), line.text.size());
@@ -24,7 +24,7 @@ class OperatorLines {
     ring_.tryPush(line);
   }
 
-  /** The consumer. @return false: there is none. */
+  /** The consumer. @return false: no line. */
   bool next(std::string* text) {
     Line line;
     if (!ring_.tryPop(&line)) return reportLost(text);

@@ -8,14 +8,16 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * Whether the pedal of a topic is held, as long as somebody is there who could say that it was let go. Who repeats what
- * it says is gone once it is silent, and what it says later counts from the next pedal-up on: it may have been let go
- * and pressed meanwhile. Who tells changes alone is gone once nobody publishes; one that died without a word is there
- * for ever. hear() and look() may be on different threads; their times [s] are of one clock.
+ * Whether the pedal of a topic is held, as long as a publisher could report its release. A publisher that repeats its
+ * state is lost
+ * once it is silent. Its later messages count from the next pedal-up on: the pedal may have been released and pressed
+ * meanwhile. A publisher that sends changes alone is lost once nobody publishes; one that died without a message is
+ * never
+ * noticed. hear() and look() may be on different threads; their times [s] are of one clock.
  */
 class PedalHold {
  public:
-  /** @param[in] silent_after [s]; 0: it tells changes alone. */
+  /** @param[in] silent_after [s]; 0: it sends changes alone. */
   PedalHold(std::string topic, double silent_after) : topic_(std::move(topic)), silent_after_(silent_after) {}
 
   void hear(bool held, double time) {

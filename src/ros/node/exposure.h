@@ -2,7 +2,7 @@
 
 #include <string>
 
-// Who can reach a ROS node of ours. ROS has no authentication: what can be reached can be called.
+// Which computers can reach our ROS nodes. ROS has no authentication: a computer that can reach a node can call it.
 
 namespace raven2_trainer::ros_bridge {
 

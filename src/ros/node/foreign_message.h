@@ -41,8 +41,10 @@ struct ForeignText {
 }  // namespace raven2_trainer::ros_bridge
 
 /**
- * Makes a struct a message of roscpp. It has md5(), name() (package/Message), text() (of those that are published; withPart()
- * adds what it is made of) and fields(m, use), which calls use(m.a, m.b, ...) in the order of the wire. To stand outside of all
+ * Makes a struct a message of roscpp. It has md5(), name() (package/Message), text() (of those that are published;
+ * withPart()
+ * adds what it is made of) and fields(m, use), which calls use(m.a, m.b, ...) in the order of the wire. Use it outside
+ * of all
  * namespaces.
  */
 #define RAVEN2_FOREIGN_MESSAGE(Message)                                                              \

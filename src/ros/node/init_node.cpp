@@ -56,7 +56,8 @@ void initNode(int argc, char** argv, const char* node) {
   // Before ros::start() binds its own: the first one holds, and there is no moment without.
   ros::XMLRPCManager::instance()->bind("shutdown", &refuseShutdown);
   if (!isLoopbackOnly())
-    std::fprintf(stderr, "ROS serves the network (ROS_IP, ROS_HOSTNAME): whoever reaches this computer can call it\n");
+    std::fprintf(stderr,
+                 "ROS serves the network (ROS_IP, ROS_HOSTNAME): every computer that reaches this one can call it\n");
 }
 
 }  // namespace raven2_trainer::ros_bridge

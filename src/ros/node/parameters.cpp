@@ -29,7 +29,7 @@ Value ask(const char* method) {
   const std::string node = ros::this_node::getName();
   const auto answer = call(ros::master::getHost(), ros::master::getPort(), method, {Value(node), Value(node)});
   if (answer) return *answer;
-  throw ConfigException("ROS master " + ros::master::getURI() + " does not tell the parameters below " + node);
+  throw ConfigException("ROS master " + ros::master::getURI() + " does not answer for the parameters below " + node);
 }
 
 }  // namespace

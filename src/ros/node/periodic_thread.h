@@ -31,7 +31,8 @@ class PeriodicCalls {
   }
 
  private:
-  static constexpr Clock::duration kLongestDebt = std::chrono::milliseconds(500);  // longer is no stutter, but a stand
+  static constexpr Clock::duration kLongestDebt =
+      std::chrono::milliseconds(500);  // a longer gap is a standstill, not a stutter
 
   const Clock::duration period_;
   const Missed missed_;

@@ -45,7 +45,7 @@ std::vector<Stream> streams(const SessionCounts& counts, const LivePicture& pict
   const double console = counts.master.received > 0 ? kCycles : 0.0;
   const double robot = counts.robot_state.received > 0 ? kCycles : 0.0;
   const bool is_drawn = picture.watched != 0 && picture.failed == 0;
-  // A robot that is not ours tells nothing of what it received: what we sent counts. Pedals come as they are pressed.
+  // A real robot does not report how much it received: the packets that we sent count. Pedals have no rate.
   return {{"physics loop", "ticks", kCycles},
           {"haptic loop", "ticks", kCycles},
           {"master to daemon link", "applied", console},
@@ -70,7 +70,7 @@ void Rates::addTo(diagnostic_msgs::DiagnosticArray* array, const std::vector<Str
   }
 }
 
-/** Arrays that come between two of the period's tell the rate of before. */
+/** Arrays between two of the period repeat the last rate. */
 const Rates::Sample& Rates::update(const Stream& stream,
                                    std::uint64_t count,
                                    std::uint64_t failed,

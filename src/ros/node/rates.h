@@ -24,9 +24,10 @@ struct Stream {
 std::vector<Stream> streams(const SessionCounts& counts, const LivePicture& picture);
 
 /**
- * How often things happened in the last second or so: value `rate_hz`, and `expected_hz` where there is such, as
- * diagnostic_updater's FrequencyStatus has it. What was expected all that time and was more than 10 % rarer (its
- * default tolerance), or failed, makes an OK a WARN and says so. One thread.
+ * Rates over about the last second: value `rate_hz`, and `expected_hz` where one is known, as in diagnostic_updater's
+ * FrequencyStatus. A rate more than 10 % below the expected one (its default tolerance), or a failure, makes an OK a
+ * WARN and says
+ * so. One thread.
  */
 class Rates {
  public:

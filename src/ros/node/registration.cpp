@@ -15,7 +15,7 @@ namespace {
 
 using Value = XmlRpc::XmlRpcValue;
 
-/** Every call of the master begins with who calls. */
+/** Every call of the master begins with the caller's name. */
 std::optional<Value> callMaster(const std::string& method,
                                 std::vector<Value> arguments = {},
                                 double patience = kPatience) {
@@ -47,8 +47,9 @@ bool registerTopics() {
   return good;
 }
 
-/** The master answers with who publishes; handing that on to ourselves is what it would do for a later one. An empty
- *  list is kept back: a publisher that did not register again still sends over the connection that there is. */
+/** The master answers with the list of publishers. We pass it on to ourselves, as the master does for later publishers.
+ * An empty list is not
+ *  passed on: a publisher that did not register again still sends over the existing connection. */
 bool registerSubscription(const Value& topic, const Value& type) {
   const std::optional<Value> publishers = callMaster("registerSubscriber", {topic, type, ownUri()});
   if (!publishers) return false;

@@ -16,10 +16,11 @@ int masterPid(double patience = kPatience);
 /** Does the master know this node at its address? Nothing if it gave no answer. */
 std::optional<bool> isRegistered();
 
-/** URI of another, living node that the master knows by this node's name; empty if there is none. */
+/** URI of another living node with this node's name; empty without one. */
 std::string rival();
 
-/** Tells the master all topics and subscriptions of this node, and `services`. @return false if a call got no answer.
+/** Registers all topics and subscriptions of this node, and `services`, with the master. @return false if a call got no
+ * answer.
  */
 bool registerAll(const std::vector<std::string>& services);
 

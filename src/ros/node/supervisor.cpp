@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (sources.md 2.3)
 constexpr auto kGoodbye = 2s;              // at most for a goodbye, to a master that answers
-constexpr double kGoodbyePatience = 0.25;  // [s] longer nobody who leaves waits for an answer
+constexpr double kGoodbyePatience = 0.25;  // [s] a node that leaves waits no longer for an answer
 constexpr std::size_t kStack = 8U << 20U;  // roscpp's threads inherit nothing from it, its calls are deep
 
 }  // namespace

@@ -51,7 +51,7 @@ void CameraView::show(const sensor_msgs::CompressedImage& picture) const {
   if (!isReal()) compressed_.publish(picture);
 }
 
-/** Told first: no virtual picture is sent from then on. */
+/** Notes its time first: no virtual picture is sent from then on. */
 void CameraView::hear(const sensor_msgs::ImageConstPtr& picture) {
   if (!isWhole(*picture)) return;
   shared_.real_picture_ns.store(net::monotonicNow());

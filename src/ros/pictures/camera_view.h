@@ -20,8 +20,8 @@ bool isWhole(const sensor_msgs::Image& picture) noexcept;
 
 /**
  * `view/image_raw` and its JPEG under `view/image_raw/compressed`: the real camera's pictures as they come, once they
- * were asked for (ModelState::view); else, and while the real camera is silent, the virtual ones. The real camera is
- * heard all the time, so that it is there when it is asked for, on its own thread: its pictures are large.
+ * were asked for (ModelState::view); else, and while the real camera is silent, the virtual ones. A separate
+ * thread receives the real camera all the time, so that it is ready when it is requested: its pictures are large.
  */
 class CameraView {
  public:

@@ -8,8 +8,9 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** One stamp for all pictures of a state: both eyes' must be equal to be taken for a pair, and a picture that stands
- *  keeps it, which two readings of two clocks would not give. */
+/** One stamp for all pictures of a state. Both eyes need equal stamps to be taken for a pair, and a picture that does
+ * not change keeps its
+ *  stamp; two readings of two clocks would differ. */
 class PictureStamp {
  public:
   /** As stampOf(), of the first call with this `then_ns` in a row. */

@@ -13,8 +13,8 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * Action `move_arm`: plans and executes. One goal at a time; a newer one cancels the older. A thread of its own looks
- * 50 times a second, and tells the client 10 times a second how far it is.
+ * Action `move_arm`: plans and executes. One goal at a time; a newer one cancels the older. A thread checks it
+ * 50 times a second, and sends the client its progress 10 times a second.
  */
 class MoveArmServer {
  public:

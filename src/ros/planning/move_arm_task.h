@@ -22,7 +22,7 @@ class MoveArmTask {
     ErrorCode code{ErrorCode::kFailure};
     std::string status;      ///< in a word
     bool was_cancelled{};    ///< by cancel()
-    PlanResult plan{};       ///< id 0: there was none
+    PlanResult plan{};       ///< id 0: no plan
     ExecutionReport report;  ///< id 0: nothing was executed
   };
 

@@ -8,7 +8,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr std::size_t kKept = 12;     // of a kind: who waits looks every millisecond
+constexpr std::size_t kKept = 12;     // of a kind: a waiting call looks every millisecond
 constexpr double kPause = 0.001;      // [s] the loop answers at the end of its tick
 constexpr double kAnswerTime = 0.5;   // [s] a loop that was late for longer gives the time up (max_backlog, 0.25 s)
 constexpr double kGiveUpTime = 0.03;  // [s] so that who cancels has an answer within 100 ms
@@ -34,7 +34,7 @@ bool PlanningClient::post(const Request& request) {
   return shared_.requests.tryPush(request);
 }
 
-/** What came last is kept, whatever its id: a plan may take longer than a dozen requests behind it. */
+/** Keeps the newest ones of any id: a plan may take longer than a dozen requests after it. */
 template <typename Ring, typename Answer>
 std::optional<Answer> PlanningClient::find(Ring* ring, std::deque<Answer>* kept, std::uint32_t id) {
   const std::lock_guard<std::mutex> lock(answers_mutex_);
@@ -58,7 +58,7 @@ PlanningClient::Asked PlanningClient::ask(Request request) {
     asked.answer = answer ? answer->answer : PlanningAnswer::kNone;
     return answer.has_value();
   });
-  // Who is told that there was no answer must not find a robot armed by it later. The ring keeps the order.
+  // A client that got no answer must not find a robot armed by it later. The ring keeps the order.
   if (asked.answer == PlanningAnswer::kNone && armsSomething(request.kind)) postCancel();
   return asked;
 }

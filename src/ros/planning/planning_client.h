@@ -13,8 +13,9 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * Posts requests to the physics loop, and takes its answers. The one producer of its ring of requests and the one
- * consumer of its rings of answers: whoever asks does so through here. Any thread; never a real-time one, for ask() and
- * the await...() wait.
+ * consumer of its rings of answers, so all requests of a node go through here. Any thread but a real-time one: ask()
+ * and
+ * await...() wait.
  */
 class PlanningClient {
  public:
@@ -62,7 +63,7 @@ class PlanningClient {
   PlanningState state() const;
   Mode mode() const;
 
-  /** Makes whoever waits return without an answer, now and from now on. */
+  /** Ends all waiting calls without an answer, now and from now on. */
   void stop() noexcept { stopped_.store(true); }
 
  private:

@@ -37,7 +37,7 @@ WantedPlan wantedPlan(const Message& message) {
   return {message.arm, message.default_goal != 0, {message.goal[0], message.goal[1], message.goal[2]}, message.joints};
 }
 
-/** A request, or why there is none. */
+/** A request, or the reason why there is no request. */
 struct ReadRequest {
   ErrorCode code{ErrorCode::kFailure};
   std::string status;  ///< why not, with what is wanted
@@ -61,11 +61,12 @@ trajectory_msgs::JointTrajectory trajectory(const PlanResult& plan, double d4);
 /** Poses of the tool tip along a plan in frame world, 20 a segment. @param[in] X_WB the arm's base. */
 nav_msgs::Path tipPath(const PlanResult& plan, const ArmGeometry& geometry, const Pose& X_WB, const ros::Time& stamp);
 
-/** Of answers that came together, oldest first, the newest that is a path: one that failed leaves the path of before
- * where it was. Null if none is. */
+/** Of answers that came together, oldest first, the newest that is a path; null without one. A failed answer leaves the
+ * path before it
+ * unchanged. */
 const PlanResult* newestPath(const std::vector<PlanResult>& answers) noexcept;
 
-/** Since when planning has one status, by the model's clock: it stands still while the daemon does. One thread. */
+/** Time since planning has its status, by the model's clock, which stops when the daemon does. One thread. */
 class StatusClock {
  public:
   /** A look at the newest state. @return true if status or plan are others than at the look before. */

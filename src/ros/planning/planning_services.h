@@ -17,9 +17,9 @@
 namespace raven2_trainer::ros_bridge {
 
 /**
- * plan, planning_mode, execute_plan and cancel_plan. What waits for a plan (plan, and planning_mode for the goal that
- * was recorded) has a queue and its own thread; the other two have another one, so that a plan can be cancelled
- * while somebody waits for it.
+ * plan, planning_mode, execute_plan and cancel_plan. plan, and planning_mode for a recorded goal, wait for a plan: they
+ * have a queue and a thread. The other two have another thread, so that a plan can be cancelled
+ * while a client waits for it.
  */
 class PlanningServices {
  public:

@@ -19,7 +19,7 @@ class PlanningTopics {
   /** Publishes what is new. To be called every runtime.ros_period; one thread. @param[in] model of this cycle. */
   void publish(const ModelState& model, const ros::Time& stamp);
 
-  /** The ticks start again: a published path is forgotten. The newest execution stands until the next. */
+  /** The ticks start again: a published path is forgotten. The newest execution stays until the next. */
   void startOver();
 
  private:

@@ -5,7 +5,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/state.h"
 
-// What became of planning and executing, in the numbers that clients of MoveIt know. Source: MoveItErrorCodes.msg of
+// Results of planning and executing, in the numbers that clients of MoveIt know. Source: MoveItErrorCodes.msg of
 // moveit_msgs for ROS 1 (https://docs.ros.org/en/api/moveit_msgs/html/msg/MoveItErrorCodes.html), not in Debian.
 
 namespace raven2_trainer::ros_bridge {
@@ -32,7 +32,7 @@ enum class ErrorCode : std::int32_t {
   kNoIkSolution = -31,
 };
 
-/** No throw; kFailure for a value that is none of the enumeration's. */
+/** No throw; kFailure for a value outside of the enumeration. */
 ErrorCode errorCode(PlanStatus status) noexcept;
 ErrorCode errorCode(PlanningAnswer answer) noexcept;
 ErrorCode errorCode(ExecutionEnd end) noexcept;

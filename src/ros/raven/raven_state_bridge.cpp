@@ -60,7 +60,7 @@ struct RavenStateBridge::Impl {
                  type.c_str(), md5.c_str(), raven_2::RavenState::md5(), raven_2::ForkRavenState::md5());
   }
 
-  /** What needs ROS: between start() and stop(). */
+  /** The parts that need ROS: between start() and stop(). */
   struct Subscription {
     explicit Subscription(Impl* owner)
         : states(node.subscribe(owner->topic, kBridgeQueue, &Impl::take, owner, ros::TransportHints().tcpNoDelay())),

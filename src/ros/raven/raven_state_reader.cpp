@@ -87,15 +87,15 @@ void RavenStateReader::readArm(Arm arm, int cycles, const JointArray& motor, Rob
 
 /**
  * Cycles since the message before, by its time stamp: the real robot does not number its messages. `dt` is the robot's
- * own time since it published last; where the stamps say the same, nothing was lost, however uneven the cycles were.
+ * time since it published last. Where the stamps agree with it, nothing was lost, even with uneven cycles.
  * kRestart after a gap, a step back, or a dt of zero, which only the first message of a start has.
  */
 int RavenStateReader::cyclesSince(const ros::Time& stamp, const ros::Duration& dt) {
   const double step = (stamp - stamp_).toSec();
   const bool is_first = cycle_ == 0;
-  const bool is_anew = dt.isZero() && step != 0.0;
+  const bool is_restart = dt.isZero() && step != 0.0;
   stamp_ = stamp;
-  const bool is_gap = is_first || is_anew || step < 0.0 || step > kRestartGap;
+  const bool is_gap = is_first || is_restart || step < 0.0 || step > kRestartGap;
   const bool is_next = std::abs(step - dt.toSec()) < kStampNoise;
   const int cycles = is_gap ? kRestart : is_next ? 1 : std::max(1, static_cast<int>(std::lround(step / kTickSeconds)));
   cycle_ += static_cast<std::uint64_t>(std::max(cycles, 1));

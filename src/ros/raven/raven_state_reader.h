@@ -10,15 +10,16 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * The real robot's messages to the state that a state frame carries: radians and metres, and velocities of all joints
- * from the motor positions through the inverse cable coupling, because the message has none for the tool joints. The
- * cycle counts the robot's messages, those that did not arrive included.
+ * from the motor positions through the inverse cable coupling, because the message has no velocities of the tool
+ * joints.
+ * The cycle counts the robot's messages, also those that did not arrive.
  */
 class RavenStateReader {
  public:
   /** @throw ConfigException if a transmission ratio is not positive. */
   explicit RavenStateReader(const VirtualRavenConfig& config);
 
-  /** @return false, `*state` unchanged, on an unknown run level or a number that is not finite.
+  /** @return false, `*state` unchanged, on an unknown run level, NaN or infinity.
    *  @param[in] now_ns [ns] monotonic time of the receipt, the state's time stamp. */
   bool read(const raven_2::RavenState& message, std::int64_t now_ns, RobotState* state);
   bool read(const raven_2::ForkRavenState& message, std::int64_t now_ns, RobotState* state);

@@ -167,9 +167,9 @@ TEST(MakeRuns, TheFirstFaultyTickIsTheOneNamed) {
 TEST(MakeRuns, ARunThatIsKilledFromOutsideIsNoOutcome) {
   raven2_trainer::testing::useOde();
   const Campaign campaign = everyClock();
-  int told = 0;
+  std::size_t results = 0;
   const auto killOthers = [&](const CampaignRun&, const RunResult&) {
-    ++told;
+    ++results;
     std::ifstream children("/proc/self/task/" + std::to_string(getpid()) + "/children");
     for (pid_t child = 0; children >> child;)
       ::kill(child, SIGKILL);
@@ -177,7 +177,8 @@ TEST(MakeRuns, ARunThatIsKilledFromOutsideIsNoOutcome) {
   EXPECT_THROW(makeRuns(configurationFor(campaign, raven2_trainer::testing::packagedConfig()), campaign, campaign.runs,
                         2, killOthers),
                Exception);
-  EXPECT_EQ(told, 1);
+  EXPECT_GE(results, 1U);
+  EXPECT_LT(results, campaign.runs.size()) << "others had ended before the first kill, but not all";
 }
 
 TEST(MakeRuns, JobsAndPartsChangeNothing) {

@@ -270,6 +270,30 @@ TEST(DeviceSurgeon, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
   EXPECT_NEAR(bench.tick(10).hand_I[0][1], 0.04, 1e-12) << "all of it, 10 ms late";
 }
 
+/** A busy computer brings two poses of 60 Hz within a millisecond: the hand moves at the same speed, and arrives. */
+TEST(DeviceSurgeon, PosesThatComeTogetherMakeNoStep) {
+  for (const int late : {14, 15, 16}) {
+    MasterConfig config = testMaster();
+    config.max_jump = 0.05;
+    DeviceBench bench(config);
+    bench.warmUp();
+    bench.press();
+    bench.tick();
+    double before = 0.0, largest = 0.0;
+    for (int i = 0; i < 800; ++i) {
+      const int cycle = i % 48;  // poses are due at 0, 16 and 32; the second comes late
+      bench.publishes = cycle == 0 || cycle == 16 + late || cycle == 32;
+      if (bench.publishes) bench.samples[0].position[1] += 0.004;
+      const double hand = bench.tick().hand_I[0][1];
+      if (i > 200) largest = std::max(largest, hand - before);
+      before = hand;
+    }
+    EXPECT_LT(largest, 3.5 * 0.004 / 16) << late << ": a pose alone in one tick would be 0.004";
+    bench.publishes = false;
+    EXPECT_NEAR(bench.tick(20).hand_I[0][1], bench.samples[0].position[1], 1e-12);
+  }
+}
+
 TEST(DeviceSurgeon, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
   DeviceBench bench(testMaster());
   bench.warmUp();

@@ -234,7 +234,7 @@ TEST_F(ActivityTest, AReplayShowsItsFramesAndLeavesTheArmsAsTheyWere) {
   const JointArray stood = stage.arms.joints(Arm::kGold);
   ReplayFrame frame{};
   frame.replay = 7;
-  frame.q = stage.arms.standing();
+  frame.q = stage.arms.joints();
   frame.q[0][kShoulder] += 0.1;
   ASSERT_TRUE(shared->replay_frames.tryPush(frame));
   stage.state.mode = Mode::kReplaying;
@@ -298,7 +298,7 @@ TEST_F(ActivityTest, AGoalIsChosenWithOneArmThatComesBack) {
   begin.kind = RequestKind::kBeginPlanning;
   begin.arm = Arm::kGreen;
   ASSERT_EQ(selection.request(begin), PlanningAnswer::kAccepted);
-  const PerArm<JointArray> stood = stage.arms.standing();
+  const PerArm<JointArray> stood = stage.arms.joints();
   for (int i = 0; i < 100; ++i) {
     move(Arm::kGold, {0.0, 0.0, -50e-6});
     move(Arm::kGreen, {0.0, 0.0, -50e-6});

@@ -149,13 +149,13 @@ TEST(ExerciseRunner, CountsEventsThatTheJudgeHadNoRoomFor) {
     }
   }
   const auto shared = std::make_unique<SharedState>();
-  ExerciseRunner desk(config, scene, config.render.cameras.front(), &world, shared.get());
+  ExerciseRunner runner(config, scene, config.render.cameras.front(), &world, shared.get());
   ModelState state;
   state.mode = Mode::kTeleoperating;
   state.pedal = 1;
   const auto pass = [&](int ticks, const ContactList& seen) {
     for (int i = 0; i < ticks; ++i, ++state.tick)
-      desk.tick(&state, seen, false);
+      runner.tick(&state, seen, false);
     return shared->exercise_records.counts().dropped;
   };
   const std::uint64_t once = pass(3, contacts);

@@ -9,7 +9,7 @@
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/mode_table.h"
 
-// What the desk of CRTK clients gives to a loop that has nothing but the arms' mapping and the mode table.
+// What the manager of CRTK clients gives to a loop that has nothing but the arms' mapping and the mode table.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -61,15 +61,15 @@ class ServoCommands : public ::testing::Test {
     stand.is_taken = false;
     MasterCommand command;
     command.pedal = console == Heard::kDown ? 1 : 0;
-    if (console != Heard::kNothing && desk.overrules(command)) {
+    if (console != Heard::kNothing && manager.overrules(command)) {
       ++overruled;
     } else if (console != Heard::kNothing) {
-      desk.hear(command);
+      manager.hear(command);
       pedal = command.pedal != 0;
       stand.is_taken = true;
     }
     increments = MasterCommand{};
-    made = desk.next(stand, mappers, &command);
+    made = manager.next(stand, mappers, &command);
     if (made) {
       EXPECT_FALSE(stand.is_taken && command.pedal != 0) << "a press behind a release of the same tick is lost";
       under_way.push_back(command);
@@ -92,7 +92,7 @@ class ServoCommands : public ::testing::Test {
         at(mappers, arm)
             .add(at(increments.dp_I, arm), at(increments.dq_I, arm), at(increments.dgrasp, arm), joints(arm));
     }
-    desk.publish(++ticks, 0, {mappers[0].desired(), mappers[1].desired()});
+    manager.publish(++ticks, 0, {mappers[0].desired(), mappers[1].desired()});
     while (shared->servo_refused.tryPop(&refused)) {
     }
   }
@@ -159,10 +159,10 @@ class ServoCommands : public ::testing::Test {
 
   const TrainerConfig config = configuration();
   std::unique_ptr<SharedState> shared = std::make_unique<SharedState>();
-  ServoManager desk{config, shared.get()};
+  ServoManager manager{config, shared.get()};
   PerArm<control::TeleopMapper> mappers{control::TeleopMapper(config.arms.geometry, Arm::kGold),
                                         control::TeleopMapper(config.arms.geometry, Arm::kGreen)};
-  ServoStand stand;
+  ServoSituation stand;
   Mode mode{Mode::kPedalUp};
   bool pedal{false}, pedal_before{false}, made{false};
   MasterCommand increments;

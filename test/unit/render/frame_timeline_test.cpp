@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -120,6 +121,40 @@ TEST(FrameTimeline, TheFaultIsNamedWhileItActs) {
   EXPECT_EQ(frames[1].fault, "");
   EXPECT_EQ(frames[2].fault, "stuck");
   EXPECT_EQ(frames[4].fault, "unknown") << "a number that the log does not name";
+}
+
+TEST(FrameTimeline, AFaultOfAMillisecondIsNamedForTwoSeconds) {
+  for (const int fps : {25, 30, 60}) {
+    FrameTimeline timeline(fps, 0.0, -1.0);
+    for (Tick t = 0; t < 4000; ++t) {
+      TickRecord record = tickAt(t);
+      record.robot.active_fault = t == 1001 ? 1 : 0;  // between two frames at each of the rates
+      timeline.add(record);
+    }
+    const auto frames = timeline.frames({"sudden_jump"});
+    std::vector<std::size_t> named;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (frames[k].fault == "sudden_jump") named.push_back(k);
+    }
+    const auto rate = static_cast<std::size_t>(fps);
+    ASSERT_EQ(named.size(), 2 * rate) << fps;
+    EXPECT_EQ(named.front(), rate + 1) << "the first frame that is not before it";
+    EXPECT_EQ(named.back(), 3 * rate);
+  }
+}
+
+TEST(FrameTimeline, AnotherFaultTakesTheNameAtOnce) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  for (Tick t = 0; t < 3500; ++t) {
+    TickRecord record = tickAt(t);
+    record.robot.active_fault = t < 10 ? 1 : t >= 500 && t < 1000 ? 2 : 0;
+    timeline.add(record);
+  }
+  const auto frames = timeline.frames({"one", "other"});
+  EXPECT_EQ(frames[49].fault, "one");
+  EXPECT_EQ(frames[51].fault, "other");
+  EXPECT_EQ(frames[250].fault, "other");
+  EXPECT_EQ(frames[310].fault, "");
 }
 
 PlanRecord answerAt(Tick session_tick, std::uint32_t id, PlanStatus status) {

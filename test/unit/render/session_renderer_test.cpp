@@ -556,7 +556,7 @@ TEST_F(SessionRendererTest, AVideoIsThereIfItIsOfTheseSettings) {
   SessionRenderOptions options = drawnHere();
   options.processes = 2;
   EXPECT_TRUE(isThere(options)) << "by how many is all the same";
-  options.camera = "endoscope";
+  options.camera = "overview";
   EXPECT_FALSE(isThere(options));
   options.camera = "cellar";
   EXPECT_THROW(isThere(options), ConfigException);

@@ -82,7 +82,7 @@ TEST_P(CrtkKinematicsTest, WhatHasNoAnswerSaysWhy) {
   };
   EXPECT_EQ(forward({0.5, 1.5}).message, "2 joints where there are 6");
   EXPECT_EQ(forward({0.5, 1.5, 0.3, 0, 0, 0}, true).message, "6 joints where there are 7");
-  EXPECT_EQ(forward({0.5, 1.5, std::nan(""), 0, 0, 0}).message, "a number that is not finite");
+  EXPECT_EQ(forward({0.5, 1.5, std::nan(""), 0, 0, 0}).message, "a number is NaN or infinite");
   EXPECT_EQ(forward({0.5, 1.5, 0.9, 0, 0, 0}).message, "a joint is beyond its limits");
   EXPECT_EQ(forward({0.5, 1.5, 0.3, 0, 0, 0.1, 0.1}, true).result, 1);
   crtk::InverseRequest query;

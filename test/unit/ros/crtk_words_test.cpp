@@ -212,7 +212,7 @@ TEST(CrtkWords, OnlyABrokenModelNeedsARestart) {
   ServoRefused refused = refusalOf(ServoKind::kServoJoints, ServoRefusal::kMode);
   for (std::size_t i = 0; i < kOperatingStateCount; ++i) {
     refused.in = static_cast<OperatingState>(i);
-    const bool says_restart = sentence(refused).find("started anew") != std::string::npos;
+    const bool says_restart = sentence(refused).find("restart the daemon") != std::string::npos;
     EXPECT_EQ(says_restart, refused.in == OperatingState::kFault) << kOperatingStateNames[i];
   }
 }

@@ -237,10 +237,10 @@ TEST(OperatorLinesTest, ComeOutInOrderAndSayHowManyDidNot) {
   OperatorLines lines;
   std::string line;
   EXPECT_FALSE(lines.next(&line));
-  lines.tell("");
+  lines.say("");
   EXPECT_FALSE(lines.next(&line));
   for (int i = 0; i < 40; ++i)
-    lines.tell("line " + std::to_string(i));
+    lines.say("line " + std::to_string(i));
   for (int i = 0; i < 32; ++i) {
     ASSERT_TRUE(lines.next(&line));
     EXPECT_EQ(line, "line " + std::to_string(i));
@@ -248,7 +248,7 @@ TEST(OperatorLinesTest, ComeOutInOrderAndSayHowManyDidNot) {
   ASSERT_TRUE(lines.next(&line));
   EXPECT_EQ(line, "8 lines more, which were not kept");
   EXPECT_FALSE(lines.next(&line));
-  lines.tell(std::string(2000, 'x'));
+  lines.say(std::string(2000, 'x'));
   ASSERT_TRUE(lines.next(&line));
   EXPECT_EQ(line, std::string(504, 'x'));
 }
@@ -377,7 +377,7 @@ TEST(MasterStatus, SaysWhatIsWrong) {
   EXPECT_NE(status.message.find("/right/force_feedback"), std::string::npos);
   status = masterStatus(config, Arm::kGreen, report, {998.0, 1, false, false});
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
-  EXPECT_EQ(status.message, "/right/force_feedback is read, but not by who publishes /right/state");
+  EXPECT_EQ(status.message, "/right/force_feedback is read, but not by the publisher of /right/state");
   status = masterStatus(shipped("mtm"), Arm::kGreen, report, {998.0, 1, true, true});
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_EQ(status.message, "nobody reads /MTMR/body/set_cf_orientation_absolute: forces stay zero");
