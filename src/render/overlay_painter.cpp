@@ -12,6 +12,7 @@ constexpr int kOpaque = 256;  // of blend()
 constexpr int kPanelOpacity = 168;
 constexpr double kBarWidth = 60.0;  // [grid units] of a full bar
 constexpr std::size_t kMaxLines = 40;
+constexpr double kMostHigh = 0.4;  // [-] of the picture's height; a higher panel has the brief lines
 
 double gridUnit(int height) {
   return std::max(1.0, height / 720.0 * 1.8);  // 11 px capitals at 720 lines
@@ -39,19 +40,10 @@ Region common(const Region& a, const Region& b) noexcept {
   return {left, top, std::max(left, std::min(a.right, b.right)), std::max(top, std::min(a.bottom, b.bottom))};
 }
 
-/** Lines and warnings, as many as there is room for. */
-std::size_t textRows(const Overlay& overlay) {
-  return std::min(overlay.lines.size() + overlay.warnings.size(), kMaxLines);
-}
-
-bool hasPanel(const Overlay& overlay) {
-  return textRows(overlay) > 0 || overlay.has_bars;
-}
-
-int textColumns(const Overlay& overlay) {
+int textColumns(const Overlay& overlay, const std::vector<std::string>& lines) {
   std::size_t columns = overlay.has_bars ? barText(overlay, 0).size() + 1 : 0;
-  for (const auto* lines : {&overlay.lines, &overlay.warnings}) {
-    for (const std::string& line : *lines)
+  for (const auto* each : {&lines, &overlay.warnings}) {
+    for (const std::string& line : *each)
       columns = std::max(columns, line.size());
   }
   return static_cast<int>(std::min<std::size_t>(columns, 200));
@@ -75,12 +67,26 @@ Region OverlayPainter::clip(Region r) const noexcept {
   return r;
 }
 
+int OverlayPainter::panelHeight(const Overlay& overlay, const std::vector<std::string>& lines) const noexcept {
+  const std::size_t rows = std::min(lines.size() + overlay.warnings.size(), kMaxLines);
+  return 2 * margin_ + static_cast<int>(rows + (overlay.has_bars ? kArmCount : 0)) * small_.cellHeight();
+}
+
+const std::vector<std::string>& OverlayPainter::linesOf(const Overlay& overlay) const noexcept {
+  const bool is_high = panelHeight(overlay, overlay.lines) > kMostHigh * height_;
+  return is_high && !overlay.brief.empty() ? overlay.brief : overlay.lines;
+}
+
+std::size_t OverlayPainter::textRows(const Overlay& overlay) const noexcept {
+  return std::min(linesOf(overlay).size() + overlay.warnings.size(), kMaxLines);
+}
+
 Region OverlayPainter::panelRegion(const Overlay& overlay) const noexcept {
-  if (!hasPanel(overlay)) return {};
-  const int rows = static_cast<int>(textRows(overlay) + (overlay.has_bars ? kArmCount : 0));
+  if (textRows(overlay) == 0 && !overlay.has_bars) return {};
   const int bar = overlay.has_bars ? small_.width(barText(overlay, 0) + " ") + static_cast<int>(kBarWidth * unit_) : 0;
-  const int width = std::max(textColumns(overlay) * small_.cellWidth(), bar) + 2 * margin_;
-  return clip({margin_, margin_, margin_ + width, 3 * margin_ + rows * small_.cellHeight()});
+  const std::vector<std::string>& lines = linesOf(overlay);
+  const int width = std::max(textColumns(overlay, lines) * small_.cellWidth(), bar) + 2 * margin_;
+  return clip({margin_, margin_, margin_ + width, margin_ + panelHeight(overlay, lines)});
 }
 
 Region OverlayPainter::bannerRegion(const Overlay& overlay) const noexcept {
@@ -148,17 +154,17 @@ void OverlayPainter::drawBars(const Overlay& overlay, const Region& panel, std::
 
 void OverlayPainter::drawLines(const Overlay& overlay, const Region& panel, std::uint8_t* rgb) const {
   static constexpr Colour kText{240, 243, 246}, kWarning{255, 176, 46};
-  const std::size_t plain = overlay.lines.size();
+  const std::vector<std::string>& lines = linesOf(overlay);
+  const std::size_t plain = lines.size();
   int y = panel.top + margin_;
   for (std::size_t i = 0; i < textRows(overlay); ++i, y += small_.cellHeight()) {
-    const std::string& line = i < plain ? overlay.lines[i] : overlay.warnings[i - plain];
+    const std::string& line = i < plain ? lines[i] : overlay.warnings[i - plain];
     drawText(small_, panel, line, panel.left + margin_, y, i < plain ? kText : kWarning, rgb);
   }
 }
 
 void OverlayPainter::paint(const Overlay& overlay, std::vector<std::uint8_t>* rgb) const {
-  if (hasPanel(overlay)) {
-    const Region panel = panelRegion(overlay);
+  if (const Region panel = panelRegion(overlay); panel.right > panel.left) {
     blend(panel, {16, 20, 26}, kPanelOpacity, rgb->data());
     drawLines(overlay, panel, rgb->data());
     if (overlay.has_bars) drawBars(overlay, panel, rgb->data());

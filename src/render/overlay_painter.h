@@ -14,7 +14,8 @@ struct Region {
 };
 
 /** Draws the overlay into finished pixels in software: text and bars on a dark panel at the top left, the banner on a
- *  red strip at the middle of the bottom edge. Sizes follow the height of the picture. */
+ *  red strip at the middle of the bottom edge. Sizes follow the height of the picture, down to what can be read;
+ *  in smaller pictures the panel has fewer lines. */
 class OverlayPainter {
  public:
   OverlayPainter(int width, int height);
@@ -25,7 +26,7 @@ class OverlayPainter {
   /** Of the panel; empty if there are no lines, no warnings and no bars. Never reaches outside the picture. */
   Region panelRegion(const Overlay& overlay) const noexcept;
 
-  /** Of the banner; empty if there is none. Never reaches outside the picture. */
+  /** Of the banner; empty without one. Never reaches outside the picture. */
   Region bannerRegion(const Overlay& overlay) const noexcept;
 
  private:
@@ -45,6 +46,12 @@ class OverlayPainter {
   void drawLines(const Overlay& overlay, const Region& panel, std::uint8_t* rgb) const;
   void drawBars(const Overlay& overlay, const Region& panel, std::uint8_t* rgb) const;
   Region clip(Region region) const noexcept;
+  /** [px] of a panel with these lines. */
+  int panelHeight(const Overlay& overlay, const std::vector<std::string>& lines) const noexcept;
+  /** The lines, or the brief ones where the picture is too small for them. */
+  const std::vector<std::string>& linesOf(const Overlay& overlay) const noexcept;
+  /** Lines and warnings, as many as there is room for. */
+  std::size_t textRows(const Overlay& overlay) const noexcept;
 
   int width_, height_;
   double unit_;  ///< [px] of the small font's grid

@@ -151,6 +151,22 @@ std::string bannerText(const Snapshot& snapshot) {
   return "FAULT: " + snapshot.fault + (picture.empty() ? "" : ", " + picture);
 }
 
+/** The most important of the lines, for a small picture. */
+std::vector<std::string> briefLines(const Snapshot& snapshot, const SceneOptions& options) {
+  const ModelState& model = snapshot.model;
+  std::vector<std::string> lines;
+  if (options.overlays.has(OverlayKind::kStatus)) {
+    const bool is_stale = snapshot.robot.frame != 0 && !snapshot.model.robot_fresh;
+    lines.push_back(words(modeName(model.mode)) + (is_stale ? ", robot STALE" : ""));
+  }
+  if (snapshot.stands_in) lines.emplace_back("camera STALE");
+  if (options.overlays.has(OverlayKind::kTimer) && model.exercise.status != ExerciseStatus::kNone) {
+    lines.push_back(attemptText(model.exercise, options.exercise_steps) + format(", %.0f s, ", timeOf(model)) +
+                    mistakesText(model.exercise));
+  }
+  return lines;
+}
+
 }  // namespace
 
 double tipError(const Snapshot& snapshot, Arm arm) noexcept {
@@ -165,6 +181,7 @@ Overlay describe(const Snapshot& snapshot, const SceneOptions& options) {
   if (snapshot.stands_in) overlay.lines.emplace_back("camera    STALE, virtual scene");
   if (shown.has(OverlayKind::kLatency)) overlay.lines.push_back(latencyLine(snapshot, options.stale_after));
   if (shown.has(OverlayKind::kTimer)) addExercise(snapshot, options.exercise_steps, &overlay.lines);
+  overlay.brief = briefLines(snapshot, options);
   overlay.has_bars = shown.has(OverlayKind::kForceBars);
   for (const Arm arm : kArms)
     at(overlay.force, arm) = norm(at(snapshot.haptic.force_B, arm));

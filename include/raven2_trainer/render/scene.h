@@ -30,6 +30,7 @@ struct Drawable {
 /** A line of text or a bar drawn over the picture. */
 struct Overlay {
   std::vector<std::string> lines;         ///< top left
+  std::vector<std::string> brief;         ///< in their place where a picture is so small that they would hide the scene
   std::vector<std::string> warnings;      ///< below them, in amber
   bool has_bars{false};                   ///< below both
   std::array<double, kArmCount> force{};  ///< [N] of the bars

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <string>
+#include <tuple>
+#include <vector>
 
 namespace raven2_trainer::render {
 namespace {
@@ -44,6 +47,29 @@ TEST(OverlayPainter, ChangesPixelsInItsRegionsOnly) {
   auto rgb = grey();
   painter.paint(overlay, &rgb);
   EXPECT_GT(changedInside(rgb, painter.panelRegion(overlay), painter.bannerRegion(overlay)), 5000);
+}
+
+TEST(OverlayPainter, ASmallPictureHasTheBriefLinesAndStaysVisible) {
+  Overlay overlay;
+  overlay.lines = std::vector<std::string>(9, "exercise  step 2 of 3, not so long");
+  overlay.brief = {"teleoperating", "step 2 of 3, 3 s, 0 mistakes"};
+  overlay.has_bars = true;
+  Overlay brief = overlay;
+  brief.lines = overlay.brief;
+  for (const auto& [width, height, is_small] :
+       {std::tuple{320, 180, true}, {426, 240, true}, {640, 360, false}, {1280, 720, false}}) {
+    const OverlayPainter painter(width, height);
+    const Region panel = painter.panelRegion(overlay);
+    EXPECT_EQ(panel.bottom == painter.panelRegion(brief).bottom, is_small) << height;
+    EXPECT_LT((panel.right - panel.left) * (panel.bottom - panel.top), width * height / 4) << height;
+    std::vector<std::uint8_t> one(static_cast<std::size_t>(width) * height * 3, 128), other = one;
+    painter.paint(overlay, &one);
+    painter.paint(brief, &other);
+    EXPECT_EQ(one == other, is_small) << height;
+  }
+  overlay.brief.clear();
+  const OverlayPainter painter(320, 180);
+  EXPECT_GT(painter.panelRegion(overlay).bottom, painter.panelRegion(brief).bottom) << "nothing briefer is known";
 }
 
 TEST(OverlayPainter, AnEmptyOverlayChangesNothing) {

@@ -65,6 +65,16 @@ TEST(OverlayText, AStaleRobotAndADisengagedOneAreMarked) {
   EXPECT_TRUE(hasLine(describe(s, gains()), "pedal", "disengaged"));
 }
 
+TEST(OverlayText, TheBriefLinesSayModeAndExercise) {
+  Snapshot s = teleoperating();
+  EXPECT_EQ(describe(s, gains()).brief, std::vector<std::string>{"teleoperating"});
+  s.model.robot_fresh = 0;
+  s.model.exercise.status = ExerciseStatus::kWaiting;
+  EXPECT_EQ(describe(s, gains()).brief,
+            (std::vector<std::string>{"teleoperating, robot STALE", "waiting, 0 s, 0 mistakes"}));
+  EXPECT_TRUE(describe(s, SceneOptions(gains(), OverlaySet())).brief.empty());
+}
+
 TEST(OverlayText, AVirtualPictureThatStandsInForTheCamerasSaysSo) {
   Snapshot s = teleoperating();
   EXPECT_FALSE(hasLine(describe(s, gains()), "camera", ""));
