@@ -5,6 +5,7 @@ import math
 import os
 import pathlib
 import random
+import re
 import sys
 import types
 
@@ -379,3 +380,25 @@ def test_the_station_takes_its_folders_from_where_it_is():
             module.parse(wrong)
     with pytest.raises(SystemExit, match="password"):
         module.password_hash(module.parse(["--bind", "0.0.0.0"]))
+
+
+GUIDES = ("doc/station.md", "doc/tutorials/surgeon_assistant.md", "doc/tutorials/educator.md")
+
+
+def page_text():
+    """All that the pages can say: their files, and the sentences of the station."""
+    folder = ROOT / "scripts/raven2_station"
+    files = [*sorted((folder / "page").iterdir()), *(folder / f"{name}.py" for name in ("words", "station", "supervisor")), ROOT / "src/ros/bridge/services.cpp"]
+    text = " ".join(p.read_text(encoding="utf-8") for p in files if p.is_file())
+    titles = " ".join(c["title"] for c in library.Library(ROOT).curricula)
+    return re.sub(r"<[^>]+>|\s+", " ", text + " " + titles).lower()
+
+
+@pytest.mark.parametrize("guide", GUIDES)
+def test_guides_name_what_the_pages_show(guide):
+    """Words in italics in the numbered steps are what one reads on a page."""
+    steps = re.findall(r"(?ms)^\d+\. .*?(?=^\d+\. |^\n|^#)", (ROOT / guide).read_text(encoding="utf-8").split("## Appendix")[0])
+    named = [" ".join(name.split()) for step in steps for name in re.findall(r"(?<!\*)\*([^*]+)\*(?!\*)", step)]
+    assert len(named) >= 1
+    text = page_text()
+    assert [name for name in named if name.lower() not in text] == []

@@ -79,8 +79,8 @@ class RosMaster:
         """A ROS command-line tool against this master."""
         return subprocess.run(command, env=self._environment, capture_output=True, text=True, timeout=seconds)
 
-    def popen(self, *command):
-        return subprocess.Popen(command, env=self._environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    def popen(self, *command, stdout=subprocess.DEVNULL):
+        return subprocess.Popen(command, env=self._environment, stdout=stdout, stderr=subprocess.DEVNULL, text=True)
 
     def __enter__(self):
         return self

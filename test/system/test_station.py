@@ -90,11 +90,7 @@ def test_hands_of_a_page_move_the_robot_and_let_go_with_it(station):
                 assert (await trainee.ask("drive"))["ok"]
                 await page.until(lambda: page.newest.get("mode", {}).get("mode") == "pedal_up", 20, "the robot is ready")
                 await asyncio.sleep(0.5)
-                begun = time.monotonic()
-                while page.mode() != "teleoperating":
-                    assert time.monotonic() - begun < 10, page.newest["mode"]
-                    await drive(trainee, 30, pedal=False)
-                    await drive(trainee, 30)
+                await engage(page, trainee)
                 await drive(trainee, 60, move=[0.001, 0, 0])
                 assert page.mode() == "teleoperating"
                 assert (await page.ask("take-hands", away=True))["ok"]
@@ -123,21 +119,41 @@ def test_a_page_moves_the_robot_smoothly(station):
             assert (await trainee.ask("drive"))["ok"]
             await page.until(lambda: page.mode() == "pedal_up", 20, "the robot is ready")
             await asyncio.sleep(0.5)
-            while page.mode() != "teleoperating":
-                await drive(trainee, 30, pedal=False)
-                await drive(trainee, 30)
-            for sign in (1, -1, 1, -1):
-                await drive(trainee, 30, move=[sign * 0.012, 0, 0])
-            await drive(trainee, 20)
+            for _ in range(4):  # again where a busy machine kept the page silent, so that the pedal came up
+                await engage(page, trainee)
+                begun = len(page.messages)
+                for sign in (1, -1, 1, -1):
+                    await drive(trainee, 30, move=[sign * 0.012, 0, 0])
+                await drive(trainee, 20)
+                if all(m["pedal"] for m in page.messages[begun:] if m["t"] == "mode"):
+                    break
+            else:
+                raise AssertionError("the pedal came up in each of four sweeps")
             directory = os.path.join(station.sessions, page.newest["station"]["session"])
             await stop(page)
         return directory
     commands = raven2_session.SessionLog(os.path.join(run(scenario()), "session.rlog")).commands["command"]
     steps = np.linalg.norm(commands["dp_I"][:, 0], axis=1)
+    steps = steps[last_press(commands["pedal"])]
     moving = np.flatnonzero(steps > 0)
     assert 1e3 * steps.max() <= 0.5, "mm"
     assert 1e3 * steps.sum() == pytest.approx(4 * 30 * 0.1 * 12.0, rel=0.05), "a tenth of the hand's motion"
     assert len(moving) > 0.8 * (moving[-1] - moving[0]), "motion is spread over the milliseconds between messages"
+
+
+def last_press(pedal):
+    """The span of the last press that has an end, or none."""
+    edges = np.diff(np.concatenate([[0], (pedal != 0).astype(int), [0]]))
+    return slice(np.flatnonzero(edges > 0)[-1], np.flatnonzero(edges < 0)[-1])
+
+
+async def engage(page, trainee):
+    begun = time.monotonic()
+    await drive(trainee, 30, pedal=False)
+    while page.mode() != "teleoperating":
+        assert time.monotonic() - begun < 10, page.newest["mode"]
+        await drive(trainee, 30, pedal=False)
+        await drive(trainee, 30)
 
 
 async def drive(page, count, pedal=True, move=(0, 0, 0)):

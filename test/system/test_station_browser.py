@@ -3,13 +3,19 @@
 import os
 import shutil
 import subprocess
+import sys
 import tarfile
 import tempfile
+import threading
 import time
 
+import numpy as np
 import pytest
-from stack import wait_until
+from stack import BUILD, ROOT, wait_until
 from station_rig import Station
+
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+import raven2_session  # noqa: E402
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="python3-selenium is not installed")
 from selenium.webdriver.chrome.service import Service  # noqa: E402
@@ -103,7 +109,7 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
         browser.click("start")
         browser.until(lambda: browser.text("mode").startswith("The hands move"), 25, "the expert moves")
         browser.until(lambda: int(browser["picture"].get_attribute("data-frames") or 0) > 20, 10, "pictures come")
-        browser.until(lambda: "running" in browser.text("task"), 20, "the exercise runs")
+        browser.until(lambda: "running" in browser.text("task"), 40, "the exercise runs")
         browser.click("inject")
         browser.until(lambda: "acts" in browser.text("said"), 3, "the hazard acts")
         browser.until(lambda: browser["health"].get_attribute("data-level") is not None, 3, "health")
@@ -158,6 +164,140 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     driver.switch_to.new_window("tab")  # hides the page
     driver.switch_to.window(driver.window_handles[0])
     browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
+    end(browser)
+
+
+class Tip:
+    """The gold arm's tip in the world, as it is published: position [m] and rotation matrix."""
+
+    def __init__(self, master):
+        self._process = master.popen("rostopic", "echo", "-p", "/arm1/measured_cp", stdout=subprocess.PIPE)
+        self._names = self._process.stdout.readline().strip().split(",")
+        self.line = ""
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self._process.stdout:
+            self.line = line
+
+    def pose(self):
+        values = dict(zip(self._names, self.line.strip().split(",")))
+        position = np.array([float(values[f"field.pose.position.{axis}"]) for axis in "xyz"])
+        return position, rotation_of([float(values[f"field.pose.orientation.{axis}"]) for axis in "xyzw"])
+
+    def close(self):
+        self._process.kill()
+        self._process.wait()
+
+
+def rotation_of(q):
+    x, y, z, w = np.asarray(q) / np.linalg.norm(q)
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def rotation_vector(rotation):
+    angle = np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1, 1))
+    axis = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
+    return angle * axis / max(2 * np.sin(angle), 1e-9)
+
+
+class Mouse:
+    """Real mouse events on the locked picture, small enough for the tool to follow."""
+
+    def __init__(self, driver, place):
+        self._driver, self._place = driver, place
+
+    def send(self, kind, **more):
+        self._driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": kind, "x": self._place[0], "y": self._place[1], **more})
+
+    def move(self, dx, dy, buttons=0):
+        self._place = (self._place[0] + dx, self._place[1] + dy)
+        self.send("mouseMoved", buttons=buttons)
+
+    def roll(self, notches, buttons=0):
+        self.send("mouseWheel", deltaX=0, deltaY=-100 * notches, buttons=buttons)
+
+
+def press_pedal(browser):
+    """Also again, where a busy machine kept the page silent for so long that the pedal came up."""
+    ActionChains(browser.driver).key_up(Keys.SPACE).pause(0.3).key_down(Keys.SPACE).perform()
+    browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the pedal engages")
+
+
+def steer(browser, mouse, tip, goal_p, goal_R, seconds):
+    """Moves and rotates the tool to a pose in the world with the mouse alone: the page's axes are right, forward, up."""
+    axes = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if not browser.text("mode").startswith("The hands move"):
+            press_pedal(browser)
+        p, R = tip.pose()
+        off, turn = axes @ (goal_p - p), axes @ rotation_vector(goal_R @ R.T)
+        if np.linalg.norm(off) < 2e-4 and np.linalg.norm(turn) < 0.02:
+            return True
+        x, y, z = np.clip(10.0 * 0.5 * off, -0.06, 0.06)  # of the device, ten times the tool's; a part of it, then look again
+        mouse.move(round(x / 0.001), round(-(y + z) / 0.0014))
+        mouse.roll(float(np.clip((y - z) / 0.0168, -3, 3)))
+        if np.linalg.norm(turn) > 0.015:
+            a, b, c = np.clip(0.5 * turn, -0.15, 0.15)
+            mouse.send("mousePressed", button="right", buttons=2)
+            mouse.move(round(-c / 0.004), round(-a / 0.004), buttons=2)
+            mouse.roll(float(np.clip(b / 0.12, -3, 3)), buttons=2)
+            mouse.send("mouseReleased", button="right", buttons=0)
+        time.sleep(0.12)
+    return False
+
+
+def expert_waypoints(folder):
+    """Joint motion of the expert in the same exercise: its tip's poses [base] at the start, near the ring, at the grip, lifted."""
+    output = os.path.join(folder, "expert")
+    subprocess.run([os.path.join(BUILD, "devel/lib/raven2_trainer/simulate"), "--exercise", "pick_hand_over_place", "--motion", "expert",
+                    "--seconds", "9", "--homing", "quick", "--seed", "2", "--output", output], check=True, capture_output=True, timeout=120)
+    ticks = raven2_session.Session(output).log.ticks
+    ticks = ticks[ticks["model"]["session_tick"] >= 0]
+    gold = ticks["model"]["arms"][:, 0]
+    held = int(np.flatnonzero(gold["contacts"] > 0)[0])
+    path = np.linalg.norm(gold["p_BT"] - gold["p_BT"][held], axis=1)
+    near = int(np.flatnonzero(path > 0.012)[np.flatnonzero(path > 0.012) < held][-1])
+    lifted = int(np.flatnonzero(ticks["model"]["exercise"]["done"].reshape(len(ticks), -1)[:, 0] > 0)[0])
+    return [(gold["p_BT"][k].copy(), rotation_of(gold["q_BT"][k])) for k in (0, near, held, min(lifted + 300, len(ticks) - 1))]
+
+
+def test_a_mouse_lifts_the_ring(station, browser):
+    """With the mouse alone to where the expert grips the ring, the left button held, and up: the exercise's first step is done."""
+    start, *waypoints = expert_waypoints(station.folder)
+    base = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # world axes in the gold base: x up, y to the surgeon, z right
+    browser.open()
+    browser.choose(exercise="pick_hand_over_place", hazard="none", driver="browser", trainee="")
+    browser.click("start")
+    browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
+    driver = browser.driver
+    driver.switch_to.new_window("window")
+    browser.open("/trainee")
+    browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+    browser.click("drive")
+    box = driver.find_element(By.ID, "screen").rect
+    ActionChains(driver).move_to_element(driver.find_element(By.ID, "screen")).click().perform()
+    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is the page's")
+    mouse = Mouse(driver, (box["width"] / 2, box["height"] / 2))
+    tip = Tip(station.master)
+    try:
+        browser.until(lambda: tip.line, 5, "the tip is published")
+        origin, orientation = tip.pose()
+        time.sleep(0.3)
+        press_pedal(browser)
+        for number, (p, R) in enumerate(waypoints):
+            goal_p, goal_R = origin + base @ (p - start[0]), base @ R @ start[1].T @ base.T @ orientation
+            if number == 2:
+                mouse.send("mousePressed", button="left", buttons=1)
+                time.sleep(1.0)  # the jaws close
+            assert steer(browser, mouse, tip, goal_p, goal_R, 20) or number == 2, f"waypoint {number}: {goal_p - tip.pose()[0]}"
+        browser.until(lambda: driver.find_elements(By.CSS_SELECTOR, "#steps li.done"), 5, "the ring is lifted")
+    finally:
+        tip.close()
+    driver.switch_to.window(driver.window_handles[0])
     end(browser)
 
 

@@ -61,7 +61,10 @@ function showStation(message) {
   byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
   if (!runs) byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
   if (message.foreign && !before.foreign) say({ ok: true, text: "This trainer was not started here. Set up and Stop belong to its launch file." });
-  if (message.phase === "idle" && before.phase !== "idle") showStage();
+  if (message.phase === "idle" && before.phase !== "idle") {
+    if (before.phase === "ending") say({ ok: !message.trouble, text: message.trouble || "The session has ended." });
+    showStage();
+  }
   showArmed();
   if (message.last && message.last !== before.last) showVerdict(message.last);
 }
@@ -114,7 +117,7 @@ function showChoices() {
   for (const name of exercise ? exercise.clumsy : []) drivers.push(option(`clumsy:${name}`, `demonstration: clumsy surgeon (${name})`));
   if (!exercise) drivers.push(option("scripted", "demonstration: scripted motion"));
   fill(byId("driver"), [...drivers, ...library.masters.map((m) => option(`master:${m.name}`, `${m.name}: ${m.title}`))]);
-  byId("exercise-help").textContent = exercise ? `Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
+  byId("exercise-help").textContent = exercise ? `${exercise.title}. Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
     : "The arms move freely; nothing is scored.";
   const name = byId("hazard").value === "own" && exercise ? exercise.drill : byId("hazard").value;
   const hazard = library.hazards.find((h) => h.name === name);

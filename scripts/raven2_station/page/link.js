@@ -124,7 +124,7 @@ export function showTask(message, steps) {
   byId("task-title").textContent = message.exercise ? message.title : "No exercise";
   byId("task-text").textContent = message.exercise ? `Attempt ${message.attempt}: ${message.text}` : "";
   byId("task-text").className = message.status === "failed" ? "bad" : message.status === "done" ? "good" : "";
-  byId("task-time").textContent = message.exercise ? `${message.elapsed.toFixed(1)} s of ${message.time_limit.toFixed(0)} s` : "";
+  byId("task-time").textContent = message.exercise ? `(${message.elapsed.toFixed(1)} s of ${message.time_limit.toFixed(0)} s)` : "";
   const done = message.tracks.length === 1 ? message.done[0] : null;
   const items = (steps || []).map((name, i) => {
     const item = document.createElement("li");
