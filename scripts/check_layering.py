@@ -79,7 +79,7 @@ def violations(module, path):
         return
     for number, header, quoted in includes(path):
         if quoted and (path.parent / header).is_file():
-            continue  # a private header beside its source
+            continue  # a private header next to its source
         reason = judge(module, header, quoted, allowed, foreign)
         if header == WHOLE and not ROOTS.match(str(path.relative_to(ROOT))):
             reason = "no composition root"
@@ -116,7 +116,7 @@ def resolved(path, header):
 
 
 def reached(path, seen):
-    """What a pure module's file reaches that none may: (our file, line, system header)."""
+    """Forbidden headers that a pure module's file reaches: (our file, line, system header)."""
     for number, header, quoted in includes(path):
         ours = resolved(path, header) if quoted else None
         if ours and ours not in seen:

@@ -89,7 +89,7 @@ class Series:
         self.p_model = model["arms"]["p_BT"]
         self.p_robot = np.where(seen[:, None, None], robot["arms"]["p_BT"], np.nan)
         in_robot = np.where(seen, robot["active_fault"], 0)
-        has_own = "faults" in (model.dtype.names or ())  # logs older than version 5 have none of the daemon's own
+        has_own = "faults" in (model.dtype.names or ())  # logs older than version 5 have no faults of the daemon
         self.fault_ids = np.where(in_robot != 0, in_robot, model["faults"]["active"]) if has_own else in_robot
         self.fault_windows = [(self.t[a], self.t[b], self.scenario(self.fault_ids[a])) for a, b in self._fault_runs()]
         self.runlevel = np.where(seen, robot["runlevel"], -1)
@@ -125,7 +125,7 @@ class Series:
                 "track": self.p_model[first:last + 1:PATH_STEP, arm]}
 
     def _hand_before(self, first):
-        """The last stretch of teleoperation before, at most USER_BEFORE; empty if there was none."""
+        """The last stretch of teleoperation before, at most USER_BEFORE; empty without one."""
         spans = [span for span in runs(self.teleoperating) if span[1] < first]
         if not spans:
             return 0, -1
@@ -164,7 +164,7 @@ class Series:
         origin = int(model["tick"][0] - model["session_tick"][0]) if len(model) else 0
         ticks = log.haptic["haptic"]["tick"]
         inside = ticks >= origin
-        # Not a mere shift: the session's clock stands still while the exercise is paused.
+        # Not a mere shift: the session's clock stops while the exercise is paused.
         last = np.clip(np.searchsorted(model["tick"], ticks[inside], side="right") - 1, 0, None)
         self.force_t = model["session_tick"][last] / 1000.0 if len(model) else ticks[inside] / 1000.0
         self.force = np.linalg.norm(log.haptic["haptic"]["force_B"][inside], axis=2)
@@ -286,8 +286,8 @@ def joints_figure(series):
                 axes.plot(*thinned(series.t, scale * values[:, i, joint]), **style)
             axes.set_ylabel(f"{name} [{unit}]")
         error = series.error_mm[:, i]
-        told = f", tips {np.nanmean(error):.2f} ± {np.nanstd(error):.2f} mm apart" if not np.all(np.isnan(error)) else ""
-        grid[0, i].set_title(f"{arm} arm{told}", loc="left", fontsize=10, color=ARM_COLOURS[arm], fontweight="bold")
+        apart = f", tips {np.nanmean(error):.2f} ± {np.nanstd(error):.2f} mm apart" if not np.all(np.isnan(error)) else ""
+        grid[0, i].set_title(f"{arm} arm{apart}", loc="left", fontsize=10, color=ARM_COLOURS[arm], fontweight="bold")
         grid[-1, i].set_xlabel("time since first pedal down [s]")
     if len(series.t) > 1:
         grid[0, 0].set_xlim(series.t[0], series.t[-1])

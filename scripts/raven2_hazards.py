@@ -1,4 +1,4 @@
-"""What a hazard did in a session: how often it acted, when the tips parted, when the hand was pushed, how it ended.
+"""Effects of a hazard in a session: how often it acted, when the tips parted, when the hand was pushed, how it ended.
 
 Ticks are session ticks of 1 ms. Distances are those that the haptic loop itself compared (`error` of the haptic
 records): the metrics compare the model of a tick with the robot as the physics tick saw it, in lockstep one cycle
@@ -23,7 +23,7 @@ def stop_tick(ticks):
 
 
 def ending(session, started):
-    """How the robot stood at the end, in words."""
+    """State of the robot at the end, in words."""
     ticks = session.log.ticks
     if not len(ticks) or not ticks["robot"]["frame"][-1]:
         return "no frame"
@@ -68,7 +68,7 @@ class Event:
 
     @property
     def onset(self):
-        """[ticks] from its beginning to the first crossing; None if there is none."""
+        """[ticks] from its beginning to the first crossing; None without one."""
         return self.crossings[0].beyond - self.begin if self.crossings else None
 
 
@@ -102,7 +102,7 @@ class Cue:
             yield Crossing(int(self._tick[begin]), int(self._tick[begin + pushed[0]]) if len(pushed) else None)
 
     def _begin(self, entry):
-        """A fault in the robot is felt in the tick that compares its first cycle, before the physics loop tells."""
+        """A fault in the robot is felt in the tick that compares its first cycle, before the physics loop reports it."""
         hosts = {i["host"] for i in self._session.faults["injections"] if i["name"] == entry["name"]}
         first = np.flatnonzero(self._cycle >= entry["first_cycle"])
         if "robot" not in hosts or not len(first):

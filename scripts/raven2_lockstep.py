@@ -47,9 +47,9 @@ def simulate(output, *options, config=ROOT / "config/trainer.yaml", may_not_star
     """One session. @return it, and whether it started: whether there was a pedal-down (false needs may_not_start)."""
     done = subprocess.run([SIMULATE, "--config", config, "--output", output, *map(str, options)], capture_output=True,
                           text=True)
-    told = done.stderr.strip().splitlines() or ["no word"]
+    lines = done.stderr.strip().splitlines() or ["no word"]
     if done.returncode not in (0, 1) or not (output / "metrics.json").exists():
-        raise LockstepError(f"{' '.join(map(str, options))}: {told[-1]}")
+        raise LockstepError(f"{' '.join(map(str, options))}: {lines[-1]}")
     if done.returncode == 1 and not may_not_start:
-        raise LockstepError(f"{' '.join(map(str, options))}: {told[-1]}")
+        raise LockstepError(f"{' '.join(map(str, options))}: {lines[-1]}")
     return raven2_session.Session(output), done.returncode == 0

@@ -1,4 +1,4 @@
-"""Reads a session of raven2_trainer: the log session.rlog and the JSON files beside it.
+"""Reads a session of raven2_trainer: the log session.rlog and the JSON files next to it.
 
 The log describes itself: its first record lists the fields of every other record, and the numpy types are built from
 that list, so this module knows no field by name. Format: doc/session.md.
@@ -67,7 +67,7 @@ def _checksums(words, index):
 
 
 class FlightRecorder:
-    """The record queues of a session whose process was killed: what stands in them behind the log's `log_size` bytes.
+    """The record queues of a session whose process was killed: the records in them after the log's `log_size` bytes.
 
     Made by open_for(path of a log), which gives None unless there is a whole one that belongs to the log and nobody
     writes to. Reads only: recover_session is what completes a log.
@@ -83,7 +83,7 @@ class FlightRecorder:
         queues = len(self._layout["queues"])
         newest = max(self._checkpoints(queues), key=lambda words: words[0])
         self.log_size = int(newest[1])
-        self._heads, self._told = newest[3 : 3 + queues], newest[3 + queues :]
+        self._heads, self._reported = newest[3 : 3 + queues], newest[3 + queues :]
 
     @classmethod
     def open_for(cls, log_path):
@@ -116,8 +116,8 @@ class FlightRecorder:
             yield queue["name"], self._take(queue, head, count, types[queue["type"]])
 
     def lost(self):
-        """Records lost that no gap record tells of, all kinds."""
-        return sum(int(np.frombuffer(self._data, "<u8", 1, queue["dropped"])[0]) - int(self._told[queue["kind"]])
+        """Lost records that no gap record reports, all kinds."""
+        return sum(int(np.frombuffer(self._data, "<u8", 1, queue["dropped"])[0]) - int(self._reported[queue["kind"]])
                    for queue in self._layout["queues"])
 
     def _take(self, queue, head, count, packed):
@@ -148,7 +148,7 @@ class SessionLog:
 
     Damaged records are left out, as the C++ reader does: `bad_bytes` says how much. `clean` is true if the log ends
     with the session's counters, `recovered` if its writer was killed and recover_session completed it,
-    `truncated_bytes` the size of a last record that was cut short. `lost` adds up what the gap records tell of.
+    `truncated_bytes` the size of a last record that was cut short. `lost` is the sum of the gap records.
     If the writer was killed and nobody recovered the log yet, the records that its flight recorder holds are appended
     here and `from_flight_recorder` says how many; the files stay as they are.
     """
@@ -246,7 +246,7 @@ def _gathered(data, offsets, size):
 
 
 def _look(data, position, end, limit=MAX_PAYLOAD):
-    """What stands at a position: (intact | bad | cut, type, version, payload length)."""
+    """The record at a position: (intact | bad | cut, type, version, payload length)."""
     if end - position < FRAME.size:
         return "cut", 0, 0, 0
     magic, kind, version, size, _ = FRAME.unpack_from(data, position)
@@ -283,7 +283,7 @@ def read_header(path):
 
 
 def _load_json(path):
-    """The file's content, or an empty dict if there is none (a session that was cut off has no metrics)."""
+    """The file's content, or an empty dict if it is missing (a session that was cut off has no metrics)."""
     try:
         with open(path, encoding="utf-8") as file:
             return json.load(file)

@@ -1,4 +1,4 @@
-"""What tune_model knows of the robot: its control law, cables, gravity compensation and filter, and how a recording of
+"""Knowledge of tune_model about the robot: its control law, cables, gravity compensation and filter, and how a recording of
 its motors is turned into desired positions and parameters. Arrays have one row a millisecond and a column for each of
 shoulder, elbow and insertion; motor angles in rad, joints in rad and m, torques in Nm at the capstan.
 
@@ -154,7 +154,7 @@ def on_encoder_grid(recording):
 
 def damping_seen(recording):
     """kd as the changes of DAC from row to row show it: least absolute deviations, since most rows have no new packet
-    and hence an unchanged desired position. kp is under-estimated that way, as the desired position moves on."""
+    and hence an unchanged desired position. So kp is under-estimated, as the desired position moves on."""
     gains = np.empty((2, 3))
     for j in range(3):
         y = np.diff(torque_of(recording.dac[:, j]))

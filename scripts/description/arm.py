@@ -1,8 +1,8 @@
 """The Raven-II: meshes of one arm and the URDF of both.
 
 Bodies lie on the axes of their DH frames, all of which pass through the remote centre (RCM). The arc meshes are made
-for the green arm, whose base and elbow lie on +z of frames 1 and 2; in the gold arm they lie on -z, so the meshes of
-link 1 turn by 180 degrees about x, those of link 2 about y. From frame 3 on both arms are alike: the rail is on -x.
+for the green arm, whose base and elbow lie on +z of frames 1 and 2. In the gold arm they lie on -z. So the meshes of
+link 1 rotate by 180 degrees about x, those of link 2 about y. From frame 3 on both arms are alike: the rail is on -x.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ MATERIALS = {
 
 
 class Side:
-    """What differs between the arms: L is gold, R is green."""
+    """The differences between the arms: L is gold, R is green."""
 
     def __init__(self, letter):
         left = letter == 'L'
@@ -75,7 +75,7 @@ def base_meshes(d, rcm_height):
 
 
 def motor_pack(d, top):
-    """All seven motors of an arm stand on its base: three RE40 with GP42, four RE30 with GP32."""
+    """All seven motors of an arm are on its base: three RE40 with GP42, four RE30 with GP32."""
     b = d['base']
     places = [(x, b['plate_near'] + 0.085, 'motor40', 'gear42') for x in (-0.062, 0.0, 0.062)]
     places += [(x, b['plate_near'] + 0.160, 'motor30', 'gear32') for x in (-0.072, -0.024, 0.024, 0.072)]

@@ -237,7 +237,7 @@ def roles(scene):
              f'urdf: ../../urdf/{scene.name}.urdf']
     lines += mapping('objects', scene.objects, '[m] free bodies; opening in the x-y plane of the link')
     lines += mapping('pegs', scene.pegs, '[m] upright from base_W')
-    lines += mapping('wires', scene.wires, '[m] middle line, from where an object starts')
+    lines += mapping('wires', scene.wires, "[m] centre line, from the object's start")
     lines += [f'{"breakables:" + ("" if scene.breakables else " []"):<31}# [N] and [Nm] about the foot, exceeded for [1 ms]']
     lines += [f'  - {flow(entry)}' for entry in scene.breakables]
     lines += [f'tissue: {flow(scene.tissue)}']

@@ -1,6 +1,6 @@
 """MJCF for MuJoCo from the package's own URDF files and config/model.yaml: the same links, masses, joints, friction and shapes.
 
-What MJCF cannot say as ODE has it: a surface's stiffness in N/m (MuJoCo's is by effective mass: contacts are stiff here),
+Differences that MJCF cannot express: a surface's stiffness in N/m (MuJoCo's is by effective mass: contacts are stiff here),
 and towers that break off."""
 
 import xml.etree.ElementTree as ElementTree
@@ -137,7 +137,7 @@ class Document:
             self._jaw_stop(name[-2:], self.widest - float(limit.get('lower')))
 
     def _jaw_stop(self, side, widest):
-        """The jaws meet at an opening J6 + J7 of 0; the URDF's second jaw turns the other way."""
+        """The jaws meet at an opening J6 + J7 of 0; the URDF's second jaw rotates in the opposite direction."""
         opening = self._add(self.tendons, 'fixed', name=f'opening{side}', range=f'0 {number(widest)}', solreflimit='0.002 1')
         for name, sign in zip(JOINTS[-2:], ('1', '-1')):
             self._add(opening, 'joint', joint=name + side, coef=sign)

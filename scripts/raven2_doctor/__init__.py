@@ -1,1 +1,1 @@
-"""What scripts/doctor looks at. Standard library alone: it must run where nothing else does."""
+"""Checks of scripts/doctor. Standard library alone: it must run where nothing else does."""

@@ -1,4 +1,4 @@
-"""Draws one picture as the daemon does, with OSMesa or EGL, and looks at it. Run by software.opengl in a process of its own."""
+"""Draws one picture as the daemon does, with OSMesa or EGL, and looks at it. software.opengl runs it in a separate process."""
 
 import ctypes
 import os

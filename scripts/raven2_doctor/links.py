@@ -81,7 +81,7 @@ def taken(address, port):
 
 
 def is_address(text):
-    """As the programs take it; of names only the one that needs nobody to tell what it is."""
+    """As the programs take it; of names only the one that needs no name server."""
     try:
         return text == "localhost" or bool(socket.inet_aton(text))
     except OSError:

@@ -1,4 +1,4 @@
-"""What the kernel gives: real-time priority, locked memory, time, disk space."""
+"""Checks of the kernel: real-time priority, locked memory, time, disk space."""
 
 import ctypes
 import errno
@@ -133,10 +133,10 @@ def timing(machine):
     if not figures:
         return [fail(f"timing_check: {last_line(text)}", "run it by hand: rosrun raven2_trainer timing_check")]
     shares = {loop: timing["on_time"] for loop, timing in json.loads(figures).items()}
-    told = ", ".join(f"{loop} {100 * share:.2f} %" for loop, share in shares.items())
+    words = ", ".join(f"{loop} {100 * share:.2f} %" for loop, share in shares.items())
     if status != 0 or min(shares.values()) < 0.95:
-        return [warn(f"loops on time in 2 s: {told}", "end what else runs; rosrun raven2_trainer timing_check for more")]
-    return [ok(f"loops on time in 2 s: {told}")]
+        return [warn(f"loops on time in 2 s: {words}", "end what else runs; rosrun raven2_trainer timing_check for more")]
+    return [ok(f"loops on time in 2 s: {words}")]
 
 
 def processors(machine):

@@ -56,7 +56,7 @@ def addresses(machine):
             return [fail(f"{name} is {value}, which does not resolve", f"unset {name}, or set it to an address of this computer")]
         if not any(is_ours(address) for address in reached):
             return [fail(f"{name} is {value}, which is not this computer",
-                         f"unset {name}, or set it to an address that `hostname -I` tells")]
+                         f"unset {name}, or set it to an address that `hostname -I` prints")]
         return [ok(f"{name} is {value}, this computer")]
     host = socket.gethostname()
     if not resolves(host):
@@ -89,4 +89,4 @@ def master(machine):
     except (OSError, xmlrpc.client.Error, ValueError) as error:
         return [fail(f"at {uri} is no ROS master: {type(error).__name__}", "end what listens there, or set ROS_MASTER_URI")]
     return [ok(f"a master answers at {uri}, process {pid}")] if status == 1 else [
-        fail(f"the master at {uri} refuses to answer", "start it anew: roscore")]
+        fail(f"the master at {uri} refuses to answer", "restart it: roscore")]

@@ -108,7 +108,7 @@ def ffmpeg(machine):
 
 
 def opengl(machine):
-    """One picture, as the daemon draws, in memory: with OSMesa or EGL. In a process of its own, which may crash."""
+    """One picture, as the daemon draws, in memory: with OSMesa or EGL. In a separate process, which may crash."""
     status, text = machine.run("/usr/bin/python3", PROBE)
     if status != 0:
         return [fail(f"OpenGL draws nothing: {last_line(text)}",

@@ -27,7 +27,7 @@ def rotations(q):
 
 
 def angular_velocity(before, after, seconds):
-    """[rad/s] that turns `before` into `after` in that time, in the frame that both are seen from."""
+    """[rad/s] that rotates `before` into `after` in that time, in the frame that both are seen from."""
     turn = np.einsum("nij,nkj->nik", after, before)
     axis = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]],
                     axis=1)
@@ -83,7 +83,7 @@ def kinematics(log, series, bases):
 
 
 def labels(steps):
-    """[(first, last, name)] in frames from 1; a step that is shorter than a frame has one all the same."""
+    """[(first, last, name)] in frames from 1; a step that is shorter than a frame still has one."""
     found = []
     for step in steps:
         first = int(np.ceil(step["from_s"] * RATE - 1e-9)) + 1

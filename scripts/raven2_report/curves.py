@@ -1,4 +1,4 @@
-"""Learning curves: each judged metric over the attempts of several sessions, beside the band."""
+"""Learning curves: each judged metric over the attempts of several sessions, with the band."""
 
 import json
 import os
@@ -50,7 +50,7 @@ def points_of_session(directory, task):
 
 
 def _difference(its, ours):
-    """What makes it another task, the weightiest first; empty: it is the same."""
+    """The difference that makes it another task, the most important first; empty: it is the same."""
     for what, one, other in zip(("exercise", "drill", "trainee"), its, ours):
         if one != other:
             return f"another {what}, {words(one)}" if one else f"no {what}"
@@ -77,9 +77,9 @@ def points_of_index(path, task):
 def collect(facts, others):
     """Attempts in order of time, and the directories left out: name to reason.
 
-    Of the directories given and, if the session has a trainee, of the index.json beside it."""
+    Of the directories given and, if the session has a trainee, of the index.json next to it."""
     if not facts.score:
-        return [], {os.path.basename(os.path.abspath(d)): "the session that is told has no score" for d in others}
+        return [], {os.path.basename(os.path.abspath(d)): "the reported session has no score" for d in others}
     task = _task(facts.score)
     parent = os.path.dirname(os.path.abspath(facts.session.directory))
     found = points_of_index(os.path.join(parent, "index.json"), task) if task[2] and task[0] else {}

@@ -1,4 +1,4 @@
-"""What an engineer looks for behind a session: its soundness, links, loops, plans, and where it comes from."""
+"""For engineers: the session's soundness, links, loops, plans, and where it comes from."""
 
 import io
 import re
@@ -11,7 +11,7 @@ PAPER_ERROR = "2.43 ± 1.72 mm"  # Li et al. 2017, Figure 4: the real robot in a
 
 
 def arm_contacts(header):
-    """Which arms of the model met the scene at the start; older logs have one word for both."""
+    """The arms of the model that could touch the scene at the start; older logs have one word for both."""
     arms = header["arm_contacts"]
     if isinstance(arms, bool):
         return "on" if arms else "off"
@@ -110,7 +110,7 @@ class Details:
     def packet_table(self):
         packets = self.metrics.get("packets")
         if not packets:
-            return "<p>The packet counters are written at the end of a session; this one has none.</p>"
+            return "<p>The packet counters are written at the end of a session; this session has no counters.</p>"
         rows = []
         for key, title in (("master_to_daemon", "Console to simulator"), ("daemon_to_robot", "Simulator to robot"),
                            ("robot_to_daemon", "Robot to simulator"), ("daemon_to_console", "Simulator to console")):
@@ -160,7 +160,7 @@ class Details:
                       "Planning time"], rows, {0, 3, 4, 5, 6, 7})
 
     def execution_section(self):
-        """What became of plans that were to be executed; nothing where there were none."""
+        """Results of executed plans; nothing without them."""
         executions = self.log.executions["report"] if self.log.executions is not None else []
         if not len(executions):
             return ""

@@ -1,5 +1,5 @@
 """Small SVG drawings: a plot over an axis, and what the report's pictures share. Readable in grey and by the
-colour-blind: lines differ by dashes, marks by shape, and each has its name beside it (colours: Okabe and Ito)."""
+colour-blind: lines differ by dashes, marks by shape, and each has its name next to it (colours: Okabe and Ito)."""
 
 import math
 

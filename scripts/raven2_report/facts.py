@@ -1,4 +1,4 @@
-"""What happened in a session: read once, in the words and units of the report. Needs no drawing."""
+"""Facts of a session: read once, in the words and units of the report. Needs no drawing."""
 
 import json
 import os
@@ -47,7 +47,7 @@ def load_small(path, parse):
 
 
 def load_score(directory):
-    """score.json, {} if there is none, and whether there is one that cannot be used."""
+    """score.json, {} if it is missing, and whether it cannot be used."""
     path = os.path.join(directory, "score.json")
     if not os.path.isfile(path):
         return {}, False
@@ -76,7 +76,7 @@ class Configuration:
         self.paths = [entry.get("path", "") for entry in session.log.header.get("configuration", [])]
 
     def file(self, *tail):
-        """Path of the copy whose last parts are `tail`; None if there is none inside the session's directory."""
+        """Path of the copy whose last parts are `tail`; None if the session's directory has no such file."""
         wanted = "/" + "/".join(tail)
         for path in self.paths:
             full = os.path.realpath(os.path.join(self.root, path))
@@ -193,12 +193,12 @@ class Facts:
     # ---- hazards --------------------------------------------------------------------------------------------
 
     def scenario_text(self, name):
-        """What the library says of a scenario: title, expected, response; {} if the session has no copy of it."""
+        """The library's texts about a scenario: title, expected, response; {} if the session has no copy of it."""
         found = self.configuration.yaml("config", "faults", f"{name}.yaml")
         return {key: str(found[key]) for key in ("title", "expected", "response") if found.get(key)}
 
     def _hazards(self):
-        """One for each injection: the judged answer where there is a score, the figures of metrics.json beside it."""
+        """One for each injection: the judged answer where there is a score, with the figures of metrics.json."""
         judged = [h for h in self.score.get("hazards", []) if isinstance(h, dict)]
         faults = list(self.faults)
         hazards = []

@@ -14,11 +14,11 @@ HEIGHT, GAP, ROW = 104, 30, 17.0  # of a panel, between panels, of a row of name
 def section(facts):
     if not facts.hazards:
         return _unexplained(facts) or "<p>No fault acted on the robot.</p>"
-    parts, told = [_table(facts)], set()
+    parts, described = [_table(facts)], set()
     for i, hazard in enumerate(facts.hazards[:MOST], 1):
         parts.append(f'<div class="hazard"><h3>Hazard {i}: {esc(words(hazard["name"]))} <small>'
                      f'at {hazard["at_s"]:.2f} s</small></h3>'
-                     f"{_said(facts, hazard, told)}{_figure(facts, hazard, i)}</div>")
+                     f"{_said(facts, hazard, described)}{_figure(facts, hazard, i)}</div>")
     if len(facts.hazards) > MOST:
         parts.append(f'<p class="sub">{len(facts.hazards) - MOST} more are in the table above.</p>')
     return "".join(parts) + _unexplained(facts)
@@ -60,10 +60,10 @@ def _table(facts):
                   "Verdict"], rows, {0, 2, 3, 4, 5, 6})
 
 
-def _said(facts, hazard, told):
-    """What the scenario is, the first time that it comes, and how it was answered."""
-    text = {} if hazard["name"] in told else facts.scenario_text(hazard["name"])
-    told.add(hazard["name"])
+def _said(facts, hazard, described):
+    """The scenario's texts, when it comes first, and the answer to it."""
+    text = {} if hazard["name"] in described else facts.scenario_text(hazard["name"])
+    described.add(hazard["name"])
     parts = [f"<b>{esc(text['title'])}.</b> " if "title" in text else ""]
     if "expected" in text:
         parts.append(f"What it does: {esc(text['expected'])} ")
@@ -88,7 +88,7 @@ def _answer(facts, hazard):
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
     early = judged.get("coincidences") or []
-    chance = " What came sooner than 100 ms behind that was no reaction and is left out." if early else ""
+    chance = " A response within 100 ms of it was no reaction and is left out." if early else ""
     took = judged.get("answer_time_ms")
     free = f" The attempt is not charged with these {took / 1000:.1f} s." if is_number(took) and took else ""
     return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{free}{met}{chance}")
@@ -177,7 +177,7 @@ def _panel(hazard, panel, title, time, lines, threshold):
 
 def _moments(facts, hazard, low, high):
     """[(x, name, colour, row)] of upright lines through all panels: hazard, first force, felt, answer. Names that would
-    run into each other stand in rows of their own."""
+    overlap get separate rows."""
     panel = drawing.Panel(LEFT, 0, WIDTH - LEFT - RIGHT, 1, (low, high), (0, 1))
     judged = hazard["judged"]
     found = [(0.0, "hazard", drawing.BAD)]

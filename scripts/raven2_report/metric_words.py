@@ -18,11 +18,11 @@ WORDS = {
                   "Take straighter ways and fewer corrections."),
     "economy": Words("Economy of path", "planned length by travelled length of all that was carried; "
                      "1 is the planner's own way", "Carry along the shortest free way.", 2),
-    "off_path": Words("Distance from the planned way, mean", "of the tip, while something was carried",
-                      "Keep to the way that is shown."),
-    "off_path_p95": Words("Distance from the planned way, 95 %", "19 of 20 samples were nearer than this",
-                          "Keep to the way that is shown."),
-    "idle": Words("Standing still", "share of the time in which both tips moved by less than 1 mm/s",
+    "off_path": Words("Distance from the planned path, mean", "of the tip, while something was carried",
+                      "Keep to the path that is shown."),
+    "off_path_p95": Words("Distance from the planned path, 95 %", "19 of 20 samples were nearer than this",
+                          "Keep to the path that is shown."),
+    "idle": Words("At rest", "share of the time in which both tips moved by less than 1 mm/s",
                   "Decide on the next move before the last is over.", 2),
     "mean_jerk": Words("Jerk", "how abruptly the tips' speed changed: root mean square of its second derivative",
                        "Begin and end movements gently.", 2),
@@ -39,7 +39,7 @@ WORDS = {
     "collision_time": Words("Time in collision", "of tools with all that is fixed and with each other",
                             "Back off at the first touch."),
     "wire_touches": Words("Wire touches", "of tools or objects with the wires",
-                          "Slow down beside the wires; turn the object along the wire before moving on.", 0,
+                          "Slow down near the wires; turn the object along the wire before moving on.", 0,
                           "wires touched {times}"),
     "wire_time": Words("Time at the wires", "in which a tool or an object touched a wire",
                        "Back off at the first touch."),
@@ -47,7 +47,7 @@ WORDS = {
                    "Close the jaws fully, and wait for the other hand's grip before letting go.", 0, "dropped {times}"),
     "break_offs": Words("Broken off", "towers torn off their feet", "Lift straight up; do not pull sideways.", 0,
                         "a tower broken off {times}"),
-    "out_of_order": Words("Out of order", "steps done before their turn", "Go by the exercise's order of steps.", 0,
+    "out_of_order": Words("Out of order", "steps done too early", "Go by the exercise's order of steps.", 0,
                           "steps out of order {times}"),
     "wrong_arm": Words("Wrong arm", "objects taken by the arm that should not have",
                        "Take it with the arm that is asked for.",
@@ -107,7 +107,7 @@ def words_of(name):
 
 
 def meaning_of(name, score):
-    """What the metric is, with the session's own force limit in it."""
+    """Meaning of the metric, with the session's own force limit."""
     limit = score.get("force_limit_N")
     if name == "force_above" and is_number(limit):
         return f"in which the tools pressed harder than {number(float(limit), 1, 'N')}"
@@ -120,7 +120,7 @@ def unit_of(metric):
 
 
 def limit_of(metric):
-    """What is still allowed, as a number to read: whole ones for what is counted."""
+    """The limit as a text; whole numbers for counts."""
     limit = metric.get("limit")
     if not is_number(limit):
         return None
@@ -130,7 +130,7 @@ def limit_of(metric):
 
 
 def digits_of(name, metric):
-    """Enough of them to tell the value from the limit that it does not keep."""
+    """Enough of them to distinguish the value from a limit that it misses."""
     digits = 1 if metric.get("unit") == "count" else words_of(name).digits
     value, limit = metric.get("value"), metric.get("limit")
     if is_number(value) and is_number(limit) and metric.get("unit") != "count":

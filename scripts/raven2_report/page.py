@@ -75,7 +75,7 @@ def numbers(facts):
 
 
 def page(facts, others, path):
-    """The whole report. `others`: directories of further sessions; `path`: where it will stand."""
+    """The whole report. `others`: directories of further sessions; `path`: of the page."""
     shapes = scene.load_scene(facts.configuration.file("urdf", f"{_scene_file(facts)}"))
     bases = scene.arm_bases(facts.configuration.file("urdf", "raven2.urdf"))
     sections = [

@@ -42,7 +42,7 @@ def _session(facts):
 
 
 def build(facts, others):
-    """The record as a dict; no wall-clock value of its own."""
+    """The record as a dict, without wall-clock values."""
     attempt = facts.attempt or {}
     points, left_out = curves.collect(facts, others)
     return {

@@ -1,4 +1,4 @@
-"""The scene of a session as simple shapes in the world frame W, from the copy of its URDF; and where the arms stand."""
+"""The scene of a session as simple shapes in the world frame W, from the copy of its URDF; and the places of the arms."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""The first screen: passed or not, what to improve, and each judged metric beside the expert's band."""
+"""The first screen: passed or not, what to improve, and each judged metric with the expert's band."""
 
 from raven2_report import drawing, metric_words, verdict
 from raven2_report.text import clock, esc, is_number, number, words
@@ -12,8 +12,8 @@ def first_screen(facts):
 
 def _banner(facts):
     kind = verdict.state(facts)
-    told = {entry["what"].lower() for entry in verdict.improvements(facts)}  # what stands below need not be said twice
-    why = [r for r in verdict.reasons(facts)[1:] if r.lower() not in told] if kind == "failed" else []
+    listed = {entry["what"].lower() for entry in verdict.improvements(facts)}  # the list below has them
+    why = [r for r in verdict.reasons(facts)[1:] if r.lower() not in listed] if kind == "failed" else []
     more = "".join(f"<li>{esc(reason)}</li>" for reason in why[:6])
     also = f"<p>Also outside what was asked for:</p><ul>{more}</ul>" if more else ""
     return (f'<section class="banner {kind}"><div class="sign" aria-hidden="true">{SIGNS[kind]}</div><div>'
@@ -39,7 +39,7 @@ def _improvements(facts):
     if not entries and verdict.state(facts) != "passed":
         return ""
     if not entries:
-        return "<section><h2>What to improve</h2><p>Nothing that stands out: every figure lies well within its band.</p></section>"
+        return "<section><h2>What to improve</h2><p>Nothing: every figure is well within its band.</p></section>"
     title = {1: "The thing", 2: "The two things"}.get(len(entries), "The three things")
     items = "".join(f"<li><b>{esc(e['what'])}</b><span>{esc(e['how'])}</span></li>" for e in entries)
     return f'<section><h2>{title} to improve</h2><ol class="improve">{items}</ol></section>'
@@ -80,7 +80,7 @@ def _bands(facts):
 def _band_origin(facts):
     band = facts.score.get("band") or {}
     origin = str(band.get("origin", "unknown"))
-    # The word belongs beside every figure that a trainee is measured by.
+    # The word belongs next to every figure that judges a trainee.
     warning = "" if "not surgeons" in origin else " The origin of this band is as its maker stated it."
     sessions = f", {band['sessions']} sessions" if is_number(band.get("sessions")) else ""
     key = drawing.legend(2, 14, [("within the band", "#d9dee4", "area"), ("expert's mean", drawing.INK, "3 2"),

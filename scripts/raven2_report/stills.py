@@ -28,7 +28,7 @@ def section(facts, page):
         return "<p>The video could not be read.</p>"
     return (f'<div class="frames">{"".join(shown)}</div><p class="sub">A picture opens the video there, as long as '
             'video.mp4 '
-            "stays beside this file.</p>")
+            "stays next to this file.</p>")
 
 
 def take_frame(video, seconds):

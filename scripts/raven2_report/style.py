@@ -1,4 +1,4 @@
-"""How the page looks, on a desk, on a tablet, on paper. Colours carry nothing that words or shapes do not say too."""
+"""Style of the page, on a computer, on a tablet, on paper. Colours carry nothing that words or shapes do not say too."""
 
 CSS = """
 :root { --ink: #1f2933; --soft: #56616c; --line: #d5dae0; --panel: #f6f7f9; --accent: #1d4e89; --warn: #b45309;

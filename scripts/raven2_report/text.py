@@ -19,7 +19,7 @@ def is_number(value):
 
 
 def number(value, digits=2, unit=""):
-    """A figure with its unit, or a dash where there is none."""
+    """A figure with its unit, or a dash."""
     if not is_number(value):
         return "–"
     text = f"{value:,}" if isinstance(value, int) else f"{value:,.{digits}f}"

@@ -119,7 +119,7 @@ def _improvement(facts, name):
 
 
 def story(facts):
-    """What happened, for a reader who knows surgery and not this program."""
+    """The course of the session, for a reader who knows surgery and not this program."""
     faults = facts.faults
     parts = [f"A session of {number(facts.duration, 0, 's')}"]
     if not faults:

@@ -22,7 +22,7 @@ VIEWS = {  # azimuth, elevation of the viewer [deg]; what points right and up
 
 
 def directions(azimuth, elevation):
-    """Unit vectors right, up and toward the viewer, who stands at that azimuth and elevation."""
+    """Unit vectors right, up and toward the viewer at that azimuth and elevation."""
     a, e = math.radians(azimuth), math.radians(elevation)
     return (np.array([-math.sin(a), math.cos(a), 0.0]),
             np.array([-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e)]),
@@ -42,7 +42,7 @@ def simplified(points, most=MAX_PATH):
 
 
 class Picture:
-    """What is drawn: shapes of the scene, paths, marks. `cloud` [m]: points that have to be seen."""
+    """Contents of a drawing: shapes of the scene, paths, marks. `cloud` [m]: points that have to be seen."""
 
     def __init__(self, shapes, paths, marks):
         self.shapes, self.paths, self.marks = shapes, paths, marks
@@ -53,7 +53,7 @@ class Picture:
         self.centre = (low + high) / 2
         self.cloud = cloud
 
-    # ---- drawn as it stands ---------------------------------------------------------------------------------
+    # ---- drawn as it is ---------------------------------------------------------------------------------
 
     def drawn(self, view, width, height, ident="", label=""):
         azimuth, elevation, _ = VIEWS[view]
@@ -97,12 +97,12 @@ class Picture:
     # ---- for turning ----------------------------------------------------------------------------------------
 
     def data(self, scale, width, height):
-        """What the page's script needs to draw the same from elsewhere; [mm] about the centre."""
+        """Data for the page's script, which draws the same from elsewhere; [mm] about the centre."""
 
         def flat(points):
             return [round(float(v), 1) for v in ((np.atleast_2d(points) - self.centre) * 1000.0).ravel()]
 
-        # The script sorts shapes by depth; it finds them in the order in which they stand in the drawing.
+        # The script sorts shapes by depth; it finds them in the order of the drawing.
         _, _, toward = directions(*VIEWS["turned"][:2])
         ordered = sorted(self.shapes, key=lambda s: float(s.points.mean(axis=0) @ toward))
         return json.dumps({"view": VIEWS["turned"][:2], "scale": scale / 1000.0, "size": [width, height],

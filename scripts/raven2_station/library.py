@@ -44,7 +44,7 @@ class Library:
         return next((e for e in self.exercises if e["name"] == name), None)
 
     def curriculum(self, name):
-        """The first one if no name is given; None if there is none."""
+        """The first one without a name; None if it is unknown."""
         return next((c for c in self.curricula if name in (None, "", c["name"])), None)
 
     def names(self, what):

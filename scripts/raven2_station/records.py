@@ -86,19 +86,29 @@ class Records:
         return sorted({e["trainee"] for e in self._index()})
 
     def history(self, trainee):
-        """Attempts in order of time, as score_session takes them: result, time, hazard response."""
+        """Attempts in order of time, as score_session takes them: result, score, time, hazard response."""
         found = []
         for entry in self._index():
             if entry["trainee"] != trainee:
                 continue
             attempts = entry.get("attempts")
-            for attempt in map(_dict, attempts if isinstance(attempts, list) else []):
+            scores = self._scores(entry.get("directory"))
+            for number, attempt in enumerate(map(_dict, attempts if isinstance(attempts, list) else [])):
                 metrics = _dict(attempt.get("metrics"))
                 found.append({"session": entry.get("directory", ""), "start": entry.get("start_time_utc", ""),
                               "exercise": entry.get("exercise", ""), "drill": entry.get("drill", ""),
                               "status": attempt.get("status"), "passed": attempt.get("passed"), "time": metrics.get("time"),
-                              "response": metrics.get("hazard_response"), "score": metrics.get("score")})
+                              "response": metrics.get("hazard_response"), "score": scores[number] if number < len(scores) else None})
         return sorted(found, key=lambda a: (a["start"], a["session"]))
+
+    def _scores(self, name):
+        """[-] of each attempt of a session: the share of its judged metrics that passed; None where nothing was judged."""
+        try:
+            attempts = _dict(_json(self.directory(name) / "score.json")).get("attempts")
+        except KeyError:
+            return []
+        found = [_dict(a).get("composite") for a in (attempts if isinstance(attempts, list) else [])]
+        return [c if isinstance(c, (int, float)) and not isinstance(c, bool) else None for c in found]
 
     def progress(self, trainee, curriculum):
         """@return as of curriculum.follow()."""

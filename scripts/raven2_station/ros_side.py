@@ -20,7 +20,7 @@ from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 from tf2_msgs.msg import TFMessage
 
 from raven2_trainer.msg import ExerciseEventStamped, ExerciseProgress, PlanningProgress, SessionConfiguration, TrainerMode
-from raven2_trainer.srv import CancelPlan, ExecutePlan, PlanPath, StartHazard, StartSession, StartSessionResponse
+from raven2_trainer.srv import BeginReplay, CancelPlan, ExecutePlan, PlanPath, StartHazard, StartSession, StartSessionResponse
 
 from . import frames, wire
 
@@ -37,7 +37,7 @@ JAWS = {"gold": "/browser/left/jaw/measured_js", "green": "/browser/right/jaw/me
 PREFIX = "raven2_trainer: "
 
 SERVICES = {
-    "inject_hazard": StartHazard, "stop_hazard": Trigger, "pause": Trigger, "emergency_stop": Trigger, "clear_stop": Trigger, "engage": Trigger,
+    "begin_replay": BeginReplay, "end_replay": Trigger, "inject_hazard": StartHazard, "stop_hazard": Trigger, "pause": Trigger, "emergency_stop": Trigger, "clear_stop": Trigger, "engage": Trigger,
     "disengage": Trigger, "set_view": SetBool, "plan": PlanPath, "execute_plan": ExecutePlan, "cancel_plan": CancelPlan,
     "begin_simulation": Trigger, "end_simulation": Trigger, "start_exercise": Trigger, "virtual_raven/press_start": Trigger}
 

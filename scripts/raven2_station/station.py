@@ -13,7 +13,8 @@ LAST_WORDS = 0.5     # [s] after the end of an own daemon in which its last mess
 TICK = 0.02          # [s]
 STATUS_PERIOD = 1.0  # [s]
 TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
-TRIGGERS = {"stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
+REPLAY_START = 30.0  # [s] until a session that is started for a replay is ready
+TRIGGERS = {"end-replay": "end_replay", "stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
             "restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start"}
 
 
@@ -85,6 +86,8 @@ class Station:
         return self.supervisor.phase == "idle" and self.is_heard and self._daemon_heard > self.supervisor.ended_at + LAST_WORDS
 
     def changed(self):
+        if self.supervisor.phase == "starting":
+            self.newest.clear()  # of the session before
         for client in list(self.clients.values()):
             client.send({"t": "station", **self._station(client)})
 
@@ -157,12 +160,12 @@ class Station:
         except KeyError:
             return False, "there is no such session", {}
 
-    def _refuse_beside_a_foreign_trainer(self):
+    def _refuse_next_to_a_foreign_trainer(self):
         if self.is_foreign:
             raise Refused("a trainer runs that this station did not start, for example from a launch file: end it there first")
 
     async def _do_start(self, given, _):
-        self._refuse_beside_a_foreign_trainer()
+        self._refuse_next_to_a_foreign_trainer()
         directory = await self.supervisor.start(given)
         return True, "The session runs.", str(directory)
 
@@ -173,7 +176,7 @@ class Station:
     _do_end = _do_stop
 
     async def _do_next(self, _, __):
-        self._refuse_beside_a_foreign_trainer()
+        self._refuse_next_to_a_foreign_trainer()
         directory = await self.supervisor.next()
         return True, "The next attempt runs.", str(directory)
 
@@ -252,6 +255,20 @@ class Station:
         self.finisher.video(self.records.directory(given.get("session")))
         return True, "The video is being rendered.", {}
 
+    async def _do_replay(self, given, _):
+        """In the running session; without one, a session in the same scene is started for it, for nobody's history."""
+        directory = self.records.directory(given.get("session"))
+        if self.supervisor.state()["session"] == directory.name:
+            raise Refused("this session is running")
+        if self.supervisor.phase == "idle" and not self.is_foreign:
+            exercise = self.records.summary(directory.name)["exercise"]
+            await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"})
+            until = time.monotonic() + REPLAY_START
+            while self.supervisor.is_running and self.newest.get("mode", {}).get("mode") != "pedal_up" and time.monotonic() < until:
+                await asyncio.sleep(0.1)
+        ok, text, more = await self.link.call("begin_replay", {"session": str(directory)})
+        return ok, "The picture shows the recorded session." if ok else f"it cannot be shown now: {text}", more
+
     async def _do_delete(self, given, _):
         name = given.get("session")
         if self.supervisor.state()["session"] == name:
@@ -273,7 +290,7 @@ class Station:
         return True, "", {"titles": titles, "rows": await asyncio.to_thread(self.records.the_class, curriculum)}
 
     async def _do_stage(self, given, _):
-        """Which stage of a curriculum a trainee is in."""
+        """A trainee's stage in a curriculum."""
         name, trainee = given.get("curriculum"), given.get("trainee")
         if not name or name not in self.known.names("curricula"):
             raise Refused("that curriculum is unknown")

@@ -210,8 +210,8 @@ std::string outcomeOf(const std::string& line) {
 
 bool neverActed(const std::string& line) {
   const std::vector<std::string> cells = cellsOf(line);
-  const bool told = !cells[columnOf("estop")].empty();  // a process that died tells nothing
-  return told && cells[columnOf("injected_ms")].empty();
+  const bool has_figures = !cells[columnOf("estop")].empty();  // a process that died reports nothing
+  return has_figures && cells[columnOf("injected_ms")].empty();
 }
 
 }  // namespace raven2_trainer::campaign

@@ -21,7 +21,7 @@ bool isTeleoperated(const Sample& sample) noexcept {
   return sample.plc == RunLevel::kPedalDown && sample.software == RunLevel::kPedalDown;
 }
 
-/** The golden run got to PEDAL_DN and this one never, nor did an arm go anywhere on its own: it homed at most. */
+/** The golden run got to PEDAL_DN and this one never, nor did an arm move by itself: it homed at most. */
 bool didNotStart(const Figures& figures, const Limits& limits) noexcept {
   if (figures.golden_started == 0 || figures.started != 0) return false;
   for (std::size_t arm = 0; arm < kArmCount; ++arm) {
@@ -61,7 +61,8 @@ void Comparison::watchStart(const Sample& golden, const Sample& faulty) noexcept
   if (isTeleoperated(faulty)) figures_.started = 1;
 }
 
-/** The tips to measure motion from are those of the tick before. A program that ended told no fault of its last cycle.
+/** The tips to measure motion from are those of the tick before. A program that ended reported no fault of its last
+ * cycle.
  */
 void Comparison::begin(const Sample& golden, const Sample& faulty) noexcept {
   if (faulty.faulted != 0 || faulty.program != ProgramState::kRunning) {

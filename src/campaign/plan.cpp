@@ -159,7 +159,7 @@ class Reader {
     scenario.finish();
   }
 
-  /** It stands in CSV files. */
+  /** The name goes into CSV files. */
   static std::string readName(Section& scenario) {
     const std::string name = scenario.text("scenario");
     const auto isPlain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };

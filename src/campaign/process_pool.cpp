@@ -195,7 +195,7 @@ int ProcessPool::untilFirstDeadline() const {
   return static_cast<int>(std::max<std::int64_t>(1, wait));
 }
 
-/** A child may block any signal of its own or be stopped, but not this one. */
+/** A child may block other signals or be stopped, but not this one. */
 void ProcessPool::killExpired() {
   for (Child& child : children_) {
     if (child.expired || hasEnded(child) || Clock::now() < child.deadline) continue;
@@ -209,7 +209,7 @@ bool ProcessPool::hasEnded(const Child& child) {
   return ::poll(&polled, 1, 0) == 1;
 }
 
-/** Its result is in the pipe by now, complete or missing: nothing here waits for who else may hold that open. */
+/** Its result is in the pipe by now, complete or missing: nothing here waits for other processes that hold it open. */
 ChildEnd ProcessPool::endOf(const Child& child) const {
   ChildEnd end;
   end.tag = child.tag;

@@ -171,7 +171,7 @@ PartialOutcomes::~PartialOutcomes() {
   if (file_ >= 0) ::close(file_);
 }
 
-/** What is in the table of a finished shard, then what was made since. What has no outcome is made again. */
+/** Reads the table of a finished shard, then later results. Runs without an outcome are made again. */
 void PartialOutcomes::takeOver(const Campaign& campaign) {
   if (fs::exists(paths_.outcomes())) {
     const std::vector<std::string> lines = wholeLines(readText(paths_.outcomes()));

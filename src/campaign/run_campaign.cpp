@@ -121,7 +121,7 @@ class Group {
   std::int64_t now_{0};
 };
 
-/** What a run does to itself is an outcome. Who sends it another signal ends the campaign, and none is made of it. */
+/** A run that ends itself is an outcome. A signal from outside ends the campaign, and the run has no outcome. */
 void refuseOutsideKill(const ChildEnd& end) {
   if (end.ending != Ending::kDied || end.signal == 0) return;
   for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP, SIGXCPU}) {

@@ -51,7 +51,7 @@ void readImpairments(const std::string& folder, TrainerConfig* c) {
   }
 }
 
-/** Beside network.yaml. */
+/** In the folder of network.yaml. */
 void readStream(const std::string& folder, TrainerConfig* c) {
   const std::string path = streamFile(folder, c->network.stream);
   if (path.empty()) return;

@@ -42,7 +42,7 @@ void checkCount(const Section& section, const char* key, std::size_t count, std:
       "has " + std::to_string(count) + " entries, expected " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-/** Index of an earlier part of that name; count of them if there is none. */
+/** Index of an earlier part of that name; the number of parts without one. */
 template <typename Part>
 std::size_t findNamed(const std::vector<Part>& parts, const std::string& name) {
   const auto found = std::find_if(parts.begin(), parts.end(), [&](const Part& part) { return part.name == name; });

@@ -135,7 +135,7 @@ void readDevices(Section& root, MasterConfig* c) {
     throw ConfigException(root.where("devices") + " has neither left nor right");
 }
 
-/** What is asked of a device that has it. */
+/** Checks the inputs that a device needs. */
 void checkInputs(const Section& root, const MasterConfig& c) {
   for (const Arm arm : kArms) {
     const DeviceTopics& device = at(c.devices, arm);

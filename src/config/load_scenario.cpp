@@ -78,7 +78,7 @@ void readRandom(Section& root, Fault* fault) {
   if (!(fault->low < fault->high)) throw ConfigException(root.where("high") + " is not above low");
 }
 
-/** What the kind needs to know. */
+/** Parameters of the kind. */
 void readParameters(Section& root, const std::vector<std::string>& impairments, Fault* fault) {
   switch (fault->kind) {
     case FaultKind::kStuckAt:
@@ -124,7 +124,7 @@ void readParameters(Section& root, const std::vector<std::string>& impairments, 
   }
 }
 
-/** [low, high] of a trigger's threshold; nothing where it has none. */
+/** [low, high] of a trigger's threshold; nothing without one. */
 void readThreshold(Section& start, Fault* fault) {
   switch (fault->trigger) {
     case FaultTrigger::kRunLevel:
@@ -164,7 +164,7 @@ void refuse(bool wrong, const Section& root, const char* key, const std::string&
   if (wrong) throw ConfigException(root.where(key) + " " + why);
 }
 
-/** What no single value shows. */
+/** Conditions between several values. */
 void checkFault(const Section& root, const Fault& fault) {
   const std::string kind = kFaultKindNames[static_cast<std::size_t>(fault.kind)];
   refuse(!serves(fault.host, fault.site), root, "host", "does not serve that site");
@@ -191,7 +191,7 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
   fault.id = id;
   fault.host = static_cast<FaultHost>(root.choice("host", kFaultHostNames));
   fault.site = static_cast<FaultSite>(root.choice("site", kFaultSiteNames));
-  refuse(fault.site == FaultSite::kNone, root, "site", "is none");
+  refuse(fault.site == FaultSite::kNone, root, "site", "is missing");
   fault.variable = readVariable(root, fault.site);
   fault.kind = static_cast<FaultKind>(root.choice("kind", kFaultKindNames));
   fault.arm = readArm(root, fault);
@@ -205,7 +205,7 @@ Fault readFault(Section& root, std::uint32_t id, const std::vector<std::string>&
 
 namespace {
 
-/** What a person reads: something must be there. */
+/** A text for people: must not be empty. */
 std::string sentence(Section& root, const char* key) {
   const std::string text = root.text(key);
   refuse(text.empty(), root, key, "is empty");
@@ -227,7 +227,7 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
   constexpr std::array<const char*, 5> kClasses{"H1-1", "H1-2", "H1-3", "H-2", "H-3"};
   for (const std::string& hazard : scenario.hazards)
     refuse(std::find(kClasses.begin(), kClasses.end(), hazard) == kClasses.end(), root, "hazard",
-           "holds what is none of H1-1, H1-2, H1-3, H-2, H-3");
+           "has a class other than H1-1, H1-2, H1-3, H-2, H-3");
   scenario.maude = root.texts("maude");
   scenario.maude_link = root.text("maude_link", {"table", "similar", "none"});
   refuse(scenario.maude.empty() != (scenario.maude_link == "none"), root, "maude_link", "does not fit maude");

@@ -41,7 +41,7 @@ void readExercise(TrainerConfig* c) {
   if (fs::exists(band)) c->files.push_back(band.string());  // what its scores are judged by
 }
 
-/** When a drill strikes, and what is right then, stands in the exercise: without that it has none, by whatever name. */
+/** The exercise says when a drill comes and which response is right: without that it has no drill. */
 void setDrill(TrainerConfig* c) {
   const std::string& own = c->exercise.drill.scenario;
   if (c->drill != "none" && own.empty()) {

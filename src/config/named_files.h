@@ -13,12 +13,12 @@ std::vector<std::string> namesIn(const std::string& folder);
 /**
  * The file of that name. Only names of the folder's files are looked for, so none leads out of it.
  * @param[in] what For the message: "exercise".
- * @param[in] besides What the caller takes instead of a name, for the message.
+ * @param[in] also words that the caller accepts instead of a name, for the message.
  * @throw ConfigException naming all that are known.
  */
 std::string namedFile(const std::string& folder,
                       const std::string& name,
                       const char* what,
-                      const std::vector<std::string>& besides);
+                      const std::vector<std::string>& also);
 
 }  // namespace raven2_trainer::config

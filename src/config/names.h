@@ -6,7 +6,7 @@
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
-// What several files of config/ have in common: names, counts, bounds of places.
+// Names, counts and bounds of places that several files of config/ share.
 
 namespace raven2_trainer::config {
 

@@ -52,7 +52,7 @@ std::string unknownName(const std::string& what, const std::string& name, const 
   for (std::size_t i = 0; i < std::min(known.size(), kMostNames); ++i)
     list += (list.empty() ? "" : ", ") + known[i];
   if (known.size() > kMostNames) list += " and " + std::to_string(known.size() - kMostNames) + " more";
-  return said + "; known: " + (list.empty() ? "none at all" : list);
+  return said + "; known: " + (list.empty() ? "none" : list);
 }
 
 }  // namespace raven2_trainer::config

@@ -31,7 +31,7 @@ bool isLoopback(const std::string& address) {
   return address == "localhost" || (is_numeric && address.rfind("127.", 0) == 0);
 }
 
-/** Whoever reaches a port where plain ITP is taken moves the arms: beyond this computer only if it is asked for. */
+/** Every computer that reaches a port for plain ITP can move the arms: beyond this computer only on request. */
 void checkExposure(const Section& root, const NetworkConfig& c) {
   if (c.itp.auth != ItpAuth::kOff && c.key_file.empty()) {
     throw ConfigException(root.where("auth") + " asks for signatures, but key_file is empty");
@@ -42,7 +42,7 @@ void checkExposure(const Section& root, const NetworkConfig& c) {
   if (isLoopback(c.bind_address) || c.itp.auth == ItpAuth::kRequired || c.allow_plaintext_remote) return;
   throw ConfigException(root.where("bind_address") + " is \"" + c.bind_address +
                         "\", beyond this computer, and unsigned ITP is taken: set auth: required and a key_file, or "
-                        "allow_plaintext_remote: true if whoever reaches the port may move the arms");
+                        "allow_plaintext_remote: true if every computer that reaches the port may move the arms");
 }
 
 constexpr double kLastFelt = 0.05;   // [s] age of a state by which no force comes from it any more

@@ -7,7 +7,7 @@
 namespace raven2_trainer::config {
 namespace {
 
-/** Index of the part called `name`, which stands under `key`. */
+/** Index of the part called `name`, the value of `key`. */
 template <typename Part>
 std::uint8_t indexOf(const Section& section,
                      const std::string& key,
@@ -20,7 +20,7 @@ std::uint8_t indexOf(const Section& section,
     known += (i == 0 ? "" : ", ") + parts[i].name;
   }
   throw ConfigException(section.where(key) + " is \"" + name.substr(0, 80) + "\", which is no " + what +
-                        " of the scene; " + (known.empty() ? "it has none" : "there are: " + known));
+                        " of the scene; " + (known.empty() ? "the scene has no such part" : "there are: " + known));
 }
 
 bool isOfObject(PredicateKind kind) {
@@ -104,7 +104,7 @@ void readValue(Section& entry, const std::string& key, const SceneRoles& roles, 
   }
 }
 
-/** What goes over pegs and wires has an opening. */
+/** An object that goes over pegs and wires needs an opening. */
 void checkOpening(const Section& entry, const std::string& key, const SceneRoles& roles, const Predicate& p) {
   const bool needs =
       p.kind == PredicateKind::kAround || p.kind == PredicateKind::kAlong || (p.kind == PredicateKind::kUnthreaded);

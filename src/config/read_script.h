@@ -3,7 +3,7 @@
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exercise.h"
 
-// What scripted hands are told in an exercise's file: verbs and numbers that only they understand.
+// The simulated surgeon's script in an exercise's file: its verbs and numbers.
 
 namespace raven2_trainer::config {
 

@@ -33,7 +33,7 @@ std::array<std::int32_t, kJointCount> readCounts(Section& root, const std::strin
   return counts;
 }
 
-/** Puts one training level in place of the values of the file; a level not chosen is read and checked all the same. */
+/** Puts one training level in place of the values of the file; the other levels are read and checked, too. */
 void readTrainingLevel(Section level, bool chosen, VirtualRavenConfig* c) {
   const auto clip = readCounts(level, "dac_clip");
   const auto homing = readCounts(level, "homing_dac");

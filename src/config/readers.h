@@ -4,7 +4,7 @@
 #include "raven2_trainer/config/trainer_config.h"
 
 // One reader for each file of config/ that the trainer's configuration is made of (config/load_config.h); ranges and
-// whatever must hold between two keys are checked there. What a file holds besides is found by whoever opened it.
+// conditions between keys are checked there. Its opener finds unknown keys of a file.
 
 namespace raven2_trainer::config {
 

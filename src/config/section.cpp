@@ -80,7 +80,7 @@ YAML::Node parse(const std::string& text, const std::string& name) {
   }
 }
 
-/** The mapping below a key, made if there is none. */
+/** The mapping below a key, made if it is missing. */
 YAML::Node mappingIn(YAML::Node mapping, const std::string& key, const std::string& source) {
   YAML::Node below = mapping[key];
   if (!below.IsDefined()) below = YAML::Node(YAML::NodeType::Map);

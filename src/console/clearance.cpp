@@ -17,14 +17,14 @@ constexpr double kOffFloor = 0.0004;    ///< [m] of the jaws' tips
 constexpr double kJawThickness = 0.0015, kJawWidth = 0.0036;  ///< [m]
 
 // A bar between open jaws is where they are 8.5 mm from the hinge, and has so much room on either side: aims err by
-// half a millimetre, and tools stand within 0.3 mm of where they should.
-constexpr double kUsualReach = 0.0085, kRoomBesideBar = 0.0013;  ///< [m]
+// half a millimetre, and tools are within 0.3 mm of their goals.
+constexpr double kUsualReach = 0.0085, kRoomAtBar = 0.0013;  ///< [m]
 
 double square(double x) noexcept {
   return x * x;
 }
 
-/** Where on the second line the point nearest to the first line's `s` is, and the other way about. */
+/** Place on the second line of the point nearest to the first line's `s`, and vice versa. */
 double nearestShare(const Vector3& from, const Vector3& line, const Vector3& point) noexcept {
   const double length = line.squaredNorm();
   return length > 0.0 ? std::clamp((point - from).dot(line) / length, 0.0, 1.0) : 0.0;
@@ -112,7 +112,7 @@ double floorOf(const SceneRoles& roles) noexcept {
 }
 
 double openFor(double bar_radius) noexcept {
-  return 2.0 * std::asin(std::min(1.0, (bar_radius + kRoomBesideBar) / kUsualReach));
+  return 2.0 * std::asin(std::min(1.0, (bar_radius + kRoomAtBar) / kUsualReach));
 }
 
 bool isClear(const ArmsConfig& arms, Arm arm, const Pose& X_WT, const Surroundings& around) noexcept {

@@ -8,7 +8,7 @@
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// What a surgeon sees that a tool could hit: pegs, wires, objects, the floor, the other tool. Rough shapes: a few
+// Visible things that a tool could hit: pegs, wires, objects, the floor, the other tool. Rough shapes: a few
 // capsules each.
 
 namespace raven2_trainer::console {
@@ -26,7 +26,7 @@ struct Capsule {
 /** [m] between the surfaces of two; negative where they overlap. */
 double gapBetween(const Capsule& one, const Capsule& other) noexcept;
 
-/** Jaws, open for a bar, and shaft of a tool that stands there, its shaft through the remote centre. With the room that
+/** Jaws, open for a bar, and shaft of a tool at this pose, its shaft through the remote centre. With the room that
  *  is kept around them. */
 std::array<Capsule, 2> shapeOf(const ArmsConfig& arms, Arm arm, const Pose& X_WT) noexcept;
 
@@ -50,13 +50,13 @@ struct Surroundings {
   std::optional<Pose> X_WT_other;  ///< tool of the other arm
 };
 
-/** Whether a tool may stand there. Real-time safe. */
+/** Whether a tool may be there. Real-time safe. */
 bool isClear(const ArmsConfig& arms, Arm arm, const Pose& X_WT, const Surroundings& around) noexcept;
 
 /** [m] Room of the jaws alone, as they truly are, while they close on a bar: to the solids and the floor. */
 double roomOfJaws(const Pose& X_WT, const Surroundings& around) noexcept;
 
-/** On the straight way from one pose to another, 4 mm or 0.1 rad apart: number of places where it may not stand. */
+/** On the straight path from one pose to another, in steps of 4 mm or 0.1 rad: number of places where it may not be. */
 int blockedBetween(const ArmsConfig& arms,
                    Arm arm,
                    const Pose& from,

@@ -36,8 +36,8 @@ class DeviceHand {
         jaws_(jaws),
         toggled_(jaws) {}
 
-  /** Every tick, before follow(). What the hand did before the pedal was down is not to count, though a pose that was
-   * late tells it after that: the first one from there on is where it is. */
+  /** Every tick, before follow(). Motion before the pedal was down must not count, even if a late pose reports it
+   * afterwards: the first pose from there on is where the hand is. */
   void setEngaged(bool engaged) noexcept {
     if (engaged && !engaged_) {
       starts_ = true;
@@ -63,8 +63,9 @@ class DeviceHand {
   double jaws() const noexcept { return jaws_; }
 
  private:
-  /** A pose is gone to within the time since the one before, or the usual time if it came early: a driver of 100 Hz
-   * makes no steps of 10 ms, nor do two of its poses that a busy computer brings together. */
+  /** The hand moves to a pose within the time since the one before, or the usual time if it came early. So a driver of
+   * 100 Hz
+   * makes no steps of 10 ms, and neither do two of its poses that come together on a busy computer. */
   void followPoses(const DeviceSample& sample) noexcept {
     ++since_pose_;
     if (sample.poses != poses_) {
@@ -110,7 +111,7 @@ class DeviceHand {
     return v;
   }
 
-  /** Share of the way from the edge of the dead band to the stick's end. */
+  /** Share of the distance from the edge of the dead band to the stick's end. */
   double pushed(double stick) const noexcept {
     const double beyond = std::min(std::abs(stick), 1.0) - config_.dead_band;
     return beyond <= 0.0 ? 0.0 : std::copysign(beyond / (1.0 - config_.dead_band), stick);
@@ -242,7 +243,7 @@ class DeviceSurgeon : public MotionSource {
     at(stale_, arm) = at(report_.now, arm).trouble == DeviceTrouble::kSilent ? held : at(stale_, arm) & held;
   }
 
-  /** Told, but nothing to stop for: not all drivers that say so hold the device. */
+  /** Reported, but no reason to stop: not all drivers that report it hold the device. */
   void noteLock(Arm arm) noexcept {
     const bool is_locked = at(samples_, arm).is_locked != 0;
     if (is_locked && !at(locked_, arm)) note(arm, {DeviceTrouble::kLocked, 0.0});

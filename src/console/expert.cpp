@@ -49,9 +49,9 @@ void Expert::nextVerb() {
   if (verbs_.empty()) return finish();
   task_ = verbs_.front();
   verbs_.pop_front();
-  tell(task_.tries == 0 ? "begin" : "retry");
+  log(task_.tries == 0 ? "begin" : "retry");
   expand(task_.verb);
-  thenTell("end");
+  thenLog("end");
   rest(random_.uniform(skill_.pause, 2.0 * skill_.pause));
 }
 
@@ -86,26 +86,26 @@ void Expert::expand(const Verb& verb) {
   }
 }
 
-void Expert::tell(const char* what) {
+void Expert::log(const char* what) {
   const char* name = kVerbNames.at(static_cast<std::size_t>(task_.verb.kind));
   if (truth_ != nullptr) truth_->add({sequence(), what, task_.number, name});
 }
 
-void Expert::thenTell(const char* what) {
+void Expert::thenLog(const char* what) {
   then([this, what] {
-    tell(what);
+    log(what);
     return Tick{0};
   });
 }
 
 void Expert::again(std::vector<Verb> instead) {
-  if (task_.tries + 1 >= skill_.tries) return tell("given_up");
+  if (task_.tries + 1 >= skill_.tries) return log("given_up");
   for (auto verb = instead.rbegin(); verb != instead.rend(); ++verb)
     verbs_.push_front({*verb, task_.number, task_.tries + 1});
 }
 
 Tick Expert::giveUp(const char* why) {
-  tell(why);
+  log(why);
   forgetSteps();
   return 0;
 }
@@ -139,7 +139,7 @@ void Expert::cameraTo(const Verb& verb) {
   then(pedalStep(Pedal::kCamera, false));
   rest(kSettle);
   then([this, verb] {
-    if (!isEyeAt(verb.to_W)) tell("given_up");
+    if (!isEyeAt(verb.to_W)) log("given_up");
     takeUpAgain();
     return toTicks(kLookAgain);
   });

@@ -35,7 +35,7 @@ void Expert::letGoOnTheWay(const Verb& verb, const Vector3& to_W) {
     first({carryTo(verb.arm, here + verb.let_go_at * (to_W - here), pace)});
     return Tick{0};
   });
-  thenTell("let_go");
+  thenLog("let_go");
   jaws(verb.arm, kOpenJaws);
   then([this, verb]() -> Tick {
     at(holds_, verb.arm) = Hold{};
@@ -88,7 +88,7 @@ void Expert::putOver(const Verb& verb) {
 void Expert::push(const Verb& verb) {
   if (verb.push_W == Vec3{}) return;
   then([this, verb] {
-    tell("pushed");
+    log("pushed");
     Pose to = hand(verb.arm).goal();
     to.p += toEigen(verb.push_W);
     return move(verb.arm, to, skill_.slowest);
@@ -97,7 +97,7 @@ void Expert::push(const Verb& verb) {
 }
 
 void Expert::letGo(Arm arm, const Verb& verb) {
-  thenTell("open");
+  thenLog("open");
   jaws(arm, openFor(shape(verb).bar_radius));
   leave(arm);
 }

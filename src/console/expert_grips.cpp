@@ -25,7 +25,7 @@ void Expert::grip(const Verb& verb) {
     return Tick{0};
   });
   then([this, verb] {
-    miss_ = aimBeside(verb);
+    miss_ = aimNextTo(verb);
     return Tick{0};
   });
   const auto wanted = [this, verb] { return ring(verb.object) * toolInRing(plan_.grip, shape(verb)) * miss_; };
@@ -34,7 +34,7 @@ void Expert::grip(const Verb& verb) {
   then(settle(verb.arm, kLooks));
   then(travel(verb.arm, wanted, skill_.slowest));
   then(settle(verb.arm, kLooks));
-  thenTell("close");
+  thenLog("close");
   jaws(verb.arm, kClosedJaws);
   then([this, verb]() -> Tick {
     at(holds_, verb.arm) = {verb.object, ringInTool(verb.arm, verb.object), heading_ + plan_.spin, isInTheAir(verb),
@@ -130,7 +130,7 @@ Vector3 Expert::onPeg(const Verb& verb) const {
   return toEigen(peg.base_W) + Vector3(0, 0, kHalfDown * peg.height + kAboveFoot);
 }
 
-Pose Expert::aimBeside(const Verb& verb) {
+Pose Expert::aimNextTo(const Verb& verb) {
   Surroundings fixed;
   fixed.solids = standingIn(roles_);
   fixed.floor = floorOf(roles_);

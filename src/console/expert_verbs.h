@@ -35,8 +35,8 @@ class Expert : public Surgeon {
   // verbs one after the other
   void nextVerb() override;
   void expand(const Verb& verb);
-  void tell(const char* what);
-  void thenTell(const char* what);
+  void log(const char* what);
+  void thenLog(const char* what);
   /** The verb went wrong: `instead` comes next, unless it was tried often enough. */
   void again(std::vector<Verb> instead);
   static std::vector<Verb> regrip(const Verb& verb) {
@@ -57,7 +57,7 @@ class Expert : public Surgeon {
   void think(GripTask task);
   Step thinkOn(const GripTask& task);
   GripTask gripTask(const Verb& verb) const;
-  /** Who holds the ring is not in the way: it comes along or draws back. */
+  /** The arm that holds the ring is no obstacle: it comes along or draws back. */
   Surroundings around(const Verb& verb) const;
   /** Where the ring will go in a coming verb. @return false if it is let go then. */
   bool addStations(const Verb& verb, GripTask* task, double* heading) const;
@@ -69,7 +69,7 @@ class Expert : public Surgeon {
   Vector3 onPeg(const Verb& verb) const;
   /** How the tool will err from the planned grip: never so that its jaws would touch a peg or the floor, which an
    * expert sees and corrects. */
-  Pose aimBeside(const Verb& verb);
+  Pose aimNextTo(const Verb& verb);
   /** @param care [-] share of the skill's errors. */
   Pose aim(double care);
   const SceneObject& shape(const Verb& verb) const { return roles_.objects[verb.object]; }
@@ -88,7 +88,7 @@ class Expert : public Surgeon {
   void followWire(const Verb& verb);
   /** @return heading of the ring where it is level again behind the wire. */
   double addWire(const Verb& verb, GripTask* task) const;
-  /** What is left of the wire from there on, for a ring that stands so and is spun evenly on the way. */
+  /** The rest of the wire from there on, for a ring in this pose that rotates evenly along it. */
   std::vector<Pose> wayAlong(const Verb& verb, const Pose& X_WR, double spin) const;
   /** Some millimetres, a look, and on; where the hand's reach ends it clutches. */
   Step wireLeg(const Verb& verb);
@@ -111,7 +111,7 @@ class Expert : public Surgeon {
   GripPlan plan_;
   Pose miss_;                 ///< [@frame tool] of the grip at hand
   double heading_{};          ///< [rad] of the ring when it was made
-  std::size_t wire_left_{0};  ///< [mm] of the way along the wire at the last look
+  std::size_t wire_left_{0};  ///< [mm] of the path along the wire at the last look
 };
 
 }  // namespace raven2_trainer::console

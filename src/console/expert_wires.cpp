@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kWireLeg = 10;   ///< [mm] of a wire from look to look
 constexpr double kLeadTurning = 0.6;   ///< [rad/s] mean, along a wire
-constexpr double kLeadStep = 0.02;     ///< [s] between the poses of a way
+constexpr double kLeadStep = 0.02;     ///< [s] between the poses of a path
 constexpr double kBeyondWire = 0.010;  ///< [m] past its end, where a ring that leans is off it
 
 }  // namespace

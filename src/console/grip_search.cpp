@@ -16,7 +16,7 @@ constexpr double kWireStep = 0.001;                     ///< [m]
 constexpr double kMaxJointStep = 0.5;                   ///< [rad] in one such step: farther is a jump to another branch
 constexpr double kInsertionScale = 8.7;                 ///< [rad/m] 16 mm of insertion are as far as 8 degrees
 constexpr double kOutOfReach = -2.0, kNotThere = -1.0;  ///< scores of a ring that cannot be taken, or not carried so
-constexpr double kBlocked = 100.0;      ///< [-] by which a score shrinks for each place where something is in the way
+constexpr double kBlocked = 100.0;                      ///< [-] by which a score shrinks for each blocked place
 constexpr double kOverAll = 0.016;      ///< [m] of a tool's pivot over what it passes: jaws, and room for them
 constexpr double kPlentyMargin = 0.35;  ///< [rad] more is no better
 
@@ -83,10 +83,11 @@ std::vector<std::vector<Pose>> waysBetween(const Pose& from,
 std::vector<Grip> candidates(const SceneObject& ring, double reach) {
   std::vector<Grip> grips;
   const int azimuths = ring.square != 0 ? 4 : 24;
-  // A square ring's stand or peg may reach under the middle of its bars: 1.25 mm are left between a rib of 3 mm and a jaw
+  // The support or peg of a square ring may reach under the middle of its bars: 1.25 mm are left between a rib of 3 mm
+  // and a jaw
   // of 3.6 mm. Aims err by half a millimetre, tools by 0.3 mm, and jaws that close turn the ring a little.
-  const double beside = 0.65 * ring.inner_radius;
-  const std::vector<double> along = ring.square != 0 ? std::vector<double>{-beside, beside} : std::vector<double>{0.0};
+  const double offset = 0.65 * ring.inner_radius;
+  const std::vector<double> along = ring.square != 0 ? std::vector<double>{-offset, offset} : std::vector<double>{0.0};
   for (const double lean : kLeans) {
     for (int i = 0; i < azimuths; ++i) {
       const double azimuth = 2.0 * kPi * i / azimuths;
@@ -275,13 +276,13 @@ bool GripSearch::proceed(int count) {
   for (int i = 0; i < count && next_ < all; ++i, ++next_) {
     const GripPlan plan = judge(grips_[next_ / spins], kSpins[next_ % spins]);
     if (plan.score > best_.score) best_ = plan;
-    if (best_.score >= kPlentyMargin) next_ = all;  // none is better
+    if (best_.score >= kPlentyMargin) next_ = all;  // no other is better
     if (plan.score <= kOutOfReach) next_ += spins - 1 - next_ % spins;
   }
   return next_ >= all;
 }
 
-/** Least margin on the whole way: there, with the ring from station to station, and off it. */
+/** Least margin on the whole path: there, with the ring from station to station, and off it. */
 GripPlan GripSearch::judge(const Grip& grip, double spin) const {
   GripPlan plan{grip, spin, kOutOfReach, {}};
   const Pose X_RT = toolInRing(grip, task_.ring);

@@ -52,7 +52,7 @@ std::vector<Pose> alongWire(const std::vector<Vec3>& line_W, double heading, dou
 /** The same ring lying level, by the shortest turn. */
 Pose levelled(const Pose& X_WR) noexcept;
 
-/** [rad] by which a ring there is turned about its own axis against one that stands at `other` with nearly that axis.
+/** [rad] rotation about its own axis of a ring at X_WR against one at `other` with nearly the same axis.
  */
 double spinOf(const Pose& X_WR, const Pose& other) noexcept;
 
@@ -66,7 +66,7 @@ class JointTrail {
 
   /** Along the straight way there. @return false if the arm cannot follow. */
   bool go(const Pose& X_WT) noexcept;
-  /** Least distance of a joint from its limits on the way so far [rad]; of the insertion, 0.115 m count as one. */
+  /** Least distance of a joint from its limits so far [rad]; of the insertion, 0.115 m count as one. */
   double margin() const noexcept { return margin_; }
   const JointArray& joints() const noexcept { return q_; }
   Pose pose() const noexcept;
@@ -80,7 +80,7 @@ class JointTrail {
   double margin_{1.0};
 };
 
-/** What is asked of a grip. */
+/** Requirements of a grip. */
 struct GripTask {
   Arm arm{};
   JointArray q{};                   ///< [rad, m] of that arm now
@@ -90,22 +90,22 @@ struct GripTask {
   std::vector<Pose> stations_W;     ///< where the ring shall go with it, one after the other; it may be spun
   std::vector<double> shares;       ///< [-] of the spin that is done at the first stations; all of it at the others
   std::optional<Pose> X_WT_other;   ///< tool of the other arm that holds the ring
-  Surroundings around;              ///< on the way there and with the ring
-  std::optional<Pose> X_WT_start;   ///< from where all is free; it may go by there
+  Surroundings around;              ///< on the path there and with the ring
+  std::optional<Pose> X_WT_start;   ///< from there all is free; the path may pass it
 };
 
 struct GripPlan {
   Grip grip;
   double spin{};     ///< [rad] of the ring at the stations, about its own axis
-  double score{-1};  ///< [rad] least margin, less than a hundredth of it if something is in the way; negative: none
-  std::vector<Pose> via;  ///< tool poses on the way there, before it draws near
+  double score{-1};  ///< [rad] least margin, less than a hundredth of it if an obstacle blocks it; negative: no grip
+  std::vector<Pose> via;  ///< tool poses on the path there, before it comes near
 };
 
 /**
- * Ways for a tool to go somewhere: straight, over all that stands about, or by a place where all is free.
+ * Paths for a tool to a place: straight, over all obstacles, or through a place where all is free.
  * @param[in,out] trail Of the arm, from where it is; goes there.
- * @param[out] via Poses to pass on the one where least is in the way, the first of those.
- * @return at how many places something is in the way; -1 the arm cannot follow.
+ * @param[out] via Poses on the path with the fewest obstacles, the first of those.
+ * @return number of blocked places; -1 the arm cannot follow.
  */
 int findWay(const ArmsConfig& arms,
             Arm arm,

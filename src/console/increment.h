@@ -48,7 +48,7 @@ class TurnIncrement {
     return toArray(step);
   }
 
-  /** The hand turns, but the turn does not count; nor does what is left over. */
+  /** The hand rotates, but neither this rotation nor the remainder counts. */
   void hold(const Quat& wanted) noexcept {
     last_ = wanted;
     pending_ = Quaternion::Identity();

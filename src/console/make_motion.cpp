@@ -57,7 +57,7 @@ std::unique_ptr<MotionSource> makeHands(const SurgeonConfig& config, const std::
   }
   if (doesExercise(motion)) return makeSurgeon(config, motion, truth);
   throw ConfigException("motion is \"" + motion +
-                        "\", expected scripted, recording:FILE, expert or clumsy:NAME (clumsy hands of exercise " +
+                        "\", expected scripted, recording:FILE, expert or clumsy:NAME (clumsy surgeons of exercise " +
                         config.exercise_name + ": " + clumsySurgeonOf(config.exercise) + ")");
 }
 

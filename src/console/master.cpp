@@ -35,9 +35,9 @@ std::string wordsOfPlaces(const MasterConfig& config, const DeviceFinding& findi
       return print("it turned by %.3g rad from one pose to the next: poses are lost, or the driver glitched",
                    finding.value);
     case DeviceTrouble::kNotFinite:
-      return "a pose holds numbers that are none: the driver lost its device";
+      return "a pose has NaN or infinity: the driver lost its device";
     case DeviceTrouble::kNotUnit:
-      return print("the orientation has norm %.3g, not 1: the driver publishes none; orientation: false",
+      return print("the orientation has norm %.3g, not 1: the driver publishes no orientation; orientation: false",
                    finding.value);
     default:
       return "";

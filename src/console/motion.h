@@ -7,7 +7,7 @@
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// What scripted and recorded hands share. Positions of the robot's tips are in ITP axes I, from the tip at home.
+// Shared by scripted and recorded motion. Positions of the robot's tips are in ITP axes I, from the tip at home.
 
 namespace raven2_trainer::console {
 

@@ -54,7 +54,7 @@ Tick ScriptedHand::planStroke() {
     step = randomTarget() - from;
   }
   const double hand_length = step.norm() / config_.scale;
-  if (hand_length > kMaxStroke) step *= kMaxStroke / hand_length;  // only on the way into a far box
+  if (hand_length > kMaxStroke) step *= kMaxStroke / hand_length;  // only into a far box
   const double speed = config_.stroke_speed * random_.uniform(1.0 - kSpeedSpread, 1.0 + kSpeedSpread);
   const double seconds = step.norm() / config_.scale / speed;
   planned_ = {from, from + step, 0, 1 + static_cast<Tick>(std::lround(seconds / kTickSeconds))};

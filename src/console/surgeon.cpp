@@ -25,7 +25,7 @@ bool isLevel(std::uint8_t runlevel, RunLevel wanted) noexcept {
   return runlevel == static_cast<std::uint8_t>(wanted);
 }
 
-/** What both hands must move for the camera [m] of a tool [@frame I]: right and up around what is looked at, forward
+/** Motion of both hands for the camera [m], as of a tool [@frame I]: right and up around the camera's target, forward
  *  nearer to it. As in control/camera_orbit.h, whose factor need not be met, since the eye is seen. */
 Vector3 cameraWay(const CameraState& camera, const Vec3& to_W) noexcept {
   const Vector3 target = toEigen(camera.target_W), from = toEigen(camera.eye_W) - target, to = toEigen(to_W) - target;
@@ -92,7 +92,7 @@ void Surgeon::giveUpWhatHasFailed() {
   if (status == ExerciseStatus::kFailed && saw_open_attempt_) finish();
 }
 
-/** What the joints must be that put the tool where it is seen. */
+/** Joints that put the tool where it is seen. */
 void Surgeon::followJoints(Arm arm) {
   JointTrail trail(arms_, arm, at(joints_, arm));
   trail.go(tool(arm));
@@ -211,7 +211,7 @@ Surgeon::Step Surgeon::travel(Arm arm, Target target, double speed) {
   };
 }
 
-/** Share of the way for which no clutch is needed. */
+/** Share of the path that needs no clutch. */
 double Surgeon::reachable(Arm arm, const Pose& from, const Pose& to) {
   double part = 1.0;
   while (part > 0.0 && hand(arm).stretch(now_, between(from, to, part)) > skill_.clutch_reach)

@@ -36,13 +36,13 @@ class Surgeon : public MotionSource {
   using Step = std::function<Tick()>;  ///< @return ticks until the next
   using Target = std::function<Pose()>;
 
-  /** What one arm has in its jaws. */
+  /** Object in the jaws of one arm. */
   struct Hold {
     std::uint8_t object{kNobody};
     Pose X_TR;         ///< ring in the tool, as last seen
     double heading{};  ///< [rad] to carry it at where it is level
     bool lifted{false};
-    double spin{};  ///< [rad] to turn it about its own axis on the way that the grip was chosen for
+    double spin{};  ///< [rad] of rotation about its own axis on the path for which the grip was chosen
   };
 
   /** All steps are done: adds more, or finishes. */
@@ -56,7 +56,7 @@ class Surgeon : public MotionSource {
   Pose ringInTool(Arm arm, std::uint8_t object) const { return tool(arm).inverse() * ring(object); }
   bool isClosedOnSomething(Arm arm) const;
   bool holds(Arm arm) const;
-  /** The peg that stands in the ring's opening; null if none does. */
+  /** The peg in the ring's opening, or null. */
   const ScenePeg* pegIn(std::uint8_t object) const;
 
   // steps: at the end of what is to come, or ahead of it in this order
@@ -99,7 +99,7 @@ class Surgeon : public MotionSource {
   const double scale_;
   Random random_;
   PerArm<Hold> holds_{};
-  PerArm<JointArray> joints_{};  ///< [rad, m] as the tools' poses tell
+  PerArm<JointArray> joints_{};  ///< [rad, m] from the tools' poses
   PerArm<Pose> start_{};         ///< of the tools
 
  private:

@@ -14,7 +14,7 @@ ConsoleConfig shaken(ConsoleConfig config, double shaking) noexcept {
   return config;
 }
 
-/** What to put on `wish` to ask for `asked`. */
+/** The difference from `wish` to `asked`. */
 Pose biasOf(const Pose& asked, const Pose& wish) noexcept {
   return {asked.R * wish.R.transpose(), asked.p - wish.p};
 }

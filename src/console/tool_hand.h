@@ -18,9 +18,9 @@ PoseError errorOf(const Pose& is, const Pose& wanted) noexcept;
 Pose between(const Pose& from, const Pose& to, double fraction) noexcept;
 
 /**
- * One hand that leads a tool about by what it sees of it. It knows where it wants the tool (the wish), by how much it
- * has to ask for something else so that the tool gets there (the bias), and where its own middle is: what the master
- * sends are increments, so the hand may come back to its middle with the pedal up. Times are ticks, poses are of T in
+ * One hand that leads a tool by sight. It knows the tool's goal (the wish), the correction that brings the
+ * tool there (the bias), and its own middle. The master sends increments, so the hand may come back to its middle
+ * with the pedal up. Times are ticks, poses are of T in
  * W.
  */
 class ToolHand {
@@ -30,8 +30,8 @@ class ToolHand {
 
   /** The tool is `seen` there, and whatever was wanted, this is now. */
   void takeUp(const Pose& seen);
-  /** After a pedal-down: what is sent counts from the tool `seen` on. What was wanted is wanted still, and is come back
-   *  to within `length`. */
+  /** After a pedal-down: increments count from the tool `seen` on. The goal stays, and the hand comes back
+   *  to it within `length`. */
   void rebase(Tick now, const Pose& seen, Tick length) noexcept;
   /** The tool is `seen` there, at rest: asks for as much more as it is off. */
   void correct(Tick now, const Pose& seen, Tick length) noexcept;

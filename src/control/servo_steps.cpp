@@ -5,13 +5,13 @@
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/control/teleop_mapper.h"
 
-// What a tick makes of what was asked for.
+// One tick of each kind of command.
 
 namespace raven2_trainer::control {
 namespace {
 
 constexpr Tick kSlowDown = 200;  // in which a twist that timed out comes to rest: 0.5 m/s2 at max_speed; ours
-// On a straight line joints' rates are met within this, or the way ends: near its singularities an arm cannot go on.
+// On a straight line joints' rates are met within this, or the path ends: near its singularities an arm cannot go on.
 constexpr double kRateRounding = 1e-3;
 constexpr int kMostAttempts = 4;
 constexpr int kTipSamples = 16;  // of a move in joints, for the highest rate of its tip
@@ -100,7 +100,7 @@ void ServoTarget::stepTwist() noexcept {
   stepTo(next);
 }
 
-/** Stands where a joint's range or the way ends. */
+/** Stops where a joint's range or the path ends. */
 void ServoTarget::stepRates() noexcept {
   const double share = timedShare();
   ServoJoints to = servoJoints(q_);
@@ -112,7 +112,7 @@ void ServoTarget::stepRates() noexcept {
   goes_on ? stepJointsTo(to) : servo(Motion::kHold);
 }
 
-/** Stands where the way ends. */
+/** Stops where the path ends. */
 void ServoTarget::stepTo(const Pose& X_BT) noexcept {
   const Pose from = X_;
   const auto way = [&](double share) { return between(from, X_BT, share); };
@@ -120,7 +120,7 @@ void ServoTarget::stepTo(const Pose& X_BT) noexcept {
 }
 
 /** As much of a tick's way as leaves every joint within its rate: how far they come is known afterwards.
- *  @param[in] way pose at 0 to 1 of it. @return that share; 0 if the way ends here. */
+ *  @param[in] way pose at 0 to 1 of it. @return that share; 0 if the path ends here. */
 template <typename Way>
 double ServoTarget::stepAlong(const Way& way, double most_speed, double most_rate) noexcept {
   JointArray here = q_;

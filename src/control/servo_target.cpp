@@ -15,8 +15,8 @@ using kinematics::IkStatus;
 constexpr double kNormError = 0.02;    // of a quaternion, as ITP's receivers allow (sources.md 2.2)
 constexpr double kLeastRatio = 0.001;  // below it a move takes hours
 
-// A set point farther than this from what the arm's mapping made of it was not taken: a limit, or a fault on the way.
-// What the mapping rounds is half a micrometre and half a milliradian of the jaws.
+// A set point farther than this from the mapping's result was not accepted: a limit, or a fault in between.
+// The mapping rounds to half a micrometre and half a milliradian of the jaws.
 constexpr double kLeash = 1e-4;      // [m]
 constexpr double kLeashTurn = 1e-3;  // [rad]
 constexpr double kLeashJaw = 0.02;   // [rad]
@@ -28,7 +28,7 @@ constexpr double kReachTurn = 0.2;      // [rad]
 constexpr double kMostReachSteps = 64;  // 0.64 m: farther than an arm reaches
 constexpr double kMostJointSteps = 32;  // 0.33 m of insertion and 364 degrees of roll: all that arms.yaml allows
 
-constexpr double kSameJoint = 1e-3;  // [rad; m] at the end of a way in joints: another solution is farther away
+constexpr double kSameJoint = 1e-3;  // [rad; m] at the end of a path in joints: another solution is farther away
 
 template <std::size_t N>
 bool areFinite(const std::array<double, N>& values) noexcept {
@@ -43,7 +43,7 @@ bool isPast(double value, double limit) noexcept {
   return value > limit * (1.0 + 1e-9);  // what was computed to be at the limit is
 }
 
-/** What `kind` does not look at may be anything. */
+/** Fields that `kind` does not use may be anything. */
 bool isWhole(const ServoCommand& c) noexcept {
   switch (c.kind) {
     case ServoKind::kServoJoints:
@@ -336,7 +336,8 @@ bool ServoTarget::reaches(const Pose& from, const Pose& to, JointArray* q) const
   return true;
 }
 
-/** The same in joints: the arm is told poses, so each must lead back to joints, and in the end to those asked for. */
+/** The same in joints: the arm receives poses, so each must lead back to joints, and the last one to the requested
+ * ones. */
 bool ServoTarget::reaches(const JointArray& from, const JointArray& to) const noexcept {
   const ServoJoints begin = servoJoints(from), end = servoJoints(to);
   double wanted = 1.0;
@@ -355,7 +356,7 @@ bool ServoTarget::reaches(const JointArray& from, const JointArray& to) const no
 }
 
 /** Joints for a pose, near those given: by the model's inverse, where the robot's has any.
- *  @param[in,out] q [rad; m] unchanged if there are none. */
+ *  @param[in,out] q [rad; m] unchanged without a solution. */
 ServoTarget::Solved ServoTarget::solve(const Pose& X_BT, JointArray* q) const noexcept {
   if (kinematics::isFirstWristPointAtRcm(geometry_, X_BT)) return Solved::kNowhere;
   const auto ik = kinematics::inverseWithinLimits(geometry_, arm_, X_BT, opening_, *q);

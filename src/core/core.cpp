@@ -3,7 +3,7 @@
 #include "raven2_trainer/core/bytes.h"
 #include "raven2_trainer/core/record.h"
 
-// What every other module relies on, checked where it is compiled first.
+// Assumptions of all other modules, checked where they are compiled first.
 
 namespace raven2_trainer {
 

@@ -5,7 +5,7 @@
 namespace raven2_trainer {
 namespace {
 
-/** A plan's times: so far from the ends of int64 that an engine's sums stay in it, and a million hours all the same. */
+/** Largest time in a plan: a million hours. An engine's sums of such times stay within int64. */
 constexpr std::int64_t kMaxFaultTicks = std::int64_t{1} << 42U;
 
 bool isTime(std::int64_t ticks) noexcept {
@@ -29,7 +29,7 @@ bool areTimesSound(const Fault& fault) noexcept {
          isTime(fault.period_ticks) && fault.count >= 0 && isTime(fault.half_period_ticks) && isTime(fault.ramp_ticks);
 }
 
-/** What a scenario file may say, and no more: twice 1e308 would be infinite, and stay so in a filter. */
+/** The limits of a scenario file: twice 1e308 would be infinite, and stay so in a filter. */
 bool areNumbersSound(const Fault& fault) noexcept {
   if (!isWithin(fault.threshold, 0.0, 1e6) || !isWithin(fault.probability, 0.0, 1.0) || !std::isfinite(fault.value) ||
       !std::isfinite(fault.low) || !std::isfinite(fault.high))
@@ -43,7 +43,7 @@ bool areNumbersSound(const Fault& fault) noexcept {
   return !has_value || isWithin(fault.value, info.low, info.high);
 }
 
-/** What a stream is to do must fit into it. */
+/** A stream's fault must fit into the stream. */
 bool isStreamSound(const Fault& fault) noexcept {
   switch (fault.kind) {
     case FaultKind::kDrop:

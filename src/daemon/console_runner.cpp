@@ -48,10 +48,10 @@ void ConsoleRunner::tick(std::int64_t now_ns) noexcept {
 /** ITP first: it is what makes the daemon listen to this console's pedals. */
 void ConsoleRunner::send(std::int64_t now_ns) noexcept {
   to_daemon_.send(console_.tick(), now_ns);
-  const std::optional<PedalState> told = pedal_beat_.tick(console_.pedals());
-  if (!told) return;
+  const std::optional<PedalState> pedals = pedal_beat_.tick(console_.pedals());
+  if (!pedals) return;
   if (must_sign_ || to_daemon_.isSigning()) pedals_refused_.store(true, std::memory_order_relaxed);
-  const wire::PedalBytes bytes = wire::encodePedals(*told);
+  const wire::PedalBytes bytes = wire::encodePedals(*pedals);
   to_daemon_.sendPedals(bytes.data(), bytes.size());
 }
 

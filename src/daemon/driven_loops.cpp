@@ -102,7 +102,7 @@ struct DrivenLoops::Impl {
     empty(shared->contact_records, &contact_record);
   }
 
-  void start(const std::function<void(LoopId, std::uint64_t)>& told) {
+  void start(const std::function<void(LoopId, std::uint64_t)>& on_tick) {
     const RuntimeConfig& runtime = config.runtime;
     drain_thread.start(threads::realtimeThread("sender", runtime.sender, runtime), [this] {
       while (!stop.load(std::memory_order_relaxed)) {
@@ -112,14 +112,14 @@ struct DrivenLoops::Impl {
     });
     threads::CyclicThread::Hooks hooks[2];
     hooks[0].before = [] { physics::attachOdeToThread(); };
-    hooks[0].tick = [this, told](std::int64_t now_ns) {
-      if (told) told(LoopId::kPhysics, ticks);
+    hooks[0].tick = [this, on_tick](std::int64_t now_ns) {
+      if (on_tick) on_tick(LoopId::kPhysics, ticks);
       physicsTick(now_ns);
       outgoing.signal();
     };
     hooks[0].on_slip = [this] { physics.timeSlip(); };
-    hooks[1].tick = [this, told, n = std::uint64_t{0}](std::int64_t now_ns) mutable {
-      if (told) told(LoopId::kHaptic, n++);
+    hooks[1].tick = [this, on_tick, n = std::uint64_t{0}](std::int64_t now_ns) mutable {
+      if (on_tick) on_tick(LoopId::kHaptic, n++);
       haptic.tick(now_ns);
       outgoing.signal();
     };

@@ -43,9 +43,9 @@ void keepDrawing(const std::function<std::unique_ptr<RenderLoop>()>& make,
     drawAtPace(make().get(), wait);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s; going on without a live picture\n", e.what());
-    LivePicture told = shared->live_picture.load();
-    told.failed = 1;
-    shared->live_picture.store(told);
+    LivePicture picture = shared->live_picture.load();
+    picture.failed = 1;
+    shared->live_picture.store(picture);
   }
 }
 
@@ -87,7 +87,7 @@ void RenderLoop::hearOfPlans() {
   execution_heard_ = execution;
 }
 
-/** By the receipt of its newest picture: clocks of other computers tell nothing here. */
+/** By the receipt of its newest picture: clocks of other computers are unknown here. */
 bool RenderLoop::isCameraSilent() const {
   const auto limit = static_cast<std::int64_t>(config_.render.real_stale_after * 1e9);
   return clock_() - shared_.real_picture_ns.load() > limit;
@@ -103,13 +103,13 @@ render::Snapshot RenderLoop::newest() {
   snapshot.contact_W = contacts_.sum(states.contacts);
   hearOfPlans();
   snapshot.plans = plans_;
-  snapshot.stands_in = snapshot.model.view != 0 && isCameraSilent();
+  snapshot.is_substitute = snapshot.model.view != 0 && isCameraSilent();
   const std::uint32_t fault = activeFault(snapshot.model, snapshot.robot);
   if (fault > 0 && fault <= config_.scenarios.size()) snapshot.fault = config_.scenarios[fault - 1].name;
   return snapshot;
 }
 
-/** The camera that is told stays the right one if the eyes are changed over: that is the fault. */
+/** If the eyes are exchanged, the published camera stays the right one: that is the fault. */
 void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view) {
   const CameraConfig& config = cameras_[static_cast<std::size_t>(eye)];
   render::Renderer& renderer = stage_->renderer;
@@ -132,23 +132,24 @@ bool RenderLoop::isWatched() const noexcept {
   return shared_.picture_watched.load() != 0 || shared_.stereo_watched.load() != 0;
 }
 
-/** Which picture is the view goes by now, however old what is seen may be: no camera's line decides that. */
+/** Chooses the view by the present state, however old the picture may be: no camera's delay decides that. */
 void RenderLoop::frame() {
   if (!stage_) stage_.emplace(config_, raven_, scene_, pace_.level().scale);
   const std::int64_t begin = clock_();
   const render::Snapshot now = newest();
   const render::Snapshot& seen = line_.pass(now);
-  told_.watched = isWatched() ? 1 : 0;
-  const bool is_due = told_.watched != 0 || told_.frames == 0 || begin - drawn_ns_ >= kUnwatchedNs;
+  live_.watched = isWatched() ? 1 : 0;
+  const bool is_due = live_.watched != 0 || live_.frames == 0 || begin - drawn_ns_ >= kUnwatchedNs;
   if (!is_due) return stage_->builder.follow(seen);
   drawn_ns_ = begin;
-  if (std::abs(now.model.tick - now.haptic.tick) > 1) ++told_.parted;
-  drawAll(seen, now.model.view == 0 || now.stands_in);
-  adapt(static_cast<double>(clock_() - begin) * 1e-9, told_.watched != 0 && !seen.is_black);
+  if (std::abs(now.model.tick - now.haptic.tick) > 1) ++live_.parted;
+  drawAll(seen, now.model.view == 0 || now.is_substitute);
+  adapt(static_cast<double>(clock_() - begin) * 1e-9, live_.watched != 0 && !seen.is_black);
 }
 
-/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. One a second tells nothing of
- * what thirty take, and a black one nothing of those that will be seen again. */
+/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. The time of one picture a
+ * second says nothing about
+ * thirty, and that of a black one nothing about those that follow it. */
 void RenderLoop::adapt(double busy, bool is_measure) {
   const double scale = pace_.level().scale;
   reportPace(is_measure && pace_.add(busy));
@@ -156,17 +157,17 @@ void RenderLoop::adapt(double busy, bool is_measure) {
 }
 
 void RenderLoop::reportPace(bool has_changed) {
-  told_.fps = pace_.level().fps;
-  told_.width = scaled(config_.render.live_width, pace_.level().scale);
-  told_.height = scaled(config_.render.live_height, pace_.level().scale);
-  told_.level = pace_.lowered();
-  ++told_.frames;
+  live_.fps = pace_.level().fps;
+  live_.width = scaled(config_.render.live_width, pace_.level().scale);
+  live_.height = scaled(config_.render.live_height, pace_.level().scale);
+  live_.level = pace_.lowered();
+  ++live_.frames;
   if (has_changed) {
-    ++told_.changes;
-    std::fprintf(stderr, "live picture: %d Hz, %d x %d%s\n", told_.fps, told_.width, told_.height,
-                 told_.level > 0 ? "; it takes longer than configured" : "");
+    ++live_.changes;
+    std::fprintf(stderr, "live picture: %d Hz, %d x %d%s\n", live_.fps, live_.width, live_.height,
+                 live_.level > 0 ? "; it takes longer than configured" : "");
   }
-  shared_.live_picture.store(told_);
+  shared_.live_picture.store(live_);
 }
 
 }  // namespace raven2_trainer::daemon

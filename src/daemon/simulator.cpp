@@ -224,7 +224,7 @@ struct Simulator::Impl {
     if (!refusals().empty()) std::fprintf(stderr, "WARNING: %s\n", realtimeStatus().c_str());
   }
 
-  /** What was asked for and not granted. */
+  /** Real-time settings that were requested and refused. */
   std::vector<std::string> refusals() const {
     std::vector<std::string> all{physics_thread.refusal(), haptic_thread.refusal(), ingest_thread.refusal(),
                                  link_thread.refusal(), sender_thread.refusal()};
@@ -261,9 +261,9 @@ struct Simulator::Impl {
     session::writeMeta(paths, meta, config);
   }
 
-  /** The log first: on a full disk it has room of its own, and gives some back. */
+  /** The log first: on a full disk it has reserved room, and gives some back. */
   void writeFiles() {
-    recorder.drain(net::monotonicNow() + kLastTryNs);  // a last try though it may not be due; the counts tell of it
+    recorder.drain(net::monotonicNow() + kLastTryNs);  // a last try, due or not; the counts include it
     try {
       recorder.finish(counts());
       meta.flight_recorder = "removed";
@@ -315,7 +315,7 @@ struct Simulator::Impl {
   session::SessionMeta meta;
   recording::Recorder recorder;
 
-  std::mutex sink_mutex;  // of the render thread and whoever sets the sink; never of a 1 kHz thread
+  std::mutex sink_mutex;  // between the render thread and setImageSink(); never of a 1 kHz thread
   ImageSink sink;
   std::atomic<bool> haptic_ended{false};
   threads::MemoryLock memory;

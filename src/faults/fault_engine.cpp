@@ -37,7 +37,7 @@ bool hasCome(const Fault& fault, const FaultCycle& cycle, std::uint32_t tool_cha
   }
 }
 
-/** A fault of a pedal-down or of a step of the exercise comes to hands that move. */
+/** A fault of a pedal-down or of a step of the exercise waits until the pedal is down. */
 bool waitsForPedal(FaultTrigger trigger) noexcept {
   return trigger == FaultTrigger::kPedalDown || trigger == FaultTrigger::kStep;
 }
@@ -52,7 +52,7 @@ double share(const Fault& fault, std::int64_t elapsed) noexcept {
 void FaultEngine::start(const Fault& fault, Progress* progress) const noexcept {
   *progress = Progress{};
   progress->next = fault.first_tick;
-  // Rows of one scenario share its seed: what they act on tells them apart.
+  // Rows of one scenario share its seed: their variable and arm distinguish them.
   progress->random = Random(fault.seed, (static_cast<std::uint64_t>(fault.variable) << 16U) +
                                             (static_cast<std::uint64_t>(fault.arm + 1) << 8U) +
                                             static_cast<std::uint64_t>(fault.channel + 1));

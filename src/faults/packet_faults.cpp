@@ -11,7 +11,7 @@ std::int32_t toWire(double value) noexcept {
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -2147483648.0, 2147483647.0)));
 }
 
-/** [rad] Rotation vector of a quaternion (x y z w) of any length; nothing for one that is none. */
+/** [rad] Rotation vector of a quaternion (x y z w) of any length; zero for an invalid one. */
 Vec3 rotationVector(const Quat& q) noexcept {
   const double sine = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
   if (!(sine > 0.0) || !std::isfinite(sine)) return {};

@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Motion is told in whole micrometres of the tip and in packets that come in bunches: squared tick by tick, both would
+// Motion comes in whole micrometres of the tip and in packets that come in bunches: squared tick by tick, both would
 // count as speed. Over a block the mean speed never says more than there was (Cauchy and Schwarz); 16 ms are short
 // against the periods of 80 ms and more in which a hand can swing.
 constexpr int kBlockTicks = 16;

@@ -26,7 +26,7 @@ class PoseSolver {
   PoseSolver(const ArmGeometry& geometry, Arm arm, const Pose& X_BT, double opening) noexcept
       : geometry_(geometry), chain_(kChains[index(arm)]), X_BT_(X_BT), opening_(opening) {}
 
-  /** All solutions with the wrist point on a line in T, by its unit vector. @return why there is none, or kOk. */
+  /** All solutions with the wrist point on a line in T, by its unit vector. @return kOk, or the reason of failure. */
   IkStatus solve(const Eigen::Vector2d& direction_T, IkSolutions* solutions) noexcept {
     *solutions = {};
     next_ = solutions->begin();
@@ -99,8 +99,8 @@ class PoseSolver {
   }
 
   /**
-   * Roll and wrist. Forearm (wrist to tip) and jaw axis are, in frame 3, (c5 c4, c5 s4, s5) and (s5 c4, s5 s4, -c5): c5
-   * times the one plus s5 times the other is (c4, s4, 0), so that neither s5 = 0 nor c5 = 0 needs a branch.
+   * Roll and wrist. Forearm (wrist to tip) and jaw axis are, in frame 3, (c5 c4, c5 s4, s5) and (s5 c4, s5 s4, -c5). c5
+   * times the first plus s5 times the second is (c4, s4, 0). So neither s5 = 0 nor c5 = 0 needs a branch.
    */
   void solveWrist(const Angle& shoulder, const Angle& elbow, double theta2, double d) noexcept {
     const Walker frame3 = shaftFrame(chain_, shoulder, elbow);

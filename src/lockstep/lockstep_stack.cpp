@@ -74,9 +74,9 @@ struct LockstepStack::Impl {
     };
     const wire::ItpBytes bytes = wire::encodeItp(hands.tick());
     carry(bytes.data(), bytes.size(), &to_daemon, receive);
-    if (const std::optional<PedalState> told = pedal_beat.tick(hands.pedals())) {
-      const wire::PedalBytes pedals = wire::encodePedals(*told);
-      carry(pedals.data(), pedals.size(), &to_daemon, receive);
+    if (const std::optional<PedalState> pedals = pedal_beat.tick(hands.pedals())) {
+      const wire::PedalBytes packet = wire::encodePedals(*pedals);
+      carry(packet.data(), packet.size(), &to_daemon, receive);
     }
     ingest.idle(now_ns);
   }
@@ -187,7 +187,7 @@ struct LockstepStack::Impl {
     hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp) && !isShowing());
   }
 
-  /** What the next tick's hands see, of this one. */
+  /** Shows this tick's picture to the surgeon of the next tick. */
   void showPicture() {
     const auto receive = [this](const std::uint8_t* bytes, std::size_t size) { receiveSight(bytes, size); };
     if (view.model.tick % loop::kPicturePeriod == 0) {

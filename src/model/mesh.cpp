@@ -34,9 +34,9 @@ std::string extensionOf(const std::string& path) {
 }
 
 /**
- * Lets a mesh read no file but its own: OBJ and DAE may name others, anywhere. Of OBJ assimp 5.2 keeps a line in a
- * buffer as long as the file and gives its numbers to strtol, which runs on where one line fills the buffer: with a
- * line end and a zero behind the file none does.
+ * Lets a mesh read no file but its own: OBJ and DAE may name others, anywhere. For OBJ, assimp 5.2 keeps a line in a
+ * buffer as long as the file, and gives its numbers to strtol. strtol reads on if one line fills the buffer. A
+ * line end and a zero after the file prevent that.
  */
 class OneFileSystem : public Assimp::DefaultIOSystem {
  public:
@@ -88,7 +88,7 @@ void checkScale(const std::string& path, const std::array<double, 3>& scale) {
   }
 }
 
-/** A normal is a covector: it scales with the inverse. Degenerate triangles have none. */
+/** A normal is a covector: it scales with the inverse. Degenerate triangles have no normal. */
 std::array<float, 3> scaledNormal(const aiVector3D& n, const std::array<double, 3>& scale) {
   const Vector3 v(n.x / scale[0], n.y / scale[1], n.z / scale[2]);
   const double length = v.norm();

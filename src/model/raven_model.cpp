@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSame = 1e-9;       // [m, -] URDF against DH chain
 constexpr double kSameLimit = 1e-6;  // [rad, m]
-constexpr int kProbes = 16;          // joint vectors tried besides home
+constexpr int kProbes = 16;          // joint vectors tried in addition to home
 
 constexpr PerArm<const char*> kBaseLinks{"base_link_L", "base_link_R"};
 

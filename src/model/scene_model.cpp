@@ -31,7 +31,7 @@ const Link& linkAt(const Description& description, int link) {
   return description.links[static_cast<std::size_t>(link)];
 }
 
-/** It stands on the world, alone, and can be a body. */
+/** It is fixed to the world, alone, and can be a body. */
 void checkBreakable(const Description& description, int index) {
   const Link& link = linkAt(description, index);
   if (link.joint != JointKind::kFixed) failAtLink(description, link, "breaks off, but is not fixed");
@@ -42,7 +42,7 @@ void checkBreakable(const Description& description, int index) {
   }
   for (int parent = link.parent; parent >= 0; parent = linkAt(description, parent).parent) {
     if (linkAt(description, parent).joint != JointKind::kFixed)
-      failAtLink(description, link, "breaks off, but stands on a free body");
+      failAtLink(description, link, "breaks off, but is fixed to a free body");
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::model {
 
-/** Which links and joints a URDF has, how they hang together, and where they are written. */
+/** Links and joints of a URDF, their tree, and their lines in the file. */
 struct UrdfTree {
   std::vector<std::string> links;  ///< parents before children
   std::map<std::string, int> link_lines;
@@ -21,7 +21,7 @@ struct UrdfTree {
 
 /**
  * Finds loops, double names, unknown links and several roots before the URDF parser sees them: it accepts some of
- * them silently and tells no line of any.
+ * them silently and reports no line.
  * @throw ModelException FILE:LINE:.
  */
 UrdfTree readTree(const std::vector<XmlElement>& elements, const std::string& file);

@@ -16,8 +16,8 @@ struct XmlElement {
 /**
  * The tags of an XML text with their line numbers, which the URDF parser does not keep. Checks that tags are closed
  * in order, because that parser's message for a broken file has no line either.
- * @throw ModelException FILE:LINE: for text that is not well-formed, and for a tag that holds '%', '&' or a zero byte:
- * urdfdom 3.0 gives what it cannot read to printf as the format, so that "%s" for a number reads memory that is not
+ * @throw ModelException FILE:LINE: for text that is not well-formed, and for a tag with '%', '&' or a zero byte.
+ * urdfdom 3.0 gives unreadable text to printf as the format. So "%s" for a number reads memory that is not
  * there; with '&' a '%' can be written; a zero ends the text for some functions and not for others.
  */
 std::vector<XmlElement> outlineXml(const std::string& text, const std::string& file);

@@ -10,7 +10,7 @@
 namespace raven2_trainer::net {
 
 /**
- * Whole frames on their way out to one reader. Full: the oldest frame not yet begun is dropped, because the newest
+ * Whole frames to be sent to one reader. Full: the oldest frame not yet begun is dropped, because the newest
  * state is worth most. The frame of which a part has gone is kept, or the reader's stream would break.
  * All memory is taken in the constructor.
  */
@@ -21,7 +21,7 @@ class OutgoingQueue {
   /** @return number of frames dropped for it, 0 or 1. `size` is at most wire::kMaxFrame. */
   std::size_t push(const std::uint8_t* frame, std::size_t size) noexcept;
 
-  /** Bytes to send next; size 0 if there are none. */
+  /** Bytes to send next; size 0: nothing. */
   const std::uint8_t* data() noexcept;
   std::size_t size() noexcept;
 

@@ -7,7 +7,8 @@
 namespace raven2_trainer::net {
 
 /**
- * Who has a port, and how it becomes free: "Process 4711 (simulator --hazard none) has it: end it". Reads /proc, where
+ * The process that has a port, and how the port becomes free: "Process 4711 (simulator --hazard none) has it: end it".
+ * Reads /proc, where
  * a user sees the sockets of all, but the programs of others only as root. For set-up.
  * @param[in] type SOCK_STREAM or SOCK_DGRAM.
  */

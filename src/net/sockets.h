@@ -7,7 +7,7 @@
 #include "raven2_trainer/net/endpoint.h"
 #include "raven2_trainer/net/file_descriptor.h"
 
-// What the sockets of this module have in common.
+// Shared by the sockets of this module.
 
 namespace raven2_trainer::net {
 

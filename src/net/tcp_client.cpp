@@ -60,7 +60,7 @@ TcpClient::Event TcpClient::pollDown(std::int64_t now_ns, int timeout_ms) noexce
 }
 
 // A port above 32768 can be handed to the client itself: then it meets itself (simultaneous open) and would keep the
-// server from ever binding. Such a connection is none.
+// server from ever binding. Such a connection does not count.
 TcpClient::Event TcpClient::pollConnecting(std::int64_t now_ns, int timeout_ms) noexcept {
   const short events = waitFor(fd_.get(), POLLOUT, timeout_ms);
   if (events == 0) {

@@ -14,7 +14,7 @@
 namespace raven2_trainer::net {
 namespace {
 
-// A crowd must not fill it between two polls: whoever finds it full is heard again after a second only.
+// Many clients must not fill it between two polls: a client that finds it full tries again after a second.
 constexpr int kAcceptBacklog = 128;
 constexpr int kAcceptsPerPoll = 8;
 constexpr int kReadsPerPoll = 4;

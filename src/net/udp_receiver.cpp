@@ -12,7 +12,7 @@
 namespace raven2_trainer::net {
 namespace {
 
-constexpr int kGuardBuffer = 4096;  // [bytes] samples of who else sends, not a queue
+constexpr int kGuardBuffer = 4096;  // [bytes] samples of other senders, not a queue
 constexpr int kPortAttempts = 16;   // a free port of the one socket may be taken for the other
 
 FileDescriptor openBound(const Endpoint& endpoint, int* error) noexcept {
@@ -22,7 +22,8 @@ FileDescriptor openBound(const Endpoint& endpoint, int* error) noexcept {
   return *error == 0 ? std::move(fd) : FileDescriptor();
 }
 
-/** Whether nobody has the port: two sockets of SO_REUSEADDR would share it with a third, one without tells. */
+/** Whether nobody has the port. Two sockets with SO_REUSEADDR would share it with a third; one without it shows that it
+ * is taken. */
 bool isFree(const Endpoint& endpoint, int* error) noexcept {
   const FileDescriptor probe = openSocket(SOCK_DGRAM);
   *error = probe.isOpen() ? bindOnce(probe.get(), endpoint) : errno;
@@ -79,7 +80,7 @@ std::optional<Datagram> UdpReceiver::receiveFrom(const FileDescriptor& fd,
                                                  std::size_t capacity) noexcept {
   sockaddr_in address{};
   ssize_t size = -1;
-  // "Connection refused" is the answer to one of our own datagrams, told instead of the next one: ask again.
+  // "Connection refused" is the answer to one of our own datagrams, returned instead of the next one: ask again.
   for (int attempt = 0; attempt < 2 && size < 0; ++attempt) {
     socklen_t address_size = sizeof(address);
     // MSG_TRUNC: the size as sent, however much the buffer took.
@@ -103,7 +104,7 @@ bool UdpReceiver::sendTo(const Endpoint& to, const std::uint8_t* bytes, std::siz
 
 void UdpReceiver::pinSource(const Endpoint& source) noexcept {
   const sockaddr_in address = toSockaddr(source);
-  // Refused or not: the mark of receiveFrom() holds all the same.
+  // Refused or not: the mark of receiveFrom() is valid.
   static_cast<void>(::connect(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)));
   pinned_ = source;
 }

@@ -21,7 +21,7 @@ UdpSender::UdpSender(const std::string& host, std::uint16_t port) {
 }
 
 bool UdpSender::send(const std::uint8_t* bytes, std::size_t size) noexcept {
-  // "Connection refused" is the answer to an earlier datagram, told instead of sending this one: send it again.
+  // "Connection refused" is the answer to an earlier datagram, returned instead of sending this one: send it again.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (::send(fd_.get(), bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(size)) return true;
     if (errno != ECONNREFUSED) return false;

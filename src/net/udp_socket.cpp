@@ -57,7 +57,7 @@ std::optional<Datagram> UdpSocket::receive(std::uint8_t* buffer, std::size_t cap
 }
 
 bool UdpSocket::send(const std::uint8_t* bytes, std::size_t size) noexcept {
-  // "Connection refused" is the answer to an earlier datagram, told instead of sending this one: send it again.
+  // "Connection refused" is the answer to an earlier datagram, returned instead of sending this one: send it again.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (::send(fd_.get(), bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(size)) return true;
     if (errno != ECONNREFUSED) return false;

@@ -13,13 +13,13 @@
 
 namespace raven2_trainer::physics {
 
-/** What a link did in a step beyond moving with the velocity that ODE found: second order, from going along arcs. */
+/** Motion of a link in a step beyond ODE's velocity: second order, since it moves along arcs. */
 struct Excess {
   Vector3 shift{0, 0, 0};  ///< [m] in W, of a point of the link
   Vector3 turn{0, 0, 0};   ///< [rad] in W
 };
 
-/** What dry friction is in a joint's row of ODE's equations. */
+/** Dry friction of a joint in ODE's equations. */
 enum class DryFriction {
   kRow,       ///< its own bounded row: ODE finds out whether it holds. Dear: a row more, and bounds
   kHolds,     ///< a damper up to the creep rate, part of the rotor's row
@@ -30,18 +30,21 @@ enum class DryFriction {
 /**
  * The seven moving bodies of one arm and the joints between them.
  *
- * A step of h is: bodies exactly on the chain in the middle of the step, q* = q + h/2 dq, so that hinges never open;
- * what gravity and the turning of the links cost there (Coriolis, centrifugal, gyroscopic: ODE sees them standing)
- * taken off the joint torques; ODE's solution for the mean acceleration a with rotors, contacts, stops and friction;
- * and what changes within the step corrected (correct()), fourth order in h. doc/model.md, Dynamics.
+ * A step of h has these parts. The bodies are exactly on the chain in the middle of the step, q* = q + h/2 dq, so
+ * hinges never open.
+ * Gravity and velocity terms (Coriolis, centrifugal, gyroscopic: ODE sees links at rest)
+ * are subtracted from the joint torques. ODE solves for the mean acceleration a with rotors, contacts, stops and
+ * friction.
+ * correct() corrects changes within the step, to fourth order in h. doc/model.md, Dynamics.
  *
- * Each robot joint is an ODE hinge or slider, and next to it an ODE motor joint along the same axis that adds
- *  - rotor inertia and viscous friction as one implicit row: the motor's velocity equation J v + cfm lambda = target,
- *    with 1 / cfm = I/h + b t and target / cfm = (I/h - b (1 - t)) dq, says
- *    lambda = -I (dq' - dq) / h - b (t dq' + (1 - t) dq), t from 1/2 (second order) to 1 (implicit) so that a decay
- *    exp(-b h / I) is met for any step: stable for any I and b;
- *  - Coulomb friction as a bounded row (no chatter, real sticking), only where it is not zero;
- *  - the stops of hinges: those of ODE's own hinge end at +-pi, the tool roll goes further.
+ * Each robot joint is an ODE hinge or slider, and next to it an ODE motor joint along the same axis that adds these
+ * parts.
+ *  - rotor inertia and viscous friction as one implicit row. The motor's velocity equation is J v + cfm lambda =
+ * target. With 1 / cfm = I/h + b t and target / cfm = (I/h - b (1 - t)) dq it gives lambda = -I (dq' - dq) / h - b (t
+ * dq' + (1 - t) dq). The weight t is from 1/2 (second order) to 1 (implicit), so that a decay exp(-b h / I) is met for
+ * any step. It is stable for any I and b.
+ *  - Coulomb friction as a bounded row (no chatter, real sticking), only where it is not zero.
+ *  - The stops of hinges. Those of ODE's own hinge end at +-pi, the tool roll goes further.
  *
  * Rates are computed from the bodies (dJointGetSliderPositionRate forgets the turning of the parent, sources.md 1.1).
  * Real-time safe after construction.

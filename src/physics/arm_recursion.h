@@ -36,7 +36,7 @@ struct PlacedLink {
 using PlacedLinks = std::array<PlacedLink, kJointCount>;
 
 /**
- * What an arm's links ask of its joints, in minimal coordinates and W: recursive Newton-Euler and composite bodies
+ * Joint torques of an arm's links, in minimal coordinates and W: recursive Newton-Euler and composite bodies
  * (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapters 5 and 6). URDF coordinates. Real-time safe.
  */
 class ArmRecursion {

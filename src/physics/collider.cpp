@@ -364,9 +364,9 @@ void Collider::collide(dGeomID a, dGeomID b) {
  * two jaws hold between them bends no shaft.
  */
 ContactLaw Collider::lawOf(const Group& a, const Group& b) const noexcept {
-  const auto stands = [](const Group& group) { return group.body == nullptr; };
+  const auto is_fixed = [](const Group& group) { return group.body == nullptr; };
   const int arms = (a.arm >= 0 ? 1 : 0) + (b.arm >= 0 ? 1 : 0);
-  if (stands(a) || stands(b)) return {*a.material, *b.material, give_, 1};
+  if (is_fixed(a) || is_fixed(b)) return {*a.material, *b.material, give_, 1};
   if (arms == 2) return {*a.material, *b.material, give_, 2};
   return {*a.material, *b.material};
 }
@@ -399,8 +399,9 @@ void Collider::createJoint(const dContactGeom& point, double depth, double share
   contact.surface.mu = limit;
   contact.surface.soft_cfm = 1.0 / resistance;
   contact.surface.motionN = point.depth > 0.0 ? share * law.force(pressed) / resistance : point.depth / step_;
-  const bool stands = into.body == nullptr || from.body == nullptr;
-  contact.surface.motionN = std::min(contact.surface.motionN, stands || law.gives() ? kArmPartingSpeed : kPartingSpeed);
+  const bool is_fixed = into.body == nullptr || from.body == nullptr;
+  contact.surface.motionN =
+      std::min(contact.surface.motionN, is_fixed || law.gives() ? kArmPartingSpeed : kPartingSpeed);
   const dJointID joint = dJointCreateContact(world_, joints_.get(), &contact);
   dJointAttach(joint, into.body, from.body);
   const int first_body = into.body != nullptr ? into.id : from.id;  // ODE turns a joint round that begins with none

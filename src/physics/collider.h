@@ -29,7 +29,7 @@ struct Wrench {
  *
  * An arm meets the scene, its free bodies and the other arm; nothing meets its own arm (the jaws' stop against each
  * other is a joint, jaw_stop.h). The pairs of links that may meet are listed once; boxes around links, then around
- * shapes, rule most of them out, and what stands still is boxed once. No ODE space: they build their lists again each
+ * shapes, rule most of them out, and fixed things are boxed once. No ODE space: they build their lists again each
  * step, and some allocate (sources.md 1.2). Real-time safe after construction.
  */
 class Collider {
@@ -48,7 +48,7 @@ class Collider {
   addArmLink(Arm arm, Joint joint, int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com);
   void addFreeLink(int id, dBodyID body, const model::Link& link, const Pose& X_OL, const Vector3& com);
   void addFixedLink(int id, const model::Link& link, const Pose& X_WL);
-  /** A link that is fixed until setHeld() lets it go: it has two sets of shapes, one that stands and one on `body`. */
+  /** A link that is fixed until setHeld() lets it go: it has two sets of shapes, a fixed one and one on `body`. */
   void addBreakableLink(int id, dBodyID body, const model::Link& link, const Pose& X_WL, const Vector3& com);
   void setHeld(int id, bool held) noexcept;
 
@@ -63,9 +63,10 @@ class Collider {
   void removeContacts() noexcept { dJointGroupEmpty(joints_.get()); }
 
   /**
-   * Bodies at rest are parked: disabled, and not met with what stands still. Of `ids` those are that nothing comes near
-   * that moves and is none of them. createContacts() wakes a parked body first if the boxes of something that moves
-   * overlap its own, so that from then on everything is as if it had never been parked.
+   * Bodies at rest are parked: disabled, and not tested against fixed things. Of `ids` those are parked that no other
+   * moving
+   * body is near. createContacts() wakes a parked body first if the boxes of something that moves
+   * overlap its own. From then on everything is as if it had never been parked.
    */
   void park(const int* ids, std::size_t count) noexcept;
   bool isParked(int id) const noexcept;
@@ -96,7 +97,7 @@ class Collider {
   };
   /** The shapes of one link. */
   struct Group {
-    int id{};     // of its body; orders and tells apart the pairs of a contact
+    int id{};     // of its body; orders and distinguishes the pairs of a contact
     int arm{-1};  // index of Arm, -1: scene
     bool is_jaw{false};
     const ContactMaterial* material{nullptr};
@@ -104,7 +105,7 @@ class Collider {
     std::vector<Shape> shapes;
     Bounds bounds{};
     dBodyID loose_body{nullptr};      // that a breakable link becomes
-    std::vector<Shape> loose_shapes;  // and its shapes; once it is off, those that stood
+    std::vector<Shape> loose_shapes;  // and its shapes; once it is off, the fixed ones
     bool parked{false};
     bool drowsy{false};  // park() looks at it
   };

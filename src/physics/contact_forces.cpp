@@ -42,7 +42,7 @@ void ContactForces::read() noexcept {
     pairs_.list[i].normal = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Contact& contact = records_[i].contact;
-    // ODE tells the force on the joint's first body; that on the other is its opposite.
+    // ODE gives the force on the joint's first body; that on the other is its opposite.
     const Vector3 force = vectorFromOde(feedback_[i].f1) * (records_[i].on_a ? 1.0 : -1.0);
     contact.f_W = toArray(force);
     pairs_.list[records_[i].pair].normal += std::max(0.0, force.dot(toEigen(contact.n_W)));

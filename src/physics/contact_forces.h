@@ -34,7 +34,8 @@ class ContactForces {
   /** After the step, while the joints exist. */
   void read() noexcept;
 
-  /** Contacts with a force or an overlap; a joint across a gap that did not close is none. `unseen`: points that had no
+  /** Contacts with a force or an overlap; a joint across a gap that did not close does not count. `unseen`: points that
+   * had no
    *  room before they came here. */
   void report(std::uint32_t unseen, ContactList* list) const noexcept;
   /** Calls use(contact) for each of those. */
@@ -45,7 +46,7 @@ class ContactForces {
     }
   }
 
-  /** What the next step's friction depends on. */
+  /** State that the next step's friction depends on. */
   void save(SceneSnapshot* snapshot) const noexcept;
   void restore(const SceneSnapshot& snapshot) noexcept;
 

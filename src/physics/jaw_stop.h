@@ -8,7 +8,7 @@ namespace raven2_trainer::physics {
 
 /**
  * The jaws of one arm stop against each other at opening 0, faces on the mid-line. One row on their relative angle
- * instead of contacts between two faces on one hinge, whose many points would all say the same. What lies between the
+ * instead of contacts between two faces on one hinge, whose many points would all say the same. An object between the
  * jaws holds them apart by its own contacts. Real-time safe after construction.
  */
 class JawStop {

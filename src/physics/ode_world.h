@@ -9,7 +9,7 @@
 
 namespace raven2_trainer::physics {
 
-/** An ODE world with a threading implementation and solver memory of its own (sources.md 1.3). */
+/** An ODE world with its own threading implementation and solver memory (sources.md 1.3). */
 class OdeWorld {
  public:
   /** @param[in] solver_memory [bytes] reserved for the solver, twice; a step that needs more takes more.

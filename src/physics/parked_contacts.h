@@ -8,8 +8,8 @@
 namespace raven2_trainer::physics {
 
 /**
- * What holds the parked bodies: for each pair of bodies one contact in the place of those of the step in which they
- * were parked, with the sum of their forces, so that whoever looks at contacts sees what lies on what. Fixed size.
+ * Contacts of the parked bodies. Each pair of bodies has one contact in place of those of the step in which they
+ * were parked, with the sum of their forces. So a reader of contacts sees what lies on what. Fixed size.
  * Real-time safe.
  */
 class ParkedContacts {

@@ -28,7 +28,7 @@ bool isFinite(const dReal* values, int count) noexcept {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
-/** ODE collides meshes incompletely, and not at all from two threads (sources.md 1.2). */
+/** ODE collides meshes incompletely, and never from two threads (sources.md 1.2). */
 void checkShapes(const model::Description& description, const model::Link& link) {
   const auto is_mesh = [](const model::CollisionShape& shape) { return shape.kind == model::ShapeKind::kMesh; };
   if (link.collisions.empty() || !std::all_of(link.collisions.begin(), link.collisions.end(), is_mesh)) return;
@@ -115,7 +115,7 @@ void RavenWorld::Impl::addJawStops(const model::RavenModel& raven, const ModelCo
   }
 }
 
-/** The fixed links of the robot get none: they stand outside the dome and touch the first links at their joints. */
+/** The fixed links of the robot get no shapes: they are outside the dome and touch the first links at their joints. */
 void RavenWorld::Impl::addArmShapes(const model::RavenModel& raven) {
   const std::vector<model::Link>& links = raven.description.links;
   for (const Arm arm : kArms) {
@@ -155,7 +155,7 @@ void RavenWorld::Impl::addScene(const model::SceneModel& scene) {
   parking = scene.parking;
 }
 
-/** Breakables get their number here too, among their neighbours: until one breaks off, nothing tells it from the rest.
+/** Breakables get their number here too, among their neighbours: until one breaks off, it is like the rest.
  */
 void RavenWorld::Impl::addFixed(const model::SceneModel& scene, std::size_t link) {
   const model::Link& part = scene.description.links[link];
@@ -285,9 +285,10 @@ bool RavenWorld::Impl::measure() noexcept {
 }
 
 /**
- * An arm's links move along arcs, a free body in a straight line within a step: held by the jaws it would creep
- * outwards by h^2/2 times the centripetal acceleration a step, a millimetre in a minute of fast strokes, friction or
- * not. So what touches an arm moves along with it, by the mean of the links it touches, weighted by their forces.
+ * An arm's links move along arcs, a free body in a straight line within a step. In the jaws it would creep
+ * outwards by h^2/2 times the centripetal acceleration a step: a millimetre in a minute of fast strokes, with any
+ * friction. So a body that touches an arm moves along with it, by the mean of the links it touches, weighted by their
+ * forces.
  */
 void RavenWorld::Impl::carryFreeBodies() noexcept {
   collider.report(&list);

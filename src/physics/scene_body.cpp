@@ -55,7 +55,7 @@ void FreeBody::save(SceneSnapshot::Body* out) const noexcept {
 void FreeBody::restore(const SceneSnapshot::Body& in) noexcept {
   copyIn(in.q, dBodyGetQuaternion(body));
   copyIn(in.R, dBodyGetRotation(body));
-  dBodySetPosition(body, in.p_WC[0], in.p_WC[1], in.p_WC[2]);  // tells its shapes that it has moved
+  dBodySetPosition(body, in.p_WC[0], in.p_WC[1], in.p_WC[2]);  // moves its shapes, too
   dBodySetLinearVel(body, in.v_W[0], in.v_W[1], in.v_W[2]);
   dBodySetAngularVel(body, in.w_W[0], in.w_W[1], in.w_W[2]);
   dBodySetForce(body, 0.0, 0.0, 0.0);

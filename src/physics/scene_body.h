@@ -30,7 +30,7 @@ struct FreeBody {
   void restore(const SceneSnapshot::Body& in) noexcept;
 };
 
-/** What holds one of the bodies at its foot. */
+/** Holds one of the bodies at its foot. */
 struct Foot {
   std::size_t body{};  ///< index of the body
   double force{};      ///< [N] that it bears

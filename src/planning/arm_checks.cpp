@@ -10,8 +10,9 @@ namespace {
 /** [-] in the cube: how far from an end that is nearer than the clearance its edges are let off it. */
 constexpr double kEndReach = 0.03;
 
-/** Steps along such an edge are so many times finer than edge_step, half of which moves no point of a tool by more than
- *  2 mm, the packaged clearance: near its end there is none to cover what lies between two checks. */
+/** Steps along such an edge are so many times finer than edge_step. Half of edge_step moves no point of a tool by more
+ * than
+ *  2 mm, the packaged clearance. Near the edge's end there is no clearance to cover the motion between two checks. */
 constexpr double kFiner = 8.0;
 
 }  // namespace

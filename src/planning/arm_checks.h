@@ -11,8 +11,8 @@ namespace raven2_trainer::planning {
 
 /**
  * All that a plan asks about what one arm touches. States and edges are free if they keep the clearance, by the
- * distance grid. Start and goal, once allowed, need only not touch, by FCL: the arm may stand nearer than the
- * clearance, and then its edges are let off it near that end.
+ * distance grid. Start and goal, once allowed, need only not touch, by FCL: the arm may be nearer than the
+ * clearance there, and then the clearance does not hold for its edges near that end.
  *
  * Keeps scratch space: one thread at a time.
  */

@@ -3,7 +3,7 @@
 namespace raven2_trainer::planning {
 namespace {
 
-/** 2 reaches the goal, 1 would but for what stands there, 0 does not. */
+/** 2 reaches the goal, 1 would reach it without obstacles, 0 does not. */
 int rank(const ArmProspect& prospect) noexcept {
   if (!prospect.may_start) return 0;
   if (prospect.goal.status == PlanStatus::kSuccess) return 2;

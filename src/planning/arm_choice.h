@@ -4,11 +4,11 @@
 
 namespace raven2_trainer::planning {
 
-/** What one arm could do about a goal. */
+/** Prospects of one arm for a goal. */
 struct ArmProspect {
-  bool may_start{};   ///< it stands within its limits and touches nothing
+  bool may_start{};   ///< it is within its limits and touches nothing
   GoalChoice goal{};  ///< of this arm
-  double distance{};  ///< [-] from where it stands to that goal in the unit cube
+  double distance{};  ///< [-] from its place to that goal in the unit cube
 };
 
 /**

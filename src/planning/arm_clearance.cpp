@@ -16,7 +16,7 @@ constexpr double kNearby = 4e-3;     // [m] nearer than this interpolation is wo
 constexpr double kShare = 0.7;       // [-] of the room at a point, asked for along the whole axis
 constexpr double kHope = 0.7;        // [-] of a ball's radius, beyond which the next point is looked at
 constexpr double kMiddle = 0.15;     // [m] axes shorter than this are first looked at from their middle
-constexpr int kIntervals = 64;       // bisection halves what is left each time: 2^64 is more than a double tells apart
+constexpr int kIntervals = 64;       // bisection halves the rest each time: 2^64 is more than a double can distinguish
 
 /** The order in which shapes are judged, by joint, the shaft's first: what collides most comes first. */
 constexpr std::array<Joint, 6> kAfterShaft{kWrist, kGrasp1, kGrasp2, kInsertion, kElbow, kShoulder};

@@ -15,16 +15,18 @@
 namespace raven2_trainer::planning {
 
 constexpr double kOnAxis = 1e-9;   // [m] a capsule is round about a joint's axis if its own is no farther away
-constexpr double kTableCap = 0.2;  // [m] tables tell no more
+constexpr double kTableCap = 0.2;  // [m] tables end here
 
 /**
- * Says, fast, how far one arm is from the scene, the robot's fixed parts, the other arm and itself: the same pairs of
- * shapes as ArmCollision, with the arm's shapes grown by the clearance in the same way (a box by its faces).
+ * Computes fast how far one arm is from the scene, the robot's fixed parts, the other arm and itself. It uses the same
+ * pairs of
+ * shapes as ArmCollision, with the arm's shapes grown by the clearance as there (a box by its faces).
  *
- * Conservative: what it calls free, ArmCollision does too. What depends on two joints only is looked up (MarginTable).
- * The rest is first taken as capsules: against what stands still by sphere stepping along their axes in the
- * DistanceGrid, among each other by the closed form, after a look at the boxes around them. Only what that leaves open
- * is settled by the exact distances of solid.h, so that it is hardly ever stricter than ArmCollision.
+ * Conservative: what it calls free, ArmCollision does too. Distances that depend on two joints only are looked up
+ * (MarginTable).
+ * The rest is first taken as capsules: against fixed things by sphere stepping along their axes in the
+ * DistanceGrid, among each other by the closed form, after a look at the boxes around them. Only open cases
+ * are settled by the exact distances of solid.h, so that it is hardly ever stricter than ArmCollision.
  *
  * Keeps scratch space: one thread at a time. Real-time safe but for the constructor.
  */
@@ -69,7 +71,7 @@ class ArmClearance {
     double length;               // [m] of the axis
     double inner;                // [m] radius of balls that fit in the shape, about its axis
     double inset;                // [m] as far from the axis' ends
-    bool on_grid;                // judged against all that stands still
+    bool on_grid;                // judged against all fixed things
     std::vector<int> obstacles;  // indices in the grid's list
     LeverBound motion;
   };
@@ -169,7 +171,7 @@ class ArmClearance {
   std::vector<OtherGroup> other_groups_;
   Bounds other_bounds_{};
   bool other_known_{true};
-  MarginTable shoulder_table_;  // shapes of the shoulder against what stands still, by shoulder
+  MarginTable shoulder_table_;  // shapes of the shoulder against fixed things, by shoulder
   MarginTable elbow_table_;     // shapes of the elbow, by shoulder and elbow
   MarginTable self_table_;      // of the groups marked, by elbow and insertion
   MarginTable shoulder_memo_;   // shapes of the shoulder against the other arm, by shoulder

@@ -5,14 +5,15 @@
 #include "planning/arm_clearance.h"
 #include "raven2_trainer/core/exceptions.h"
 
-// What an ArmClearance looks at, and its tables.
+// The pairs that an ArmClearance checks, and its tables.
 
 namespace raven2_trainer::planning {
 namespace {
 
 constexpr double kTableSlack = 0.01;  // [-] of a joint's range, by which tables go beyond its limits
-// Nodes of the tables: steps of 3 mrad for what is nearest to its base, 12 mrad and 5 mm elsewhere: 0.5 and about 8 mm
-// are lost, of distances that are mostly centimetres.
+// Nodes of the tables: steps of 3 mrad for the shapes nearest to the base, 12 mrad and 5 mm elsewhere. They lose 0.5
+// and about 8 mm
+// of distances that are mostly centimetres.
 constexpr int kShoulderNodes = 513, kElbowNodes = 129, kInsertionNodes = 65;
 
 bool carries(int joint, int outer) noexcept {

@@ -41,7 +41,7 @@ class Body {
 };
 
 /**
- * What stands still in the scene, for FCL. The free bodies (the ring) are left out: the goal of a plan is AT the
+ * The fixed things of the scene, for FCL. The free bodies (the ring) are left out: the goal of a plan is AT the
  * ring, which is there to be touched and gives way.
  */
 class SceneObstacles {

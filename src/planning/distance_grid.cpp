@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSmall = 0.3;    // [m] a scene body no larger than this is what the fine lattice is for
 constexpr double kMargin = 0.01;  // [m] of the fine lattice about them: the radius and clearance of a tool's shaft
-constexpr double kNothing = 1e3;  // [m] told where there is no obstacle
+constexpr double kNothing = 1e3;  // [m] returned without an obstacle
 
 double nearestOf(const std::vector<const Solid*>& solids, const Vector3& p) {
   double nearest = kNothing;

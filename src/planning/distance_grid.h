@@ -10,21 +10,22 @@
 
 namespace raven2_trainer::planning {
 
-/** What a grid says of the distance of a point to the nearest obstacle [m]; negative inside. */
+/** Bounds of the distance of a point to the nearest obstacle [m]; negative inside. */
 struct DistanceBounds {
   double lower, upper;
 };
 
 /**
- * Distance to all that stands still, see StandingSolids. Exact distances are kept at the nodes of two nested
+ * Distance to all fixed things, see StandingSolids. Exact distances are kept at the nodes of two nested
  * lattices: a fine one about the small things of the scene, among which a tool works, and a coarse one about
- * everything. Beyond, what is known is the distance to the box around everything.
+ * everything. Beyond, only the distance to the box around everything is known.
  *
  * Between nodes `tight()` interpolates. Let V be a node of the cell drawn with the weights of the interpolation: its
  * mean is the point x, and sigma^2 = E|V - x|^2 = h^2 sum u(1 - u). For the obstacle's point P nearest to x,
- * E f(V) <= E|V - P| <= sqrt(f(x)^2 + sigma^2), so an interpolated T bounds f(x) from below by sqrt(T^2 - sigma^2):
- * with cells of 3 mm, under 0.6 mm is lost at 6 mm from an obstacle. Distances rise by no more than 1 m a metre, hence
- * |T - f| <= sigma besides, and the lower bound is never more than 2 sigma <= sqrt(3) h below the distance.
+ * E f(V) <= E|V - P| <= sqrt(f(x)^2 + sigma^2), so an interpolated T bounds f(x) from below by sqrt(T^2 - sigma^2).
+ * With
+ * cells of 3 mm, under 0.6 mm is lost at 6 mm from an obstacle. Distances rise by no more than 1 m a metre, hence
+ * |T - f| <= sigma, and the lower bound is never more than 2 sigma <= sqrt(3) h below the distance.
  *
  * Constant once made; any number of threads may share it. Queries are real-time safe; the point must be finite.
  */
@@ -66,7 +67,7 @@ class DistanceGrid {
   /** Edge of the cells at a point [m]; 0 beyond both lattices. */
   double cellAt(const Vector3& p) const noexcept;
 
-  /** What the grid was made of, for exact answers: StandingSolids. */
+  /** The solids of the grid, for exact answers: StandingSolids. */
   const std::vector<Solid>& obstacles() const noexcept { return obstacles_; }
   std::size_t sceneCount() const noexcept { return scene_count_; }
   std::size_t nodeCount() const noexcept { return fine_.value.size() + coarse_.value.size(); }

@@ -20,7 +20,7 @@ struct EdgeRecord {
 };
 
 /**
- * What was worked out of edges, by their ends in either order: a hash table with open addressing. Edges are few of
+ * Computed data of edges, by their ends in either order: a hash table with open addressing. Edges are few of
  * all pairs, for FMT* looks at costs lazily.
  */
 class EdgeMemory {

@@ -253,8 +253,9 @@ bool FmtStar::refine(Id x, Candidate* candidate, double best) {
   return is_new;
 }
 
-/** @param[in] limit from where on the edge is not chosen: its clearance term is followed no farther, unless it comes to
- *  be the best of all the same. */
+/** @param[in] limit from where on the edge is not chosen: its clearance term is computed no farther, unless it still
+ * becomes
+ *  the best. */
 EdgeRecord FmtStar::nextStage(Id x, Id y, const EdgeRecord& record, double limit) {
   if (record.stage == CostStage::kBound) return {costs_->plain(y, x), CostStage::kPlain};
   if (record.stage == CostStage::kFree)
@@ -276,7 +277,7 @@ void FmtStar::open(Id id) {
   std::push_heap(queue_.begin(), queue_.end(), kLater);
 }
 
-/** What was cut off since it was queued, or found another way, is passed over. */
+/** Skips samples that were cut off since they were queued, or were reached otherwise. */
 FmtStar::Id FmtStar::nextOpen() {
   while (!queue_.empty()) {
     std::pop_heap(queue_.begin(), queue_.end(), kLater);

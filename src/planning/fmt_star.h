@@ -13,7 +13,7 @@
 
 namespace raven2_trainer::planning {
 
-/** What came of following a path. */
+/** Result of following a path. */
 struct PathVerdict {
   bool accepted{true};
   std::size_t failed_edge{};  ///< of a refused path: from waypoint i to i + 1
@@ -24,7 +24,7 @@ using PathJudge = std::function<PathVerdict(const std::vector<UnitState>&)>;
 
 struct FmtSettings {
   std::uint32_t samples{};       ///< n to begin with
-  std::uint32_t max_samples{};   ///< most after additions; `samples` or less: none are added
+  std::uint32_t max_samples{};   ///< most after additions; `samples` or less: no additions
   std::uint32_t max_refusals{};  ///< paths that the judge may refuse before the search gives up
   double radius_multiplier{};    ///< [-] times the least radius that keeps FMT* optimal
   double free_volume{1.0};       ///< [-] of the unit cube: an upper bound keeps the radius conservative
@@ -33,7 +33,7 @@ struct FmtSettings {
 /** Why the search ended. */
 enum class FmtEnd : std::uint8_t { kNone, kSolved, kInvalidStart, kInvalidGoal, kNoPath, kAllRefused, kStopped };
 
-/** What the search did. Times by the wall. */
+/** Counts and times (wall clock) of the search. */
 struct FmtCounts {
   std::uint32_t samples{};   ///< free ones, start and goal left aside
   std::uint32_t rounds{};    ///< times that samples were added
@@ -47,19 +47,19 @@ struct FmtCounts {
  * FMT* (Janson, Schmerling, Clark, Pavone, IJRR 2015; Li et al. 2017, Algorithm 1) in the unit cube, as a planner of
  * OMPL's: it knows space, samples, validity, edges and cost by OMPL's interfaces only.
  *
- * What it does otherwise than the FMT of OMPL 1.5.2: neighbours are near in the space, not in cost, which the radius
- * of eq. (2) is no measure of; costs are refined only as far as the choice of a parent asks (a bound, the cost but
- * for the clearance term, some of that, the full cost), and kept; an edge found blocked is not chosen again; points are
- * expanded in order of cost so far plus a bound of the cost to go, so that what lies away from the goal waits; an
+ * Differences from the FMT of OMPL 1.5.2: neighbours are near in the space, not in cost, for which the radius
+ * of eq. (2) is no measure. Costs are kept, and refined only as far as the choice of a parent needs (a bound, the cost
+ * without the clearance term, part of that term, the full cost). A blocked edge is not chosen again. Points are
+ * expanded in order of cost so far plus a bound of the cost to go, so that points away from the goal wait; an
  * invalid goal is an answer, not a crash.
  *
  * A path found is shown to the judge. The edge on which it is refused is dropped with all that hangs on it, the closed
- * neighbours of that are opened again, and the search goes on from the tree as it stands. When nothing is open any
+ * neighbours of that are opened again, and the search goes on from the present tree. When nothing is open any
  * more half as many samples again are added to the same tree.
  */
 class FmtStar : public ompl::base::Planner {
  public:
-  /** @param[in] on_sample told of each sample that is kept; may be empty. */
+  /** @param[in] on_sample called for each sample that is kept; may be empty. */
   FmtStar(const ompl::base::SpaceInformationPtr& si,
           const FmtSettings& settings,
           PathJudge judge = {},

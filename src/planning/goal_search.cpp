@@ -30,9 +30,9 @@ std::vector<Matrix3> orientations(const Matrix3& start) {
 }
 
 /**
- * Joints from which inverse() looks for the nearest solution. It refuses what is far from them (17.7 mm of insertion
- * are too far), so they have the insertion of the wanted pose, on either side of the tip, and the middle of the
- * other limits, with two rolls so that no roll is farther than a quarter turn.
+ * Joints from which inverse() looks for the nearest solution. It refuses poses far from them (17.7 mm of insertion
+ * are too far). So they have the insertion of the wanted pose, on either side of the tip, and the middle of the
+ * other limits. Two rolls make sure that no roll is farther than 90 degrees.
  */
 std::vector<JointArray> seeds(const ArmGeometry& geometry, const JointSpace& space, const Pose& X_BT) {
   const Vector3 rcm_T = X_BT.inverse().p;
@@ -100,8 +100,8 @@ std::optional<std::vector<Candidate>> GoalSearch::byPose() const {
 
 /**
  * Poses that put the tip there, by way of the joints: all rolls and wrists of a lattice, with the jaws' mid-line of the
- * start. The tip is 13 mm from the wrist, so that what shoulder, elbow and insertion have to do for it hardly depends
- * on the two: if any pose reaches the tip, some of these does, but for tips at the very edge of the workspace. A
+ * start. The tip is 13 mm from the wrist, so shoulder, elbow and insertion hardly depend on the two. If any pose
+ * reaches the tip, one of these does, except at the very edge of the workspace. A
  * lattice of orientations misses most of a workspace in which shoulder and elbow leave 90 degrees each.
  */
 std::optional<std::vector<Candidate>> GoalSearch::byJoints() const {

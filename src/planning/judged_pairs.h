@@ -22,11 +22,11 @@ inline const model::CollisionShape& shapeOf(const model::Description& descriptio
 }
 
 /**
- * Which pairs of the robot's shapes are judged for one arm.
+ * The pairs of the robot's shapes that are judged for one arm.
  *
- * Never judged: a link against its neighbours (same link, parent, sibling), which touch by design, the jaws above
- * all; and pairs of shapes within this arm, or with the fixed parts, that touch with both arms at home: a fact of
- * how links are drawn, not of where they are. Pairs with the other arm are always judged.
+ * A link is not judged against its neighbours (same link, parent, sibling), above all the jaws: they touch by design.
+ * Nor are pairs of shapes within this arm, or with the fixed parts, that touch with both arms at home: that is a fact
+ * of the links' shapes, not of their places. Pairs with the other arm are always judged.
  */
 struct JudgedPairs {
   std::vector<ShapeRef> own;     ///< this arm's moving shapes, parents before children

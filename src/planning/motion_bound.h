@@ -10,9 +10,10 @@ namespace raven2_trainer::planning {
 /**
  * How far a point of one arm's shapes can have moved between two states.
  *
- * Joint j moves a point at distance L from its axis by at most L |dq_j|, a slider by |dq_j|. The distances L change on
- * the way by no more than the motion m itself: m <= S + T m, S = sum of L_j |dq_j|, T = the angle turned, all joints
- * together; so m <= S / (1 - T). It bounds what two parts of the arm move towards each other as well: fewer joints lie
+ * Joint j moves a point at distance L from its axis by at most L |dq_j|, a slider by |dq_j|. During the motion the
+ * distances L change
+ * by no more than the motion m itself: m <= S + T m. S = sum of L_j |dq_j|, T = the angle of all joints
+ * together. So m <= S / (1 - T). It bounds what two parts of the arm move towards each other as well: fewer joints lie
  * between them.
  */
 class MotionBound {

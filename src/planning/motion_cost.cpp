@@ -58,7 +58,7 @@ Instants makeInstants() {
 
 const Instants kAt = makeInstants();
 
-/** Cosine and sine of an angle at all instants. */
+/** Cosine and sine of an angle at each instant. */
 struct Turn {
   Row c, s;
 };
@@ -88,7 +88,7 @@ Turn turnAt(double middle, double delta) noexcept {
   return turn;
 }
 
-/** A vector at all instants. */
+/** A vector at each instant. */
 struct Rows {
   Row x, y, z;
 };

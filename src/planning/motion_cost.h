@@ -16,8 +16,8 @@ double edgeDuration(const PlannerConfig& config, const JointArray& a, const Join
 /**
  * Integral of the squared linear acceleration of the tip [m2/s3] over the rest-to-rest quintic from `a` to `b`.
  *
- * Along the edge the tip is a function of the quintic's value s alone, so that its acceleration is p'' s'^2 + p' s'';
- * both derivatives are exact, by walking down the chain, and the square is integrated by Gauss's formula at 12
+ * Along the edge the tip depends on the quintic's value s alone. So its acceleration is p'' s'^2 + p' s''.
+ * Both derivatives are exact, from the chain. Gauss's formula integrates the square at 12
  * instants: relative error under 2e-4 on edges of 0.85 in the cube, the longest that FMT* tries. Neither the shoulder's
  * angle nor what turns everything changes a length, so they are left out. Exactly symmetric in `a` and `b`. Real-time
  * safe.
@@ -31,13 +31,13 @@ double tipEffort(const ArmGeometry& geometry,
 /** [m] lower bound of the distance to whatever is near, exact or not below the cap; negative in touch. */
 using ClearanceFunction = std::function<double(const UnitState&, double cap)>;
 
-/** What the bound of a motion's cost needs to know of its ends. */
+/** Data of a motion's ends for the bound of its cost. */
 struct MotionEnd {
   UnitState unit{};
   Vec3 tip_B{};  ///< [m] [@frame B]
 };
 
-/** What of a cost is counted: eta1, eta2, eta3, and the range [m] of the third. */
+/** Weights of a cost: eta1, eta2, eta3, and the range [m] of the third. */
 struct CostWeights {
   double length{}, acceleration{}, clearance{}, range{};
 };

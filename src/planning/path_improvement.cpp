@@ -16,7 +16,7 @@ constexpr std::uint64_t kStream = 77;
 const double kGrowth = std::exp(0.4), kShrinking = std::exp(-0.1);
 constexpr double kFirstStep = 0.1, kLastStep = 0.001;
 
-/** What may be added to `sum` below `limit`, and so much more that rounding cannot bring the sum of both below it. */
+/** The room between `sum` and `limit`, and so much more that rounding cannot bring the sum of both below it. */
 double room(double limit, double sum) {
   constexpr double kRounding = 1e-12;  // [-] of the limit; three roundings are 3.3e-16
   return limit - sum + kRounding * limit;
@@ -48,9 +48,10 @@ class Improvement {
     return task_.cost->plain(a, b) + task_.cost->clearanceTerm(a, b);
   }
 
-  /** Of two edges in a row, from a by way of b to c: true if they cost less than `limit` and are free. What is dear is
-   *  asked last: the costs but for clearance take a quarter of a microsecond, checks some, the clearance term most: it
-   * is added up as far as it decides. */
+  /** Of two edges in a row, from a by way of b to c: true if they cost less than `limit` and are free. The expensive
+   * part is
+   * computed last: costs without clearance take a quarter of a microsecond, checks some, the clearance term most. It
+   * is added up only as far as it decides. */
   bool isBetter(const UnitState& a,
                 const UnitState& b,
                 const UnitState& c,

@@ -28,12 +28,12 @@ bool areSound(const PlanOptions& o) {
   return known && std::all_of(numbers.begin(), numbers.end(), [](double x) { return x >= 0.0 && x < 1e9; });
 }
 
-/** What is left of the whole is the search's own: costs and edge checks. */
+/** The rest of the whole time is the search: costs and edge checks. */
 void setSearchTime(double whole, PlanStatistics* s) {
   s->search_time = whole - s->goal_time - s->sampling_time - s->neighbour_time - s->improvement_time - s->rollout_time;
 }
 
-/** In lockstep nothing may tell one machine from another. */
+/** In lockstep the result must not depend on the machine. */
 void clearTimes(PlanStatistics* s) {
   s->goal_time = s->sampling_time = s->neighbour_time = s->search_time = s->improvement_time = s->rollout_time = 0.0;
 }
@@ -73,7 +73,7 @@ PlanOptions defaultOptions(const PlannerConfig& config) {
   return options;
 }
 
-/** What is worked out once for a scene. */
+/** Data that is computed once for a scene. */
 struct PathPlanner::SceneCache {
   SceneCache(const model::RavenModel& raven,
              const model::SceneModel& scene,
@@ -172,7 +172,7 @@ PlanResult PathPlanner::Impl::run(const PlanSetting& setting,
     *statistics = run.statistics();
     return result;
   } catch (const std::exception&) {
-    // OMPL, FCL or the heap gave up: for who asked, there is no path. Nothing half-made is returned.
+    // OMPL, FCL or the heap gave up: the caller gets no path, and nothing incomplete.
     return failure(setting.request, cancel);
   }
 }

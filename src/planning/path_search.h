@@ -18,7 +18,7 @@ struct SearchOrder {
   bool stops_on_draws{};  ///< the others end after `samples` draws, as in lockstep, where there is no time limit
   bool until_stopped{};   ///< anytime planners go on until they are stopped
   PathJudge judge;        ///< may be empty
-  std::function<void()> on_sample;  ///< told of each sample that FMTstar keeps; may be empty
+  std::function<void()> on_sample;  ///< called for each sample that FMTstar keeps; may be empty
 };
 
 struct SearchOutcome {
@@ -30,7 +30,7 @@ struct SearchOutcome {
 
 /**
  * Puts the planner to the problem. A path that the judge refuses loses the edge it failed on, and the search goes on:
- * FMTstar's where it stands, the others' from the start.
+ * FMTstar's from its tree, the others' from the start.
  * @throw std::invalid_argument for a name that is not known, and whatever OMPL throws.
  */
 SearchOutcome searchPath(const SearchOrder& order);

@@ -198,7 +198,7 @@ RollOutReport PlanRun::follow(const std::vector<UnitState>& path) {
   ++statistics_.rollouts;
   count(&set_.progress->rollouts);
   const std::vector<JointArray> waypoints = waypointsOf(path);
-  // An anytime planner's path is there only when the time is up: it is followed all the same.
+  // An anytime planner's path is there only when the time is up: it is followed, too.
   const bool timeless = set_.options.until_time_limit;
   report = planningOf(arm_).roll_out->follow(waypoints, arrivalOf(waypoints), otherOf(arm_),
                                              [&] { return timeless ? set_.is_cancelled() : isOver(); });
@@ -224,7 +224,7 @@ std::vector<JointArray> PlanRun::waypointsOf(const std::vector<UnitState>& path)
   std::vector<JointArray> waypoints;
   for (const UnitState& unit : path)
     waypoints.push_back(space_.toJoints(unit));
-  waypoints.front() = startOf(arm_);  // where it stands, be it a little beyond a limit
+  waypoints.front() = startOf(arm_);  // its place, even a little beyond a limit
   return waypoints;
 }
 

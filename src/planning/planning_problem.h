@@ -18,7 +18,7 @@
 
 namespace raven2_trainer::planning {
 
-/** What a planner asks of the robot; nothing here knows arms or shapes. */
+/** A planner's questions to the robot; nothing here knows arms or shapes. */
 struct PlanningTask {
   UnitState start{}, goal{};
   std::function<bool(const UnitState&)> is_free;
@@ -28,7 +28,7 @@ struct PlanningTask {
   std::uint64_t seed{};
 };
 
-/** What was asked of the robot meanwhile. */
+/** Counts of the questions to the robot. */
 struct PlanningCounts {
   std::uint64_t draws{}, state_checks{}, edge_checks{}, cost_evaluations{}, clearance_integrals{};
 };
@@ -36,7 +36,7 @@ struct PlanningCounts {
 UnitState fromOmpl(const ompl::base::State* state);
 void toOmpl(const UnitState& unit, ompl::base::State* state);
 
-/** Thrown by the objective when `stop` says so: between two polls of its own OMPL's FMT asks for costs by the million.
+/** Thrown by the objective when `stop` says so: between two polls OMPL's FMT computes millions of costs.
  */
 struct Stopped {};
 
@@ -107,7 +107,7 @@ bool isEdgeFree(const UnitState& a,
                 double step,
                 const std::function<bool(const UnitState&)>& is_valid);
 
-/** The solution of a definition, empty if it has none. */
+/** The solution of a definition, empty without one. */
 std::vector<UnitState> readPath(const ompl::base::ProblemDefinition& definition);
 
 }  // namespace raven2_trainer::planning

@@ -12,16 +12,16 @@
 
 namespace raven2_trainer::planning {
 
-/** What the law is asked for: it damps velocity, so that what is asked for is followed with a lag. */
+/** The set points of the control law. It damps velocity, so the arm follows them with a lag. */
 enum class Asking {
-  kLeading,  ///< what leads the path, so that the arm is on it (control::ArmController): as the live model follows
+  kLeading,  ///< ahead of the path, so that the arm is on it (control::ArmController): as the live model follows
              ///< plans
   kPlain,    ///< the path itself: followed with the robot's lag of 25 to 99 ms, another one for each joint
 };
 
-/** What became of an arm that followed a path. */
+/** Result of an arm that followed a path. */
 struct RollOutReport {
-  bool free{};     ///< it came to rest at the end and touched nothing on the way
+  bool free{};     ///< it came to rest at the end and touched nothing
   bool stopped{};  ///< given up half-way because `stop` said so: nothing is known of the rest
   bool broken{};   ///< not free because ODE gave up, or led the arm where no joint goes: nothing is known of the path
   std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched;
@@ -38,11 +38,11 @@ struct RollOutReport {
  * the live model follows it with, in its own ODE world, and each state it passes is judged.
  *
  * A state whose distance to everything is d is not judged again before some point of the arm can have moved by d
- * (MotionBound). The verdict is FCL's, on the shapes as they are, at each state judged. A path that begins as the one
- * before is taken up at the waypoint where they part. A world in which ODE gave up is replaced before the next path.
+ * (MotionBound). The verdict is FCL's, on the shapes as they are, at each state judged. A path that begins like the one
+ * before is continued at the waypoint where they part. A world in which ODE gave up is replaced before the next path.
  *
  * With the gains of model.yaml the tip stays within 0.5 mm of its place on the path while the insertion moves at 0.075
- * m/s or less; at 0.1 m/s its friction alone takes more than its motor can (95 N), and it falls behind by up to 16 mm.
+ * m/s or less. At 0.1 m/s its friction alone exceeds its motor's force (95 N), and it falls behind by up to 16 mm.
  *
  * Deterministic. Keeps scratch space: one thread at a time, any thread; never the live world.
  */
@@ -65,7 +65,7 @@ class RollOut {
   /**
    * @param[in] waypoints [rad, m] The arm starts at rest at the first; quintics from rest to rest lead on.
    * @param[in] arrival [s] Time of each, rising from 0; as many as waypoints.
-   * @param[in] other [rad, m] Where the other arm stands.
+   * @param[in] other [rad, m] The other arm.
    * @param[in] stop Polled every 20 ms of motion; true gives up. May be empty.
    * @throw std::invalid_argument if there are no waypoints, or not as many times; ModelException if no new world can
    *        be made after one that ODE gave up.

@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::planning {
 
-/** All that stands still: the scene without its free bodies (the goal of a plan is AT the ring, which is there to be
+/** All fixed things: the scene without its free bodies (the goal of a plan is AT the ring, which is there to be
  *  touched and gives way), then the robot's fixed parts in the order of JudgedPairs::fixed. */
 struct StandingSolids {
   std::vector<Solid> solids;  ///< in W

@@ -13,7 +13,7 @@ namespace raven2_trainer::plant {
 
 /**
  * Amplifiers, motors, cables, links and encoders of one arm: DAC to encoder. All motor torques and angles are those of
- * the motor shaft. With rigid cables joint = A^-1 motor, so the equations are those of the seven motors; with elastic
+ * the motor shaft. With rigid cables joint = A^-1 motor, so the equations are those of the seven motors. With elastic
  * ones motors and joints are fourteen positions, and a spring and a damper act on the stretch motor - A joint of each
  * cable. Semi-implicit Euler with sub-steps; springs, dampers and viscous friction implicit, so that no stiffness is
  * too high for the step. Real-time safe after construction.

@@ -9,8 +9,8 @@ namespace raven2_trainer::plant {
 
 /**
  * Velocities after one sub-step under dry friction and hard stops, as a box-constrained complementarity problem
- * solved by projected Gauss-Seidel with warm start: an axis whose friction can hold it gets velocity exactly zero
- * (no chatter, no creep), any other is slowed by the full friction. Works on the rates of an arm: seven motors, then
+ * solved by projected Gauss-Seidel with warm start. An axis whose friction can hold it gets velocity exactly zero
+ * (no chatter, no creep). Any other is slowed by the full friction. Works on the rates of an arm: seven motors, then
  * seven joints; whether these are independent (elastic cables) or not (rigid) is in the admittance. Real-time safe.
  */
 class FrictionSolver {

@@ -61,8 +61,8 @@ std::int32_t BoardFaults::readResult(Arm arm, std::int32_t result, raven::UsbInB
     *bytes = at(newest_, armOf(board));
     result = UsbRead::kComplete;
   }
-  const std::int32_t told = engine_.applyInt(FaultVariable::kReadResult, arm, 0, result);
-  return told >= UsbRead::kComplete ? result : told;  // what was not read cannot be made up
+  const std::int32_t faulted = engine_.applyInt(FaultVariable::kReadResult, arm, 0, result);
+  return faulted >= UsbRead::kComplete ? result : faulted;  // data that was not read cannot be invented
 }
 
 void BoardFaults::corrupt(Arm arm, raven::UsbInBytes* bytes) noexcept {
@@ -83,9 +83,9 @@ void BoardFaults::corrupt(Arm arm, raven::UsbInBytes* bytes) noexcept {
 std::int32_t BoardFaults::read(Arm arm, std::int32_t result, raven::UsbInBytes* bytes, std::int64_t now_ns) noexcept {
   if (!has_begun_ || has_written_) beginCycle(now_ns);
   if (!engine_.isArmed()) return result;
-  const std::int32_t told = readResult(arm, result, bytes);
-  if (told == UsbRead::kComplete) corrupt(arm, bytes);
-  return told;
+  const std::int32_t faulted = readResult(arm, result, bytes);
+  if (faulted == UsbRead::kComplete) corrupt(arm, bytes);
+  return faulted;
 }
 
 raven::UsbOutBytes BoardFaults::corrupted(Arm arm, raven::UsbOut packet) noexcept {

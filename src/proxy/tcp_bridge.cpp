@@ -100,7 +100,7 @@ void TcpBridge::deliver() {
   reap();
 }
 
-/** What came from one side, to the other. */
+/** Sends the bytes of one side to the other. */
 void TcpBridge::deliverTo(Connection* connection, std::size_t side) {
   Way& way = connection->ways[side];
   while (const auto piece = way.channel.take(net::monotonicNow())) {

@@ -11,7 +11,7 @@
 
 namespace raven2_trainer::proxy {
 
-/** One UDP link of the proxy: a listening socket, and one to the target. Answers go to whoever sent last. */
+/** One UDP link of the proxy: a listening socket, and one to the target. Answers go to the last sender. */
 class UdpBridge {
  public:
   /** @param[in] stream generators of this link: it takes this one and the next. @throw NetworkException. */

@@ -21,7 +21,7 @@ CommandGuard::CommandGuard(const ArmsConfig& arms, const VirtualRavenConfig& con
       clip_(drivesOf(arms, config).clip),
       detector_(detector, drivesOf(arms, config)) {}
 
-/** What lies beyond the clip is never the control law's, however short it has lasted. */
+/** A command beyond the clip is never the control law's, however short it was. */
 bool CommandGuard::isSafe(const DacArray& dac, const detector::Verdict& verdict) const noexcept {
   for (std::size_t i = 0; i < detector::kAxes; ++i) {
     if (std::abs(static_cast<double>(dac[i])) > clip_[i]) return false;

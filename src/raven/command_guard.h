@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::raven {
 
-/** Stands between put_USB_packet, its faults included, and the boards: the detector, and what an alarm does
+/** Between put_USB_packet, its faults included, and the boards: the detector, and what an alarm does
  *  (config/detector.yaml, `mitigate`). Real-time safe. */
 class CommandGuard {
  public:

@@ -24,7 +24,7 @@
 namespace raven2_trainer::raven {
 namespace {
 
-/** What the software keeps of one arm ("mechanism"). */
+/** The software's data of one arm ("mechanism"). */
 struct Mechanism {
   Mechanism(Arm which, const VirtualRavenConfig& config)
       : arm(which),
@@ -159,7 +159,7 @@ struct ControlSoftware::Impl {
   RavenReport report;
 };
 
-/** The boards count from 0 at power-on; whoever knows where the joints stood then knows the offsets. */
+/** The boards count from 0 at power-on; the joints' places at that time give the offsets. */
 void ControlSoftware::Impl::placeAt(const JointArray& offset_from_home) noexcept {
   for (Mechanism& mech : mechanisms) {
     for (std::size_t j = 0; j < kJointCount; ++j)
@@ -376,13 +376,13 @@ void ControlSoftware::Impl::detectOverdrive() noexcept {
 }
 
 std::uint8_t ControlSoftware::Impl::atmelOutputs() noexcept {
-  const auto told = [this](FaultVariable variable, std::int32_t value) {
+  const auto faulted = [this](FaultVariable variable, std::int32_t value) {
     return faults.applyInt(variable, Arm::kGold, 0, value);
   };
   StateMachine::Outputs outputs;
-  outputs.pedal = told(FaultVariable::kSurgeonMode, network.pedal() ? 1 : 0) != 0;
+  outputs.pedal = faulted(FaultVariable::kSurgeonMode, network.pedal() ? 1 : 0) != 0;
   outputs.level = faultedLevel(FaultVariable::kRunLevel, machine.runLevel());
-  outputs.initialized = told(FaultVariable::kInitialized, machine.initialized() ? 1 : 0) != 0;
+  outputs.initialized = faulted(FaultVariable::kInitialized, machine.initialized() ? 1 : 0) != 0;
   return machine.outputPins(outputs);
 }
 

@@ -8,8 +8,9 @@
 
 namespace raven2_trainer::raven {
 
-/** Desired pose of one arm as the robot keeps it: whole micrometres and milliradians (raven2.md 1.4). What is undefined
- *  in the original's C does here what x86 does there: a double that is no int32 becomes -2^31, sums wrap. */
+/** Desired pose of one arm as the robot keeps it: whole micrometres and milliradians (raven2.md 1.4). Undefined
+ * behaviour of the original's C
+ *  does here what x86 does there: a double that is no int32 becomes -2^31, sums wrap. */
 struct MasterTarget {
   std::array<std::int32_t, 3> p_um{};       ///< [um] [@frame B]
   Quaternion R_BT{Quaternion::Identity()};  ///< unit; NaN after an increment whose quaternion is zero or not finite

@@ -9,7 +9,7 @@ namespace raven2_trainer::raven {
 
 using DacArray = std::array<std::int32_t, kJointCount>;  ///< [counts]
 
-/** PID of one arm in motor space and the way from torque to DAC (raven2.md 3.4 to 3.6). Real-time safe. */
+/** PID of one arm in motor space, and torque to DAC (raven2.md 3.4 to 3.6). Real-time safe. */
 class MotorController {
  public:
   MotorController(Arm arm, const VirtualRavenConfig& config) noexcept;

@@ -14,7 +14,7 @@ class StateEstimator {
 
   void update(const std::array<std::int32_t, kChannels>& encoder) noexcept;
 
-  /** The motors stand here [rad]: new encoder offsets, filter at rest. */
+  /** The motors are here [rad]: new encoder offsets, filter at rest. */
   void setMotor(const JointArray& mpos) noexcept;
 
   const JointArray& mpos() const noexcept { return mpos_; }      ///< [rad]

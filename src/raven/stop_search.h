@@ -33,7 +33,7 @@ class ArmStopSearch {
   bool check(const JointArray& q, DacArray* dac) noexcept;
 
   /** The joints at their stops have the position of the stop; desired() is what all joints of the arm are from now on
-   *  believed to be at. Positioning joints count as at home until their turn comes. */
+   *  believed to be at. Positioning joints count as at home until they are searched. */
   void takeReference(const JointArray& q) noexcept;
 
   const JointArray& desired() const noexcept { return desired_; }  ///< [rad; m]

@@ -58,7 +58,7 @@ std::string hexadecimal(const unsigned char* bytes, std::size_t count) {
   return text;
 }
 
-/** The linker's hash of a loaded library (ld --build-id); empty if it has none. */
+/** The linker's hash of a loaded library (ld --build-id); empty without one. */
 std::string buildId(const dl_phdr_info& info) {
   const auto align = [](std::size_t size) { return (size + 3) & ~std::size_t{3}; };
   for (int k = 0; k < info.dlpi_phnum; ++k) {

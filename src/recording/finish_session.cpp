@@ -217,7 +217,7 @@ std::string describeProgress(const Curriculum& curriculum, const training::Progr
   return text;
 }
 
-void tell(const ScoredSession& scored) {
+void report(const ScoredSession& scored) {
   const std::string& exercise = scored.score.header.exercise;
   if (scored.score.attempts.empty()) std::fprintf(stderr, "%s: it never began\n", exercise.c_str());
   for (const training::AttemptScore& attempt : scored.score.attempts)
@@ -288,7 +288,7 @@ bool finishSession(const session::SessionPaths& paths, const std::function<bool(
     if (session::readLogHeader(paths.log()).exercise == "none") return true;
     ScoringOptions options;
     options.cancelled = cancelled;
-    tell(scoreRecorded(paths.directory, options));
+    report(scoreRecorded(paths.directory, options));
     return true;
   } catch (const ScoringCancelled&) {
     std::fprintf(stderr, "%s: not scored: given up; score_session scores it\n", paths.directory.c_str());

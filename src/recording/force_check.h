@@ -15,8 +15,8 @@ namespace raven2_trainer::recording {
 /**
  * Computes recorded forces again. A haptic record names the model tick, the robot cycle and the plan's path it was
  * computed from; the robot's states are known from the ticks that saw them. A state that fell between two ticks is not
- * in the log. What one tick hands on to the next is in the records; where some are missing, nothing can be compared
- * until no force has acted for so long that nothing of them is left.
+ * in the log. The state that one tick passes to the next is in the records. Where some are missing, the comparison
+ * waits until no force has acted for so long that their effect is over.
  */
 class ForceCheck {
  public:

@@ -22,7 +22,7 @@ class InputQueue {
     for (; !waiting_.empty() && waiting_.front().tick <= tick; waiting_.pop_front()) {
       if (waiting_.front().tick < tick) {
         throw SessionException(std::string(what_) + " of tick " + std::to_string(waiting_.front().tick) +
-                               " stands behind it in the log");
+                               " comes after it in the log");
       }
       use(waiting_.front());
     }

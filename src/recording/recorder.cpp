@@ -55,7 +55,7 @@ std::vector<std::string> configurationFiles(const TrainerConfig& config) {
   return files;
 }
 
-/** A URDF that is the package's stands next to the configuration, its meshes as they do next to it. */
+/** A URDF of the package is next to the configuration, with its meshes next to it. */
 std::map<std::string, std::string> placesOf(const TrainerConfig& config) {
   std::map<std::string, std::string> places;
   for (const auto& [urdf, place] : config.urdf_places) {
@@ -145,7 +145,7 @@ Recorder::Batch Recorder::collect() {
   Batch batch;
   batch.tick = tick_;
   batch.dropped = shared_.records.dropped();  // first: these are missing behind what is in the queues, not before
-  // The loops push what a tick consumed before the tick: with the ticks' end taken first all of it stands before them.
+  // The loops push what a tick consumed before the tick: with the ticks' end taken first, all of it comes before them.
   const std::uint64_t last_tick = shared_.tick_records.tail();
   shared_.records.forEach([&](RecordKind kind, const auto& ring) {
     const std::uint64_t tail = kind == RecordKind::kTick ? last_tick : ring.tail();
@@ -155,7 +155,7 @@ Recorder::Batch Recorder::collect() {
     }
     batch.tails[static_cast<std::size_t>(kind)] = tail;
   });
-  writeGap(refused_since_gap_ != 0 ? GapReason::kNotWritten : GapReason::kQueueFull, minus(batch.dropped, told_),
+  writeGap(refused_since_gap_ != 0 ? GapReason::kNotWritten : GapReason::kQueueFull, minus(batch.dropped, reported_),
            batch.tick);
   return batch;
 }
@@ -166,13 +166,13 @@ void Recorder::writeGap(GapReason reason, const RecordTally& lost, Tick tick) {
 
 /** The batch is in the log: says so to the flight recorder, feeds the metrics, gives back the queues' room. */
 void Recorder::settle(const Batch& batch) {
-  if (batch.dropped != told_) refused_since_gap_ = 0;
-  told_ = batch.dropped;
+  if (batch.dropped != reported_) refused_since_gap_ = 0;
+  reported_ = batch.dropped;
   tick_ = batch.tick;
-  if (flight_ != nullptr) flight_->checkpoint({log_.position(), batch.tails, told_});
+  if (flight_ != nullptr) flight_->checkpoint({log_.position(), batch.tails, reported_});
   release(batch.tails);
   // The disk takes records again, and the trouble cost none.
-  if (shared_.records.dropped() == told_) refused_since_gap_ = 0;
+  if (shared_.records.dropped() == reported_) refused_since_gap_ = 0;
 }
 
 void Recorder::release(const RecordTally& tails) {
@@ -231,7 +231,7 @@ void Recorder::reportReturn() {
   status_.failing = 0;
   retry_ns_ = 0;
   std::fprintf(stderr, "%s: written again; %llu records of this session are missing in it\n", paths_.log().c_str(),
-               static_cast<unsigned long long>(tallyTotal(told_)));
+               static_cast<unsigned long long>(tallyTotal(reported_)));
 }
 
 /** Footer, and before it what is left, or a gap record in its place. */
@@ -240,9 +240,9 @@ void Recorder::writeEnd(SessionCounts* counts) {
   log_.finish(*counts);
 }
 
-/** What waits and the disk does not take is lost: it counts as never queued. */
+/** Records that the disk does not take are lost: they count as never queued. */
 void Recorder::giveUp(SessionCounts* counts) {
-  RecordTally lost = minus(shared_.records.dropped(), told_);
+  RecordTally lost = minus(shared_.records.dropped(), reported_);
   shared_.records.forEach([&](RecordKind kind, const auto& ring) {
     const std::uint64_t waiting = ring.tail() - ring.head();
     lost[static_cast<std::size_t>(kind)] += waiting;
@@ -251,7 +251,7 @@ void Recorder::giveUp(SessionCounts* counts) {
     ring_counts.dropped += waiting;
   });
   writeGap(GapReason::kNotWritten, lost, tick_);
-  counts->records_dropped = tallyTotal(told_) + tallyTotal(lost);
+  counts->records_dropped = tallyTotal(reported_) + tallyTotal(lost);
 }
 
 void Recorder::finish(SessionCounts counts) {

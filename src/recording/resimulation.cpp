@@ -93,8 +93,8 @@ struct Resimulation::Impl {
     visitor.tick = upToDifference<TickRecord>([this](const auto& record) { tick(record); });
     visitor.counts = [this](const SessionCounts& record) { counts = record; };
     visitor.position = [&](std::uint64_t bytes) {
-      if (!progress || shared->model.version() < told + kProgressEvery) return;
-      told = shared->model.version();
+      if (!progress || shared->model.version() < reported + kProgressEvery) return;
+      reported = shared->model.version();
       progress(static_cast<double>(bytes) / size);
     };
     session::readLog(paths.log(), visitor);
@@ -130,7 +130,7 @@ struct Resimulation::Impl {
     ++result.ticks;
   }
 
-  /** What the tick found in its cells and rings. */
+  /** Fills cells and rings as the tick found them. */
   void feed(const TickRecord& recorded) {
     const Tick now = recorded.model.tick;
     faults.take(now, [&](const FaultRecord& r) { shared->faults.store(r.plan); });
@@ -147,7 +147,7 @@ struct Resimulation::Impl {
     if (recorded.slipped != 0) physics.timeSlip();
   }
 
-  /** What was shown of another session stands in the ticks themselves, and so does where that was over. */
+  /** A replayed session is in the ticks themselves, with its end. */
   void feedReplay(const ModelState& model) {
     const bool is_shown = model.mode == Mode::kReplaying;
     ReplayFrame frame;
@@ -202,7 +202,7 @@ struct Resimulation::Impl {
     return field.empty() ? "" : "execution." + field;
   }
 
-  /** What happened in the exercise, in order; those that found their ring full were never recorded. */
+  /** Compares the events of the exercise, in order; those that found their ring full were never recorded. */
   std::string compareExercise(Tick now) {
     std::deque<ExerciseRecord> recorded;
     exercises.take(now, [&](const ExerciseRecord& r) { recorded.push_back(r); });
@@ -261,7 +261,7 @@ struct Resimulation::Impl {
   SessionCounts counts{};
   ResimulationResult result;
   bool was_shown{false};
-  std::uint64_t told{0};
+  std::uint64_t reported{0};
   std::uint64_t reports{shared->last_execution.version()};
 };
 

@@ -13,8 +13,8 @@
 namespace raven2_trainer::recording {
 namespace {
 
-// A log has a CRC, not a conscience: what is shown is put into the world, which stands still for ever at what is no
-// number. Joints turn by less than a turn and a half.
+// A CRC does not show whether values are sensible. They are put into the world, which would stop for ever at NaN or
+// infinity. Joints rotate by less than 1.5 revolutions.
 constexpr double kLargestJoint = 10.0;  // [rad; m]
 constexpr double kFarthest = 1e6;       // [m] a body that fell off the scene for minutes is nearer
 constexpr double kNormTolerance = 0.02;
@@ -112,7 +112,7 @@ struct SessionPlayer::Impl {
   const TrainerConfig& config;
   const std::vector<std::string> body_names;
   SharedState& shared;
-  std::mutex mutex;  // of whoever opens and whoever serves
+  std::mutex mutex;  // between open() and serve()
   std::optional<session::TickReader> reader;
   std::optional<ReplayFrame> first;  // read when it was opened
   std::uintmax_t size{0};            // [bytes] of the log then
@@ -133,7 +133,7 @@ std::uint32_t SessionPlayer::open(const std::string& path) {
   if (++s.replay == 0) s.replay = 1;
   try {
     if (std::filesystem::exists(log) && !std::filesystem::is_regular_file(log))
-      throw SessionException(log + ": is no file");  // a pipe lets whoever opens it wait
+      throw SessionException(log + ": is no file");  // opening a pipe would wait
     s.reader.emplace(log);
     s.check(s.reader->header(), log);
     s.size = std::filesystem::file_size(log);

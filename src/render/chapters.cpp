@@ -49,7 +49,7 @@ std::string beginningOf(Mode mode) {
   return "";
 }
 
-/** One chapter of those that a viewer would not tell apart. */
+/** Joins chapters that a viewer could not distinguish. */
 void join(const Chapter& chapter, std::vector<Chapter>* chapters) {
   if (chapter.start_ms - chapters->back().start_ms >= ChapterList::kNearest)
     chapters->push_back(chapter);

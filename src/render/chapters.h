@@ -16,15 +16,15 @@ struct Chapter {
   std::string title;
 };
 
-/** Which chapters of a log a video has. */
+/** Choice of a log's chapters for a video. */
 struct ChapterChoice {
   std::int64_t from, to;     ///< [ms] session time of the video's span
-  bool names_hazards{true};  ///< false: nothing tells of hazards but what they do
+  bool names_hazards{true};  ///< false: hazards are not named
 };
 
 /**
- * What of a log becomes chapters: an exercise's attempts and steps, hazards, the robot's stops, lost time, plans that
- * are executed, and, where they are few, the pedal's.
+ * Chapters of a log: an exercise's attempts and steps, hazards, the robot's stops, lost time, executed plans,
+ * and, where they are few, the pedal's presses.
  */
 class ChapterList {
  public:
@@ -32,8 +32,8 @@ class ChapterList {
   void add(const TickRecord& record);
   void add(const ExerciseRecord& record);
 
-  /** In order of time, the first at 0. What happens within kNearest becomes one chapter. Where there are too many, the
-   *  pedal's go first, then what ends, then steps. @param[in] header that names faults and steps. */
+  /** In order of time, the first at 0. Events within kNearest become one chapter. Where there are too many, the
+   *  pedal's are left out first, then ends, then steps. @param[in] header that names faults and steps. */
   std::vector<Chapter> chapters(const session::LogHeader& header, const ChapterChoice& choice) const;
 
   static constexpr std::size_t kMaxPedals = 20;     ///< times up or down; more of them are no chapters

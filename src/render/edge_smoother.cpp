@@ -42,7 +42,7 @@ std::uint8_t luma(int r, int g, int b) noexcept {
 
 /** [1/64 px] of a tap at so much of a step [px] along an edge. */
 int toPlace(float step, float share) noexcept {
-  constexpr int kLong = 1 << 20;  // above zero, conversion rounds the same way for all
+  constexpr int kLong = 1 << 20;  // above zero, conversion rounds all numbers alike
   const int place = static_cast<int>(step * (share * kPlace) + (kLong + 0.5F)) - kLong;
   const int most = static_cast<int>(kMaxSpan * share * kPlace + 0.5F);
   return std::min(std::max(place, -most), most);

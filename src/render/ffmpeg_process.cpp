@@ -19,7 +19,7 @@ namespace raven2_trainer::render {
 FfmpegProcess::FfmpegProcess(std::vector<std::string> arguments, std::string label)
     : label_(std::move(label)), messages_(std::tmpfile(), &std::fclose) {
   if (messages_ == nullptr) throw RenderException(std::string("tmpfile: ") + std::strerror(errno));
-  // A socket in place of a pipe: send() can be told not to raise SIGPIPE.
+  // A socket in place of a pipe: send() can be called without SIGPIPE.
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw RenderException(std::string("socketpair: ") + std::strerror(errno));

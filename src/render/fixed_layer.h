@@ -18,8 +18,8 @@ struct DrawItem;
 bool isSameLook(const DrawItem& a, const DrawItem& b) noexcept;
 
 /**
- * What stands still before a camera that stands still, drawn once, with the shadows that it throws itself: its colours
- * and depth are copied into each picture, and only where something that moves may shade it is it drawn again. No pixel
+ * The fixed things before a fixed camera, drawn once, with their own shadows. Their colours
+ * and depth are copied into each picture. They are drawn again only where a moving thing may shade them. No pixel
  * differs from a picture in which all of it is drawn.
  */
 class FixedLayer {
@@ -30,7 +30,7 @@ class FixedLayer {
   FixedLayer& operator=(const FixedLayer&) = delete;
 
   /**
-   * Before each picture. What is seen for the second time is worth keeping.
+   * Before each picture. A view is kept when it is seen for the second time.
    * @param[in] opaque those of them that are fixed count.
    */
   void look(const std::vector<DrawItem>& opaque,

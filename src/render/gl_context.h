@@ -6,7 +6,7 @@ namespace raven2_trainer::render {
 
 class GlLibrary;
 
-/** An OpenGL context, core profile 3.3, for pictures of a size. It has no framebuffer of its own: PictureTarget has. */
+/** An OpenGL context, core profile 3.3, for pictures of a size. PictureTarget has the framebuffer. */
 class GlContext {
  public:
   /** @throw RenderException if the size is not in 1..4096 or no context can be had. */

@@ -92,7 +92,7 @@ class Egl : public GlLibrary {
     library.load("eglGetCurrentContext", &current_);
     library.load("eglGetProcAddress", &function_);
     library.load("eglGetError", &error_);
-    // What draws is loaded with the library, so that recording::pictureIdentity() can name it, but starts no threads
+    // The driver is loaded with the library, so that recording::pictureIdentity() can name it. It starts no threads
     // before the first context: a program may fork until then.
     Shared({"libEGL_mesa.so.0"});
   }

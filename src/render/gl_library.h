@@ -2,7 +2,7 @@
 
 namespace raven2_trainer::render {
 
-/** OpenGL without a screen: OSMesa's or EGL's. What is drawn goes into framebuffers of the caller; contexts have none. */
+/** OpenGL without a screen: OSMesa's or EGL's. The caller makes the framebuffers; contexts have no own ones. */
 class GlLibrary {
  public:
   GlLibrary() = default;
@@ -11,7 +11,7 @@ class GlLibrary {
   GlLibrary& operator=(const GlLibrary&) = delete;
 
   virtual const char* name() const noexcept = 0;
-  /** OpenGL 3.3 core. @return nullptr if there is none. */
+  /** OpenGL 3.3 core. @return nullptr on failure. */
   virtual void* createContext() = 0;
   virtual void destroyContext(void* context) noexcept = 0;
   /** Of the calling thread; nullptr: none. */
@@ -23,8 +23,10 @@ class GlLibrary {
 };
 
 /**
- * The process's own, loaded with the first call, with the functions of gl.h: OSMesa where it is installed, else EGL on Mesa's
- * surfaceless platform, which draws on a GPU where there is one. The environment variable RAVEN2_TRAINER_GL chooses: auto,
+ * The process's own, loaded with the first call, with the functions of gl.h: OSMesa where it is installed, else EGL on
+ * Mesa's
+ * surfaceless platform, which draws on a GPU where there is one. The environment variable RAVEN2_TRAINER_GL chooses:
+ * auto,
  * osmesa or egl.
  * @throw RenderException naming what is missing, or a bad value of the variable.
  */

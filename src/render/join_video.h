@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::render {
 
-/** What becomes one video. */
+/** The parts of one video. */
 struct VideoPieces {
   std::string folder;               ///< of the parts; other files (PartFolderFiles) are written into it
   std::vector<std::string> parts;   ///< names in it, in order

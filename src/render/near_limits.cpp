@@ -15,7 +15,7 @@ constexpr double kNearAngle = 5.0 * kPi / 180.0;  // [rad] 7 mm of a tip 80 mm f
 constexpr double kNearLength = 0.010;             // [m]
 constexpr double kLeastReach = 0.02;  // [m/rad] joints that move the tip less, as the wrist, only turn the tool
 
-/** What stops a joint: the distance to the nearer of its limits, and the way there, +1 or -1. */
+/** Where a joint stops: the distance to its nearer limit, and the direction to it, +1 or -1. */
 struct JointStop {
   double distance;
   double way;

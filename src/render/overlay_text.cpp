@@ -58,7 +58,7 @@ void addStatus(const Snapshot& snapshot, std::vector<std::string>* lines) {
     lines->push_back(errorLine(snapshot, arm));
 }
 
-/** Age of what is shown of the robot, its delay on the way above the quickest included. */
+/** Age of the robot's state in the picture. It includes the part of its delay that exceeds the shortest one. */
 std::string latencyLine(const Snapshot& snapshot, double stale_after) {
   if (snapshot.robot.frame == 0) return "latency   -";
   const double age =
@@ -124,7 +124,7 @@ void addExercise(const Snapshot& snapshot, std::uint32_t steps, std::vector<std:
   lines->push_back("          " + time + ", " + mistakesText(model.exercise));
 }
 
-/** What a fault of the video leaves of the trainee's picture. */
+/** Effect of a video fault on the trainee's picture. */
 std::string pictureText(const DaemonFaults& faults) {
   switch (static_cast<PictureFault>(faults.picture)) {
     case PictureFault::kBlack:
@@ -159,7 +159,7 @@ std::vector<std::string> briefLines(const Snapshot& snapshot, const SceneOptions
     const bool is_stale = snapshot.robot.frame != 0 && !snapshot.model.robot_fresh;
     lines.push_back(words(modeName(model.mode)) + (is_stale ? ", robot STALE" : ""));
   }
-  if (snapshot.stands_in) lines.emplace_back("camera STALE");
+  if (snapshot.is_substitute) lines.emplace_back("camera STALE");
   if (options.overlays.has(OverlayKind::kTimer) && model.exercise.status != ExerciseStatus::kNone) {
     lines.push_back(attemptText(model.exercise, options.exercise_steps) + format(", %.0f s, ", timeOf(model)) +
                     mistakesText(model.exercise));
@@ -178,7 +178,7 @@ Overlay describe(const Snapshot& snapshot, const SceneOptions& options) {
   Overlay overlay;
   const OverlaySet shown = options.overlays;
   if (shown.has(OverlayKind::kStatus)) addStatus(snapshot, &overlay.lines);
-  if (snapshot.stands_in) overlay.lines.emplace_back("camera    STALE, virtual scene");
+  if (snapshot.is_substitute) overlay.lines.emplace_back("camera    STALE, virtual scene");
   if (shown.has(OverlayKind::kLatency)) overlay.lines.push_back(latencyLine(snapshot, options.stale_after));
   if (shown.has(OverlayKind::kTimer)) addExercise(snapshot, options.exercise_steps, &overlay.lines);
   overlay.brief = briefLines(snapshot, options);

@@ -34,7 +34,7 @@ struct Shared {
   static_assert(decltype(next)::is_always_lock_free && decltype(has_failed)::is_always_lock_free, "of processes");
 };
 
-/** What the drawing processes share: the next place in the list of parts, and why the first of them failed. */
+/** Shared by the drawing processes: the next place in the list of parts, and the reason of the first failure. */
 class SharedState {
  public:
   SharedState() {
@@ -81,13 +81,13 @@ std::string describe(int status) {
   int code = 0;
   try {
     const DrawPart draw = make();
-    const FrameDone tell = [fd] {
+    const FrameDone write_one = [fd] {
       const char one = 0;
       while (write(fd, &one, 1) < 0 && errno == EINTR) {
       }
     };
     for (std::size_t i = state->take(); i < parts.size(); i = state->take())
-      draw(parts[i], tell);
+      draw(parts[i], write_one);
   } catch (const std::exception& e) {
     state->fail(e.what());
     code = 1;
@@ -95,39 +95,39 @@ std::string describe(int status) {
   _exit(code);
 }
 
-/** The drawing processes, and the pipe into which they tell of frames. */
+/** The drawing processes, and the pipe into which they report frames. */
 class Pool {
  public:
   Pool(const std::vector<std::size_t>& parts, int processes, const MakeDrawPart& make) {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw RenderException(std::string("pipe2: ") + std::strerror(errno));
-    told_ = ends[0];
+    pipe_ = ends[0];
     const pid_t parent = getpid();
     for (int i = 0; i < processes; ++i) {
       const pid_t id = fork();
       if (id == 0) {
-        close(told_);
+        close(pipe_);
         drawAndExit(ends[1], parent, parts, &state_, make);
       }
       if (id > 0) ids_.push_back(id);
     }
     close(ends[1]);
     if (ids_.empty()) {
-      close(told_);
+      close(pipe_);
       throw RenderException(std::string("fork: ") + std::strerror(errno));
     }
   }
 
   ~Pool() {
-    close(told_);  // those that still draw end at their next frame
+    close(pipe_);  // those that still draw end at their next frame
     wait();
   }
 
-  /** Tells of frames until all processes have ended. */
+  /** Reports frames until all processes have ended. */
   void follow(const FrameDone& done) {
     std::array<char, 256> bytes{};
     for (;;) {
-      const ssize_t got = read(told_, bytes.data(), bytes.size());
+      const ssize_t got = read(pipe_, bytes.data(), bytes.size());
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) break;
       for (ssize_t i = 0; i < got && done; ++i)
@@ -153,7 +153,7 @@ class Pool {
 
   SharedState state_;
   std::vector<pid_t> ids_;
-  int told_{-1};
+  int pipe_{-1};
 };
 
 }  // namespace

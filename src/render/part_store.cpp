@@ -129,7 +129,7 @@ void PartStore::scan(bool check) {
   }
 }
 
-/** Ours, but the lock. What cannot be removed disturbs nobody. */
+/** Our files, except the lock. Files that cannot be removed do no harm. */
 void PartStore::removeFiles(const std::vector<std::string>& except) const {
   std::error_code ignored;
   for (const fs::directory_entry& entry : entriesOf(folder_)) {
@@ -158,7 +158,8 @@ std::vector<std::string> PartStore::names() {
 void PartStore::remove() {
   std::error_code ignored;
   removeFiles(/*except=*/{});
-  fs::remove(folder_ + "/" + Files::kLock, ignored);  // whoever locks its file from here on finds that it is gone
+  fs::remove(folder_ + "/" + Files::kLock,
+             ignored);  // a process that locks its file from here on finds that it is gone
   fs::remove(folder_, ignored);
 }
 

@@ -23,13 +23,13 @@ struct DrawItem {
   bool is_fixed;               ///< Drawable::is_fixed
 };
 
-/** What a picture shows, by how it is drawn. */
+/** Contents of a picture, sorted by how they are drawn. */
 struct DrawLists {
   std::vector<DrawItem> opaque, marks, translucent;
 };
 
-/** Depth map from the key light. While the light's space stands still, what fixed things leave in it is kept and
- *  copied; the map is the same as without. */
+/** Depth map from the key light. While the light's space does not change, the depth of fixed things is kept and
+ *  copied; the map is the same as without this. */
 class ShadowPass {
  public:
   ShadowPass();
@@ -62,9 +62,10 @@ class ShadowPass {
 };
 
 /**
- * Background, lit meshes and marks, into whatever framebuffer and viewport is set. Where something that moves and
- * something fixed are equally deep, what moves is seen; of two of a kind the first among fixed things, the last among
- * others: so that it does not matter in which order they were drawn, or whether a layer was kept.
+ * Background, lit meshes and marks, into whatever framebuffer and viewport is set. A moving and a fixed thing
+ * may be equally deep: then the moving one is seen. Of two fixed things the first is seen, of two moving ones the last.
+ * So
+ * the order of drawing does not matter, nor whether a layer was kept.
  */
 class MeshPass {
  public:

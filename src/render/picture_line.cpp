@@ -23,7 +23,7 @@ void PictureLine::keep(const Snapshot& newest) {
     kept_.pop_front();
 }
 
-/** Of those kept, the newest at or before a tick; the oldest if none is. */
+/** Of those kept, the newest at or before a tick; else the oldest. */
 const Snapshot& PictureLine::newestBefore(Tick tick) const noexcept {
   const auto behind = std::upper_bound(kept_.begin(), kept_.end(), tick,
                                        [](Tick t, const Snapshot& kept) { return t < kept.model.tick; });
@@ -35,12 +35,12 @@ const Snapshot& PictureLine::pass(const Snapshot& newest) {
   const DaemonFaults& faults = newest.model.faults;
   const auto fault = static_cast<PictureFault>(faults.picture);
   if (fault == PictureFault::kFrozen && has_seen_) {
-    seen_.stands_in = newest.stands_in;
+    seen_.is_substitute = newest.is_substitute;
     return seen_;
   }
   const Tick arriving = newest.model.tick - static_cast<Tick>(faults.picture_delay_ms);
   seen_ = newestBefore(has_seen_ ? std::max(arriving, seen_.model.tick) : arriving);
-  seen_.stands_in = newest.stands_in;
+  seen_.is_substitute = newest.is_substitute;
   seen_.is_black = fault == PictureFault::kBlack;
   seen_.are_eyes_swapped = fault == PictureFault::kEyesSwapped;
   has_seen_ = true;

@@ -10,7 +10,7 @@ namespace raven2_trainer::render {
  * context must be current on every call. */
 class PictureTarget {
  public:
-  /** @throw RenderException if OpenGL has none such. */
+  /** @throw RenderException if OpenGL cannot make one of this size. */
   PictureTarget(int width, int height);
   ~PictureTarget();
   PictureTarget(const PictureTarget&) = delete;

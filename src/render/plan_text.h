@@ -12,8 +12,8 @@ namespace raven2_trainer::render {
 double pathError(const ArmGeometry& geometry, const Snapshot& snapshot) noexcept;
 
 /**
- * What the operator reads of planning and executing: what is going on, what the pedal would do, how the newest plan
- * ended. Empty where nobody has asked for a plan.
+ * The operator's text about planning and executing: present activity, effect of the pedal, result of the newest
+ * plan. Empty before the first plan.
  * @param[in] path_error [m] of pathError().
  */
 std::string planLine(const Snapshot& snapshot, double path_error);

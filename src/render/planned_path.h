@@ -9,8 +9,8 @@
 
 namespace raven2_trainer::render {
 
-/** The plan at hand: the one that may be executed, is executed, or whose path guides the hand. Null if there is none,
- *  its answer is not known, or the answer has no arm or waypoints that there are. */
+/** The plan at hand: the one that may be executed, is executed, or whose path guides the hand. Null without a plan,
+ *  if its answer is not known, or if the answer's arm or waypoints are invalid. */
 const PlanResult* planAtHand(const Snapshot& snapshot) noexcept;
 
 /** The way of a tool tip along a plan as it is drawn: a tube, and the places where the arm comes to rest. Safe for

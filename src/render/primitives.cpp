@@ -43,7 +43,8 @@ model::Mesh revolve(const std::vector<ProfilePoint>& outline, int segments) {
   return mesh;
 }
 
-/** Direction of a line at a point: from the one before to the one behind it; that of the piece before at a turn back.
+/** Direction of a line at a point: from the point before to the point after it. If the line turns back there, the
+ * direction before it.
  */
 Vector3 directionAt(const std::vector<Vector3>& line, std::size_t i) {
   const Vector3& before = line[i > 0 ? i - 1 : 0];

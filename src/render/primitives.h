@@ -20,7 +20,7 @@ model::Mesh makeDisc(int segments);
 model::Mesh makeMarks(const std::vector<Vector3>& points, float radius);
 
 /** Round tube of this radius [m] along a line of points [m], open at both ends; empty with fewer than two points. The
- *  2 x sides triangles of each piece stand together, in the line's order. @param[in] sides at least 3. */
+ *  2 x sides triangles of each piece are together, in the line's order. @param[in] sides at least 3. */
 model::Mesh makeTube(const std::vector<Vector3>& line, float radius, int sides);
 
 }  // namespace raven2_trainer::render

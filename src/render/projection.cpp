@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNearPlane = 0.005;  // [m]
 constexpr double kFarPlane = 10.0;    // [m]
-constexpr double kFloor = 0.02;       // [m] height of what most shadows fall on
+constexpr double kFloor = 0.02;       // [m] height of the floor, on which most shadows fall
 constexpr double kShadowShare = 1.2;  // [-] half width of the shadow map over the distance of what is looked at
 constexpr double kMinShadowReach = 0.15, kMaxShadowReach = 0.65;  // [m]
 constexpr double kShadowDepth = 1.2;     // [m] things up to here above the map's centre cast shadows
@@ -44,7 +44,7 @@ std::array<Vector3, 4> sidesOf(const model::Camera& c) noexcept {
           Vector3(0.0, 1.0, -bottom).normalized(), Vector3(0.0, -1.0, -top).normalized()};
 }
 
-/** False if a sphere, on all of its way from one place to another, lies beyond one and the same side of the view. */
+/** False if a sphere stays beyond one side of the view while it moves from one place to another. */
 bool isSweepInView(const model::Camera& camera, const Vector3& from_W, const Vector3& to_W, double radius) noexcept {
   const Pose X_CW = camera.X_WC.inverse();
   const Vector3 from = X_CW * from_W, to = X_CW * to_W;

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Folders of config/ whose files decide over what happens, and over no picture of what happened. Which of them were
- * read depends on the program that reads: the same video would have two hashes. */
+/** Folders of config/ whose files decide over what happens, and over no picture of what happened. Programs
+ * read different ones of them: the same video would have two hashes. */
 constexpr std::array<const char*, 5> kNotOfPictures{"bands", "curricula", "faults", "impairments", "plants"};
 
 bool isOfPictures(const std::string& file) {

@@ -94,7 +94,7 @@ void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
                    [&](const DrawItem& a, const DrawItem& b) { return nearness(a) < nearness(b); });
 }
 
-/** From the layer of what stands still, if that was there before. */
+/** From the layer of fixed things, if that was made before. */
 void Renderer::Impl::drawPicture(const model::Camera& camera) {
   if (!isUsable(camera) || camera.width != context.width() || camera.height != context.height())
     return drawView(camera, 0, 0, context.width(), context.height());

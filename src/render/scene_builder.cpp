@@ -30,12 +30,12 @@ constexpr double kLeastForce = 1e-3;       // [N]
 // By Trail: red, green and blue of the paper's Figures 7 and 8.
 constexpr std::array<std::array<float, 4>, kTrailCount> kTrailColours{
     {{0.86F, 0.08F, 0.08F, 1.0F}, {0.05F, 0.62F, 0.12F, 1.0F}, {0.14F, 0.22F, 0.92F, 1.0F}}};
-constexpr float kMarkRadius = 0.0008F;                            // [m] thinner than the path, to tell marks apart
+constexpr float kMarkRadius = 0.0008F;                            // [m] thinner than the path, to distinguish marks
 constexpr std::array<float, 3> kWallColour{1.00F, 0.69F, 0.18F};  // amber, as the warning
 constexpr double kWallRadius = 0.018;                             // [m] wider than the tool, which it is in front of
 constexpr double kFaintWall = 0.20, kPlainWall = 0.65;            // opacity where it is first shown, and at the limit
 
-/** What never changes of one visual: its mesh handle, its pose in the link, its colour. */
+/** The constant data of one visual: mesh handle, pose in the link, colour. */
 struct Visual {
   int link;
   int mesh;

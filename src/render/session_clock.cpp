@@ -17,7 +17,7 @@ Tick SessionClock::at(Tick tick) const {
                                        [](Tick value, const Stretch& stretch) { return value < stretch.tick; });
   if (behind == stretches_.begin()) return -1;
   const Stretch& stretch = *std::prev(behind);
-  return stretch.session_tick + (stretch.stands ? 0 : tick - stretch.tick);
+  return stretch.session_tick + (stretch.is_paused ? 0 : tick - stretch.tick);
 }
 
 }  // namespace raven2_trainer::render

@@ -7,8 +7,8 @@
 namespace raven2_trainer::render {
 
 /**
- * From the model's clock to session time, which stands while the exercise is paused. Records of other threads tell the
- * former alone.
+ * From the model's clock to session time, which stops while the exercise is paused. Records of other threads have the
+ * model's clock only.
  */
 class SessionClock {
  public:
@@ -23,7 +23,7 @@ class SessionClock {
   /** From `tick` on. */
   struct Stretch {
     Tick tick, session_tick;
-    bool stands;
+    bool is_paused;
   };
   std::vector<Stretch> stretches_;
   Tick last_{-1};  // newest session tick

@@ -33,7 +33,7 @@ struct PartSpan {
   std::size_t first, end;
 };
 
-/** What a log holds for a video. */
+/** The parts of a log for a video. */
 struct VideoContents {
   std::vector<Snapshot> frames;  // `lead` of them before the first that is drawn
   std::size_t lead{0};
@@ -54,7 +54,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kInsetShare = 0.3;  // of the picture's width and height
-constexpr double kLead = 600.0;      // [s] known of what was before: the marks of trails, the picture that stands still
+constexpr double kLead =
+    600.0;  // [s] of earlier frames that are kept: for the marks of trails, and for a frozen picture
 
 /** [ms] of so many frames. */
 std::int64_t lengthOf(std::size_t frames, int fps) {
@@ -75,7 +76,7 @@ void checkOutput(const std::string& output) {
   }
 }
 
-/** What a session is called: its directory's name, however the path is written. */
+/** Name of a session: its directory's, in any spelling of the path. */
 std::string nameOf(const std::string& directory) {
   std::error_code error;
   const fs::path path = fs::canonical(directory, error);
@@ -143,7 +144,7 @@ void passThroughFaults(std::vector<Snapshot>* frames) {
     frame = line.pass(frame);
 }
 
-/** What the records of a log are sorted into. */
+/** Takes the records of a log, sorted by use. */
 struct SortedRecords {
   FrameTimeline timeline;
   ChapterList chapters;
@@ -166,7 +167,7 @@ session::LogSummary sortRecords(const std::string& log, SortedRecords* sorted) {
   return session::readLog(log, visitor);
 }
 
-/** What the attempts came to, if the session was scored. */
+/** The attempts' results, if the session was scored. */
 void addVerdicts(const std::string& score, std::vector<Snapshot>* frames) {
   if (!fs::exists(score)) return;
   const auto verdicts = training::readVerdicts(score);
@@ -238,7 +239,7 @@ void checkOptions(const SessionRenderOptions& options) {
   if (!options.output.empty()) return checkOutput(options.output);
   if (options.from > 0.0 || options.to >= 0.0) {
     throw ConfigException(
-        "--from, --to: video.mp4 is of the whole session; a part of it needs a place of its own, --output FILE.mp4");
+        "--from, --to: video.mp4 is of the whole session; give a part of it another file: --output FILE.mp4");
   }
 }
 

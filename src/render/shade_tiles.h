@@ -13,9 +13,9 @@ struct PixelRun {
 };
 
 /**
- * Which tiles of a picture of things that stand still are shaded by things that move, too: those with a point that
- * looks up a part of the key light's shadow map which differs from the map of what stands still alone; some more, never
- * less. No OpenGL.
+ * The tiles of a picture of fixed things that moving things may shade. In them a point looks up a part of the key
+ * light's shadow map that differs from the map of fixed things alone. Some more tiles are found, never
+ * fewer. No OpenGL.
  */
 class ShadeTiles {
  public:
@@ -26,7 +26,7 @@ class ShadeTiles {
   explicit ShadeTiles(int map_size);
 
   /**
-   * The picture of what stands still.
+   * The picture of fixed things.
    * @param[in] depth [0, 1] of each pixel, bottom row first; 1: nothing is there.
    * @param[in] margin [-] in the light's clip space, by which a lookup may be off the point that it shades.
    * @param[in] fixed_map its own shadow map, bottom row first.
@@ -43,7 +43,7 @@ class ShadeTiles {
   const std::vector<PixelRun>& touched(const std::vector<float>& map);
 
  private:
-  /** Of a tile's points in the light's space, in cells; empty if there are none. */
+  /** Extent of a tile's points in the light's space, in cells; empty without points. */
   struct Extent {
     std::array<int, 2> low{kCells, kCells}, high{-1, -1};
   };

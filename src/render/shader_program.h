@@ -17,7 +17,7 @@ class ShaderProgram {
 
   void use() const noexcept { glUseProgram(program_); }
 
-  /** Location of a uniform. @throw RenderException if the program has none of that name. */
+  /** Location of a uniform. @throw RenderException if the program has no uniform of that name. */
   GLint uniform(const char* name) const;
 
  private:

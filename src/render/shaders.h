@@ -1,6 +1,6 @@
 #pragma once
 
-// GLSL 3.30 sources. Lighting is computed in linear light; squaring and square root stand in for the sRGB curve, since
+// GLSL 3.30 sources. Lighting is computed in linear light; squaring and square root approximate the sRGB curve, since
 // pow() costs llvmpipe several milliseconds a frame.
 
 namespace raven2_trainer::render {

@@ -22,7 +22,7 @@ constexpr std::size_t kTrailCount = 3;
 /**
  * Marks that the tool tips leave behind, one at each multiple of TrailConfig::step on the model's clock, whatever the
  * rate of the frames: between two frames the tip is taken to go straight. Older ones than TrailConfig::duration are
- * forgotten. What is not finite leaves no mark.
+ * forgotten. Numbers that are not finite leave no mark.
  */
 class TipTrails {
  public:

@@ -32,7 +32,7 @@ struct Box {
   std::uint64_t begin, end;  // [bytes] in the file
 };
 
-/** ISO/IEC 14496-12, 4.2. Nothing: what stands there goes beyond `end`, or is none. */
+/** ISO/IEC 14496-12, 4.2. Nothing if the box goes beyond `end`, or is invalid. */
 std::optional<Box> readBox(std::istream* file, std::uint64_t at, std::uint64_t end) {
   if (end - at < kHead) return std::nullopt;
   std::array<unsigned char, kLongHead> head{};
@@ -66,7 +66,7 @@ std::optional<Box> allOf(const std::string& path) {
   return Box{"", 0, size};
 }
 
-/** Where the text of the comment stands, as iTunes has put it into MP4 files and ffmpeg does; nothing: nowhere. */
+/** Place of the comment's text, as iTunes and ffmpeg put it into MP4 files; nothing if there is no comment. */
 std::optional<Box> findComment(std::istream* file, const Box& all) {
   struct Step {
     const char* type;

@@ -8,7 +8,7 @@ namespace raven2_trainer::robot {
 namespace {
 
 constexpr int kWaitMs = 20;
-constexpr std::int64_t kTellEveryNs = 1'000'000'000;
+constexpr std::int64_t kReportEveryNs = 1'000'000'000;
 
 }  // namespace
 
@@ -126,7 +126,7 @@ void StateServer::refuse(ClientId client, Reader* reader, const char* why) {
 /** At most a line a second, however often somebody comes and goes. */
 void StateServer::report(const std::string& words) {
   if (now_ns_ < may_publish_ns_) return;
-  may_publish_ns_ = now_ns_ + kTellEveryNs;
+  may_publish_ns_ = now_ns_ + kReportEveryNs;
   std::fprintf(stderr, "%s\n", words.c_str());
 }
 

@@ -44,7 +44,7 @@ bool AppendFile::rename(const std::string& path) noexcept {
 bool AppendFile::resume(const std::string& path, std::uint64_t size) noexcept {
   path_ = path;
   size_ = size;
-  reserved_ = size + 1;  // whoever wrote it may have left room behind its end: close() gives it back
+  reserved_ = size + 1;  // its writer may have left room behind its end: close() gives it back
   return takeUp();
 }
 

@@ -17,13 +17,13 @@ namespace {
 constexpr std::size_t kBlock = 1024 * 1024;     // [bytes] written at a time
 constexpr std::uint64_t kProgressEvery = 1000;  // [ticks]
 
-/** What the export needs of a haptic record. */
+/** The part of a haptic record that the export needs. */
 struct Force {
   Tick tick{};
   PerArm<Vec3> force_B{};
 };
 
-/** First pass: forces, and how many ticks there are. Haptic records may stand behind later ticks in the file. */
+/** First pass: forces, and how many ticks there are. Haptic records may come after later ticks in the file. */
 struct Survey {
   std::vector<Force> forces;
   std::uint64_t ticks{0};

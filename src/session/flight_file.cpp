@@ -104,7 +104,7 @@ std::string describeFlightFile(const FlightFile& file) {
 std::unique_ptr<FlightFile> readFlightFile(const SessionPaths& paths, std::string* reason) {
   const CloseFile opened{::open(paths.flight().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   if (opened.fd < 0) {
-    *reason = errno == ENOENT ? "there is none" : std::strerror(errno);
+    *reason = errno == ENOENT ? "the file does not exist" : std::strerror(errno);
     return nullptr;
   }
   auto file = std::make_unique<FlightFile>();

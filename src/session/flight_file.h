@@ -7,7 +7,7 @@
 
 #include "raven2_trainer/session/flight_recorder.h"
 
-// The flight recorder's file. Its head and checkpoints stand at fixed places; the description says where everything
+// The flight recorder's file. Its head and checkpoints are at fixed places; the description says where everything
 // else is, so that scripts/raven2_session.py needs no other knowledge of our structs.
 
 namespace raven2_trainer::session {
@@ -42,7 +42,7 @@ std::string describeFlightFile(const FlightFile& file);
 /**
  * Reads the flight recorder's file of the session whose log this is. Whatever its bytes, the result is one that this
  * program wrote for this log, with a whole checkpoint; its elements are still to be judged one by one.
- * @param[out] reason why there is none.
+ * @param[out] reason of a failure.
  */
 std::unique_ptr<FlightFile> readFlightFile(const SessionPaths& paths, std::string* reason);
 

@@ -33,7 +33,7 @@ Json describeRecords() {
                       describeRecord<RecoveryRecord>("recovery")});
 }
 
-/** What decides over bytes: names, types and shapes; units and meanings may be reworded. */
+/** The part that decides over bytes: names, types and shapes. Units and meanings may be reworded. */
 Json layoutOf(const Json& fields) {
   Json layout = Json::array();
   for (const Json& field : fields) {

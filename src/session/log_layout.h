@@ -3,9 +3,9 @@
 #include "raven2_trainer/core/fault_variables.h"
 #include "raven2_trainer/core/record.h"
 
-// What a record looks like in the log, said once. visitFields() names each field of a T in order, with its unit
-// and meaning; the writer, the reader and the schema in the log's first record are three visitors of it, so they
-// cannot drift apart. A new field goes here and nowhere else (and raises kRecordVersion in record_frame.h): that is why
+// Layout of the log's records, in one place. visitFields() names each field of a T in order, with its unit
+// and meaning. The writer, the reader and the schema in the log's first record are three visitors of it, so they
+// cannot differ. A new field goes here and nowhere else (and raises kRecordVersion in record_frame.h): that is why
 // this file is long.
 
 namespace raven2_trainer::session {
@@ -40,7 +40,7 @@ struct EnumNames {
   static constexpr const auto& of(FaultVariable /*any*/) { return kFaultVariableNames; }
 };
 
-/** What a record of the log is. */
+/** Meaning of each kind of record. */
 struct Meanings {
   static constexpr const char* of(Is<TickRecord> /*type*/) {
     return "one physics tick: the model after it, the robot as that tick saw it";
@@ -102,7 +102,7 @@ void fieldsOf(Is<ArmState> /*type*/, Visitor& v, State& s) {
 
 template <typename Visitor, typename Signals>
 void fieldsOf(Is<FaultSignals> /*type*/, Visitor& v, Signals& s) {
-  v.field("tissue_distance", s.tissue_distance, "m", "of the nearer tip; infinite if there is none");
+  v.field("tissue_distance", s.tissue_distance, "m", "of the nearer tip; infinite without tissue");
   v.field("target_distance", s.target_distance, "m", "the same to the exercise's target");
   v.field("step", s.step, "", "of the exercise; 0 none");
   v.field("tool_changes", s.tool_changes, "", "presses of the button so far");
@@ -149,7 +149,7 @@ void fieldsOf(Is<ExerciseState> /*type*/, Visitor& v, State& s) {
 
 template <typename Visitor, typename State>
 void fieldsOf(Is<CameraState> /*type*/, Visitor& v, State& s) {
-  v.field("eye_W", s.eye_W, "m", "where it stands");
+  v.field("eye_W", s.eye_W, "m", "its place");
   v.field("target_W", s.target_W, "m", "what it looks at");
   v.field("up_W", s.up_W, "", "what is up in the picture");
 }
@@ -182,8 +182,8 @@ void fieldsOf(Is<ModelState> /*type*/, Visitor& v, State& s) {
   v.field("master_I", s.master_I, "m", "sum of all increments that the masters sent, in master (ITP) axes");
   v.field("planning", s.planning, "", "how far planning and executing are");
   v.field("exercise", s.exercise, "", "how far the exercise is");
-  v.field("camera", s.camera, "", "where the movable camera stands, in the world frame W");
-  v.field("pedals", s.pedals, "", "bit i: pedal or button i beside the one that engages is held (pedal_names)");
+  v.field("camera", s.camera, "", "place of the movable camera, in the world frame W");
+  v.field("pedals", s.pedals, "", "bit i: pedal or button i, other than the one that engages, is held (pedal_names)");
   v.field("trial_ticks", s.trial_ticks, "ms", "of the virtual trial that are kept");
   v.field("view", s.view, "", "1 while the real camera's picture is asked for, 0 the virtual scene");
   v.field("faults", s.faults, "", "what faults do in the daemon");
@@ -436,7 +436,7 @@ void fieldsOf(Is<FaultRecord> /*type*/, Visitor& v, Record& s) {
 template <typename Visitor, typename Record>
 void fieldsOf(Is<FaultChangeRecord> /*type*/, Visitor& v, Record& s) {
   v.field("tick", s.tick, "ms", "physics tick that learned of it");
-  v.field("change", s.change, "", "as its host told it");
+  v.field("change", s.change, "", "as its host reported it");
 }
 
 template <typename Visitor, typename Record>
@@ -499,7 +499,7 @@ void fieldsOf(Is<SessionCounts> /*type*/, Visitor& v, Counts& s) {
   v.field("master_faults", s.master_faults, "", "by faults, between ingest and model");
   v.field("relay_faults", s.relay_faults, "", "by faults, between physics loop and sender");
   v.field("relay_network", s.relay_network, "", "by the bad network of a fault, behind the sender");
-  v.field("fault_changes_lost", s.fault_changes_lost, "", "beginnings and ends of faults not told");
+  v.field("fault_changes_lost", s.fault_changes_lost, "", "beginnings and ends of faults that were not reported");
   v.field("frames", s.frames, "frames", "live camera frames rendered");
   v.field("ik_clamped", s.ik_clamped, "ms", "ticks in which a joint limit clamped the desired pose");
   v.field("realtime", s.realtime, "", "1 if real-time scheduling was granted");

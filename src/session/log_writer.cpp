@@ -43,7 +43,7 @@ struct LogWriter::Impl {
     if (lock >= 0) ::close(lock);
   }
 
-  /** Tells recoveries in other processes that this log has a living writer; the system lets go with the process. */
+  /** Shows recoveries in other processes that this log has a living writer; the system releases it with the process. */
   void takeLock(const std::string& name) {
     lock = ::open(name.c_str(), O_RDONLY | O_CLOEXEC);
     // Others hold it for an instant when they look whether the log is abandoned.

@@ -91,7 +91,7 @@ class QueueMover {
     const auto k = static_cast<std::size_t>(kind);
     const std::uint64_t head = checkpoint_.heads[k];
     const std::uint64_t waiting = ring.tail() - head;
-    if (waiting > Ring::kCapacity) return;  // the queue's own numbers are damaged: nothing in it can be told apart
+    if (waiting > Ring::kCapacity) return;  // the queue's own numbers are damaged: its elements cannot be found
     for (std::uint64_t i = head; i < head + waiting; ++i) {
       if (ring.isIntact(i)) {
         log_.write(ring.at(i));
@@ -208,7 +208,8 @@ Recovery recoverSession(const SessionPaths& paths, const std::function<bool()>& 
   std::string reason;
   const std::unique_ptr<FlightFile> flight = readFlightFile(paths, &reason);
   result.flight_recorder = flight ? "used" : reason;
-  // A recovery that was killed behind the log's last record: with the flight recorder it is done again, from the same place.
+  // A recovery that was killed behind the log's last record: with the flight recorder it is done again, from the same
+  // place.
   const bool is_done = flight == nullptr && isRecovered(paths.log());
   const std::optional<LogPosition> end = goOnAt(paths, flight.get(), cancelled);
   result.status = end ? RecoveryStatus::kRecovered : RecoveryStatus::kNoLog;

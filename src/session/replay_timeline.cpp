@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kLatestTime = std::numeric_limits<std::uint32_t>::max() * 1'000'000'000LL;  // [ns] of ros::Time
 
-/** Takes what is of `tick` or earlier off the front. Records of one kind stand in the order of their ticks. */
+/** Takes what is of `tick` or earlier off the front. Records of one kind are in the order of their ticks. */
 template <typename Queue, typename TickOf, typename Use>
 void takeUntil(Queue* queue, Tick tick, const TickOf& tick_of, const Use& use) {
   while (!queue->empty() && tick_of(queue->front()) <= tick) {

@@ -133,7 +133,7 @@ std::map<std::string, std::string> readBuild(const SessionPaths& paths) {
 
 namespace {
 
-/** A text of meta.json; empty if there is none. */
+/** A text of meta.json; empty if it is missing. */
 std::string readText(const SessionPaths& paths, const char* key) {
   std::ifstream file(paths.meta());
   const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);

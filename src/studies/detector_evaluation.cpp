@@ -24,7 +24,7 @@ constexpr Tick kStuckLongest = 19;  // [ms]
 constexpr Tick kEarliest = 1000, kLatest = 4000;  // [ms] after pedal-down, where a start is: row 34's packet 1000 on
 constexpr Tick kJumpTicks = 2;                    // [ms] of DSN 2016's unsafe jump
 
-/** What happened to the tip in one run, against the golden one. */
+/** Course of the tip in one run, against the golden one. */
 struct Course {
   Tick harmed{-1}, stopped{-1};
   double departure{}, jump{};

@@ -162,46 +162,43 @@ Learned learnDetector(const TrainerConfig& config, const LearnOptions& options, 
 std::string detectorYaml(const Learned& learned, const std::string& source) {
   const DetectorConfig& c = learned.detector;
   std::string text =
-      "# Detector of unsafe motor commands (doc/detector.md). Written by learn_detector, from commands and encoders "
-      "of\n"
-      "# fault-free runs alone:\n# " +
+      "# Detector of unsafe motor commands (doc/detector.md). learn_detector wrote it from commands and encoders of "
+      "fault-free\n"
+      "# runs only:\n# " +
       source + "\n";
   text += recording::format(
-      "mitigate: %-13s # off | hold: the last safe command is written instead, while the alarm lasts | stop: software "
-      "E-stop\n",
+      "mitigate: %-13s # off | hold: write the last safe command while the alarm lasts | stop: software E-stop\n",
       kMitigationNames[static_cast<std::size_t>(c.mitigate)]);
   text += recording::format(
-      "rule: %-17s # published: DSN 2016, one step ahead | departure: what the command leads to, and the tip's "
-      "departure\n",
+      "rule: %-17s # published: DSN 2016, one step ahead | departure: the command's predicted effect, and the "
+      "tip's\n",
       kDetectorRuleNames[static_cast<std::size_t>(c.rule)]);
   text += recording::format("factor: %-15g # [-] [0.01, 100] on all thresholds\n", c.factor);
   text += recording::format(
-      "memory: %-15g # [s] [0.002, 10] of the mean velocity that is taken to be the surgeon's; tuned, "
+      "memory: %-15g # [s] [0.002, 10] for the mean velocity, which counts as the surgeon's; tuned, "
       "doc/detector.md\n",
       c.memory);
-  text += recording::format("braking_time: %-9g # [s] [0.001, 1] for which velocity gained carries on; tuned\n",
+  text += recording::format("braking_time: %-9g # [s] [0.001, 1] assumed duration of the gained velocity; tuned\n",
                             c.braking_time);
   text += recording::format(
-      "asked: %-16g # [-] [0, 1] weight of a position error that a command within the clip asks for; tuned\n", c.asked);
+      "asked: %-16g # [-] [0, 1] weight of the position error implied by a command within the clip; tuned\n", c.asked);
   text += recording::format(
-      "persistence: %-10g # [s] [0, 1] that a command beyond the robot's clip is taken to last; tuned\n",
-      c.persistence);
+      "persistence: %-10g # [s] [0, 1] assumed duration of a command beyond the robot's clip; tuned\n", c.persistence);
   text += recording::format(
-      "suspicion: %-12g # [-] [0.01, 100] of an alarm's size, from which on an arm's motion is not the surgeon's; "
-      "tuned\n",
+      "suspicion: %-12g # [-] [0.01, 100] share of an alarm from which motion is not the surgeon's; tuned\n",
       c.suspicion);
-  text += recording::format("suspicion_time: %-7g # [s] [0, 1] for which, at most; tuned\n", c.suspicion_time);
+  text += recording::format("suspicion_time: %-7g # [s] [0, 1] longest suspicion; tuned\n", c.suspicion_time);
   text += recording::format(
-      "excursion: %-12g # [m] [0, 0.1] predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any\n",
+      "excursion: %-12g # [m] [0, 0.1] least predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any.\n",
       c.excursion);
   text +=
-      "# inertia [kg m2] [1e-7, 1], viscous [Nms/rad] [0, 10], coulomb [Nm] [0, 10], offset [Nm] [-10, 10]: torque at "
-      "the\n"
-      "# capstan by angle of the motor shaft, links included. gravity [Nm/rad, Nm/rad, Nm/m] [-100, 100]: change of "
-      "the\n"
-      "# offset with the three joints. Thresholds of both rules: acceleration [rad/s2] and motor_velocity [rad/s] of "
-      "the\n"
-      "# motor, joint_velocity [rad/s; m/s], all [0, 1e6].\n";
+      "# Axes: inertia [kg m2] [1e-7, 1], viscous [Nms/rad] [0, 10], coulomb [Nm] [0, 10], offset [Nm] [-10, 10]: "
+      "capstan\n"
+      "# torque per motor shaft angle, links included. gravity [Nm/rad, Nm/rad, Nm/m] [-100, 100]: change of the "
+      "offset\n"
+      "# with the three joints. Thresholds of both rules: acceleration [rad/s2] and motor_velocity [rad/s] of the "
+      "motor,\n"
+      "# joint_velocity [rad/s; m/s], all [0, 1e6].\n";
   for (const Arm arm : kArms) {
     text += std::string(name(arm)) + ":\n";
     for (std::size_t i = 0; i < kDetectorAxes; ++i)

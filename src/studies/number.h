@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::studies {
 
-/** As short as it may be and still tell nine digits; nothing for what is not known. */
+/** As short as possible with nine digits; empty for NaN and infinity. */
 inline std::string number(double value) {
   if (!std::isfinite(value)) return "";
   char text[32];

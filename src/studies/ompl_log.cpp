@@ -16,7 +16,7 @@ constexpr const char* kProperties =
     "status ENUM\ntime REAL\ntracking_error REAL\nwaypoints INTEGER\n";
 constexpr int kPropertyCount = 10;
 
-/** Empty where there is no path to tell of. */
+/** Empty without a path. */
 std::string lineOf(const PlanRun& run) {
   const PlanResult& plan = run.result;
   const bool has_path = plan.status == PlanStatus::kSuccess;

@@ -16,8 +16,7 @@ std::string newFile(const std::string& directory, const std::string& name) {
   std::error_code error;
   fs::create_directories(fs::path(directory) / "paths", error);
   if (error) throw SessionException(directory + ": cannot be created: " + error.message());
-  if (fs::exists(path))
-    throw SessionException(path.string() + " is there already: every study needs a folder of its own");
+  if (fs::exists(path)) throw SessionException(path.string() + " exists already: every study needs a new folder");
   return path.string();
 }
 

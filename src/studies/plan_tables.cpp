@@ -184,9 +184,9 @@ PlanTableRow tableRow(const planning::PlanOptions& options, const std::vector<co
   row.tracking_time = over(good, [](const PlanRun& run) { return run.track.duration; });
   row.waypoints = over(good, [](const PlanRun& run) { return static_cast<double>(run.result.waypoint_count); });
   row.cost = over(good, [](const PlanRun& run) { return run.result.cost; });
-  const bool tells = planning::reportsSamples(options.planner);
+  const bool reports = planning::reportsSamples(options.planner);
   row.samples_used =
-      tells ? over(good, [](const PlanRun& run) { return static_cast<double>(run.result.samples); }) : summarise({});
+      reports ? over(good, [](const PlanRun& run) { return static_cast<double>(run.result.samples); }) : summarise({});
   row.clearance = over(good, [](const PlanRun& run) { return run.result.clearance; });
   row.tracking_error = over(good, [](const PlanRun& run) { return run.result.tracking_error; });
   return row;

@@ -133,8 +133,8 @@ void CyclicThread::run() noexcept {
   }
 }
 
-/** Runs the tick due at `release_`, and late ones after it. @return when to go on: at the next release, or, if there is
- *  more to make up for than one tick may, at the next one to come, so that what runs below this thread gets time. */
+/** Runs the tick due at `release_`, and late ones after it. @return when to go on: at the next release. If more
+ *  was missed than one tick may catch up with, at the next future one, so that lower threads get time. */
 std::int64_t CyclicThread::catchUp() noexcept {
   const std::int64_t late = net::monotonicNow() - release_;
   counts_.max_late_ns = std::max(counts_.max_late_ns, late);
@@ -150,7 +150,7 @@ std::int64_t CyclicThread::catchUp() noexcept {
   return release_ + (passed + 1) * kTickNanoseconds;
 }
 
-/** Too much was missed to make up for: goes on with the newest release that has passed. @return the backlog left. */
+/** Too much was missed to catch up: goes on with the newest release that has passed. @return the backlog left. */
 std::int64_t CyclicThread::giveUp(std::int64_t backlog) noexcept {
   ++counts_.time_slips;
   counts_.lost_ticks += backlog;

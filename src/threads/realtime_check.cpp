@@ -32,7 +32,7 @@ bool mayLockAnyAmount() noexcept {
   return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
 }
 
-/** What the heap has had once, locked or not, it keeps. */
+/** The heap keeps all memory that it had once, locked or not. */
 void keepHeap() {
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_TOP_PAD, kHeapStep);
@@ -80,8 +80,8 @@ MemoryLock lockMemory() {
   if (!mayLockAnyAmount() && limit.rlim_cur != RLIM_INFINITY) {
     return {false, "memory not locked (RLIMIT_MEMLOCK is " + std::to_string(limit.rlim_cur / 1024) + " KiB)"};
   }
-  // What is mapped now, programs and libraries, is fetched at once: a line of a loop that runs for the first time an
-  // hour from now must not wait for the disk. What comes later (stacks, rings) is locked as it is touched.
+  // Programs and libraries that are mapped now are read at once: a line of a loop that runs for the first time an
+  // hour from now must not wait for the disk. Later memory (stacks, rings) is locked when it is touched.
   if (mlockall(MCL_CURRENT) != 0 || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) {
     return {false, std::string("memory not locked (") + std::strerror(errno) + ")"};
   }

@@ -22,7 +22,7 @@ bool AttemptCollector::isAnswering(Tick session_tick) const {
                      [&](const TickSpan& answer) { return session_tick >= answer.begin && session_tick < answer.end; });
 }
 
-/** One that fails before its timer starts has no tick that counts, and is an attempt all the same. */
+/** An attempt that fails before its timer starts has no tick that counts, but is an attempt. */
 bool AttemptCollector::begins(const ModelState& model) const {
   const bool has_failed = model.exercise.status == ExerciseStatus::kFailed && model.mode != Mode::kReplaying;
   return counts(model) || has_failed;
@@ -69,7 +69,7 @@ void AttemptCollector::add(const TickRecord& record) {
       attempt->outcome.last = model.session_tick;
     }
   }
-  // What happens before the timer starts is of the attempt that waits for it.
+  // Events before the timer starts belong to the attempt that waits for it.
   const bool waits = attempt == nullptr && exercise.status == ExerciseStatus::kWaiting;
   if (!waits) events_.clear();
 }

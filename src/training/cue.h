@@ -4,7 +4,7 @@
 
 namespace raven2_trainer::training {
 
-/** What a surgeon could notice of a hazard first, and when. */
+/** The first noticeable effect of a hazard, and its time. */
 struct Cue {
   Tick after{-1};  ///< [1 ms] from the injection; -1 nothing
   Sense sense{Sense::kNone};
@@ -12,7 +12,8 @@ struct Cue {
 
 /**
  * The first that begins in the aftermath and lasts for kNoticed. A force is felt from its beginning; a robot that parts
- * is seen once it has been apart for that long. Of two at once the force. What was there before begins with the
+ * is seen once it has been apart for that long. Of two at once the force. An effect that was there before begins with
+ * the
  * injection.
  */
 Cue findCue(const HazardWindow& window);

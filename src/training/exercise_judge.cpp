@@ -203,7 +203,7 @@ void ExerciseJudge::Impl::watchBreaking(BrokenOff broken) noexcept {
   }
 }
 
-/** What is shown of them, whether it is judged or not, and after the attempt. */
+/** For pictures and pages: with or without judging, and after the attempt. */
 void ExerciseJudge::Impl::markBroken(BrokenOff broken) noexcept {
   for (std::size_t i = 0; i < scene.breakables.size() && scene.first_breakable + i < state.bodies.size(); ++i) {
     std::uint8_t& flags = state.bodies[scene.first_breakable + i];

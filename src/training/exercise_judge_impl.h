@@ -9,7 +9,7 @@
 
 namespace raven2_trainer::training {
 
-/** What is remembered of one object. */
+/** History of one object. */
 struct ObjectStory {
   PerArm<bool> held{};         ///< at the end of the last tick
   std::int32_t lifted{0};      ///< [ticks] of this hold

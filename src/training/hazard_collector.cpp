@@ -11,7 +11,7 @@ namespace {
 
 constexpr Tick kLateness = 5000;   // [1 ms] the recorder's queues hold a little over four seconds
 constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 12 MB
-constexpr Tick kEarly = 100;       // [1 ms] a robot's cycle is seen before the daemon is told whose fault it had
+constexpr Tick kEarly = 100;       // [1 ms] a robot's cycle is seen before the daemon receives whose fault it had
 
 /** The middle one; 0 of none. */
 Tick median(std::vector<Tick> values) {
@@ -34,7 +34,7 @@ HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMet
   }
 }
 
-/** The robot tells its own faults' first cycle, which the daemon learns of later. */
+/** The robot reports the first cycle of its faults, and the daemon receives it later. */
 HazardCollector::Hazard HazardCollector::describe(const FaultEvent& event, const SessionMetrics& metrics) {
   Hazard hazard{event.name, event.first_tick, event.end_tick, 0};
   for (const Injection& injection : metrics.injections) {
@@ -85,7 +85,7 @@ void HazardCollector::append(const TickRecord& record, Open* open) const {
     open->ticks.push_back(open->ticks.back());
   }
   const Hazard& hazard = open->hazard;
-  // Its cycle may be seen a little before the daemon is told whose it was, but not long before.
+  // Its cycle may be seen a little before the daemon receives whose it was, but not long before.
   const bool is_early = hazard.cycle > 0 && record.robot.cycle >= hazard.cycle && now >= hazard.begin - kEarly;
   if (open->injection < 0 && (is_early || now >= hazard.begin)) {
     open->injection = now;

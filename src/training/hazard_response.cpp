@@ -17,12 +17,12 @@ namespace {
 // Ours, all of the hand, not of the tip (doc/scores.md).
 constexpr std::size_t kHalfBox = 5;       // [1 ms] of the centred mean over ten
 constexpr std::size_t kBefore = 200;      // [1 ms] of the speed before the injection
-constexpr double kMoving = 0.010;         // [m/s] slower is not on its way anywhere
+constexpr double kMoving = 0.010;         // [m/s] a slower hand goes nowhere
 constexpr double kBack = 0.010;           // [m/s] against the old direction
 constexpr std::size_t kBackTicks = 30;    // [1 ms]
 constexpr double kSlowShare = 0.2;        // [-] of the speed before
 constexpr double kStill = 0.005;          // [m/s]
-constexpr Tick kComesToStand = 150;       // [1 ms] on the way there a hand is slow
+constexpr Tick kComesToStand = 150;       // [1 ms] before it stops a hand is slow
 constexpr std::size_t kPushTicks = 1500;  // [1 ms] behind the cue
 constexpr double kPushPath = 0.020;       // [m]
 constexpr double kLatest = 2.0;           // [-] times what the rule grants: later ones are about something else
@@ -120,7 +120,7 @@ void findStops(const HazardWindow& window, Responses* found) {
   }
 }
 
-/** Who comes to stand is slow on the way there: one response, the stronger, from where the slowing began. */
+/** A hand that stops is slow before: that is one response, the stronger, from where the slowing began. */
 void joinSlowing(Responses slow, const Responses& still, Responses* found) {
   for (const TimedResponse& stand : still) {
     const auto before = std::find_if(slow.rbegin(), slow.rend(), [&](const TimedResponse& s) {
@@ -142,7 +142,7 @@ void findRetreat(const HazardWindow& window, const HandMotionTrack& hand, Respon
       [&](std::size_t k) { return hand.along(hand.velocity(k)) <= -kBack; }, found);
 }
 
-/** Of both hands: one of them rests while the other works, whatever happens. Whoever rested already can stay so. */
+/** Of both hands: one of them rests while the other works, whatever happens. A hand that rested already can stay so. */
 void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hands, Tick cue, Responses* found) {
   const double before = std::max(hands[0].speedBefore(), hands[1].speedBefore());
   const auto speed = [&](std::size_t k) { return std::max(hands[0].velocity(k).norm(), hands[1].velocity(k).norm()); };
@@ -160,7 +160,7 @@ void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hand
   joinSlowing(slow, still, found);
 }
 
-/** Told at the end of its time: a hand on its way goes far while its owner takes notice. */
+/** Judged at the end of its time: a moving hand goes far before the surgeon notices. */
 void findPush(const HazardWindow& window, const HandMotionTrack& hand, Tick cue, Responses* found) {
   const std::size_t begin = window.injection + static_cast<std::size_t>(cue);
   const std::size_t end = begin + kPushTicks;
@@ -209,7 +209,7 @@ bool contains(const std::vector<Response>& list, Response response) {
   return std::find(list.begin(), list.end(), response) != list.end();
 }
 
-/** Standing is being slow, too. */
+/** To hold still is also to be slow. */
 bool isRight(const ResponseRule& rule, Response response) {
   return contains(rule.right, response) || (response == Response::kHoldStill && contains(rule.right, Response::kSlow));
 }
@@ -287,7 +287,7 @@ bool hadStopped(const HazardWindow& window, const HazardResponse& result) {
   return std::any_of(from, to, [](const HandSample& sample) { return sample.stop != 0; });
 }
 
-/** By time; of those at once the one that stands first in the list of responses. */
+/** By time; of responses at the same time the first in the list of responses. */
 bool isEarlier(const TimedResponse& a, const TimedResponse& b) {
   return a.after != b.after ? a.after < b.after : a.response < b.response;
 }

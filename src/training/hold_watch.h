@@ -11,7 +11,7 @@ constexpr double kPress = 0.05;        ///< [N] of each jaw: well above what the
 constexpr std::int32_t kHoldOn = 20;   ///< [ticks] pressed for so long: held
 constexpr std::int32_t kHoldOff = 50;  ///< [ticks] not pressed for so long: no longer held
 
-/** What touches one object in one tick. */
+/** Contacts of one object in one tick. */
 struct ObjectContacts {
   PerArm<std::array<double, 2>> press{};  ///< [N] of each jaw
   PerArm<bool> arm{};                     ///< any link of the arm presses on it
@@ -19,7 +19,7 @@ struct ObjectContacts {
   bool object{};                          ///< or another free body
 };
 
-/** Who holds what, from contacts alone. Real-time safe but for the constructor. */
+/** Finds out which arm holds which object, from contacts alone. Real-time safe except for the constructor. */
 class HoldWatch {
  public:
   explicit HoldWatch(const JudgeScene& scene) : scene_(scene) {}

@@ -16,7 +16,7 @@ std::string join(const Names& names) {
   return all;
 }
 
-/** Number of a body; `place` begins the message where there is none. */
+/** Number of a body; `place` begins the message if it is missing. */
 std::uint16_t numberOf(const Names& names, const std::string& name, const std::string& place) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())

@@ -12,7 +12,7 @@ namespace raven2_trainer::training {
 
 constexpr std::uint8_t kNoArm = 2;  ///< not an index of an arm
 
-/** Who a body of the contact list is. */
+/** Meaning of a body in the contact list. */
 struct JudgedBody {
   std::uint8_t arm{kNoArm};      ///< index of the arm it belongs to
   std::uint8_t jaw{kNoArm};      ///< 0 or 1: that jaw of the arm

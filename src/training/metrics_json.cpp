@@ -38,7 +38,7 @@ Json describeFaulted(const FaultedPackets& packets) {
   return {{"lost", packets.lost}, {"added", packets.added}, {"held", packets.held}};
 }
 
-/** A real Raven's control software counts no packets: what its state bridge tells is all noughts. */
+/** A real Raven's control software counts no packets: the counts of its state bridge are all zero. */
 bool isRelayReported(const SessionCounts& counts) {
   return counts.relay.received > 0 || counts.relay_sent == 0 || counts.robot_state.applied == 0;
 }

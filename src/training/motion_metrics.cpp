@@ -133,7 +133,7 @@ Vec3 MotionAccumulator::tipInWorld(const ModelState& model, Arm arm) const {
   return toArray(at(settings_.X_WB, arm) * toEigen(at(model.arms, arm).p_BT));
 }
 
-/** With the pedal up the tools stand: what the model does then, back to its robot, is no hand's motion. */
+/** With the pedal up the tools do not move: the model's return to its robot is no motion of the hand. */
 void MotionAccumulator::followTips(const ModelState& model) {
   if (model.pedal == 0 && metrics_.ticks > 1) return;
   for (const Arm arm : kArms)
@@ -184,8 +184,8 @@ bool MotionAccumulator::isVisible(const model::Camera& camera, const Vec3& tip_W
 void MotionAccumulator::followView(const ModelState& model) {
   if (!settings_.camera) return;
   CameraConfig config = *settings_.camera;
-  const bool is_told = distance(model.camera.eye_W, model.camera.target_W) > 0.0;
-  if (is_told) {
+  const bool is_known = distance(model.camera.eye_W, model.camera.target_W) > 0.0;
+  if (is_known) {
     config.eye_W = model.camera.eye_W;
     config.target_W = model.camera.target_W;
     config.up_W = model.camera.up_W;

@@ -3,11 +3,11 @@
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// What passes through the opening of an object. Real-time safe.
+// Whether something passes through the opening of an object. Real-time safe.
 
 namespace raven2_trainer::training {
 
-/** The peg's axis, between its foot and its top, passes through the opening. An object that stands on its edge (its
+/** The peg's axis, between its foot and its top, passes through the opening. An object on its edge (its
  *  normal more than 72 degrees off the vertical) is around nothing. */
 bool isAround(const SceneObject& object, const Pose& X_WO, const ScenePeg& peg) noexcept;
 

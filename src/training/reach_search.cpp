@@ -37,7 +37,7 @@ bool ReachSearch::isReached(std::uint32_t attempt) const noexcept {
   const std::uint32_t azimuth = attempt / (kArmCount * kRolls) % kAzimuths;
   const std::uint32_t lean = attempt / (kArmCount * kRolls * kAzimuths);
   const auto turn = [](double angle, const Vector3& axis) { return Eigen::AngleAxisd(angle, axis).toRotationMatrix(); };
-  Matrix3 down;  // x, the way the jaws point, straight down
+  Matrix3 down;  // x, the direction of the jaws, straight down
   down << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   Pose X_WT;
   X_WT.R = turn(2.0 * kPi * azimuth / kAzimuths, Vector3::UnitZ()) * turn(kLeanStep * lean, Vector3::UnitY()) * down *

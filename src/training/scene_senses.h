@@ -27,7 +27,7 @@ class RestWatch {
   bool rests_{false};
 };
 
-/** What predicates speak of, at the end of one tick. Real-time safe but for the constructor. */
+/** The quantities of predicates at the end of one tick. Real-time safe except for the constructor. */
 class SceneSenses {
  public:
   SceneSenses(const SceneRoles& roles, const JudgeScene& scene, const ArmsConfig& arms, const CameraConfig& camera);

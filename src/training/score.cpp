@@ -40,7 +40,7 @@ Touches sum(const MotionMetrics& motion, const std::vector<Partner>& partners) {
   return all;
 }
 
-/** What the judge counted, by the exercise's own rules. */
+/** The judge's count, by the exercise's rules. */
 Value mistakes(const AttemptOutcome& outcome, Mistake mistake) {
   if (outcome.status == ExerciseStatus::kNone) return std::nullopt;
   return static_cast<double>(outcome.mistakes[static_cast<std::size_t>(mistake)]);
@@ -52,7 +52,7 @@ Value judged(const AttemptOutcome& outcome, Mistake mistake, std::uint64_t all) 
   return own ? own : Value(static_cast<double>(all));
 }
 
-/** What was measured, by the names of kMetrics; the order is of no account. */
+/** The measured values, by the names of kMetrics, in any order. */
 std::vector<std::pair<std::string, Value>> valuesOf(const MotionMetrics& motion,
                                                     const AttemptOutcome& outcome,
                                                     const Economy& economy) {
@@ -146,7 +146,7 @@ std::vector<std::string> advise(const AttemptScore& score) {
   return advice;
 }
 
-/** What the exercise says of a metric; nullptr: nothing. */
+/** The exercise's entry for a metric; nullptr without one. */
 const ScoredMetric* findScored(const Standard& standard, const std::string& name) {
   if (!standard.scored) return nullptr;
   const auto is_it = [&](const ScoredMetric& metric) { return metric.name == name; };

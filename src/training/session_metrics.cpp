@@ -110,7 +110,8 @@ void MetricsAccumulator::close(const FaultChange& change, const TickRecord& reco
   span->injection.clear_cycle = change.host == FaultHost::kRobot ? change.cycle : record.robot.cycle;
 }
 
-/** What a change ends: the row's span that acts; for an end also the newest that was given up with its link. */
+/** The span that a change ends: the row's acting one; for an end also the newest one that was given up with its link.
+ * */
 MetricsAccumulator::Span* MetricsAccumulator::spanOf(const FaultChange& change) {
   const auto is_of = [&](const Span& span) {
     return span.begin.host == change.host && span.begin.id == change.id && span.begin.row == change.row;
@@ -278,7 +279,7 @@ void MetricsAccumulator::add(const PlanRecord& record) {
   metrics_.plan = record.result;
 }
 
-/** A report may be read before the ticks that it tells of: they are matched at the end. */
+/** A report may be read before its ticks: they are matched at the end. */
 void MetricsAccumulator::add(const ExecutionRecord& record) {
   if (metrics_.executions.size() < kMaxExecutions) {
     metrics_.executions.push_back({record.report, -1});

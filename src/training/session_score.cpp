@@ -11,7 +11,7 @@ namespace raven2_trainer::training {
 
 namespace {
 
-/** Records that other threads wrote may stand before the tick they belong to: they wait for it. */
+/** Records of other threads may come before their tick: they wait for it. */
 template <typename Record>
 class Waiting {
  public:

@@ -38,7 +38,7 @@ void TouchWatch::add(std::uint16_t rules, std::uint16_t a, std::uint16_t b, doub
   }
 }
 
-/** The touch of these two parties, a new one if there is none; null if there is no room. */
+/** The touch of these two parties, a new one without it; null without room. */
 Touch* TouchWatch::find(std::uint8_t rule, std::uint16_t a, std::uint16_t b) noexcept {
   const std::uint16_t owner_a = scene_.bodies[a].owner, owner_b = scene_.bodies[b].owner;
   Touch* empty = nullptr;

@@ -24,7 +24,7 @@ class TouchWatch {
   TouchWatch(const Exercise& exercise, const JudgeScene& scene);
 
   void clear() noexcept { touches_ = {}; }
-  /** One tick: began_now and ended_now tell what became of each. */
+  /** One tick: began_now and ended_now have the changes. */
   void observe(const ContactList& list) noexcept;
   /** Marks all that go on as ended now, and no other. */
   void endAll() noexcept;

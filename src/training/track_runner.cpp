@@ -86,7 +86,7 @@ bool TrackRunner::advance() noexcept {
 bool TrackRunner::isOutOfOrder(bool its_turn) noexcept {
   if (isDone() || (its_turn && done_ + 1U == steps_.size())) return false;
   const Step& early = its_turn ? steps_.back() : steps_.front();
-  if (early.wire != kNobody) return false;  // being led takes its turn
+  if (early.wire != kNobody) return false;  // leading along a wire is another step
   if (!holds(early, 0.0)) {
     early_armed_ = true;
     early_ticks_ = 0;

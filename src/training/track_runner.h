@@ -16,11 +16,11 @@ class TrackRunner {
   TrackRunner(const ExerciseTrack& track, const SceneSenses& senses);
 
   void restart() noexcept;
-  /** What took time has to begin again, what was done stays done. */
+  /** Running times begin again; finished steps stay finished. */
   void forget() noexcept;
-  /** One tick in which its turn has come. @return true if a step was done. */
+  /** One tick in which it is active. @return true if a step was done. */
   bool advance() noexcept;
-  /** Call before advance(). @return true if its goal was reached with a step left out, or, while it is not its turn,
+  /** Call before advance(). @return true if its goal was reached with a step left out, or, while it is not active,
    * its first step was done; once each time. */
   bool isOutOfOrder(bool its_turn) noexcept;
 
@@ -32,7 +32,7 @@ class TrackRunner {
   std::uint8_t allowedArms() const noexcept { return isDone() ? kBothArms : steps_[done_].arms; }
   /** The object, let go, is where the running step or the one before wants it. */
   bool isLetGoWell(std::uint8_t object) const noexcept;
-  /** [-] of the wire of the running step; 0 if that has none. */
+  /** [-] of the wire of the running step; 0 without a wire. */
   double progress() const noexcept { return along_; }
   bool leadsAlong() const noexcept { return !isDone() && steps_[done_].wire != kNobody; }
   /** [m] of the nearer tip to what the running step waits for; infinite if it is done. */

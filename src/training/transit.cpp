@@ -79,7 +79,7 @@ Economy compare(const std::vector<Transit>& transits, const WayPlanner& plan) {
     for (const Vec3& place : transit.way_W)
       distances.push_back(distanceTo(way, place));
   }
-  // A plan that is longer than the way that was found by hand is not the shortest one.
+  // A plan that is longer than the path of the hand is not the shortest one.
   if (real > 0.0) economy.ratio = std::min(1.0, planned / real);
   describeDistances(std::move(distances), &economy);
   return economy;

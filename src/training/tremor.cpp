@@ -8,7 +8,7 @@ namespace raven2_trainer::training {
 
 namespace {
 
-/** Less its least-squares line: a hand on its way has its slope in every bin. */
+/** Subtracts its least-squares line: the slope of a moving hand would be in every bin. */
 void takeLineOut(std::vector<double>* x) {
   const auto n = static_cast<double>(x->size());
   const double middle = 0.5 * (n - 1.0);

@@ -112,7 +112,7 @@ class Search {
   std::int64_t firstNs() const { return first_ns_; }  ///< on the clock of the robot's computer
 
  private:
-  /** What lies before the first state. */
+  /** Skips what is older than the first state. */
   void skip(const RobotState& robot) {
     while (clock_ < by_clock_.size() && *by_clock_[clock_]->clock_ns < robot.time_ns)
       by_clock_[clock_++]->by_clock = kBefore;

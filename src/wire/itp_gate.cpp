@@ -122,7 +122,8 @@ Reject ItpGate::answer(const Arrival& arrival, const Nonce& fresh, HandshakeByte
   if (isForeign(arrival.source)) return Reject::kForeignSource;
   Nonce sender;
   const Reject reason = sessions_.examine(arrival.bytes, arrival.size, &sender);
-  if (reason != Reject::kNone) return reason;  // first: whoever has no key costs the one who has it no answer
+  if (reason != Reject::kNone)
+    return reason;  // first: a sender without the key must not use up answers to the one with it
   if (!hellos_.take(arrival.time_ns)) return Reject::kRateLimited;
   sessions_.answer(sender, fresh, reply);
   return Reject::kNone;

@@ -8,7 +8,7 @@
 #include "raven2_trainer/core/bytes.h"
 #include "raven2_trainer/core/counters.h"
 
-// What the datagrams of this package's own have in common: magic u32, version u16, size u16, the body, then the CRC-32
+// Frame of this package's own datagrams: magic u32, version u16, size u16, the body, then the CRC-32
 // (zlib's) of all before it.
 
 namespace raven2_trainer::wire {

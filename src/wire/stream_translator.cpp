@@ -13,7 +13,8 @@ Vec3 turned(const AxisMap& axes, const Vec3& v) noexcept {
   return result;
 }
 
-/** Whole; `*rest` is what is left over. What no packet can hold is at its bound, and judged there. */
+/** Rounds to a whole number; `*rest` is the remainder. A value that no packet can hold is cut to its bound, and judged
+ * there. */
 std::int32_t whole(double value, double* rest) noexcept {
   const double wanted = value + *rest;
   const double given = std::round(std::clamp(wanted, -2147483647.0, 2147483647.0));
@@ -48,7 +49,7 @@ void StreamTranslator::translatePosition(std::size_t arm, ItpPacket* packet) noe
 
 void StreamTranslator::translateTurn(std::size_t arm, ItpPacket* packet) const noexcept {
   Vec3 v = turned(profile_.axes, {packet->Qx[arm], packet->Qy[arm], packet->Qz[arm]});
-  // Axes that mirror turn an axis of rotation the other way.
+  // Axes that mirror reverse an axis of rotation.
   const double scale = determinant(profile_.axes) * (profile_.turns_in_counts ? profile_.turn_per_count : 1.0);
   for (double& x : v)
     x *= scale;

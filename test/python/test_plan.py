@@ -131,7 +131,7 @@ def test_a_folder_is_used_once(tmp_path):
     (tmp_path / "runs.csv").write_text("mine\n")
     got = plan("short_move", "--runs", 1, "--output", tmp_path)
     assert got.returncode == 1
-    assert "is there already" in got.stderr
+    assert "exists already" in got.stderr
     assert (tmp_path / "runs.csv").read_text() == "mine\n"
 
 

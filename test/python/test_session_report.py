@@ -157,8 +157,8 @@ def test_every_metric_of_a_score_has_words():
 
 def test_a_value_that_rounds_to_its_limit_gets_more_digits():
     metric = made.metric(0.63041, 0.5, 0.01, 0.63029, "-")
-    assert metric_words.said("idle", metric) == "standing still 0.6304 (limit 0.6303)"
-    assert metric_words.said("idle", {**metric, "value": 0.63029}) == "standing still 0.63 (limit 0.63)"
+    assert metric_words.said("idle", metric) == "at rest 0.6304 (limit 0.6303)"
+    assert metric_words.said("idle", {**metric, "value": 0.63029}) == "at rest 0.63 (limit 0.63)"
 
 
 def test_a_count_s_limit_is_what_is_still_allowed():
@@ -437,7 +437,7 @@ def test_a_hazard_that_nobody_could_notice_is_no_failure(tmp_path):
                                        drill="none"))
     assert "answered" not in headline(page) and headline(page).startswith("Passed")
     assert "there was nothing to answer, and nothing is judged" in page
-    assert record["improve"] == [] and "Nothing that stands out" in page
+    assert record["improve"] == [] and "Nothing: every figure" in page
     page, record, _ = report(made.make(tmp_path / "b", made.score(None, improve=[], hazards=[unnoticed], values=passed)))
     assert headline(page) == "Not judged: all else passed, but the hazard of the drill gave nothing to feel or to see in time"
     assert record["verdict"]["passed"] is None

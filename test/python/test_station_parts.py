@@ -271,6 +271,16 @@ def test_a_spoilt_index_is_an_empty_or_shorter_class(tmp_path, text):
     assert len(records.Records(tmp_path).the_class(STAGES)) <= 1
 
 
+def test_the_history_has_score_time_and_response(folder):
+    (folder / "s1").mkdir()
+    (folder / "s1" / "session.rlog").write_bytes(b"x")
+    (folder / "s1" / "score.json").write_text(json.dumps({"attempts": [{"composite": 0.75}]}))
+    history = records.Records(folder).history("ann")
+    assert [(a["session"], a["score"], a["time"]) for a in history] == [("s0", None, 10.0), ("s1", 0.75, 11.0), ("s3", None, 13.0)]
+    (folder / "s1" / "score.json").write_text('{"attempts": [{"composite": "x"}, 3]}')
+    assert [a["score"] for a in records.Records(folder).history("ann")] == [None] * 3
+
+
 def test_deleting_takes_the_whole_directory_and_nothing_else(folder):
     store = records.Records(folder)
     store.delete("2026-01-01T10-00-00Z_ann")

@@ -213,6 +213,25 @@ def test_a_curriculum_starts_the_stage_of_its_trainee(station):
     os.remove(index)
 
 
+def test_a_past_session_is_replayed_in_the_picture(station):
+    async def scenario():
+        async with Page(station.url) as page:
+            await start(page, exercise="none", hazard="none", driver="scripted")
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
+            await asyncio.sleep(3.0)
+            await stop(page)
+            past = page.newest["station"]["last"]
+            assert not (await page.ask("replay", session="../x"))["ok"]
+            answer = await page.ask("replay", session=past, seconds=60)
+            assert answer["ok"], answer
+            await page.until(lambda: page.mode() == "replaying", 5, "it is shown")
+            assert page.newest["station"]["choice"]["trainee"] == "", "for nobody's history"
+            assert (await page.ask("end-replay"))["ok"]
+            await page.until(lambda: page.mode() == "pedal_up", 5, "it is over")
+            await stop(page)
+    run(scenario())
+
+
 def test_a_trainer_of_a_launch_file_is_used_and_not_doubled(station):
     ports = dict(zip(("--master-port", "--robot-port", "--force-port", "--sight-port", "--state-port"), map(str, free_ports(5))))
     common = [word for pair in ports.items() for word in pair]
@@ -252,8 +271,7 @@ def test_what_is_killed_is_named_within_2_s_and_over_by_itself(station):
             await page.until(lambda: page.mode() == "teleoperating", 20, "the session moves")
             for program in ("virtual_raven", "simulator"):
                 os.kill(station.programs()[program], 9)
-                await page.until(lambda: page.newest["health"]["level"] == 2, 2, "it is named")
-                assert program in page.newest["station"]["trouble"]
+                await page.until(lambda: page.newest["health"]["level"] == 2 and program in page.newest["station"]["trouble"], 2, "it is named")
                 await page.until(lambda: page.phase() == "idle", 15, "the session has ended")
                 if program == "virtual_raven":
                     await start(page, exercise="none", hazard="none", driver="scripted")

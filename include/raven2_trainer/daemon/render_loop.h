@@ -92,7 +92,7 @@ class RenderLoop {
   LivePace pace_;
   std::optional<Stage> stage_;  // for pace_'s level; none: to be made for the next frame
   std::int64_t drawn_ns_{0};    // when the newest picture was begun
-  LivePicture told_;
+  LivePicture live_;
   render::PlanNews plans_;
   std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells
 };

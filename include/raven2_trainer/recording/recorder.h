@@ -77,7 +77,7 @@ class Recorder {
   session::LogWriter log_;
   session::FlightRecorder* flight_;
   training::MetricsAccumulator metrics_;
-  RecordTally told_{};  ///< lost records that gap records in the log tell of
+  RecordTally reported_{};  ///< lost records that gap records in the log report
   RecorderStatus status_{};
   int refused_since_gap_{0};  ///< errno
   Tick tick_{-1}, session_tick_{-1};

@@ -66,7 +66,7 @@ struct Snapshot {
   std::string fault;  ///< name, or empty
   PlanNews plans;
   PerArm<Vec3> contact_W{};      ///< [N] what touches each arm presses it with, all contacts of the tick together
-  bool stands_in{false};         ///< the real camera's picture was asked for, and there is none
+  bool is_substitute{false};     ///< the real camera's picture was asked for, and there is none
   bool is_black{false};          ///< a fault of the video leaves nothing to be seen
   bool are_eyes_swapped{false};  ///< and another shows each eye of a pair what the other should see
   /** Of the attempt, where it was scored before the picture was drawn; shown once it is over. */

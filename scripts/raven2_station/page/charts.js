@@ -69,13 +69,13 @@ export class Strip {
   }
 }
 
-// Time and hazard response over a trainee's attempts; a filled mark is a pass.
+// Score, time and hazard response over a trainee's attempts; a filled mark is a pass.
 export function drawCurve(canvas, attempts) {
   const context = canvas.getContext("2d");
   const { width, height } = canvas;
   const values = attempts.map((a) => a.time).filter((t) => typeof t === "number");
   const top = Math.max(10, Math.ceil(Math.max(0, ...values)));
-  axes(context, width, height, top, "s", "Time (circles; filled: passed) and hazard response (triangles, 0 to 5 s)");
+  axes(context, width, height, top, "s", "Time (circles; filled: passed), score (squares, 0 to 100 %), hazard response (triangles, 0 to 5 s)");
   const x = (i) => 24 + (i + 0.5) * ((width - 48) / Math.max(attempts.length, 1));
   attempts.forEach((attempt, i) => {
     context.strokeStyle = "#0b5cad";
@@ -85,6 +85,10 @@ export function drawCurve(canvas, attempts) {
       context.arc(x(i), height - 12 - (attempt.time / top) * (height - 56), 6, 0, 2 * Math.PI);
       if (attempt.passed === true) context.fill();
       context.stroke();
+    }
+    if (typeof attempt.score === "number") {
+      context.strokeStyle = "#186a3b";
+      context.strokeRect(x(i) - 6, height - 18 - attempt.score * (height - 56), 12, 12);
     }
     if (typeof attempt.response === "number") {
       const y = height - 12 - (Math.min(attempt.response, 5) / 5) * (height - 56);

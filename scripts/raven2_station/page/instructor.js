@@ -44,6 +44,7 @@ function showMode(message) {
   const stopped = message.mode === "stopped";
   byId("mode").textContent = message.text + (message.pedal ? " (pedal down)" : "");
   byId("clear-stop").hidden = !stopped;
+  byId("end-replay").hidden = message.mode !== "replaying";
   byId("view").setAttribute("aria-pressed", message.view === "real");
   byId("view").textContent = message.view === "real" ? "Show virtual scene" : "Show real camera";
 }
@@ -184,6 +185,7 @@ press("next", "next");
 press("stop", "stop");
 press("pause", "pause");
 press("restart", "restart-exercise");
+press("end-replay", "end-replay");
 press("emergency-stop", "emergency-stop");
 press("clear-stop", "clear-stop");
 press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: byId("hazard").value }));
@@ -288,8 +290,8 @@ async function showHistory() {
   const reply = trainee ? await link.ask("history", { trainee }) : { ok: false };
   const attempts = reply.ok ? reply.more.attempts : [];
   drawCurve(byId("curve"), attempts);
-  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "result", "time", "hazard response"], "th"),
-    ...attempts.map((a) => row([a.start.replace("T", " ").replace("Z", ""), a.exercise, a.drill, passed(a.passed), number(a.time, "s"),
+  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "result", "score", "time", "hazard response"], "th"),
+    ...attempts.map((a) => row([a.start.replace("T", " ").replace("Z", ""), a.exercise, a.drill, passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
       number(a.response, "s")])));
 }
 
@@ -340,6 +342,7 @@ async function showSessions() {
       files.className = "buttons";
       files.append(s.report ? anchor("Report", `/sessions/${s.name}/report.html`) : action("Write report", () => link.ask("report", { session: s.name }), "write-report"));
       files.append(s.video ? anchor("Video", `/sessions/${s.name}/video.mp4`) : action("Render video", () => link.ask("video", { session: s.name }), "render-video"));
+      files.append(action("Replay", async () => say(await link.ask("replay", { session: s.name })), "replay"));
       files.append(anchor("Log", `/sessions/${s.name}/session.rlog?download`, true));
       return row([s.name, s.trainee, s.exercise, s.drill, passed(s.passed), number(s.duration, "s"), files,
         action("Delete", () => askToDelete(s.name), "delete")]);

@@ -34,7 +34,7 @@ struct Injector {
 
   Order order;
   std::string truth_path;
-  pid_t process{getpid()};  // a forked child shares this memory, and has no truth of its own to tell
+  pid_t process{getpid()};  // a forked child shares this memory, and writes no truth file
   CycleHistory history;
   BoardFaults boards;
   NetworkFaults network;
@@ -94,7 +94,7 @@ void setRole(int descriptor, Role role) noexcept {
   roles[static_cast<std::size_t>(descriptor)].store(static_cast<std::uint8_t>(role), std::memory_order_release);
 }
 
-/** Another descriptor of the same board; -1 if there is none. */
+/** Another descriptor of the same board, or -1. */
 int anyOf(Role role) noexcept {
   for (std::size_t i = 0; i < kDescriptors; ++i) {
     if (roles[i].load(std::memory_order_acquire) == static_cast<std::uint8_t>(role)) return static_cast<int>(i);
@@ -124,7 +124,7 @@ std::int64_t nowNs(clockid_t clock = CLOCK_REALTIME) noexcept {
   return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
 }
 
-/** [UDP or TCP port] that a socket is bound to; 0 for what is none. */
+/** [UDP or TCP port] that a socket is bound to; 0 for other descriptors. */
 std::uint16_t boundPort(int descriptor) noexcept {
   const int error = errno;
   sockaddr_storage address{};
@@ -167,7 +167,7 @@ void writeTruth(const Injector& made) {
   if (!is_written) say(made.truth_path + " cannot be written: " + std::strerror(errno));
 }
 
-/** With the first word of main(): whoever asks later finds the settings there. */
+/** Before main(): later calls find the settings there. */
 __attribute__((constructor)) void begin() {
   settings();
 }
@@ -232,10 +232,10 @@ ssize_t afterRead(Arm arm, ssize_t count, void* buffer, std::size_t size) noexce
   const int error = errno;
   const auto result = static_cast<std::int32_t>(count < 0 ? -error : count);
   if (result == raven::UsbRead::kComplete) std::memcpy(bytes.data(), buffer, bytes.size());
-  const std::int32_t told = made->boards.read(arm, result, &bytes, nowNs());
-  errno = told < 0 ? -told : error;
-  if (told == raven::UsbRead::kComplete) std::memcpy(buffer, bytes.data(), bytes.size());
-  return told < 0 ? -1 : told;
+  const std::int32_t faulted = made->boards.read(arm, result, &bytes, nowNs());
+  errno = faulted < 0 ? -faulted : error;
+  if (faulted == raven::UsbRead::kComplete) std::memcpy(buffer, bytes.data(), bytes.size());
+  return faulted < 0 ? -1 : faulted;
 }
 
 Delivery beforeWrite(Arm arm, int descriptor, const void* buffer) noexcept {

@@ -8,12 +8,12 @@
 #include "raven2_trainer/raven/usb_packets.h"
 #include "raven2_trainer/wire/itp.h"
 
-// What stands behind the wrapped calls: which descriptors are the boards' and the socket's, the decision whether
-// anything is injected, taken once, and the faults. Nothing here throws, and nothing but decide() allocates or locks.
+// The wrapped calls use this: descriptors of the boards and of the socket, the decision whether
+// anything is injected, taken once, and the faults. Nothing here throws, and only decide() allocates or locks.
 
 namespace raven2_trainer::preload {
 
-/** What is known of a descriptor. */
+/** Use of a descriptor. */
 enum class Role : std::uint8_t { kUnknown, kOther, kGold, kGreen, kItp };
 
 constexpr bool isBoard(Role role) noexcept {
@@ -39,7 +39,7 @@ ssize_t afterRead(Arm arm, ssize_t count, void* buffer, std::size_t size) noexce
 
 /** Where a board's packet goes. */
 struct Delivery {
-  int descriptor{-1};  ///< -1: nowhere, and the program is told that it was written
+  int descriptor{-1};  ///< -1: nowhere, and the program gets the answer that it was written
   raven::UsbOutBytes bytes{};
 };
 /** The program writes a packet to `descriptor`, which is this arm's board. */

@@ -22,7 +22,7 @@ namespace {
 using namespace raven2_trainer;
 using preload::Role;
 
-/** The calls that these stand before: the C library's, or those of the next preloaded library. */
+/** The calls that these replace: the C library's, or those of the next preloaded library. */
 struct Next {
   template <typename Function>
   static void find(const char* name, Function** function) {
@@ -74,12 +74,12 @@ ssize_t readNext(int descriptor, void* buffer, size_t size) {
   return preload::isBoard(role) ? preload::afterRead(preload::armOf(role), count, buffer, size) : count;
 }
 
-/** Who sent the newest packet: one that was held back says the same. The network thread's alone. */
+/** Sender of the newest packet, also for one that was held back. For the network thread only. */
 struct Source {
   sockaddr_storage address{};
   socklen_t size{0};
 
-  void tell(sockaddr* to, socklen_t* to_size) const {
+  void copyTo(sockaddr* to, socklen_t* to_size) const {
     if (to == nullptr || to_size == nullptr) return;
     std::memcpy(to, &address, std::min(*to_size, size));
     *to_size = size;
@@ -104,7 +104,7 @@ std::int64_t nowMs() {
  * select() (network_layer.cpp:206-235), and then looks whether it is to end. */
 class Patience {
  public:
-  /** A packet was lost. @return whether another may come; false with errno, EAGAIN if there is none. */
+  /** A packet was lost. @return whether another may come; false with errno, EAGAIN without a packet. */
   bool awaitsNext(int descriptor, int flags) {
     if (until_ms_ == 0) until_ms_ = waits(descriptor, flags) ? nowMs() + kPatienceMs : kNone;
     const std::int64_t left = std::max<std::int64_t>(until_ms_ - nowMs(), 0);
@@ -120,9 +120,9 @@ class Patience {
   std::int64_t until_ms_{0};
 };
 
-/** As the socket would have it without the packets that are lost: who waits waits for the next, but no longer than his
- * patience, and who does not is told that there is none (select() said otherwise, as it may when a datagram's check sum
- * is wrong). */
+/** As the socket would behave without the lost packets. A waiting call waits for the next packet, but no longer than
+ * its timeout. Another call gets
+ * EAGAIN, although select() said otherwise, as it may when a datagram's check sum is wrong. */
 ssize_t receiveNext(int descriptor, void* buffer, size_t size, int flags, sockaddr* from, socklen_t* from_size) {
   static thread_local Source source;
   wire::ItpBytes packet;
@@ -132,7 +132,7 @@ ssize_t receiveNext(int descriptor, void* buffer, size_t size, int flags, sockad
     const ssize_t count =
         next().recvfrom(descriptor, buffer, size, flags, reinterpret_cast<sockaddr*>(&source.address), &source.size);
     if (count != static_cast<ssize_t>(wire::kItpSize)) {
-      if (count >= 0) source.tell(from, from_size);
+      if (count >= 0) source.copyTo(from, from_size);
       return count;
     }
     preload::offerPacket(buffer);
@@ -141,7 +141,7 @@ ssize_t receiveNext(int descriptor, void* buffer, size_t size, int flags, sockad
     flags |= MSG_DONTWAIT;  // what poll() saw may be gone
   }
   std::memcpy(buffer, packet.data(), packet.size());
-  source.tell(from, from_size);
+  source.copyTo(from, from_size);
   return static_cast<ssize_t>(packet.size());
 }
 
@@ -190,7 +190,7 @@ RAVEN2_EXPORT int openat64(int folder, const char* path, int flags, ...) {
   return openNextAt(folder, path, flags | O_LARGEFILE, mode);
 }
 
-// What programs built with _FORTIFY_SOURCE call in their place.
+// Programs built with _FORTIFY_SOURCE call these in their place.
 RAVEN2_EXPORT int __open_2(const char* path, int flags) {
   return openNext(path, flags, 0);
 }

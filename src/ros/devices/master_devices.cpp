@@ -383,14 +383,14 @@ struct MasterDevices::Impl {
       pedal->say();
       for (const auto& device : devices)
         device->press();
-      if (time - told >= kForceNewsPeriod) reportReaders(time);
+      if (time - readers_reported >= kForceNewsPeriod) reportReaders(time);
       if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
     }
 
     void reportReaders(double time) {
       for (const auto& device : devices)
         device->reportReaders(time);
-      told = time;
+      readers_reported = time;
     }
 
     void diagnose(double time) {
@@ -413,7 +413,7 @@ struct MasterDevices::Impl {
     ros::Publisher diagnostics;
     std::unique_ptr<ros::AsyncSpinner> spinner;
     const Clock::time_point started{Clock::now()};
-    double diagnosed{0.0}, told{0.0};
+    double diagnosed{0.0}, readers_reported{0.0};
     PeriodicThread publisher;
   };
 

@@ -16,7 +16,7 @@ diagnostic_msgs::KeyValue value(const char* key, double number) {
   return pair;
 }
 
-/** Why no force will be felt; empty if one will, or none is wanted. */
+/** Why no force will be felt; empty if one will, or no force is wanted. */
 std::string wordsOfForce(const DeviceTopics& topics, const DeviceTraffic& traffic) {
   if (topics.force.empty()) return "";
   if (traffic.readers == 0) return "nobody reads " + topics.force + ": no force will be felt";

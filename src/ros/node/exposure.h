@@ -2,7 +2,8 @@
 
 #include <string>
 
-// Which computers can reach our ROS nodes. ROS has no authentication: a computer that can reach a node can call it.
+// Finds out which computers can reach our ROS nodes. ROS has no authentication: a computer that can reach a node can
+// call it.
 
 namespace raven2_trainer::ros_bridge {
 

@@ -351,7 +351,7 @@ TEST_F(LoadExercise, WrongPredicatesAreRefused) {
                 "has 5 entries, expected 1 to 4");
   SceneRoles bare = room();
   bare.regions.clear();
-  expectRefused(kGood, 23, "which is no region of the scene; it has none", bare);
+  expectRefused(kGood, 23, "which is no region of the scene; the scene has no such part", bare);
 }
 
 TEST_F(LoadExercise, WrongSetsAndRulesAreRefused) {

@@ -22,7 +22,7 @@ TEST(UnknownName, IsToldWithTheNearestOrWithWhatThereIs) {
   EXPECT_EQ(unknownName("hazard", "suden_jump", {"none", "sudden_jump"}),
             "no hazard is called \"suden_jump\": did you mean \"sudden_jump\"?");
   EXPECT_EQ(unknownName("tool", "x", {"a_tool", "b_tool"}), "no tool is called \"x\"; known: a_tool, b_tool");
-  EXPECT_EQ(unknownName("scene", "x", {}), "no scene is called \"x\"; known: none at all");
+  EXPECT_EQ(unknownName("scene", "x", {}), "no scene is called \"x\"; known: none");
   std::vector<std::string> many;
   for (int i = 100; i < 174; ++i)
     many.push_back("hazard_" + std::to_string(i));

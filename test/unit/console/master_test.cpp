@@ -42,7 +42,7 @@ const Line kLines[] = {
     {DeviceTrouble::kNoState, 0.0, "nothing has come on /DEVICE/state "},
     {DeviceTrouble::kNotReady, 0.0, "/DEVICE/state is not ENABLED and homed"},
     {DeviceTrouble::kLocked, 0.0, "locked"},
-    {DeviceTrouble::kNotFinite, 0.0, "numbers that are none"},
+    {DeviceTrouble::kNotFinite, 0.0, "NaN or infinity"},
     {DeviceTrouble::kNotUnit, 0.5, "norm 0.5, not 1"},
     {DeviceTrouble::kMillimetres, 123.0, "positions of 123 m: "},
     {DeviceTrouble::kOutOfReach, 0.425, "0.425 m from the device's origin, which it cannot reach (reach: 0.35 m)"},

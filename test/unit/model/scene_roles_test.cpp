@@ -111,7 +111,7 @@ TEST_F(SceneRolesTest, LinksThatCannotHaveTheRoleAreRefused) {
   config_.roles = good;
   expectRefused("link 'post': breaks off, but carries link 'flag'", link("flag", kShape, "fixed", "post"));
   config_.roles.breakables[0].link = "handle";
-  expectRefused("link 'handle': breaks off, but stands on a free body",
+  expectRefused("link 'handle': breaks off, but is fixed to a free body",
                 link("handle", kInertial + std::string(kShape), "fixed", "ball"));
 }
 

@@ -78,7 +78,7 @@ TEST(OverlayText, TheBriefLinesSayModeAndExercise) {
 TEST(OverlayText, AVirtualPictureThatStandsInForTheCamerasSaysSo) {
   Snapshot s = teleoperating();
   EXPECT_FALSE(hasLine(describe(s, gains()), "camera", ""));
-  s.stands_in = true;
+  s.is_substitute = true;
   EXPECT_TRUE(hasLine(describe(s, gains()), "camera", "STALE"));
 }
 
@@ -159,7 +159,7 @@ TEST(OverlayText, EachPartStandsUnderItsName) {
   EXPECT_TRUE(only(OverlayKind::kForceBars).has_bars);
   EXPECT_EQ(only(OverlayKind::kHazard).banner, "FAULT: sudden_jump");
   EXPECT_TRUE(only(OverlayKind::kStatus).banner.empty()) << "the trainee shall not read it";
-  s.stands_in = true;
+  s.is_substitute = true;
   EXPECT_TRUE(hasLine(describe(s, SceneOptions(gains(), OverlaySet())), "camera", "STALE")) << "whatever is asked for";
 }
 

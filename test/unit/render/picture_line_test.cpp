@@ -24,8 +24,8 @@ TEST(PictureLine, WithoutAFaultTheNewestIsSeen) {
     EXPECT_FALSE(seen.is_black);
   }
   Snapshot again = at(990);
-  again.stands_in = true;
-  EXPECT_TRUE(line.pass(again).stands_in) << "the same tick, newly told";
+  again.is_substitute = true;
+  EXPECT_TRUE(line.pass(again).is_substitute) << "the same tick, newly told";
 }
 
 TEST(PictureLine, FrozenItStandsAtTheLastPictureAndGoesOnWithTheNewest) {
@@ -40,12 +40,12 @@ TEST(PictureLine, WhetherItStandsInIsToldOfNow) {
   PictureLine line;
   line.pass(at(100));
   Snapshot frozen = at(133, kFrozen), late = at(166, kNone, 5000);
-  frozen.stands_in = late.stands_in = true;
-  EXPECT_TRUE(line.pass(frozen).stands_in);
+  frozen.is_substitute = late.is_substitute = true;
+  EXPECT_TRUE(line.pass(frozen).is_substitute);
   EXPECT_EQ(line.pass(frozen).model.tick, 100);
-  frozen.stands_in = false;
-  EXPECT_FALSE(line.pass(frozen).stands_in);
-  EXPECT_TRUE(line.pass(late).stands_in);
+  frozen.is_substitute = false;
+  EXPECT_FALSE(line.pass(frozen).is_substitute);
+  EXPECT_TRUE(line.pass(late).is_substitute);
   EXPECT_EQ(line.pass(late).model.tick, 100);
 }
 
