@@ -71,6 +71,7 @@ class Execute(unittest.TestCase):
         plan, number = self.arm(self.away)
         until(lambda: self.trajectories.message and len(self.trajectories.message.points) == len(plan.trajectory.points),
               5, "plan/trajectory")
+        until(lambda: self.paths.message, 5, "plan/path, published after it")
         self.assertEqual(self.trajectories.message.points[-1].positions, plan.trajectory.points[-1].positions)
         self.assertEqual(self.paths.message.header.frame_id, "world")
         self.assertGreater(len(self.paths.message.poses), len(plan.trajectory.points))

@@ -222,8 +222,14 @@ class Mouse:
 
 def press_pedal(browser):
     """Also again, where a busy machine kept the page silent for so long that the pedal came up."""
-    ActionChains(browser.driver).key_up(Keys.SPACE).pause(0.3).key_down(Keys.SPACE).perform()
-    browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the pedal engages")
+    for _ in range(3):
+        ActionChains(browser.driver).key_up(Keys.SPACE).pause(0.3).key_down(Keys.SPACE).perform()
+        end = time.monotonic() + 3
+        while time.monotonic() < end and not browser.text("mode").startswith("The hands move"):
+            time.sleep(0.05)
+        if browser.text("mode").startswith("The hands move"):
+            return
+    browser.until(lambda: browser.text("mode").startswith("The hands move"), 1, "the pedal engages")
 
 
 def steer(browser, mouse, tip, goal_p, goal_R, seconds):
