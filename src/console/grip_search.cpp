@@ -84,8 +84,7 @@ std::vector<Grip> candidates(const SceneObject& ring, double reach) {
   std::vector<Grip> grips;
   const int azimuths = ring.square != 0 ? 4 : 24;
   // The support or peg of a square ring may reach under the middle of its bars: 1.25 mm are left between a rib of 3 mm
-  // and a jaw
-  // of 3.6 mm. Aims err by half a millimetre, tools by 0.3 mm, and jaws that close turn the ring a little.
+  // and a jaw of 3.6 mm. Aims err by half a millimetre, tools by 0.3 mm, and jaws that close turn the ring a little.
   const double offset = 0.65 * ring.inner_radius;
   const std::vector<double> along = ring.square != 0 ? std::vector<double>{-offset, offset} : std::vector<double>{0.0};
   for (const double lean : kLeans) {

@@ -18,10 +18,9 @@ PoseError errorOf(const Pose& is, const Pose& wanted) noexcept;
 Pose between(const Pose& from, const Pose& to, double fraction) noexcept;
 
 /**
- * One hand that leads a tool by sight. It knows the tool's goal (the wish), the correction that brings the
- * tool there (the bias), and its own middle. The master sends increments, so the hand may come back to its middle
- * with the pedal up. Times are ticks, poses are of T in
- * W.
+ * One hand that leads a tool by sight. It knows the tool's goal (the wish), the correction that brings the tool there
+ * (the bias), and its own middle. The master sends increments, so the hand may come back to its middle with the pedal
+ * up. Times are ticks, poses are of T in W.
  */
 class ToolHand {
  public:

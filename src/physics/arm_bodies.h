@@ -31,10 +31,8 @@ enum class DryFriction {
  * The seven moving bodies of one arm and the joints between them.
  *
  * A step of h has these parts. The bodies are exactly on the chain in the middle of the step, q* = q + h/2 dq, so
- * hinges never open.
- * Gravity and velocity terms (Coriolis, centrifugal, gyroscopic: ODE sees links at rest)
- * are subtracted from the joint torques. ODE solves for the mean acceleration a with rotors, contacts, stops and
- * friction.
+ * hinges never open. Gravity and velocity terms (Coriolis, centrifugal, gyroscopic: ODE sees links at rest) are
+ * subtracted from the joint torques. ODE solves for the mean acceleration a with rotors, contacts, stops and friction.
  * correct() corrects changes within the step, to fourth order in h. doc/model.md, Dynamics.
  *
  * Each robot joint is an ODE hinge or slider, and next to it an ODE motor joint along the same axis that adds these

@@ -64,9 +64,8 @@ class Collider {
 
   /**
    * Bodies at rest are parked: disabled, and not tested against fixed things. Of `ids` those are parked that no other
-   * moving
-   * body is near. createContacts() wakes a parked body first if the boxes of something that moves
-   * overlap its own. From then on everything is as if it had never been parked.
+   * moving body is near. createContacts() wakes a parked body first if the boxes of something that moves overlap its
+   * own. From then on everything is as if it had never been parked.
    */
   void park(const int* ids, std::size_t count) noexcept;
   bool isParked(int id) const noexcept;

@@ -12,8 +12,7 @@ namespace raven2_trainer::physics {
  *
  * Two surfaces in contact are two springs in a row, each with its damper: k = 1/(1/k1 + 1/k2), and for motions slower
  * than the dampers' time d = k^2 (d1/k1^2 + d2/k2^2). Where one side is fixed, the arm that presses on it gives way
- * too:
- * its shaft and its cables are a third spring, which ends at its travel. Real-time safe.
+ * too: its shaft and its cables are a third spring, which ends at its travel. Real-time safe.
  */
 class ContactLaw {
  public:

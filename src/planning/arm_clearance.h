@@ -19,14 +19,12 @@ constexpr double kTableCap = 0.2;  // [m] tables end here
 
 /**
  * Computes fast how far one arm is from the scene, the robot's fixed parts, the other arm and itself. It uses the same
- * pairs of
- * shapes as ArmCollision, with the arm's shapes grown by the clearance as there (a box by its faces).
+ * pairs of shapes as ArmCollision, with the arm's shapes grown by the clearance as there (a box by its faces).
  *
  * Conservative: what it calls free, ArmCollision does too. Distances that depend on two joints only are looked up
- * (MarginTable).
- * The rest is first taken as capsules: against fixed things by sphere stepping along their axes in the
- * DistanceGrid, among each other by the closed form, after a look at the boxes around them. Only open cases
- * are settled by the exact distances of solid.h, so that it is hardly ever stricter than ArmCollision.
+ * (MarginTable). The rest is first taken as capsules: against fixed things by sphere stepping along their axes in the
+ * DistanceGrid, among each other by the closed form, after a look at the boxes around them. Only open cases are settled
+ * by the exact distances of solid.h, so that it is hardly ever stricter than ArmCollision.
  *
  * Keeps scratch space: one thread at a time. Real-time safe but for the constructor.
  */

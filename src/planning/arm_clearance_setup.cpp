@@ -12,8 +12,7 @@ namespace {
 
 constexpr double kTableSlack = 0.01;  // [-] of a joint's range, by which tables go beyond its limits
 // Nodes of the tables: steps of 3 mrad for the shapes nearest to the base, 12 mrad and 5 mm elsewhere. They lose 0.5
-// and about 8 mm
-// of distances that are mostly centimetres.
+// and about 8 mm of distances that are mostly centimetres.
 constexpr int kShoulderNodes = 513, kElbowNodes = 129, kInsertionNodes = 65;
 
 bool carries(int joint, int outer) noexcept {

@@ -15,10 +15,9 @@ struct GoalChoice {
 };
 
 /**
- * Joints that put the tip at `p_BT`, with any orientation: the collision-free ones nearest to the start in the
- * unit cube. They come from the inverse kinematics of a fixed set of orientations: the start's own, and its tilts in
- * steps of
- * 15 degrees about 13 axes. `stop` is polled between candidates; true ends the search without a goal.
+ * Joints that put the tip at `p_BT`, with any orientation: the collision-free ones nearest to the start in the unit
+ * cube. They come from the inverse kinematics of a fixed set of orientations: the start's own, and its tilts in steps
+ * of 15 degrees about 13 axes. `stop` is polled between candidates; true ends the search without a goal.
  */
 GoalChoice findGoal(const ArmGeometry& geometry,
                     Arm arm,

@@ -30,8 +30,7 @@ ob::PlannerPtr makeFmt(const ob::SpaceInformationPtr& si, const StockSettings& s
 /**
  * BIT* of OMPL 1.5.2 prunes ahead of each batch of samples; with an objective whose informed set has no known measure
  * it goes on pruning (seen: 15 s without a second batch), so pruning is switched off. Edges that cannot improve the
- * path are
- * still skipped in its queue.
+ * path are still skipped in its queue.
  */
 template <typename Planner>
 ob::PlannerPtr makeBit(const ob::SpaceInformationPtr& si) {

@@ -24,10 +24,8 @@ class GlLibrary {
 
 /**
  * The process's own, loaded with the first call, with the functions of gl.h: OSMesa where it is installed, else EGL on
- * Mesa's
- * surfaceless platform, which draws on a GPU where there is one. The environment variable RAVEN2_TRAINER_GL chooses:
- * auto,
- * osmesa or egl.
+ * Mesa's surfaceless platform, which draws on a GPU where there is one. The environment variable RAVEN2_TRAINER_GL
+ * chooses: auto, osmesa or egl.
  * @throw RenderException naming what is missing, or a bad value of the variable.
  */
 GlLibrary& glLibrary();

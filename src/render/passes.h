@@ -62,10 +62,9 @@ class ShadowPass {
 };
 
 /**
- * Background, lit meshes and marks, into whatever framebuffer and viewport is set. A moving and a fixed thing
- * may be equally deep: then the moving one is seen. Of two fixed things the first is seen, of two moving ones the last.
- * So
- * the order of drawing does not matter, nor whether a layer was kept.
+ * Background, lit meshes and marks, into whatever framebuffer and viewport is set. A moving and a fixed thing may be
+ * equally deep: then the moving one is seen. Of two fixed things the first is seen, of two moving ones the last. So the
+ * order of drawing does not matter, nor whether a layer was kept.
  */
 class MeshPass {
  public:

@@ -13,8 +13,7 @@ struct Cue {
 /**
  * The first that begins in the aftermath and lasts for kNoticed. A force is felt from its beginning; a robot that parts
  * is seen once it has been apart for that long. Of two at once the force. An effect that was there before begins with
- * the
- * injection.
+ * the injection.
  */
 Cue findCue(const HazardWindow& window);
 

@@ -95,8 +95,7 @@ bool hasSize(const Frame& frame, std::size_t size) noexcept {
 
 // Limits of a Raven's values: an encoder counts 24 bits, homing may shift it by as much again, and 4000 counts are one
 // revolution of the motor. Joints rotate less than their motors (the smallest transmission is 5.4). Speeds: no drive of
-// the
-// robot comes near a thousandth of this, but one wild encoder count gives such a difference.
+// the robot comes near a thousandth of this, but one wild encoder count gives such a difference.
 constexpr double kMaxMotor = 2.0 * 8388608.0 / 4000.0 * 2.0 * kPi;  // [rad]
 constexpr double kMaxJoint = 1e4;                                   // [rad; m]
 constexpr double kMaxSpeed = 1e7;                                   // [rad/s; m/s]

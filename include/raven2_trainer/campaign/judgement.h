@@ -26,14 +26,14 @@ using Explanations = std::map<std::string, Explanation>;
 /** NAME_explained.yaml next to NAME.yaml. */
 std::string explanationsOf(const std::string& campaign_file);
 
-/** Reads such a file; nothing is explained where there is none.
+/** Reads such a file; without a file nothing is explained.
  *  @throw ConfigException with FILE:LINE, also for a scenario that the campaign has not in that phase. */
 Explanations loadExplanations(const std::string& path, const Campaign& campaign);
 
-/** Leaves the explanations with the results, as NAME_explained.yaml: whoever reports goes by the same. */
+/** Leaves the explanations with the results, as NAME_explained.yaml, so that reports use the same. */
 void keepExplanations(const Campaign& campaign, const OutputPaths& paths);
 
-/** What is wrong with a table; all empty if nothing is. */
+/** Errors of a table; all empty if it is right. */
 struct Judgement {
   std::vector<std::uint32_t> never_acted;      ///< runs whose fault did nothing until the horizon
   std::vector<std::uint32_t> without_outcome;  ///< runs that came to no end

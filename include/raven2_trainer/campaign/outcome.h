@@ -9,12 +9,12 @@
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/core/types.h"
 
-// What came of an injection: from what process and tips did, compared with the same run without the fault. Nothing here
-// knows what was injected. Pure.
+// Outcome of an injection: process and tips, compared with the same run without the fault. Nothing here
+// knows the injection. Pure.
 
 namespace raven2_trainer::campaign {
 
-/** What is compared, at the end of one tick. */
+/** The compared data, at the end of one tick. */
 struct Sample {
   PerArm<Vec3> p_BT{};     ///< [m] [@frame B] true tips, from the plant's joints
   PerArm<double> force{};  ///< [N] magnitude of the force that the master's hands get
@@ -44,7 +44,7 @@ struct Figures {
   std::int64_t software_stop{kNever};  ///< [ticks] the control program's own check stopped the robot
   std::int64_t plc_stop{kNever};       ///< [ticks] the PLC went to E-STOP from another level
   std::int64_t reported{kNever};       ///< [ticks] and the control program knew it
-  std::int64_t force{kNever};          ///< [ticks] a force beyond Limits::force where the golden run has none
+  std::int64_t force{kNever};          ///< [ticks] a force beyond Limits::force that the golden run does not have
   PerArm<double> deviation{};          ///< [m] farthest of the tip from its golden one
   double max_jump{};                   ///< [m] largest change of that vector within two ticks, of either arm
   double max_force{};                  ///< [N]
@@ -100,12 +100,12 @@ constexpr const char* name(Outcome outcome) noexcept {
   return kOutcomeNames[static_cast<std::size_t>(outcome)];
 }
 
-/** Whether it names an outcome; to have none is none. */
+/** Whether it names an outcome; no_outcome does not. */
 bool isOutcome(const std::string& text);
 
 /** How the process of a run ended. */
 enum class Ending : std::uint8_t {
-  kComplete,  ///< it ran to its horizon and told its figures
+  kComplete,  ///< it ran to its horizon and reported its figures
   kDied,      ///< by a signal, or without a word
   kBudget,    ///< it used up its processor time
   kMemory,    ///< it wanted more memory than it may have
@@ -113,7 +113,7 @@ enum class Ending : std::uint8_t {
 };
 constexpr std::array<const char*, 5> kEndingNames{"complete", "died", "budget", "memory", "no_end"};
 
-/** The rules of doc/campaign.md. Figures of a run that did not tell them are not looked at. */
+/** The rules of doc/campaign.md. Figures that a run did not report are ignored. */
 Outcome classify(Ending ending, const Figures& figures, const Limits& limits) noexcept;
 
 }  // namespace raven2_trainer::campaign

@@ -16,7 +16,7 @@ enum class Phase : std::uint8_t {
 };
 constexpr std::array<const char*, 2> kPhaseNames{"homing", "pedal_down"};
 
-/** What runs of one scenario share. */
+/** Shared by the runs of one scenario. */
 struct Experiment {
   std::string name;
   std::int64_t injection{};            ///< row of the published table; 0 none

@@ -16,14 +16,14 @@ namespace raven2_trainer::campaign {
 constexpr std::size_t kMaxResult =
     1024;  ///< [bytes] of one child; below PIPE_BUF, so that it goes through a pipe whole
 
-/** What a child may take. */
+/** Limits of a child. */
 struct ChildLimits {
   std::int64_t processor{};                     ///< [s] of processor time; more is Ending::kBudget
   std::int64_t wall{};                          ///< [s] since its start, kept by the parent; more is Ending::kNoEnd
   std::size_t memory{std::size_t{512} << 20U};  ///< [bytes] of address space more than it has at its fork
 };
 
-/** What a child ended with. */
+/** End of a child. */
 struct ChildEnd {
   std::uint64_t tag{};
   Ending ending{Ending::kComplete};
@@ -43,7 +43,7 @@ class ProcessPool {
 
   /**
    * @param[in] jobs children at a time. @param[in] limits of each child.
-   * @param[in] result_size [bytes] of a result. @param[in] report is told of each end, in this process.
+   * @param[in] result_size [bytes] of a result. @param[in] report is called at each end, in this process.
    */
   ProcessPool(std::size_t jobs,
               const ChildLimits& limits,

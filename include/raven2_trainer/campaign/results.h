@@ -14,7 +14,7 @@
 
 namespace raven2_trainer::campaign {
 
-/** What a run's process told. */
+/** Report of a run's process. */
 struct RunResult {
   Ending ending{Ending::kComplete};
   Figures figures{};  ///< valid if complete
@@ -56,8 +56,8 @@ class PartialOutcomes {
   /**
    * Opens the directory for the runs of one shard. With `resume`, rows that an earlier process left are taken over:
    * those that are whole, up to the first that is not; runs without an outcome are to be made again.
-   * @throw SessionException if there is something already and not to be resumed, or rows without the campaign.json
-   * that says what they are of; if it is of another campaign, seed,
+   * @throw SessionException if there are results already and they are not to be resumed, or rows without their
+ * campaign.json; if it is of another campaign, seed,
    * build or shard, if another process writes it, or if it cannot be written.
    */
   PartialOutcomes(const OutputPaths& paths,

@@ -12,7 +12,7 @@
 
 namespace raven2_trainer::campaign {
 
-/** What a campaign compares, of a stack after its last tick. */
+/** The data that a campaign compares, of a stack after its last tick. */
 Sample sampleOf(const ArmsConfig& arms, const lockstep::LockstepStack& stack) noexcept;
 
 /** The configuration of a campaign's runs: its plant, homing and contacts, nothing armed, no scheduled plan.
@@ -22,7 +22,7 @@ TrainerConfig configurationFor(const Campaign& campaign, TrainerConfig config);
 /**
  * Makes all `runs`, each in a fork of its golden run at the last tick before its fault, `jobs` at a time. ODE must be
  * initialised; the process must have no threads.
- * @param[in] report is told of each run that ended, in any order.
+ * @param[in] report is called for each run that ended, in any order.
  * @throw Exception if a golden run does not get to pedal-down, stops or ends.
  */
 void makeRuns(const TrainerConfig& config,

@@ -13,7 +13,7 @@ namespace raven2_trainer::config {
  */
 Band loadBand(const std::string& path);
 
-/** The band of an exercise in a folder; nothing if there is none. @throw ConfigException as loadBand(). */
+/** The band of an exercise in a folder; nothing without one. @throw ConfigException as loadBand(). */
 std::optional<Band> findBand(const std::string& folder, const std::string& exercise);
 
 }  // namespace raven2_trainer::config

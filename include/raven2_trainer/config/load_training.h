@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::config {
 
-/** What is trained and by whom, by name. */
+/** Exercise, drill, trainee and curriculum, by name. */
 struct TrainingNames {
   std::string exercise{};    ///< file in the folder `exercises` without its ending, or "none"
   std::string drill{};       ///< scenario of the library that the exercise runs into, "own": its own, or "none"
@@ -19,8 +19,8 @@ struct TrainingNames {
  * the one that it asks for, and the hazard that is armed at the start is its drill; TrainerConfig::drill is then the
  * scenario's name, also where "own" was asked for.
  * @param[in,out] config with its folders and its library of scenarios.
- * @throw ConfigException for a name that is not known, listing those that are, for a drill without an exercise or of
- * one that has none, and for what is wrong in a file.
+ * @throw ConfigException for a name that is not known, listing those that are, for a drill without an exercise or in
+ * one without a drill, and for errors in a file.
  */
 void loadTraining(const TrainingNames& names, TrainerConfig* config);
 

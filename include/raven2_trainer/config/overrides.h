@@ -5,18 +5,18 @@
 
 namespace raven2_trainer::config {
 
-/** A value in the place of one that stands in a file of the configuration. */
+/** A value in place of one in a file of the configuration. */
 struct Override {
   std::string key;     ///< "haptics/tolerance": the root file's name for the file, then the keys in it; "seed": its own
-  std::string value;   ///< YAML, as it would stand there
+  std::string value;   ///< YAML, as in the file
   std::string source;  ///< who says so, for messages: "ROS parameter /raven2_simulator/haptics/tolerance"
 };
 
 using Overrides = std::vector<Override>;
 
 /**
- * Some keys are the files' alone, since whoever reaches a ROS master can set parameters: which files are read and
- * written, who is heard and must sign, and what may be injected.
+ * Some keys are the files' alone, since every program that reaches a ROS master can set parameters. They decide which
+ * files are read and written, whose packets are accepted, and what may be injected.
  * @throw ConfigException naming the first such key.
  */
 void checkOverrides(const Overrides& overrides);

@@ -28,7 +28,7 @@ class Section {
   static Section fromText(const std::string& text, const std::string& name);
 
   bool has(const std::string& key) const;
-  /** What stands there, if anything does; nothing is read by asking. */
+  /** Kind of the value, if there is one. Asking does not count as reading. */
   bool isList(const std::string& key) const;
   bool isMapping(const std::string& key) const;
   /** All keys in the file's order; those not read later are still refused by finish(). */
@@ -52,8 +52,8 @@ class Section {
     return choiceOf(key, std::vector<std::string>(names.begin(), names.end()));
   }
 
-  /** Copies of this mapping, one for each element of the list under `key`, which stands in the list's place; one alike
-   *  where there is no list. */
+  /** Copies of this mapping, one for each element of the list under `key`, with the element in the list's place; one
+   *  equal copy without a list. */
   std::vector<Section> alternatives(const std::string& key) const;
   /** A copy with `text` under `key`. */
   Section with(const std::string& key, const std::string& text) const;
@@ -84,7 +84,7 @@ class Section {
 
   std::shared_ptr<YAML::Node> node_;
   std::string file_, path_;
-  std::string place_;  ///< "FILE:LINE: " of the mapping: a copy's node has none
+  std::string place_;  ///< "FILE:LINE: " of the mapping: a copy's node has no place
   std::set<std::string> read_;
   std::shared_ptr<std::map<std::string, std::string>> sources_;  ///< of what was put, by its path in the file
 };

@@ -14,7 +14,7 @@ std::string shareFolder();
 /** A file next to a configuration; absolute paths. */
 struct Neighbour {
   std::string path;   ///< that is read
-  std::string place;  ///< where it would stand if the configuration had it itself; mostly the same
+  std::string place;  ///< its place if the configuration had its own; mostly the same
 };
 
 /**

@@ -48,7 +48,7 @@ struct TrainerConfig {
   VirtualRavenConfig virtual_raven{};
   std::string robot_urdf;                          ///< absolute path
   std::string scene_urdf;                          ///< absolute path
-  std::map<std::string, std::string> urdf_places;  ///< where each would stand next to the configuration, if it did
+  std::map<std::string, std::string> urdf_places;  ///< the place of each next to the configuration, if it were there
   std::string hazard;                              ///< scenario armed at the start, or "none"
   InjectionConfig injection{};
   DetectorConfig detector{};
@@ -64,9 +64,9 @@ struct TrainerConfig {
   std::string curriculum{"none"};                   ///< file in `curricula` without its ending, or "none"
   std::uint64_t seed{};
   std::vector<std::string> files;
-  std::map<std::string, std::string> overridden;  ///< those of `files` that were not read as they stand: what was read
+  std::map<std::string, std::string> overridden;  ///< of `files`, the changed ones: the text that was read
 
-  /** What each module is given. All refer to this, which has to outlive them. */
+  /** The parts for each module. All refer to this, which has to outlive them. */
   operator model::ModelSource() const;
   operator faults::FaultLibrary() const;
   operator console::SurgeonConfig() const;

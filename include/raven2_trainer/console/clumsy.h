@@ -7,10 +7,10 @@
 
 namespace raven2_trainer::console {
 
-/** What somebody does worse than the expert, so that a score can be seen to tell. */
+/** Errors in comparison with the expert, to show that a score distinguishes them. */
 struct Clumsiness {
   std::size_t verb{};               ///< the one that is changed, from 0
-  std::optional<double> let_go_at;  ///< [-] [0, 1] kCarry: share of the way at which the jaws open
+  std::optional<double> let_go_at;  ///< [-] [0, 1] kCarry: share of the path at which the jaws open
   std::optional<Vec3> via_W;        ///< [m] kCarry, kTouch: passed first
   std::optional<Vec3> push_W;       ///< [m] kPutOver: the tool pushes that far before it lets go; kFollowWire: the
                                     ///< object is led that far off the wire

@@ -31,7 +31,7 @@ Recording loadRecording(const std::string& path);
 /** The same from any stream; `path` is for messages. */
 Recording readRecording(std::istream& stream, const std::string& path);
 
-/** What the hands do with the pedals and grips, before the hand model adds the force's effect. */
+/** Pedal, hands and grips, before the hand model adds the force's effect. */
 struct Intent {
   bool pedal{};
   PerArm<Vec3> hand_I{};                                ///< [m] [@frame I] where each hand wants to be, from its start
@@ -41,7 +41,7 @@ struct Intent {
   bool finished{};                                      ///< the motion is over, the pedal stays up
 };
 
-/** What the surgeon sees and feels. */
+/** View and forces of the surgeon. */
 struct Senses {
   std::uint32_t sequence{};    ///< of the ITP packet that what is done now goes out with
   std::optional<Sight> sight;  ///< the newest picture; none before the first
@@ -56,8 +56,8 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
   virtual Intent tick(const Senses& senses) = 0;
-  /** Real hands on real devices: their motion holds the force's effect already, so none is added to it, and they are
-   * there before the robot is. */
+  /** Real hands on real devices: their motion includes the force's effect already, so it is not added again. They
+   * may be there before the robot. */
   virtual bool isReal() const noexcept { return false; }
 };
 
@@ -68,20 +68,20 @@ std::unique_ptr<MotionSource> makeScripted(const ConsoleConfig& config, const Ar
 std::unique_ptr<MotionSource> makeRecorded(const ConsoleConfig& config, const ArmsConfig& arms, Recording recording);
 
 /**
- * The surgeon's hands on two masters: intent plus, unless the hands are real, a mass-spring-damper that the force
- * pushes, differenced into ITP increments with the rounding remainder carried; turns of the hands in increments of at
- * most 0.099 rad, which follow until the whole turn is done. No sockets, no clock.
+ * Two hands on two masters: the intent plus, unless the hands are real, a mass-spring-damper that the force pushes. The
+ * motion becomes ITP increments, and the rounding remainder is carried. Rotations are sent in increments of at most
+ * 0.099 rad, until the whole rotation is done. No sockets, no clock.
  */
 class Console {
  public:
   Console(const ConsoleConfig& config, std::unique_ptr<MotionSource> source);
   ~Console();
 
-  /** The robot is ready (run level PEDAL_UP seen in a force packet, or told so): the motion may start. */
+  /** The robot is ready (run level PEDAL_UP in a force packet, or reported otherwise): the motion may start. */
   void setReady(bool ready) noexcept;
 
-  /** Newest force from the daemon. @return why it was not used: overtaken on the way, doubled, or no force of this
-   * world. */
+  /** Newest force from the daemon. @return why it was not used: overtaken, doubled, or no valid
+   * force. */
   Reject applyForce(const ForcePacket& force) noexcept;
 
   /** A picture. @return kOutOfOrder or kDuplicate if a newer one or this one was seen, kNotFinite if it shows what

@@ -5,7 +5,7 @@
 
 namespace raven2_trainer {
 
-/** config/console.yaml: the surgeon's hands. */
+/** config/console.yaml: the simulated surgeon. */
 struct ConsoleConfig : HandConfig {
   double scale{};                      ///< [-] motion scale of the master
   double tremor_amplitude{};           ///< [m] of the hand, peak
@@ -18,7 +18,7 @@ struct ConsoleConfig : HandConfig {
   double clutch_time{};                ///< [s] pedal up while clutching
   Vec3 task_W_min{},
       task_W_max{};            ///< [m] [@frame W] box of the strokes' targets for the gold arm, mirrored in y for green
-  double ready_timeout{};      ///< [s] scripted hands begin without a ready robot after this long; 0 = never
+  double ready_timeout{};      ///< [s] a scripted surgeon begins without a ready robot after this time; 0 = never
   double recording_scale{};    ///< [-] hand motion = recording x this
   double recording_lead_in{};  ///< [s] minimum-jerk move from home to the recording's first position
 };

@@ -28,7 +28,7 @@ class DeviceWatch {
   /** @return what was found in this tick; liftsPedal() of it forbids to use the device. */
   DeviceFinding look(const DeviceSample& sample, bool engaged) noexcept;
 
-  /** What forbids to engage though look() has found nothing. */
+  /** Reason not to engage although look() has found nothing. */
   DeviceFinding beforeStart() const noexcept;
 
  private:

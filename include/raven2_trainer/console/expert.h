@@ -13,7 +13,7 @@
 
 namespace raven2_trainer::console {
 
-/** What a scripted surgeon can be told to do. */
+/** Actions of a scripted surgeon. */
 enum class VerbKind : std::uint8_t {
   kGrip,        ///< `arm` takes hold of `object` where it lies
   kCarry,       ///< and takes its middle to `to_W`, level
@@ -40,8 +40,8 @@ struct Verb {
   Vec3 to_W{};                   ///< [m]
   double seconds{};              ///< [s]
   Pedal pedal{};
-  // What a clumsy one does besides.
-  double let_go_at{-1.0};     ///< [-] kCarry: share of the way at which the jaws open; negative: they do not
+  // Additions of a clumsy one.
+  double let_go_at{-1.0};     ///< [-] kCarry: share of the path at which the jaws open; negative: they do not
   std::optional<Vec3> via_W;  ///< [m] kCarry, kTouch: another place that is passed first
   Vec3 push_W{};              ///< [m] kPutOver: the tool pushes that far before it lets go; kFollowWire: the object
                               ///< is led that far off the wire
@@ -60,11 +60,11 @@ struct Skill {
 
 /**
  * A scripted surgeon that does verbs through ITP alone: it acts by increments, jaws and pedals, and sees pictures 30
- * times a second. It is told neither joints nor contacts nor what a judge says. Each move is minimum-jerk; before jaws
- * close or open and after each move with an object it looks and corrects; what went wrong is tried again. Which grip it
- * takes is searched by inverse kinematics. Finished once all verbs are done or given up.
+ * times a second. It knows neither joints nor contacts nor the judge's results. Each move is minimum-jerk. Before jaws
+ * close or open and after each move with an object it looks and corrects. Failed actions are tried again. Inverse
+ * kinematics finds the grip. Finished once all verbs are done or given up.
  *
- * @param[in] truth Told when each verb begins and ends; may be null, else it must outlive the source.
+ * @param[in] truth Gets the beginning and end of each verb; may be null, else it must outlive the source.
  * @throw ConfigException for a verb whose object or peg the scene does not have.
  */
 std::unique_ptr<MotionSource> makeExpert(const ConsoleConfig& config,

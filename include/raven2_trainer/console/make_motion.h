@@ -10,19 +10,19 @@
 
 namespace raven2_trainer::console {
 
-/** What moves the hands. */
+/** Choice of the surgeon. */
 struct MotionChoice {
   std::string motion{"scripted"};  ///< scripted, recording:FILE, expert or clumsy:NAME
   std::optional<double> reaction;  ///< [s] from a force on a hand to the pedal; none: it is not heeded
 };
 
 /**
- * Motion of the console by its name: strokes in a box ("scripted"), a recording ("recording:FILE"), or what the
- * exercise's file has its expert ("expert") or one of its clumsy hands ("clumsy:NAME") do; everything random from the
+ * Motion of the console by its name: strokes in a box ("scripted"), a recording ("recording:FILE"), or the
+ * exercise's expert ("expert") or one of its clumsy surgeons ("clumsy:NAME"). Everything random comes from the
  * configuration's seed.
- * @param[in] truth Told what scripted hands did and that they reacted; may be null, else it must outlive the source.
- * @throw ConfigException for anything else, for an expert without an exercise or in one that has none, listing the
- * clumsy hands that there are, and as console/script.h.
+ * @param[in] truth Gets the actions and reactions of a simulated surgeon; may be null, else it must outlive the source.
+ * @throw ConfigException for anything else, for an expert without an exercise or in one without an expert, listing the
+ * clumsy surgeons, and as console/script.h.
  */
 std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config,
                                          const MotionChoice& choice,

@@ -21,7 +21,7 @@ enum class DeviceFamily : std::uint8_t {
   kCrtk,      ///< CRTK: sawSensablePhantom, the dVRK's MTM
   kJoy,       ///< a gamepad: its axes are velocities; it feels nothing
 };
-/** What a family is: a row for each, in the order of DeviceFamily. Its forces' messages: kForceForms in
+/** Properties of a family: a row for each, in the order of DeviceFamily. Its forces' messages: kForceForms in
  * ros/devices/master_devices.cpp. */
 struct FamilyTraits {
   const char* name;
@@ -40,17 +40,17 @@ constexpr const FamilyTraits& traitsOf(DeviceFamily family) noexcept {
   return kFamilies[static_cast<std::size_t>(family)];
 }
 
-/** What holds the pedal that engages. */
+/** Source of the pedal that engages. */
 enum class PedalFrom : std::uint8_t {
   kLeft,   ///< a button of the left device
   kRight,  ///< of the right one
   kAny,    ///< of either
   kAll,    ///< of both at once
-  kTopic,  ///< of a sensor_msgs/Joy of its own
+  kTopic,  ///< of a separate sensor_msgs/Joy
 };
 constexpr std::array<const char*, 5> kPedalFromNames{"left", "right", "any", "all", "topic"};
 
-/** What opens and closes the jaws. */
+/** Source of the jaws' opening. */
 enum class GripperFrom : std::uint8_t {
   kNone,
   kToggles,  ///< a button: each press, open or closed
@@ -96,7 +96,7 @@ struct MasterConfig {
   PedalFrom pedal_from{PedalFrom::kAny};
   int pedal_button{};
   std::string pedal_topic;
-  double pedal_silent_after{};  ///< [s] of its topic, held; 0 never: it tells changes alone
+  double pedal_silent_after{};  ///< [s] of its topic, held; 0 never: it sends changes alone
   GripperFrom gripper_from{GripperFrom::kNone};
   double jaws_open{}, jaws_closed{};        ///< [rad] of the tool's jaws
   double jaw_speed{};                       ///< [rad/s]
@@ -106,7 +106,7 @@ struct MasterConfig {
   double force_rate{};                      ///< [1/s] messages
 };
 
-/** What was last heard of a device, as it was published. */
+/** The last data of a device, as published. */
 struct DeviceSample {
   std::uint32_t poses{};  ///< messages so far
   Vec3 position{};        ///< the device's units and axes
@@ -126,7 +126,7 @@ struct FootPedal {
   std::uint8_t is_held{};
 };
 
-/** What a device is to press the hand with. */
+/** Force of a device on the hand. */
 struct DeviceForce {
   Vec3 force{};              ///< the driver's units, the device's axes
   Vec3 position{};           ///< where the device was last, in its units and axes; always finite
@@ -140,8 +140,8 @@ enum class DeviceTrouble : std::uint8_t {
   kSilent,         ///< [s] none comes any more
   kNoState,        ///< no operating state has come
   kNotReady,       ///< the operating state is not enabled and homed
-  kLocked,         ///< the driver says that it holds the device; told, and nothing more
-  kNotFinite,      ///< a number of the pose is none
+  kLocked,         ///< the driver says that it holds the device; only reported
+  kNotFinite,      ///< a number of the pose is NaN or infinite
   kNotUnit,        ///< [-] norm of the quaternion
   kMillimetres,    ///< [m] positions so large that they must be millimetres
   kOutOfReach,     ///< [m] beyond the device's reach
@@ -150,7 +150,7 @@ enum class DeviceTrouble : std::uint8_t {
   kJump,           ///< [m] from one pose to the next
   kTurnJump,       ///< [rad] the same of the orientation
   kNeverMoved,     ///< the pose has not changed since the start
-  kFrozen,         ///< [s] it has not while engaged; told, and nothing more: one of two devices may rest
+  kFrozen,         ///< [s] it has not changed while engaged; only reported: one of two devices may rest
   kTooSoon,        ///< poses were not looked at for long enough
   kRobotNotReady,  ///< nobody to move
 };
@@ -160,18 +160,18 @@ constexpr bool liftsPedal(DeviceTrouble trouble) noexcept {
   return trouble != DeviceTrouble::kNone && trouble != DeviceTrouble::kLocked && trouble != DeviceTrouble::kFrozen;
 }
 
-/** What was found, and the figure that goes with it. */
+/** A finding, with its figure. */
 struct DeviceFinding {
   DeviceTrouble trouble{DeviceTrouble::kNone};
   double value{};
 };
 
-/** What the hands on the devices have to tell. */
+/** Report of the hands on the devices. */
 struct MasterReport {
   std::uint8_t pedal{};            ///< 1: it is held
   std::uint8_t engaged{};          ///< 1: and it counts
   std::uint32_t engagements{};     ///< pedal-downs so far that counted
-  PerArm<std::uint32_t> found{};   ///< findings so far that were none a tick before, or that a pedal-down met
+  PerArm<std::uint32_t> found{};   ///< new findings so far, and those that a pedal-down met
   PerArm<DeviceFinding> newest{};  ///< of these
   PerArm<DeviceFinding> now{};
   PerArm<double> hand_force{};  ///< [N] that each device gets

@@ -12,7 +12,7 @@ namespace raven2_trainer::console {
 struct Reaction {
   double force{kFeltForce};  ///< [N] felt on either hand
   double delay{0.4};         ///< [s] from the first tick with that force to the pedal
-  double rest{3.0};          ///< [s] pedal up: longer than any clutch, or it would be none
+  double rest{3.0};          ///< [s] pedal up: longer than any clutch, to be distinguished
   double look{0.5};          ///< [s] pedal down again, hands still, before it goes on
 };
 
@@ -20,8 +20,9 @@ struct Reaction {
  * A surgeon who reacts: as `source`, but `delay` after the first force the pedal goes up, whatever was being done;
  * after a rest it goes down and the motion goes on where it was. While the robot takes a pedal that is down as up
  * nothing is done: the pedal is pressed again until it follows.
- * @param[in] truth Told when the force came and when the pedal went up (sooner than the reaction where a clutch had
- * begun that it makes a release of) and down, and when it goes up because the robot does not follow (not_followed); may
+ * @param[in] truth Gets the times of the force, of the pedal's release and of its next press. A clutch that had begun
+ * may make the
+ * release earlier than the reaction. Also gets releases because the robot does not follow (not_followed). May
  * be null, else it must outlive the source.
  */
 std::unique_ptr<MotionSource> makeReacting(std::unique_ptr<MotionSource> source,

@@ -9,11 +9,11 @@
 
 namespace raven2_trainer::console {
 
-/** What an exercise's expert does, its names found in the scene. @throw ConfigException with FILE:LINE. */
+/** Actions of an exercise's expert, with the scene's names found. @throw ConfigException with FILE:LINE. */
 std::vector<Verb> verbsOf(const Exercise& exercise, const SceneRoles& roles);
 
-/** How a clumsy hand of that exercise differs. What is expected of it (`expect/...`) is for whoever checks the score.
- *  @throw ConfigException with FILE:LINE, also if there is no such hand. */
+/** Differences of a clumsy surgeon of that exercise. `expect/...` is for tests of the score.
+ *  @throw ConfigException with FILE:LINE, also for an unknown name. */
 Clumsiness clumsinessOf(const Exercise& exercise, const SceneRoles& roles, const std::string& name);
 
 }  // namespace raven2_trainer::console

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::console {
 
-/** What the surgeon's hands need of the configuration, to which it refers. */
+/** Parts of the configuration that surgeons use. Refers to it. */
 struct SurgeonConfig {
   const ConsoleConfig& console;
   const ArmsConfig& arms;

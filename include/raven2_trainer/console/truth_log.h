@@ -16,7 +16,7 @@ struct TruthEvent {
 };
 
 /**
- * What a scripted surgeon did, for whoever checks what a judge made of it: a judge never sees this. The packet's number
+ * Actions of a scripted surgeon, to check the judge against them; a judge never sees this. The packet's number
  * leads to the tick that used it (command records of the session).
  */
 class TruthLog {

@@ -11,7 +11,7 @@ namespace raven2_trainer::control {
  */
 class CameraOrbit {
  public:
-  /** @param[in] start where it stands at first: eye and target apart, and not above each other. */
+  /** @param[in] start its first place: eye and target apart, and not above each other. */
   explicit CameraOrbit(const CameraConfig& start) noexcept;
 
   /** Mean of what the hands moved in a tick [m] [@frame I: forward, right, down]. */

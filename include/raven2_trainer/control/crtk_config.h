@@ -8,7 +8,7 @@
 
 namespace raven2_trainer {
 
-/** Which message types CRTK clients are spoken to with. */
+/** Message types for CRTK clients. */
 enum class CrtkDialect : std::uint8_t {
   kModern,  ///< crtk_msgs 1.3
   kRaven,   ///< the robot's own branch `crtk`: TransformStamped, messages of the retired package

@@ -21,7 +21,7 @@ class ExecutionTally {
  public:
   /** Armed: `id` is that of the request. */
   void start(std::uint32_t id, const PlanResult& plan, bool on_robot) noexcept;
-  /** The same of anything else: what is known beforehand stands in `asked`. */
+  /** The same for anything else: `asked` has the known fields. */
   void start(const ExecutionReport& asked) noexcept;
   /** The pedal went down in this tick. */
   void begin(Tick tick) noexcept { report_.started = tick; }

@@ -4,7 +4,7 @@
 
 namespace raven2_trainer::control {
 
-/** What can change the mode. */
+/** Events that can change the mode. */
 enum class Event : std::uint8_t {
   kRobotReady,  ///< homed and disengaged, seen for the first time
   kPedalPressed,

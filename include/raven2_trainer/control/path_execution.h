@@ -7,16 +7,16 @@
 namespace raven2_trainer::control {
 
 /**
- * A plan's path in time, as it is executed: from where the arm stands to the path's start in `hold_time`, then the path
- * at `speed` times its own, then its last waypoint. Time goes on only in the ticks in which the arm may move, so that a
- * robot that is not ready yet, or not heard, is waited for; after that it comes up to speed again in 0.1 s, for the
+ * A plan's path in time, as it is executed: from the arm's place to the path's start in `hold_time`, then the path
+ * at `speed` times its own, then its last waypoint. Time goes on only in the ticks in which the arm may move. So the
+ * execution waits for a robot that is not ready yet, or not heard. Then it comes up to speed again in 0.1 s, since the
  * path may have to go on where it was fast. Pure; real-time safe.
  */
 class PathExecution {
  public:
   explicit PathExecution(const ExecutionConfig& config) noexcept : config_(config) {}
 
-  /** @param[in] plan one that succeeded. @param[in] from [rad; m] joints where the arm stands. */
+  /** @param[in] plan one that succeeded. @param[in] from [rad; m] joints of the arm. */
   void start(const PlanResult& plan, const JointArray& from) noexcept;
 
   /** Where the arm shall be in this tick, and how fast it shall move there; at rest where it was if it may not move. */
@@ -47,7 +47,7 @@ class PathExecution {
 
   ExecutionConfig config_;
   PlanResult plan_{};
-  JointArray offset_{};  ///< of where the arm stood from where the path starts
+  JointArray offset_{};  ///< of the arm from the path's start
   JointTarget target_{};
   std::int64_t elapsed_{0};                                 ///< [1/100 ticks] of the path's time
   std::int64_t rate_{kFullRate}, waiting_{0}, resting_{0};  ///< [1/100]; [ticks]

@@ -43,7 +43,7 @@ class PathFollower {
    *  active: at the end, or where stop() left it; zeros if no plan was ever started. */
   JointArray tick() noexcept;
 
-  /** What tick() said last, and how fast it moves: not at all while not active. */
+  /** The last result of tick(), and its speed: zero while not active. */
   JointTarget target() const noexcept;
 
  private:

@@ -9,13 +9,13 @@
 
 namespace raven2_trainer::control {
 
-/** What one ITP packet may ask of an arm, in master axes I. */
+/** The increment of one ITP packet, in master axes I. */
 struct TipIncrement {
   Vec3 dp_I{};               ///< [m] whole micrometres
   Quat dq_I{kIdentityQuat};  ///< left-multiplied, as ITP's
 };
 
-/** What a receiver takes in one packet. */
+/** Largest increments that a receiver accepts in one packet. */
 struct IncrementLimits {
   double position_um{};  ///< [um] each axis of I
   double rotation{};     ///< [rad]
@@ -24,8 +24,8 @@ struct IncrementLimits {
 /**
  * Desired joints of the model to tip increments of one arm, such that the robot's own inverse kinematics comes to the
  * same joints. Keeps the pose that the robot has added up by its rules (raven2.md 1.4: whole micrometres, rotations
- * from the left) and sends what is missing to where the path is, so what rounding left out in one packet is in the next
- * one: the sum is within half a micrometre an axis of the path, whatever its length. Pure; real-time safe.
+ * from the left), and sends the difference to the path. So the rounding error of one packet is in the next
+ * one. The sum is within half a micrometre an axis of the path, for any length. Pure; real-time safe.
  */
 class PathRelay {
  public:
@@ -35,7 +35,7 @@ class PathRelay {
   /** The robot starts from the joints `q` [rad; m]: its desired pose is theirs, in micrometres cut off toward zero. */
   void start(Arm arm, const JointArray& q) noexcept;
 
-  /** What brings the robot's desired pose to that of the joints `q` [rad; m]; as much of it as a packet may hold. */
+  /** The increment from the robot's desired pose to that of the joints `q` [rad; m], as far as a packet can hold it. */
   TipIncrement advance(const JointArray& q) noexcept;
 
   /** The last increment was all that was missing. */
@@ -60,9 +60,10 @@ class PathRelay {
 constexpr std::array<double, kGrasp1> kFollowTolerance{2e-3, 2e-3, 5e-5, 1e-2, 1e-2};
 
 /**
- * Whether increments can lead a robot along a plan's path: every 5 ms of it the robot's inverse kinematics, from the
- * pose that the packets add up to and from where it was 5 ms before, comes within kFollowTolerance to the joints that
- * `law` asks for on the path, no limit is reached and no packet is full. Not for the 1 kHz loops: microseconds a step.
+ * Whether increments can lead a robot along a plan's path. Every 5 ms of it the robot's inverse kinematics starts from
+ * the pose that the packets add up to and from the joints 5 ms before. It must come within kFollowTolerance to the
+ * joints of `law` on the path, without reaching a limit or filling a packet. Not for the 1 kHz loops: microseconds a
+ * step.
  */
 bool robotFollows(const ArmGeometry& geometry,
                   const IncrementLimits& limits,

@@ -6,7 +6,7 @@
 namespace raven2_trainer::control {
 
 /** Whether an arm of the model is at the edge of its workspace: the hand that moves it asks for a pose beyond the
- * joints' limits, out of its reach, or too near to the remote centre. What a topic tells, and a video sounds.
+ * joints' limits, out of its reach, or too near to the remote centre. A topic publishes it, and a video plays a tone.
  * Real-time safe. */
 constexpr bool isAtEdge(const ModelState& model, Arm arm) noexcept {
   const auto status = static_cast<kinematics::IkStatus>(model.arms[static_cast<std::size_t>(arm)].ik_status);

@@ -3,7 +3,7 @@
 namespace raven2_trainer::control {
 
 /**
- * Both arms from where they stand to where they shall be: minimum jerk in the joints (the quintic of path_follower.h),
+ * Both arms from their places to their goals: minimum jerk in the joints (the quintic of path_follower.h),
  * rest to rest, as fast as the limits let the slower of them. Both arrive in the same tick. Pure; real-time safe.
  */
 class ReturnPath {

@@ -6,9 +6,9 @@
 
 #include "raven2_trainer/core/types.h"
 
-// What a CRTK client (Collaborative Robotics Toolkit) asks of the arms, and what it hears of them. The arms are moved
-// as by a master: what is asked for becomes increments and a pedal, so that model, robot, faults and the log take it as
-// theirs.
+// Commands of a CRTK client (Collaborative Robotics Toolkit) to the arms, and their states for it. The arms move
+// as by a master: commands become increments and a pedal. So model, robot, faults and the log treat them as
+// a master's.
 
 namespace raven2_trainer {
 
@@ -110,8 +110,8 @@ enum class ServoRefusal : std::uint8_t {
   kConsole,       ///< the surgeon's console has the pedal down
   kMode,          ///< planning, a trial, a replay: something that ends first
   kRobotStop,     ///< the robot is in E-STOP: that is ended at the robot
-  kOperatorStop,  ///< an operator stopped the arms: whoever did clears that
-  kNotFinite,     ///< a number that is none, or a turn that is none
+  kOperatorStop,  ///< an operator stopped the arms: the operator clears that
+  kNotFinite,     ///< a number is NaN or infinite, or a rotation is invalid
   kOutOfRange,    ///< a joint or the jaws beyond its limits: `value`, `limit`, `joint`
   kTooFar,        ///< farther from the set point than a servo command may lead: `value`, `limit`; move_* goes there
   kTooFast,       ///< kServoTwist, kServoRates: `value`, `limit`
@@ -133,12 +133,12 @@ struct ServoRefused {
   OperatingState in{OperatingState::kDisabled};
   Arm arm{Arm::kGold};
   std::uint8_t joint{};    ///< kOutOfRange, kTooStrong: 0 to 5 of ServoJoints, 6 the jaws
-  std::uint8_t is_turn{};  ///< kTooFar, kTooFast, kTooStrong: 1 `value` is of a turn [rad; Nm], 0 of a length [m; N]
+  std::uint8_t is_turn{};  ///< kTooFar, kTooFast, kTooStrong: 1 `value` of a rotation [rad; Nm], 0 of a length [m; N]
   double value{}, limit{};
 };
 static_assert(std::is_trivially_copyable<ServoRefused>::value, "travels in a ring");
 
-/** How an arm stands to its clients. */
+/** State of an arm for its clients. */
 struct ServoArmState {
   std::uint8_t is_busy{};    ///< a move_* or homing is under way
   RigidPose setpoint_B{};    ///< of T: what the arm's controllers are asked for

@@ -22,11 +22,11 @@ ServoJoints servoJoints(const JointArray& q) noexcept;
 JointArray withServoJoints(const JointArray& q, const ServoJoints& joints) noexcept;
 
 /**
- * What CRTK clients ask of one arm, stepped once a tick: a set point, the pose of T in B and the jaws' opening, that
- * goes to what is asked for no faster than CrtkConfig allows. Of servo commands the newest counts, and it ends what
- * move_* asked for; moves wait for each other. A move goes from rest to rest by a quintic in time, in joints or along
- * the straight line of the poses. A set point that the arm's own mapping does not take (a limit on the way) stays with
- * what it took, so that nothing winds up. Pure; real-time safe.
+ * CRTK clients' commands for one arm, stepped once a tick. A set point, the pose of T in B and the jaws' opening,
+ * goes to the commanded one no faster than CrtkConfig allows. Of servo commands the newest counts, and it ends
+ * move_*; moves wait for each other. A move goes from rest to rest by a quintic in time, in joints or along
+ * the straight line of the poses. If the arm's own mapping does not accept a set point (a limit), it stays with
+ * the accepted one, so that nothing winds up. Pure; real-time safe.
  */
 class ServoTarget {
  public:
@@ -37,7 +37,7 @@ class ServoTarget {
   /** The set point; what is asked for stays, but a servo command that leads farther from here than one may. Moves begin
    *  here. @param[in] opening [rad]. */
   void startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept;
-  /** What became of the set point of the tick before: that stays in force unless this is far from it. */
+  /** The mapping's result for the last set point, which stays in force unless this is far from it. */
   void keepTo(const Pose& X_BT, const JointArray& q, double opening) noexcept;
 
   /** Any command but kState and kFree. One that is refused changes nothing. */

@@ -38,7 +38,7 @@ class ServoTrim {
   Joints joints_{};
 };
 
-/** How the tool is displaced by a change of joints: in B, the turn about the tip. */
+/** Displacement of the tool by a change of joints: in B, with the rotation about the tip. */
 struct Displacement {
   Vector3 p = Vector3::Zero();
   Matrix3 R = Matrix3::Identity();

@@ -10,13 +10,12 @@ constexpr double kMinOpening = -0.174;
 constexpr double kMaxOpening = 1.570;
 
 /**
- * Increments to desired joints for one arm, by the robot's own rules (raven2.md 1.4, 2.3, 2.5), so that the nominal
- * model follows the same commands to the same places: increments are truncated to whole micrometres in frame B and
- * added to the desired position; rotations multiply from the left in B; the analytic inverse picks the solution
- * nearest to where the arm is and refuses one too far; a joint at its limit re-bases the desired pose, so that the
- * surgeon cannot wind up past it. The desired position is whole micrometres, as in the robot, also after re-basing: at
- * a limit that happens every tick, and what is cut off each time adds up to a millimetre in some seconds. Real-time
- * safe.
+ * Increments to desired joints for one arm, by the robot's own rules (raven2.md 1.4, 2.3, 2.5). So the nominal model
+ * follows the same commands to the same places. Increments are truncated to whole micrometres in frame B and added to
+ * the desired position. Rotations multiply from the left in B. The analytic inverse picks the solution nearest to the
+ * arm and refuses one too far. A joint at its limit re-bases the desired pose, so that the surgeon cannot wind up past
+ * it. The desired position is in whole micrometres, as in the robot, also after re-basing. At a limit that happens
+ * every tick, and the truncated parts add up to a millimetre in some seconds. Real-time safe.
  */
 class TeleopMapper {
  public:
@@ -44,7 +43,7 @@ class TeleopMapper {
    */
   kinematics::IkStatus add(const Vec3& dp_I, const Quat& dq_I, double dgrasp, const JointArray& current) noexcept;
 
-  /** What add() gave last; kOk since a re-base. */
+  /** The last result of add(); kOk since a re-base. */
   kinematics::IkStatus status() const noexcept { return status_; }
   /** [rad; m] desired joints; unchanged by an increment that was refused. */
   const JointArray& desired() const noexcept { return q_d_; }

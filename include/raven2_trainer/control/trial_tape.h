@@ -15,7 +15,7 @@ struct TrialSample {
 };
 
 /**
- * What was asked for in a virtual trial, tick by tick. Joints and not increments: a clutch starts again from where the
+ * The set points of a virtual trial, tick by tick. Joints and not increments: a clutch starts again from where the
  * arms are, so increments do not add up over it. There the joints asked for step back by what the arms lagged behind
  * them; on the tape that step is spread over the ticks after it, so that it can be followed without a jump.
  *
@@ -27,7 +27,7 @@ class TrialTape {
   explicit TrialTape(std::size_t capacity) : samples_(capacity) {}
 
   void clear() noexcept;
-  /** What comes next does not go on from what is there: a clutch. */
+  /** The next sample does not continue the last one: a clutch. */
   void mark() noexcept { is_marked_ = true; }
   /** @return false if it is full: nothing was kept. */
   bool add(const TrialSample& sample) noexcept;
@@ -48,7 +48,7 @@ class TrialTape {
 };
 
 /**
- * A tape played in its own time, from where the arms stand: to its beginning in `hold_time`, then the tape, then its
+ * A tape played in its own time, from the arms' places: to its beginning in `hold_time`, then the tape, then its
  * last sample. Time goes on only in the ticks in which the arms may move, and comes up to speed again in 0.1 s
  * (PathExecution does the same for a plan). Pure; real-time safe.
  */
@@ -59,7 +59,7 @@ class TapeExecution {
   /** @param[in] tape outlives this, not empty. @param[in] from [rad; m] what the arms are asked for now. */
   void start(const TrialTape& tape, const PerArm<JointArray>& from) noexcept;
 
-  /** What to ask for in this tick; what it was if the arms may not move. */
+  /** The set points of this tick; unchanged if the arms may not move. */
   const TrialSample& tick(bool may_move) noexcept;
   const TrialSample& desired() const noexcept { return desired_; }
   /** [rad; m] what is asked for at the end. */

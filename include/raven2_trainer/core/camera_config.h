@@ -25,7 +25,7 @@ struct CameraConfig {
   Vec3 up_W{};            ///< [-]
   double vertical_fov{};  ///< [rad]
   CameraMoves moves{CameraMoves::kNever};
-  double aside{};  ///< [m] to its own right of where eye and target put it, looking the same way: an eye of a pair
+  double aside{};  ///< [m] to the right of its place by eye and target, in the same direction of view: an eye of a pair
 };
 
 }  // namespace raven2_trainer

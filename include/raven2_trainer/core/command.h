@@ -6,7 +6,7 @@
 
 #include "raven2_trainer/core/types.h"
 
-// What travels through rings: each element counts, none may be lost or seen twice.
+// Elements of rings: each counts, none may be lost or seen twice.
 
 namespace raven2_trainer {
 
@@ -24,7 +24,7 @@ struct MasterCommand {
   PerArm<double> dgrasp{};                            ///< [rad] grasp increment, positive closes
 };
 
-/** What the relay sends the robot for one tick: the increments that the model applied. */
+/** The relay's packet to the robot for one tick: the increments that the model applied. */
 struct RelayPacket {
   Tick tick{};
   MasterCommand command{};     ///< sequence is the relay's own
@@ -130,8 +130,8 @@ struct PlanRequest {
   std::uint32_t serial{};  ///< counts what the planner is asked: SharedState::plan_cancelled
   Tick requested_tick{};
   Arm arm{Arm::kGold};
-  JointArray start{};         ///< [rad, m] where the arm stands
-  JointArray other{};         ///< [rad, m] where the other arm stands
+  JointArray start{};         ///< [rad, m] the arm
+  JointArray other{};         ///< [rad, m] the other arm
   std::uint8_t choose_arm{};  ///< 1: `arm` and `other` change places if the other one suits the goal better
   GoalKind goal{GoalKind::kDefault};
   Vec3 goal_W{};        ///< [m] kTip
@@ -171,7 +171,7 @@ struct PlanResult {
   double planning_time{};                             ///< [s] wall clock; in lockstep the fixed simulated delay
   double clearance{};       ///< [m] least distance to the scene, the other arm and itself in the roll-out of the path
   double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path in that roll-out
-  std::uint32_t samples{};  ///< used, those added after a failure included; 0 of OMPL's planners, which do not tell
+  std::uint32_t samples{};  ///< used; includes those added after a failure; 0: OMPL does not say
   std::uint8_t robot_follows{};  ///< 1: the robot's own inverse kinematics takes the path's increments along the path
 };
 static_assert(std::is_trivially_copyable<PlanResult>::value, "travels in a ring");
@@ -191,7 +191,7 @@ enum class ExecutionEnd : std::uint8_t {
   kOffPath,     ///< model or robot was farther from the path than allowed
   kNotSettled,  ///< the path was over, but model or robot did not come to rest at the goal in time
   kNoPedal,     ///< armed, but the pedal did not come in time
-  kMoved,       ///< armed, but at pedal-down an arm no longer stood where it stood when the plan was asked for
+  kMoved,       ///< armed, but at pedal-down an arm had moved since the plan was requested
 };
 constexpr std::size_t kExecutionEndCount = 11;
 constexpr std::array<const char*, kExecutionEndCount> kExecutionEndNames{

@@ -6,7 +6,7 @@
 
 #include "raven2_trainer/core/types.h"
 
-// Contacts of one physics step, for whoever scores or draws them. Bodies are numbered by the world that reports them
+// Contacts of one physics step, for scoring and drawing. Bodies are numbered by the world that reports them
 // (physics::RavenWorld::bodyNames()); fixed parts of the scene have numbers too.
 
 namespace raven2_trainer {

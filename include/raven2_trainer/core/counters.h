@@ -29,7 +29,7 @@ enum class Reject : std::uint8_t {
   kBadSignature,  ///< signed ITP of which the tag is wrong
   kReplayed,      ///< signed ITP of this session, seen before or behind the window
   kOtherSession,  ///< signed ITP of a session that is not the one in force
-  kStale,         ///< TCP: delayed too long on its way
+  kStale,         ///< TCP: delayed too long
 };
 constexpr std::size_t kRejectCount = 21;
 constexpr std::array<const char*, kRejectCount> kRejectNames{
@@ -63,7 +63,7 @@ struct LinkCounts {
   constexpr bool addsUp() const noexcept { return received == applied + rejectedTotal(); }
 };
 
-/** What faults did to a stream of packets: came out = went in + added - lost - held. */
+/** Effects of faults on a stream of packets: came out = went in + added - lost - held. */
 struct FaultedPackets {
   std::uint64_t lost{};
   std::uint64_t added{};  ///< second copies and forgeries

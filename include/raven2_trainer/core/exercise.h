@@ -43,19 +43,19 @@ enum class Mistake : std::uint8_t {
   kCollision,   ///< tool at a tower, the dome or the other arm
   kDrop,        ///< an object let go where it does not belong
   kBreakOff,    ///< something torn off its foot
-  kOutOfOrder,  ///< a step done before its turn
+  kOutOfOrder,  ///< a step done too early
   kWrongArm,    ///< an object taken by the arm that should not
 };
 constexpr std::size_t kMistakeCount = 6;
 constexpr std::array<const char*, kMistakeCount> kMistakeNames{"wire_touch", "collision",    "drop",
                                                                "break_off",  "out_of_order", "wrong_arm"};
 
-/** What an exercise may wait for, of one object, tool or camera. `value` is its number. */
+/** Conditions of an exercise on one object, tool or camera. `value` is its number. */
 enum class PredicateKind : std::uint8_t {
   kHeld,        ///< both jaws of `arm` press on `object`
   kHeldAlone,   ///< and nothing else touches it
   kUntouched,   ///< no arm touches `object`
-  kAround,      ///< peg `place` stands in the opening of `object`
+  kAround,      ///< peg `place` is in the opening of `object`
   kLifted,      ///< `object` is around none of the pegs and touches nothing fixed
   kResting,     ///< `object` is slower than 1 mm/s and 0.05 rad/s
   kAt,          ///< middle of `object` within `value` [m] of point `place`
@@ -65,14 +65,14 @@ enum class PredicateKind : std::uint8_t {
   kAlong,       ///< `object` was led along wire `place` to `value` [-] of its length
   kUnthreaded,  ///< wire `place` is no longer in the opening of `object`
   kInView,      ///< point `place` is in front of the camera, within `value` [-] half heights of the picture's middle
-  kCameraNear,  ///< the camera stands `value` [m] or nearer to point `place`
+  kCameraNear,  ///< the camera is `value` [m] or nearer to point `place`
 };
 constexpr std::size_t kPredicateKindCount = 14;
 constexpr std::array<const char*, kPredicateKindCount> kPredicateNames{
     "held",     "held_alone", "untouched",   "around", "lifted",     "resting", "at",
     "tip_near", "tip_inside", "tip_outside", "along",  "unthreaded", "in_view", "camera_near"};
 
-/** Which arm a predicate means. */
+/** The arm of a predicate. */
 enum class Hand : std::uint8_t { kGold, kGreen, kAny, kBoth };
 constexpr std::size_t kHandCount = 4;
 constexpr std::array<const char*, kHandCount> kHandNames{"gold", "green", "any", "both"};
@@ -101,7 +101,7 @@ struct ExerciseTrack {
   std::vector<ExerciseStep> steps;
 };
 
-/** What counts as a mistake. A rule of kind kWireTouch or kCollision looks for touches of `names_a` with `names_b`. */
+/** A rule for mistakes. A rule of kind kWireTouch or kCollision looks for touches of `names_a` with `names_b`. */
 struct WatchRule {
   Mistake mistake{};
   std::vector<std::string> names_a, names_b;  ///< links of scene and robot, sets taken apart
@@ -118,7 +118,7 @@ constexpr std::size_t kMaxTracks = 8;
 constexpr std::size_t kMaxSteps = 48;  ///< of all tracks together
 constexpr std::size_t kMaxWatchRules = 12;
 
-/** What a hand may do when a hazard strikes. */
+/** Responses of a hand to a hazard. */
 enum class DrillResponse : std::uint8_t {
   kPedalUp,
   kHoldStill,
@@ -151,7 +151,7 @@ struct ScoredMetric {
 
 /** Where the planned path that is shown leads. */
 struct ExerciseGuide {
-  std::uint8_t given{};  ///< 0: none is shown
+  std::uint8_t given{};  ///< 0: not shown
   Arm arm{};
   std::uint8_t point{kNobody};  ///< index in SceneRoles::points
 };
@@ -163,7 +163,7 @@ struct ScriptValue {
   std::vector<double> numbers;
 };
 
-/** One act of the scripted expert: its first key is the verb. What verbs mean is known to whoever moves the hands. */
+/** One act of the scripted expert: its first key is the verb. The simulated surgeon knows the verbs. */
 struct ScriptVerb {
   std::string verb;
   std::vector<ScriptValue> values;  ///< that of the verb itself first
@@ -188,7 +188,7 @@ struct Exercise {
   std::vector<ExerciseTrack> tracks;
   std::vector<WatchRule> rules;
   std::vector<std::uint8_t> targets;  ///< pegs on which an object may be let go
-  std::vector<ScoredMetric> metrics;  ///< the others are told and not scored
+  std::vector<ScoredMetric> metrics;  ///< the others are reported and not scored
   ExerciseGuide guide;
   ExerciseDrill drill;
   std::vector<ScriptVerb> expert;  ///< what the scripted expert does, in order

@@ -7,8 +7,8 @@
 
 #include "raven2_trainer/core/types.h"
 
-// A fault as data: a row that crosses threads, the TCP link and the log. What variables there are is in
-// core/fault_variables.h; whoever applies a fault is in module `faults`.
+// A fault as data: a row that crosses threads, the TCP link and the log. The variables are in
+// core/fault_variables.h; module `faults` applies faults.
 
 namespace raven2_trainer {
 
@@ -64,7 +64,7 @@ constexpr std::array<const char*, kFaultSiteCount> kFaultSiteNames{"none",
                                                                    "video",
                                                                    "process"};
 
-/** What is done to the variable. */
+/** Change of the variable. */
 enum class FaultKind : std::uint8_t {
   kNone,
   // numbers
@@ -104,7 +104,7 @@ constexpr bool isStreamKind(FaultKind kind) noexcept {
   return kind >= FaultKind::kDrop && kind <= FaultKind::kImpair;
 }
 
-/** Which variable; each belongs to one site. */
+/** The variable; each belongs to one site. */
 enum class FaultVariable : std::uint8_t {
   kNone,
   // network_layer
@@ -227,10 +227,10 @@ constexpr std::size_t kMaxFaults = 8;
 /** All faults armed now. `generation` changes whenever the list does. */
 struct FaultPlan {
   std::uint64_t generation{};
-  /** Of whoever arms: a robot's triggers start again with another session, and go on with the same one. */
+  /** Session of the sender: a robot's triggers start again with another session, and go on with the same one. */
   std::uint32_t session{};
   std::uint32_t count{};
-  std::uint8_t is_suspended{};  ///< 1: whoever armed is gone; nothing acts, time goes on. Does not travel.
+  std::uint8_t is_suspended{};  ///< 1: the sender is gone; nothing acts, time goes on. Not sent.
   std::array<Fault, kMaxFaults> faults{};
 };
 
@@ -245,7 +245,7 @@ struct FaultChange {
   std::uint8_t acts{};  ///< 1 began, 0 ended
 };
 
-/** What triggers look at besides cycles and pedals: written by whoever runs the exercise. */
+/** Data for triggers in addition to cycles and pedals; the exercise's runner writes them. */
 struct FaultSignals {
   double tissue_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
   double target_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip

@@ -37,7 +37,7 @@ struct FaultVariableInfo {
   bool per_arm;
   double low, high;     ///< of stuck_at, add, ramp and random, in `unit`
   bool is_stream;       ///< packets or frames: takes the kinds for streams
-  const char* meaning;  ///< with where it stands in the robot's program
+  const char* meaning;  ///< with its name in the robot's program
 };
 
 namespace fault_table {
@@ -137,7 +137,7 @@ constexpr const FaultChannelNames& channelsOf(FaultVariable variable) noexcept {
   return kFaultChannelNames[static_cast<std::size_t>(infoOf(variable).channels)];
 }
 
-/** The table stands in the order of the enumeration. */
+/** The table is in the order of the enumeration. */
 constexpr bool isFaultTableInOrder() noexcept {
   for (std::size_t i = 0; i < kFaultVariableCount; ++i) {
     if (static_cast<std::size_t>(kFaultVariables[i].variable) != i) return false;
@@ -174,10 +174,10 @@ constexpr bool lastsForPackets(const Fault& fault) noexcept {
   return fault.trigger == FaultTrigger::kPacket && infoOf(fault.variable).site == FaultSite::kNetworkLayer;
 }
 
-/** Which kinds a variable takes. */
+/** Whether a variable takes a kind. */
 bool takes(FaultVariable variable, FaultKind kind) noexcept;
 
-/** Whether every field is one that an engine can work with, whoever sent it: numbers finite, enumerations and channels
+/** Whether an engine can work with every field, from any sender: numbers finite, enumerations and channels
  *  known, site and variable and kind of each other, times within a million hours, counts of a stream within its room.
  */
 bool isSound(const Fault& fault) noexcept;

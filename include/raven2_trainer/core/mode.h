@@ -6,17 +6,17 @@
 
 namespace raven2_trainer {
 
-/** What the daemon is doing. The table of events is in control/mode_table.h. */
+/** Mode of the daemon. The table of events is in control/mode_table.h. */
 enum class Mode : std::uint8_t {
   kWaiting,        ///< no pedal seen yet, or the robot is not ready
-  kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds where there is none
+  kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds without a robot
   kTeleoperating,  ///< pedal down: increments move model and robot
   kPlanning,       ///< pedal up, a plan is being computed; the model holds
   kTracking,       ///< the model follows a planned path; the robot holds
   kStopped,        ///< the robot is in E-STOP; the model holds
-  kPaused,         ///< simulated time was lost: the model holds, the session's clock stands, until a new pedal-down
+  kPaused,         ///< simulated time was lost: the model holds, the session's clock stops, until a new pedal-down
   kChoosing,   ///< planning mode: pedal down moves one arm of the model, through everything, to a goal; the robot holds
-  kArmed,      ///< pedal up: the model stands where the plan to be executed starts, and waits for the pedal
+  kArmed,      ///< pedal up: the model is at the start of the plan to be executed, and waits for the pedal
   kExecuting,  ///< pedal held: the model follows the plan's path, and the robot too if that was asked for
   kSimulating,      ///< pure simulation, pedal down: increments move the model alone, the robot is disengaged
   kSimulationHeld,  ///< the same, pedal up: the model holds
@@ -24,7 +24,7 @@ enum class Mode : std::uint8_t {
   kTrialHeld,       ///< the same, pedal up: the model holds
   kTrialReady,      ///< the trial is over and waits for what shall become of it
   kReturning,       ///< pedal up: the model glides to where the robot is, through everything
-  kReplaying,       ///< pedal up: a recorded session is shown, the world stands still; the robot holds
+  kReplaying,       ///< pedal up: a recorded session is shown, the world is paused; the robot holds
   kCameraMoving,    ///< camera pedal held: the masters move the camera, model and robot hold
 };
 constexpr std::size_t kModeCount = 18;
@@ -47,22 +47,22 @@ enum class ActivityKind : std::uint8_t {
 };
 constexpr std::size_t kActivityCount = 9;
 
-/** Which robot a mode can move. */
+/** Arms that a mode can move. */
 enum class Moves : std::uint8_t {
   kNothing,
-  kModel,       ///< the model moves or holds away from the robot, which stands
+  kModel,       ///< the model moves or holds away from the robot, which does not move
   kBoth,        ///< model and robot from a common pose, or the model alone where no robot joins
   kBothIfAsked  ///< the same if the robot was asked to move
 };
 
-/** What the world does. */
+/** Motion of the world. */
 enum class WorldMotion : std::uint8_t {
   kMeets,   ///< it is stepped, and the arms meet what is there
   kPasses,  ///< it is stepped, and the arms pass through everything
   kStill,   ///< it does not move: what is shown is placed directly, without physics
 };
 
-/** What a mode is: a row for each, in traitsOf(). doc/modes.md shows them; a test compares. */
+/** Properties of a mode: a row for each, in traitsOf(). doc/modes.md shows them; a test compares. */
 struct ModeTraits {
   ActivityKind activity{};
   Moves moves{};
@@ -88,7 +88,8 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
   using W = WorldMotion;
   switch (mode) {
       // clang-format off
-                                    //                                                hands plan   trial  repeat clients begins timed judged follows replay
+                                    //                                                hands plan   trial  repeat clients
+                                    // begins timed judged follows replay
     case Mode::kWaiting:        return {A::kHold,          M::kNothing,    W::kPasses, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes};
     case Mode::kPedalUp:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kYes};
     case Mode::kTeleoperating:  return {A::kTeleoperation, M::kBoth,       W::kMeets,  kYes, kYes, kNo,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo};

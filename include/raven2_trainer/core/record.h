@@ -10,7 +10,7 @@
 #include "raven2_trainer/core/histogram.h"
 #include "raven2_trainer/core/state.h"
 
-// What the loops hand to the recorder. Together the records hold everything the physics loop consumed, per tick, so
+// Data from the loops to the recorder. Together the records have everything the physics loop consumed, per tick, so
 // that a session can be simulated again from its log.
 
 namespace raven2_trainer {
@@ -128,7 +128,7 @@ struct RecoveryRecord {
   std::uint64_t cut_bytes{};  ///< [bytes] of records that were half written, or written but still in the queues
 };
 
-/** What the recorder has to say, for /diagnostics. */
+/** State of the recorder, for /diagnostics. */
 struct RecorderStatus {
   std::uint8_t failing{};  ///< 1 while the disk refuses the log
   std::int32_t error{};    ///< errno of the last refusal; 0 none yet
@@ -218,7 +218,7 @@ struct SessionCounts {
   std::uint8_t realtime{};          ///< 1 if SCHED_FIFO was granted
   std::uint8_t lockstep{};          ///< 1 if there were no threads
 
-  // What else became of packets, commands, requests and records; see addsUp().
+  // Further counts of packets, commands, requests and records; see addsUp().
   std::array<RingCounts, kRingCount> rings{};  ///< by RingId
   std::uint64_t relay_failed{};                ///< daemon -> robot packets that the system did not take
   std::uint64_t relay_released{};              ///< pedal-up packets that the sender added to those of the physics loop
@@ -226,11 +226,11 @@ struct SessionCounts {
   std::uint64_t force_silent{};      ///< packets of zero force that the sender added to those of the haptic loop
   std::uint64_t contacts_dropped{};  ///< contacts of a tick beyond the longest list
 
-  // What injected faults did to packets under way; all 0 without any.
+  // Effects of injected faults on packets under way; all 0 without faults.
   FaultedPackets master_faults{};      ///< between ingest and model
   FaultedPackets relay_faults{};       ///< between physics loop and sender
   FaultedPackets relay_network{};      ///< between sender and socket: the bad network of a fault
-  std::uint64_t fault_changes_lost{};  ///< beginnings and ends of faults that were not told
+  std::uint64_t fault_changes_lost{};  ///< beginnings and ends of faults that were not reported
 };
 static_assert(std::is_trivially_copyable<SessionCounts>::value, "travels in the log");
 
@@ -239,9 +239,9 @@ constexpr const RingCounts& ring(const SessionCounts& counts, RingId id) noexcep
 }
 
 /**
- * Whether every packet, command, request and record of a finished session is accounted for: on every link received =
- * applied + rejected, what was applied went into the ring behind it, what the loops gave out was sent, refused by the
- * system or dropped by a full ring, and every record was written or dropped. While threads run the counters are read
+ * Whether every packet, command, request and record of a finished session is accounted for. On every link, received =
+ * applied + rejected. Applied packets went into the next ring. The loops' output was sent, refused by the
+ * system or dropped by a full ring. Every record was written or dropped. While threads run the counters are read
  * one after the other, so only of a finished session. @return nullptr if so, else the first sum that is wrong.
  */
 const char* wrongSum(const SessionCounts& counts) noexcept;

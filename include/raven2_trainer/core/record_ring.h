@@ -33,8 +33,8 @@ std::uint64_t recordChecksum(const T& value, std::uint64_t index) noexcept {
  * An SpscRing whose memory can outlive the process: every element carries a checksum, and the consumer looks at
  * elements first (`at`) and gives their room back later (`release`), when they are safe elsewhere. Whatever the
  * producer has pushed and the consumer has not released is in the memory, whole, at any moment, so a file mapped there
- * keeps it through a SIGKILL.
- * Real-time safe on both sides: wait-free, no allocation, no system call. One producer, one consumer.
+ * keeps it through a SIGKILL. Real-time safe on both sides: wait-free, no allocation, no system call. One producer, one
+ * consumer.
  */
 template <typename T, std::size_t Capacity>
 class RecordRing {
@@ -58,8 +58,8 @@ class RecordRing {
     }
     Slot& slot = slots_[tail % Capacity];
     std::memcpy(&slot.value, &element, sizeof(T));
-    // What the element's padding holds is for the compiler to choose, each time it looks: only what has been written
-    // counts.
+    // The compiler may choose other padding of the element at each read: only the written bytes
+    // count.
     std::atomic_signal_fence(std::memory_order_seq_cst);
     slot.check = recordChecksum(slot.value, tail);
     tail_.store(tail + 1, std::memory_order_release);
@@ -95,7 +95,7 @@ class RecordRing {
   /** Elements dropped because the ring was full, or by drop(), since the start. Any thread. */
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
-  /** What went through since the start. Any thread; `taken` is read first, so that it is never above `pushed`. */
+  /** Counts since the start. Any thread; `taken` is read first, so that it is never above `pushed`. */
   RingCounts counts() const noexcept {
     RingCounts c;
     c.taken = head();

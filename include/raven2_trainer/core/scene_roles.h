@@ -62,7 +62,7 @@ struct SceneRegion {
 struct SceneRoles {
   std::string name, title, file;
   std::string urdf;        ///< absolute path
-  std::string urdf_place;  ///< where it would stand next to this file; another one if it is the package's
+  std::string urdf_place;  ///< its place next to this file; another one if it is the package's
   std::vector<SceneObject> objects;
   std::vector<ScenePeg> pegs;
   std::vector<SceneWire> wires;

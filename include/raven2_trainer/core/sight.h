@@ -10,7 +10,7 @@
 
 namespace raven2_trainer {
 
-/** What eyes see of the virtual scene, 30 times a second: for scripted hands, in place of a picture. */
+/** View of the virtual scene, 30 times a second: for simulated surgeons, in place of a picture. */
 struct Sight {
   std::uint32_t sequence{};
   Tick tick{};  ///< [1 ms] of the model

@@ -51,7 +51,7 @@ class SpscRing {
   /** Elements dropped because the ring was full, since the start. Any thread. */
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
-  /** What went through since the start. Any thread; `taken` is read first, so that it is never above `pushed`. */
+  /** Counts since the start. Any thread; `taken` is read first, so that it is never above `pushed`. */
   RingCounts counts() const noexcept {
     RingCounts c;
     c.taken = head_.load(std::memory_order_acquire);

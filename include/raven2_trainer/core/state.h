@@ -28,13 +28,13 @@ constexpr std::size_t kPlanningStatusCount = 6;
 constexpr std::array<const char*, kPlanningStatusCount> kPlanningStatusNames{"idle",  "choosing", "planning",
                                                                              "ready", "armed",    "executing"};
 
-/** What became of a request for planning or executing. */
+/** Answer to a request for planning or executing. */
 enum class PlanningAnswer : std::uint8_t {
   kNone,
   kAccepted,
   kNotNow,             ///< not in this mode, or the pedal is down
   kNoPlan,             ///< there is no plan, or not the one that was asked for
-  kMoved,              ///< an arm no longer stands where it stood when the plan was asked for
+  kMoved,              ///< an arm has moved since the plan was requested
   kNoRobot,            ///< the robot shall move, but it is not ready, not heard or not engaged
   kRobotCannotFollow,  ///< the robot's own inverse kinematics would leave the path
 };
@@ -76,7 +76,7 @@ struct ArmState {
   std::uint32_t contacts{};   ///< contact points on this arm in this step
 };
 
-/** What faults do in the daemon in one tick. Masks: bit i, row i of the armed plan acts. */
+/** Faults in the daemon in one tick. Masks: bit i, row i of the armed plan acts. */
 struct DaemonFaults {
   std::uint32_t active{};                 ///< Fault::id of the first that acts, 0 none
   std::uint8_t relay{};                   ///< mask of those on the stream to the robot
@@ -89,7 +89,7 @@ struct DaemonFaults {
   FaultSignals signals{};                 ///< what triggers look at
 };
 
-/** Where the movable camera stands. Its lens is the configured one's. */
+/** Place of the movable camera. Its lens is configured. */
 struct CameraState {
   Vec3 eye_W{};                ///< [m]
   Vec3 target_W{};             ///< [m] looked at
@@ -111,7 +111,7 @@ struct ModelState {
   PerArm<Vec3> master_I{};      ///< [m] [@frame I] sum of all increments sent by the masters, used or not; not clients'
   PlanningState planning{};     ///< how far planning and executing are
   ExerciseState exercise{};     ///< how far the exercise is
-  CameraState camera{};         ///< where the movable camera stands
+  CameraState camera{};         ///< place of the movable camera
   std::uint32_t pedals{};       ///< Pedal bits held
   std::uint32_t trial_ticks{};  ///< [1 ms] of the virtual trial that are kept
   std::uint8_t view{};          ///< 1: the real camera's picture is asked for
@@ -124,7 +124,7 @@ static_assert(std::is_trivially_copyable<ModelState>::value, "crosses threads wo
 /** The robot's `jstate` (raven2.md 4.4): 0 not_ready, 1 pos_unknown, 2 homing1, 3 homing2, 4 ready, 5 wait, 6
  * hard_stop. */
 constexpr std::uint8_t kMaxJointState = 6;
-constexpr std::uint8_t kJointStateUnknown = 255;  ///< a robot that does not tell it
+constexpr std::uint8_t kJointStateUnknown = 255;  ///< a robot that does not report it
 constexpr std::array<std::uint8_t, kJointCount> kNoJointStates{255, 255, 255, 255, 255, 255, 255};
 
 /** Whether the robot's control program runs: faults can end it. */
@@ -162,7 +162,7 @@ struct RobotState {
 };
 static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads word by word");
 
-/** What the hands are given in one tick. Holds all that the next tick depends on but the states of model and robot. */
+/** Forces for the hands in one tick. Has all that the next tick depends on, except the states of model and robot. */
 struct HapticState {
   Tick tick{-1};                    ///< model tick it was computed from
   std::uint64_t count{};            ///< haptic ticks so far

@@ -18,10 +18,10 @@ class ConsoleRunner {
  public:
   /** @throw NetworkException, ConfigException (the key). */
   ConsoleRunner(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source);
-  /** @param[in] realtime with FIFO priority; not for hands that take memory while they move (expert, clumsy). */
+  /** @param[in] realtime with FIFO priority; not for surgeons that allocate memory while they move (expert, clumsy). */
   void start(bool realtime = true);
   void stop();
-  /** What the thread does every millisecond. */
+  /** Body of the thread, every millisecond. */
   void tick(std::int64_t now_ns) noexcept;
 
   /** The motion is over; packets with the pedal up go on until stop(). */
@@ -52,7 +52,7 @@ class ConsoleRunner {
   loop::PedalBeat pedal_beat_;
   net::UdpReceiver forces_;
   std::optional<net::UdpReceiver> pictures_;
-  const std::int64_t ready_timeout_ns_;  ///< 0 never: hands that are real wait for the robot, however long
+  const std::int64_t ready_timeout_ns_;  ///< 0 never: real hands wait for the robot, however long
   const bool must_sign_;
   std::int64_t started_ns_{0};
   bool ready_{false};

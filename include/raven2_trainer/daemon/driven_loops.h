@@ -11,10 +11,10 @@
 namespace raven2_trainer::daemon {
 
 /**
- * The two 1 kHz loops of the daemon with their own threads, driven by a simple motion instead of sockets: both arms
- * press on the scene and lift, with a clutch now and then, linked to a made-up robot that lags some millimetres behind,
- * so that contacts, relay, force and records all have work. What they send and record is taken by a third thread, woken
- * as the daemon's sender is. For timing measurements: what it does to time is what a session does.
+ * The two 1 kHz loops of the daemon with their own threads, driven by a simple motion instead of sockets. Both arms
+ * press on the scene and lift, with a clutch now and then. They are linked to a made-up robot that lags some
+ * millimetres behind, so contacts, relay, force and records all have work. A third thread, woken like the daemon's
+ * sender, takes their packets and records. For timing measurements: the load is that of a session.
  */
 class DrivenLoops {
  public:
@@ -32,7 +32,7 @@ class DrivenLoops {
   void stop();
   LoopTiming timing(LoopId loop) const noexcept;
 
-  // The bodies, for whoever steps them without threads.
+  // The bodies, for callers without threads.
   void physicsTick(std::int64_t now_ns) noexcept;
   void hapticTick(std::int64_t now_ns) noexcept;
   /** Takes what was sent and recorded, as a sender and a recorder would. */

@@ -17,9 +17,9 @@ struct LiveLevel {
 /**
  * Chooses the live picture's rate and size by what frames take. Where most frames of half a second take longer than
  * their period, it goes a level down: first the rate (30, 20, 15, 10 Hz), then the size (3/4, 1/2), as far as the
- * configuration allows. Up again it goes by one level where, for `live_settle`, nearly every frame would have filled at
- * most 70 % of the period there; what a larger picture will take is reckoned by its pixels, which is too much rather
- * than too little. A constant load thus never goes up to where it must come down from; one that changes does so less
+ * configuration allows. It goes up by one level if, for `live_settle`, nearly every frame would have filled at
+ * most 70 % of the period there. The time of a larger picture is estimated by its pixels, rather too long
+ * than too short. A constant load thus never goes up to where it must come down from; one that changes does so less
  * and less often, since each fall soon after a rise doubles the wait for the next.
  *
  * Knows no clock: it is fed with durations. One thread; takes memory when constructed only.

@@ -19,7 +19,7 @@
 
 namespace raven2_trainer::daemon {
 
-/** Which of a state's pictures. */
+/** The pictures of a state. */
 enum class Eye : std::uint8_t { kMiddle, kLeft, kRight };
 constexpr std::size_t kEyeCount = 3;
 
@@ -28,9 +28,9 @@ struct LiveImage {
   const std::vector<std::uint8_t>& rgb;  ///< top row first
   const model::Camera& camera;
   Tick tick;     ///< of the model state drawn
-  bool is_view;  ///< what is asked for now (ModelState::view), or stands in for the real camera, which is silent
+  bool is_view;  ///< the present view (ModelState::view), or a substitute for the real camera, which is silent
   Eye eye;       ///< kMiddle: the live camera; else one of the stereo pair
-  std::int64_t time_ns;  ///< ModelState::time_ns of what is shown: of a frozen picture the old one
+  std::int64_t time_ns;  ///< ModelState::time_ns of the shown state: for a frozen picture the old one
 };
 using ImageSink = std::function<void(const LiveImage&)>;
 
@@ -64,7 +64,7 @@ class RenderLoop {
   double period() const noexcept { return pace_.period(); }
 
  private:
-  /** What draws pictures of one size. */
+  /** Draws pictures of one size. */
   struct Stage {
     Stage(const TrainerConfig& config, const model::RavenModel& raven, const model::SceneModel& scene, double scale);
     render::Renderer renderer;

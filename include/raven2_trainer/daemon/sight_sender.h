@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::daemon {
 
-/** Body of the thread that shows the console the scene, for scripted hands; it owes the loops nothing. */
+/** Body of the thread that sends the scene to the console, for the simulated surgeon. The loops do not wait for it. */
 class SightSender {
  public:
   /** @param[in] free_bodies As in sightOf(). @throw NetworkException. */

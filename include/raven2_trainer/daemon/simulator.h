@@ -22,7 +22,7 @@ struct SimulatorOptions {
   bool render{true};     ///< live picture
 };
 
-/** What the daemon is up to, for whoever waits for its end. */
+/** State of the daemon, for a caller that waits for its end. */
 enum class SimulatorState : std::uint8_t {
   kRunning,
   kComplete,  ///< the wanted session time is reached
@@ -42,8 +42,8 @@ class Simulator {
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  /** Who gets the live pictures from now on, on the render thread; {}: nobody. Any thread, at any time; the sink of
-   *  before is not called any more when this returns. */
+  /** Receiver of the live pictures from now on, on the render thread; {}: nobody. Any thread, at any time. When this
+   *  returns, the sink before is not called any more. */
   void setImageSink(ImageSink sink);
 
   /** @throw RealtimeException if a thread cannot be had. */
@@ -73,7 +73,7 @@ class Simulator {
   SessionCounts counts() const;
   /** Of the plan under way, or of the newest. Any thread. */
   PlanCounts planCounts() const noexcept;
-  /** What scheduling and memory locking were granted, in words. */
+  /** The granted scheduling and memory locking, in words. */
   std::string realtimeStatus() const;
   /** Port the masters send to. */
   std::uint16_t masterPort() const noexcept;

@@ -15,7 +15,7 @@ constexpr bool kHasHooks = false;  ///< for the test that hooks change nothing
 constexpr bool kHasHooks = true;
 #endif
 
-/** What triggers look at in one cycle. */
+/** Data of one cycle for triggers. */
 struct FaultCycle {
   bool pedal_down{};
   int run_level{-1};  ///< -1 unknown to this host
@@ -52,13 +52,13 @@ class FaultEngine {
   /** Is there anything for this host, and may it act? */
   bool isArmed() const noexcept { return kHasHooks && armed_; }
 
-  /** The oldest beginning or end not told yet; `cycle` is left to the host, whose clock it is. @return false if there
-   * is none. Whoever never asks loses the newest. */
+  /** The oldest unreported beginning or end; the host sets `cycle`, by its clock. @return false without
+   * one. If nobody asks, the newest are lost. */
   bool nextChange(FaultChange* change) noexcept;
   /** Those lost so, since the start. */
   std::uint64_t changesUnreported() const noexcept { return number_ - changes_begun_; }
 
-  /** One element of a variable after its faults. `arm` is of no account where a variable has none. */
+  /** One element of a variable after its faults. `arm` is ignored for a variable without arms. */
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
     return isArmed() ? corrupt(variable, arm, channel, value) : value;
   }

@@ -13,9 +13,9 @@
 namespace raven2_trainer::faults {
 
 /**
- * Faults on a stream of packets: loss, delay, repetition, order, replay, forgery. What goes in comes out at once and
- * unchanged while nothing acts; a packet that is held when a fault ends comes out as soon as it is due. None overtakes
- * another but by `reorder`. With no room left the newest is lost, as in a full queue.
+ * Faults on a stream of packets: loss, delay, repetition, order, replay, forgery. Without a fault packets come out at
+ * once and unchanged. A packet that is held when a fault ends comes out as soon as it is due. Only `reorder` changes
+ * the order. With no room left the newest is lost, as in a full queue.
  *
  * `Traits` knows the packets: `sequence(T&)` is a reference to its number, `takeMotion(T* to, const T& from)`
  * everything else, `forge(T* packet, Arm arm, std::size_t channel, double value)` makes it move so.
@@ -55,7 +55,7 @@ class PacketStream {
     reorder(*engine);
   }
 
-  /** The next packet that is due. @return false if there is none. */
+  /** The next packet that is due. @return false without one. */
   bool take(T* packet, const FaultEngine& engine) noexcept {
     if (released_ == end_) return false;
     if (held_back_ && !engine.acting(variable_, FaultKind::kReorder)) letGo();  // the block will not be completed
@@ -167,7 +167,7 @@ class PacketStream {
   bool held_back_{false};
 };
 
-/** For commands of the masters, on their way in or out. */
+/** For commands of the masters, incoming or outgoing. */
 struct CommandTraits {
   static std::uint32_t& sequence(MasterCommand& command) noexcept { return command.sequence; }
   static void takeMotion(MasterCommand* to, const MasterCommand& from) noexcept {

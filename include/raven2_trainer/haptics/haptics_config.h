@@ -26,7 +26,7 @@ struct GuidanceConfig {
   double fade_time{};  ///< [s] from nothing to the whole force once there is a path and the pedal is down
 };
 
-/** What the daemon takes for the middle of a master's workspace, of which it is only told increments. */
+/** The assumed middle of a master's workspace; the daemon receives only increments. */
 enum class WorkspaceOrigin : std::uint8_t { kPedalDown, kStart };
 constexpr std::array<const char*, 2> kWorkspaceOriginNames{"pedal_down", "start"};
 

@@ -15,11 +15,11 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * Time-domain passivity observer and controller (Hannaford and Ryu 2002) of the port to one hand, for a link whose
  * delay is not known but bounded. doc/haptics.md has the argument.
  *
- * Observer: the hand's motion arrives some time after it happened, and what pushed it then was a force given still
- * earlier. For each round trip d of 0, 1, ... max_delay ticks it adds up the work E_d of the force given d ticks ago on
- * the motion that arrives now: the one with the link's true d is the work that was done at the hand. Work that the
- * force now acting takes back on the hand's way to where the force began (of a constant force: all of it) is no
- * energy gained: M_d = E_d - max(0, f_d . (x - x_a)). What counts is the largest M_d.
+ * Observer: the hand's motion arrives some time after it happened. The force that acted on it then was given still
+ * earlier. For each round trip d of 0, 1, ... max_delay ticks the observer sums the work E_d of the force of d ticks
+ * ago on the motion that arrives now. The sum with the link's true d is the work at the hand. Work that the present
+ * force takes back on the hand's path to where the force began (of a constant force: all of it) is no gained energy:
+ * M_d = E_d - max(0, f_d . (x - x_a)). The largest M_d counts.
  *
  * Controller: the allowance is a budget and what a hand of the least damping has taken since. Once less than half a
  * budget is left, the force given is a smaller share of the law's, and none when nothing is left. The forces are
@@ -29,7 +29,7 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] of PassivityConfig::ma
  * Reservoir: what is left of the allowance never exceeds `bank`, like an energy tank with a ceiling (Lee and Huang,
  * IEEE Trans. Robotics 26(2), 2010): what the port took from the hand, and the damping of its motion, is forgotten
  * beyond that, so that no time of dissipation buys a time of swinging. Only what the force now acting gives back while
- * the hand returns to where it began, f_d . (x_a - x), is kept besides: that is stored, not dissipated.
+ * the hand returns to where it began, f_d . (x_a - x), is kept in addition: that is stored, not dissipated.
  *
  * The account starts again after a rest in which nothing was given and nothing asked for. Real-time safe: fixed size
  * (about 23 KiB), at most max_delay steps.
@@ -38,8 +38,9 @@ class PassivityGuard {
  public:
   explicit PassivityGuard(const PassivityConfig& config) noexcept;
 
-  /** One tick. @param[in] hand [m] position of the hand as far as it is known now, any origin, the forces' axes. What
-   *  is not finite counts as no motion. */
+  /** One tick. @param[in] hand [m] position of the hand as far as it is known now, any origin, the forces' axes. NaN
+   * and
+   *  infinity count as no motion. */
   void observe(const Eigen::Vector3d& hand) noexcept;
 
   /** The force [N] that is given from now to the next tick. Must be finite.
@@ -48,7 +49,7 @@ class PassivityGuard {
 
   /** Nothing acts and nothing is watched: the next force finds a new account. */
   bool isResting() const noexcept { return resting_; }
-  /** What was given is not known: nothing holds until a rest has passed. */
+  /** The given forces are not known: no bound holds until a rest has passed. */
   void forget() noexcept;
   /** As after a rest. */
   void startAgain() noexcept;

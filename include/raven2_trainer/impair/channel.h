@@ -14,13 +14,13 @@
 
 namespace raven2_trainer::impair {
 
-/** What travels. */
+/** Kind of data on the link. */
 enum class Medium : std::uint8_t {
   kDatagrams,  ///< each by itself: lost, overtaken, doubled, spoilt
   kStream,  ///< pieces of a TCP stream: all arrive, whole and in order; what would be a loss or an outage holds it up
 };
 
-/** What the channel made of one packet. */
+/** Result of the channel for one packet. */
 struct Fate {
   std::uint64_t number{};  ///< of the packet: 0, 1, 2, ... as offered
   Loss loss{Loss::kNone};  ///< why it will not come out
@@ -61,10 +61,10 @@ struct ChannelCounts {
 };
 
 /**
- * One direction of a bad link. It is told what goes in and when, and says what comes out and when; it knows no clock,
- * so the same packets at the same times with the same seed give the same, bit for bit. All times are integer
- * nanoseconds of one monotonic clock of the caller. Every model draws from its own generator: with another delay
- * the same packets are lost.
+ * One direction of a bad link. It gets packets with their times, and returns packets with their times. It reads no
+ * clock, so the same packets at the same times with the same seed give the same result, bit for bit. All times are
+ * integer nanoseconds of one monotonic clock of the caller. Every model draws from its own generator: with another
+ * delay the same packets are lost.
  *
  * In this order: outage, loss, corruption and truncation, bottleneck, delay, reordering, duplication. A packet that is
  * under way when an outage begins arrives.

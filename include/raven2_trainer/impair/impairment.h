@@ -91,7 +91,7 @@ struct Outage {
   std::int64_t to_ns{};
 };
 
-/** What a link does to packets. As constructed: nothing. Read from config/impairments by config::loadImpairment. */
+/** Effects of a link on packets. As constructed: none. Read from config/impairments by config::loadImpairment. */
 struct Impairment {
   std::string name{"none"};
   double loss{};  ///< [0, 1] each packet by itself

@@ -20,8 +20,8 @@ enum class Loss : std::uint8_t {
 constexpr std::size_t kLossCount = 5;
 constexpr std::array<const char*, kLossCount> kLossNames{"none", "lost", "burst", "cut", "queue_full"};
 
-/** Which packets are lost by chance. Every model has its own generator, so that switching one on leaves the losses
- *  of the others as they were. */
+/** Random losses of packets. Every model has its own generator, so switching one on does not change the losses
+ *  of the others. */
 class LossModel {
  public:
   LossModel(const Impairment& impairment, std::uint64_t seed, std::uint64_t stream);
@@ -41,7 +41,7 @@ class LossModel {
   Random independent_random_, chain_random_, burst_random_, run_random_;
   bool chain_bad_{false};
   bool burst_bad_{false};
-  double burst_left_{-1.0};  ///< [packets] still to be lost; negative: none is drawn
+  double burst_left_{-1.0};  ///< [packets] still to be lost; negative: not drawn
   std::int64_t run_left_{0};
 };
 

@@ -14,7 +14,7 @@ class OutageClock {
   /** @param[in] start_ns [ns] time from which the outages are counted. */
   OutageClock(const Impairment& impairment, std::uint64_t seed, std::uint64_t stream, std::int64_t start_ns);
 
-  /** [ns] end of the outage in force at `now_ns`, or `now_ns` if there is none. Calls must be in order of time. */
+  /** [ns] end of the outage in force at `now_ns`, or `now_ns` without one. Calls must be in order of time. */
   std::int64_t cutUntil(std::int64_t now_ns) noexcept;
 
  private:

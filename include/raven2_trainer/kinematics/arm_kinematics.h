@@ -12,7 +12,7 @@ namespace raven2_trainer::kinematics {
 /** Columns: joints 0..6; rows 0..2 linear [m/s], 3..5 angular [rad/s], both of T in B, expressed in B. */
 using Jacobian = Eigen::Matrix<double, 6, 7>;
 
-/** Outcome of inverse() and inverseWithinLimits(). The numbers stand in session logs: new ones go to the end. */
+/** Outcome of inverse() and inverseWithinLimits(). The numbers are in session logs: new ones go to the end. */
 enum class IkStatus : std::uint32_t {
   kOk,
   kClamped,       ///< a software limit was reached: usable, but the tip is not at the wanted pose
@@ -73,7 +73,7 @@ using IkSolutions = std::array<IkSolution, 8>;
  * @param[in] X_BT Wanted pose of T in B; X_BT.R must be a rotation.
  * @param[in] opening [rad] wanted jaw opening, grasp1 + grasp2.
  * @return kOk; kSingularWrist (where the jaw axis meets the remote centre there are infinitely many solutions: those
- *         with one jaw line are given); kOutOfReach or kSingularRcm if none is valid.
+ *         with one jaw line are given); kOutOfReach or kSingularRcm without a valid one.
  */
 IkStatus inverseAll(const ArmGeometry& geometry,
                     Arm arm,
@@ -82,10 +82,10 @@ IkStatus inverseAll(const ArmGeometry& geometry,
                     IkSolutions* solutions) noexcept;
 
 /**
- * Joints that put T at `X_BT`: of inverseAll() the one nearest to `current`, chosen as the robot does it (squared
- * error, insertion times 100, roll unwrapped by one turn where it differs by more than 300 degrees; refused above pi).
- * raven2.md 2.5. Limits are not applied. Where the jaw axis meets the remote centre, roll stays that of `current` (or
- * near it, if the arm cannot keep it) and the status is kSingularWrist. Real-time safe.
+ * Joints that put T at `X_BT`: of inverseAll() the one nearest to `current`, chosen as the robot does it. It uses the
+ * squared error with insertion times 100. Roll is unwrapped by one revolution where it differs by more than 300
+ * degrees. Above pi it refuses. raven2.md 2.5. Limits are not applied. Where the jaw axis meets the remote centre, roll
+ * stays that of `current` (or near it, if the arm cannot keep it) and the status is kSingularWrist. Real-time safe.
  *
  * @param[in] X_BT Wanted pose of T in B; X_BT.R must be a rotation.
  * @param[in] opening [rad] wanted jaw opening, grasp1 + grasp2.

@@ -6,7 +6,7 @@
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// What forward() and inverse() share: the constants of the chain and the walk along it. Real-time safe.
+// Shared by forward() and inverse(): the constants of the chain and the walk along it. Real-time safe.
 
 namespace raven2_trainer::kinematics {
 

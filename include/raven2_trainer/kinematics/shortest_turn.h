@@ -5,8 +5,8 @@
 namespace raven2_trainer::kinematics {
 
 /**
- * The turn by the smallest angle that takes one direction to another; of opposite ones, half a turn about an axis across.
- * The same numbers as Eigen's Quaternion::FromTwoVectors, which instantiates a singular value decomposition for opposite
+ * The rotation by the smallest angle from one direction to another; for opposite ones, by pi about an axis across. The
+ * same numbers as Eigen's Quaternion::FromTwoVectors, which instantiates a singular value decomposition for opposite
  * directions in each source that calls it: six seconds of a compiler.
  *
  * @param[in] from, to any length but 0.

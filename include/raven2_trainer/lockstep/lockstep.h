@@ -45,7 +45,7 @@ class Lockstep {
    */
   bool run(double seconds, const std::function<void(double)>& progress, End end = End::kTime);
 
-  /** What faults' triggers look at, from the next tick on. */
+  /** Signals for faults' triggers, from the next tick on. */
   void setSignals(const FaultSignals& signals) noexcept;
 
   /** One tick of everything, for tests. */

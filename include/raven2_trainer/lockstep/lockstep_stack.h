@@ -22,11 +22,12 @@ struct LockstepView {
 };
 
 /**
- * Console, daemon and virtual Raven in one thread, stepped together tick by tick through the same bytes that
- * otherwise cross the sockets, pictures and pedals among them: no sockets, no threads, no clocks, no files, faster than
- * real time, and the same states from the same seed and configuration. A process that holds nothing else may fork it.
+ * Console, daemon and virtual Raven in one thread, stepped together tick by tick. They exchange the same bytes that
+ * otherwise cross the sockets, with pictures and pedals. There are no sockets, threads, clocks or files. It is faster
+ * than real time, and gives the same states from the same seed and configuration. A process with nothing else may fork
+ * it.
  *
- * Records are left in their rings: whoever records takes them (Lockstep), whoever does not discards them.
+ * Records are left in their rings: a caller takes them (Lockstep) or discards them.
  */
 class LockstepStack {
  public:
@@ -42,18 +43,18 @@ class LockstepStack {
 
   /** From now on the link between console and daemon is bad, in both directions and from the configuration's seed. */
   void impair(const Impairment& impairment);
-  /** What faults' triggers look at, from the next tick on. */
+  /** Signals for faults' triggers, from the next tick on. */
   void setSignals(const FaultSignals& signals) noexcept;
-  /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is of no account. */
+  /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is ignored. */
   void arm(const FaultPlan& plan);
 
   /** As soon as model and robot wait for the pedal this session is shown (mode `replaying`), and the surgeon waits for
    *  its end. Before the first tick. @throw SessionException as SessionPlayer::open(). */
   void showFirst(const std::string& session);
 
-  /** What the daemon knows. */
+  /** The daemon's knowledge. */
   const LockstepView& view() const noexcept;
-  /** What is true: the robot's program, its plant, its PLC. */
+  /** The truth: the robot's program, its plant, its PLC. */
   const RobotState& robot() const noexcept;
   const RavenReport& report() const noexcept;
   raven::DetectorReport detectorReport() const noexcept;

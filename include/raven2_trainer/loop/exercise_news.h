@@ -10,7 +10,7 @@
 namespace raven2_trainer {
 
 /**
- * The newest events of an exercise, for whoever looks now and then; all of them are in the record. An event's number is
+ * The newest events of an exercise, for an occasional reader; all of them are in the record. An event's number is
  * its place among all of them, from 1 on, so that a reader sees which ones it missed.
  */
 struct ExerciseNews {

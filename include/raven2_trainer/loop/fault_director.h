@@ -32,7 +32,7 @@ class FaultDirector {
   SharedState& shared_;
   FaultPlan plan_{};
   std::uint32_t armings_{0};
-  std::uint32_t drill_{0};   ///< id of its scenario; 0: there is none, or it is over
+  std::uint32_t drill_{0};   ///< id of its scenario; 0: no drill, or it is over
   std::uint8_t attempt_{1};  ///< that the drill is armed for
   std::uint8_t next_{1};     ///< the newest seen
   Tick next_seen_{0};        ///< when that was first seen

@@ -31,7 +31,7 @@ inline void loadModel(const SharedState& shared, ModelState* model, ContactList*
 /**
  * Loads the newest model state, with the contacts and the haptic state of the same tick. Each is whole, but the cells
  * are written one after the other, the haptic one up to a period later: it is waited for. If it does not come within
- * kFrameStateTries looks (a loop that is late, or stands), the newest of both is what there is, one tick apart as long
+ * kFrameStateTries looks (a loop that is late, or has stopped), the newest of both are used, one tick apart as long
  * as both loops run.
  * @param[in] pause called between looks; a tenth of a millisecond, for 1 kHz loops: with the 50 us that the system adds
  * to the sleep of an ordinary thread, 4.5 ms in all, more where the processor is busy. Not for real-time threads.

@@ -11,10 +11,10 @@
 namespace raven2_trainer::loop {
 
 /**
- * Body of the haptic thread: eqs. (5) and (6) of the paper on the newest states of model and robot, guidance along a
- * planned path and a cue at the edge of the master's workspace if they are on, all through the passivity controller and
- * a limiter of size and slew. A model or robot that is stale, not linked or not finite is not felt: its force falls to
- * nothing. Real-time safe.
+ * Body of the haptic thread. It applies equations 5 and 6 of the paper to the newest states of model and robot, and, if
+ * they are on, guidance along a planned path and a cue at the edge of the master's workspace. All goes through the
+ * passivity controller and a limiter of size and slew. A model or robot that is stale, not linked or not finite is not
+ * felt: its force falls to nothing. Real-time safe.
  *
  * Two accounts of each port: that of all that is given, which shortens the guidance first and then the edge, and that
  * of what is given less those two, which shortens the cue. So the cue never pays for what the others gave, and they do
@@ -23,7 +23,7 @@ namespace raven2_trainer::loop {
  * While a CRTK client holds the pedal (ServoState) the force is its own: the console's hand, which moves nothing, is
  * given none.
  *
- * A tick is observe(), compute(), account(). Everything that one tick hands on to the next stands in its HapticState,
+ * A tick is observe(), compute(), account(). Everything that one tick passes to the next is in its HapticState,
  * so that re-simulation computes a recorded tick from the records before it, with the same three functions.
  */
 class HapticLoop {

@@ -15,7 +15,7 @@
 
 namespace raven2_trainer::loop {
 
-/** What the loops need of the configuration, to which it refers. */
+/** Parts of the configuration for the loops. Refers to it. */
 struct LoopConfig {
   const ArmsConfig& arms;
   const ModelConfig& model;

@@ -26,11 +26,12 @@ class ModelDriver {
   /** From the next step on these forces, each within what that joint's controller may use, take the place of the
    *  controllers' torques. */
   void push(Arm arm, const Effort& effort) noexcept { at(efforts_, arm) = effort; }
-  /** Something pushes the arm, so that it stands nowhere in particular: not the jaws alone. */
+  /** Something pushes the arm, so that it has no fixed place: not the jaws alone. */
   bool isPushed(Arm arm) const noexcept { return at(efforts_, arm).kind != EffortKind::kNone; }
 
-  /** From now on an arm gets the torques of a separate arm in a separate world, which starts where it is, at rest,
-   *  and is driven by the law to what is asked for; but for the jaws, which hold what that arm does not have. */
+  /** From now on an arm gets the torques of a separate arm in a separate world. That arm starts at its place, at rest,
+   *  and the law drives it to the set points. The jaws are excepted: they hold objects that the separate arm does not
+   * have. */
   void openLoop(Arm arm) noexcept;
 
   /** [rad; m] What to ask for so that an arm in motion is where it should be: the law damps velocity,

@@ -9,7 +9,7 @@
 
 namespace raven2_trainer::loop {
 
-/** Where the arm is on its way along a plan. */
+/** Place of the arm along a plan. */
 struct TrackSample {
   double time{};             ///< [s] from the start of the motion
   std::uint32_t waypoint{};  ///< the newest one that the plan has reached by then
@@ -18,7 +18,7 @@ struct TrackSample {
   JointArray q{};            ///< [rad, m] of the model
 };
 
-/** What became of a plan that the model tracked. */
+/** Result of a plan that the model tracked. */
 struct TrackedPath {
   double duration{};                 ///< [s] until the arm rests at the goal, or is given up
   double error{};                    ///< [m] greatest distance of the tip from its place at that time
@@ -32,7 +32,7 @@ struct TrackedPath {
  * of the live model. It judges by ODE's own contacts, so it checks the planner's roll-out from outside. The calling
  * thread must be attached to ODE (physics::attachOdeToThread).
  * @param[in] plan must be a success.
- * @param[in] other [rad, m] where the other arm stands, and is held.
+ * @param[in] other [rad, m] place of the other arm, which is held.
  * @throw ModelException if the models cannot be turned into bodies.
  */
 TrackedPath trackPlan(const model::RavenModel& raven,

@@ -22,9 +22,9 @@ struct PedalRequests {
 
 /**
  * Turns the pedals other than the engaging one into requests: a press asks, and so does the
- * release of the camera's pedal, which alone is held. What a press means depends on what there is: planning's begins it
+ * release of the camera's pedal, which alone is held. The meaning of a press depends on the state: planning's begins it
  * and records the goal at the next press, simulation's and the trial's begin and end. The stop comes first; it is
- * cleared by a request, never by a pedal. Packets may be lost or doubled, and come late: each tells all that is held.
+ * cleared by a request, never by a pedal. Packets may be lost or doubled, and come late: each has all held pedals.
  * Pure; real-time safe.
  */
 class PedalGate {

@@ -22,7 +22,7 @@ constexpr double kTrialLimit = 120.0;
  * planning, goal selection, execution, trial, returning, replay, camera, hold.
  *
  * Linking model and robot: while the pedal is up and the robot's state is fresh, the model's controllers bring it to
- * the robot's joints (what the jaws hold stays held); at pedal down it is put exactly there, and both start from one
+ * the robot's joints (objects in the jaws stay held). At pedal down it is put exactly there, and both start from one
  * pose. Increments count for neither until the robot reports PEDAL_DN, so that both apply the same ones. If the robot's
  * link is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next
  * pedal-down: it never moves, nor does the cue act, without a new start from a common pose.
@@ -46,10 +46,11 @@ class PhysicsLoop {
   /** Simulated time was given up (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down.
    */
   void timeSlip() noexcept;
-  /** The same at the next tick, from any thread: another loop of the exercise gave up time, or somebody asks for a pause. */
+  /** The same at the next tick, from any thread: another loop of the exercise gave up time, or somebody asks for a
+   * pause. */
   void requestPause() noexcept;
 
-  /** What faults' triggers look at, from the next tick on; from the thread of the ticks. */
+  /** Signals for faults' triggers, from the next tick on; from the thread of the ticks. */
   void setSignals(const FaultSignals& signals) noexcept;
 
   /** Bodies by the numbers of contacts. */

@@ -18,8 +18,8 @@ class PlannerWorker {
                 const model::SceneModel& scene,
                 SharedState* shared);
 
-  /** What belongs to the scene alone, some tenths of a second: done ahead, no first plan waits for it. What goes wrong
-   *  is reported by the plan that wants it. */
+  /** Computes the data of the scene, some tenths of a second, ahead of the first plan. The plan that needs them
+   *  reports errors. */
   void prepare() noexcept;
 
   /** Serves waiting requests. @return true if there was one. */

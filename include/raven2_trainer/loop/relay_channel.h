@@ -12,10 +12,10 @@
 namespace raven2_trainer::loop {
 
 /**
- * The way of the relayed packets out of the daemon: straight, or through the bad network that a fault of kind `impair`
- * put there. Each time one begins it begins again, from the configuration's seed. What it still holds when the fault
- * ends comes when it is due, unless a packet is held clean (RelayPacket::is_held): then it is lost. For the sender's
- * thread: it allocates.
+ * Path of the relayed packets out of the daemon: straight, or through the bad network of a fault of kind `impair`. Each
+ * time one begins it begins again, from the configuration's seed. Packets that it still holds when the fault ends come
+ * when they are due, unless a packet is held clean (RelayPacket::is_held): then it is lost. For the sender's thread: it
+ * allocates.
  */
 class RelayChannel {
  public:
@@ -25,7 +25,7 @@ class RelayChannel {
 
   /** One packet in; whatever comes out by now is sent. Calls in order of time. */
   void pass(const RelayPacket& packet, std::int64_t now_ns, const Send& send);
-  /** What has come due meanwhile. */
+  /** Sends packets that have become due. */
   void flush(std::int64_t now_ns, const Send& send);
 
   /** Since the start: given to `send` = passed + added - lost - held. */

@@ -9,7 +9,7 @@
 
 namespace raven2_trainer {
 
-/** What is shown of one tick of a recorded session. */
+/** The shown part of one tick of a recorded session. */
 struct ReplayFrame {
   std::uint32_t replay{};                             ///< Request::plan of its replay; 0 whichever there is
   std::uint8_t is_last{};                             ///< 1: the recording is over, the rest means nothing

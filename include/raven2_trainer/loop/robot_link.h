@@ -16,18 +16,18 @@ namespace raven2_trainer::loop {
  * is counted, applied or by the reason why not. Only a robot whose first frame says `virtual` is ever sent a fault
  * plan.
  *
- * A state's received_ns is the receipt less the time it was on its way (wire::FrameDelay), so that what waited in
- * buffers does not look fresh; one on its way for longer than kMaxDelayNs is rejected.
+ * A state's received_ns is the receipt minus its delay (wire::FrameDelay), so that a state that waited in
+ * buffers does not look fresh. One that is delayed longer than kMaxDelayNs is rejected.
  */
 class RobotLink {
  public:
   /** [ns] By the estimate, which may be too small by its kMaxErrorNs: nothing older than 50 ms is applied. */
   static constexpr std::int64_t kMaxDelayNs = 50'000'000 - wire::FrameDelay::kMaxErrorNs;
-  /** [ns] A robot of which nothing could be applied for so long is given up and connected to again. It leaves no room
-   * for frames to queue up on the way, and is sooner than a connection across a broken network recovers by itself. */
+  /** [ns] A robot of which nothing could be applied for so long is given up and connected to again. It leaves no time
+   * for frames to queue up, and is sooner than a connection across a broken network recovers by itself. */
   static constexpr std::int64_t kSilenceNs = 1'000'000'000;
 
-  /** @param[in] session tells this daemon's run from every other: a robot goes on with the faults of the session it
+  /** @param[in] session identifies this run of the daemon: a robot goes on with the faults of the session it
    *  knows, and begins again with another's. */
   RobotLink(const LoopConfig& config, SharedState* shared, std::uint32_t session = 0);
 
@@ -45,8 +45,8 @@ class RobotLink {
    * last one, of which the robot does not know yet that it is dead. */
   void resendPlan() noexcept { sent_generation_ = ~std::uint64_t{0}; }
 
-  /** A frame to send now: what the triggers of an armed plan look at, when that changed, and before the plan; the plan,
-   *  when it changed or the robot is new. 0 if there is none; more than one may be due.
+  /** A frame to send now: signals for the triggers of an armed plan, when they changed, and before the plan; the plan,
+   *  when it changed or the robot is new. 0 without one; more than one may be due.
    *  @param[out] out at least wire::kMaxFrame bytes. */
   std::size_t pendingFrame(std::uint8_t* out) noexcept;
 

@@ -20,7 +20,7 @@ struct ServoOrder {
 };
 
 /**
- * What CRTK clients ask for. Orders have their own ring, so that no flood of motions delays or displaces a pause;
+ * Commands of CRTK clients. Orders have their own ring, so that no flood of motions delays or displaces a pause;
  * each says which motions it was given behind. One producer thread, one consumer thread. Real-time safe.
  */
 class ServoQueue {

@@ -29,7 +29,7 @@ namespace raven2_trainer {
  * consumer, named on the line above it. No member is ever locked. About 11 MiB: allocate on the heap, once.
  */
 struct SharedState {
-  /** With record queues of its own. */
+  /** With new record queues. */
   SharedState() : SharedState(std::make_unique<RecordRings>()) {}
   /** With record queues elsewhere, which must outlive it. */
   explicit SharedState(RecordRings* queues)
@@ -62,7 +62,7 @@ struct SharedState {
   StateCell<ExecutionReport> last_execution;
   // written by physics: the newest events of the exercise
   StateCell<ExerciseNews> exercise_news;
-  // written by physics: how the arms stand to CRTK clients
+  // written by physics: state of the arms for CRTK clients
   StateCell<ServoState> servo;
   // counted up by ros: Request::id of the next request that wants an answer
   std::atomic<std::uint32_t> next_request{kOwnRequestIds + 1};
@@ -162,9 +162,9 @@ struct SharedState {
   Counter fault_changes_lost;    // robot_link: missing between those that came
   Counter fault_changes_unreported;  // physics: more in a tick than its engines keep
   Counter relay_failed;          // sender: the system did not take it
-  Counter relay_released;        // sender: pedal-up packets of its own
+  Counter relay_released;        // sender: its own pedal-up packets
   Counter force_failed;          // sender
-  Counter force_silent;          // sender: zero forces of its own
+  Counter force_silent;          // sender: its own zero forces
   Counter sight_failed;          // sight
  private:
   explicit SharedState(std::unique_ptr<RecordRings> queues) : SharedState(queues.get()) {
@@ -184,7 +184,7 @@ inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexc
           s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
 }
 
-/** The counters that live in the shared state; whoever owns links and loops adds theirs. Any thread. */
+/** The counters that live in the shared state; the owner of links and loops adds theirs. Any thread. */
 inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   SessionCounts c;
   c.master_used = s.master_used.value();

@@ -11,7 +11,7 @@ namespace raven2_trainer::loop {
 constexpr Tick kPicturePeriod = 33;  ///< [1 ms] 30 pictures a second
 
 /**
- * What a surgeon sees of the model and is told of the robot.
+ * A surgeon's view of the model and news of the robot.
  * @param[in] free_bodies Bodies of ModelState::bodies ahead of those that can break off.
  * @param[in] sequence Number of the picture. Real-time safe.
  */

@@ -20,7 +20,7 @@ struct Camera {
   bool project(const Vector3& p_W, double* u, double* v) const noexcept;
 };
 
-/** The camera of this name; null if there is none. */
+/** The camera of this name; null without one. */
 const CameraConfig* findCamera(const std::vector<CameraConfig>& cameras, const std::string& name) noexcept;
 /** The same. @throw ConfigException listing the known names. */
 const CameraConfig& requireCamera(const std::vector<CameraConfig>& cameras, const std::string& name);
@@ -29,9 +29,9 @@ const CameraConfig& requireCamera(const std::vector<CameraConfig>& cameras, cons
 Camera makeCamera(const CameraConfig& config, int width, int height) noexcept;
 
 /**
- * Where a camera stands in a tick (CameraConfig::moves): a function of that tick's state alone, not smoothed over time,
- * so that a frame looks the same whichever frames were drawn before it. Where the state does not tell (older logs), or
- * what it tells is not finite, that is where the configuration puts it.
+ * Place of a camera in a tick (CameraConfig::moves). It depends on that tick's state alone, without smoothing over
+ * time, so a frame looks the same after any other frames. Without a camera in the state (older logs), or with numbers
+ * that are not finite, it is the configured place.
  * @param[in] X_WB arm bases (RavenModel::X_WB).
  */
 Camera cameraAt(const CameraConfig& config,

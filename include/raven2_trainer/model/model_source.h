@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::model {
 
-/** What arms and scene are read from. Refers to the configuration. */
+/** Sources of arms and scene. Refers to the configuration. */
 struct ModelSource {
   const ArmsConfig& arms;
   const SceneRoles& roles;

@@ -30,7 +30,7 @@ std::string toString(const Endpoint& endpoint);
 
 /**
  * Address of a name or of dotted numbers. May block on the name service: set-up only.
- * @throw NetworkException with host and port if there is none.
+ * @throw NetworkException with host and port if it is unknown.
  */
 Endpoint resolve(const std::string& host, std::uint16_t port);
 

@@ -27,7 +27,8 @@ class ItpSender {
   /** One packet, and what the handshake needs. @return false if the system did not take it, or it stays silent. */
   bool send(const wire::ItpPacket& packet, std::int64_t now_ns) noexcept;
 
-  /** What is no ITP, from the same socket: the receiver heeds it from whom it heeds ITP. Silent as send() is.
+  /** Other packets than ITP, from the same socket: the receiver accepts them from the source of its ITP. Silent as
+   * send() is.
    *  @return as send(). */
   bool sendPedals(const std::uint8_t* bytes, std::size_t size) noexcept;
 

@@ -25,7 +25,7 @@ struct NetworkConfig {
   std::uint16_t robot_port{};  ///< UDP daemon -> robot
   std::string console_host;
   std::uint16_t force_port{};     ///< UDP daemon -> console
-  std::uint16_t sight_port{};     ///< UDP daemon -> console: pictures for scripted hands
+  std::uint16_t sight_port{};     ///< UDP daemon -> console: pictures for simulated surgeons
   bool sight{};                   ///< they are sent and taken
   std::uint16_t state_port{};     ///< TCP robot -> daemon
   double stale_after{};           ///< [s] robot state older than this is not used

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::net {
 
-/** One end of a TCP connection as plain bytes, for whoever stands between two programs. Never waits, never throws. */
+/** One end of a TCP connection as plain bytes, for a program between two others. Never waits, never throws. */
 class StreamSocket {
  public:
   enum class Result : std::uint8_t {
@@ -31,7 +31,7 @@ class StreamSocket {
 
   Moved receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
   Moved send(const std::uint8_t* bytes, std::size_t size) noexcept;
-  /** Tells the peer that nothing more comes. */
+  /** Signals the peer that nothing more comes. */
   void endSending() noexcept;
 
   int fd() const noexcept { return fd_.get(); }

@@ -39,7 +39,7 @@ class TcpClient {
    *  @param[in] now_ns [ns] caller's monotonic time; only the pauses depend on it. */
   Event poll(std::int64_t now_ns, int timeout_ms) noexcept;
 
-  /** Takes bytes that have arrived. @return their number, 0 if there are none; the end of the connection is reported by
+  /** Takes bytes that have arrived. @return their number, or 0; the end of the connection is reported by
    * the next poll(). */
   std::size_t receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 

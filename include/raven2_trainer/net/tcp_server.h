@@ -12,7 +12,7 @@
 
 namespace raven2_trainer::net {
 
-/** What became of the frames for one reader, or for all. Invariant: pushed == sent + dropped + unsent + queued. */
+/** Counts of the frames for one reader, or for all. Invariant: pushed == sent + dropped + unsent + queued. */
 struct FrameTotals {
   std::uint64_t pushed{};   ///< given to send() and broadcast()
   std::uint64_t sent{};     ///< handed to the system, whole
@@ -26,7 +26,7 @@ struct FrameTotals {
 /**
  * Sends frames to a few readers and takes bytes from them, without its own thread: the owner calls poll().
  * Every reader has a bounded queue of whole frames. A reader too slow for it loses the oldest ones; it never delays
- * the sender or another reader; one that takes no byte at all for kStallNs is closed. Neither send nor poll raises
+ * the sender or another reader; one that takes no byte for kStallNs is closed. Neither send nor poll raises
  * SIGPIPE.
  *
  * With all places taken a newcomer gets that of the oldest reader of which half a message waits (markPart()), else of
@@ -39,7 +39,7 @@ class TcpServer {
   static constexpr std::size_t kQueueFrames = 32;
   static constexpr std::int64_t kStallNs = 2'000'000'000;  ///< [ns] as TCP_USER_TIMEOUT (sources.md 2.2)
   static constexpr std::int64_t kYieldNs = 250'000'000;    ///< [ns] a reader that waits so long may lose its place
-  // Ten a second (rule 10) would keep a good reader out for seconds behind a crowd on its own host; a hundred, of some
+  // Ten a second (rule 10) would keep a good reader out for seconds after many readers on its host; a hundred, of some
   // 50 us each, cost the robot's computer half a percent of a core.
   static constexpr std::int64_t kAdmitIntervalNs = 10'000'000;
   static constexpr std::int64_t kAdmitBurst = 100;
@@ -47,7 +47,7 @@ class TcpServer {
   /** Names one connection; never used again. */
   using ClientId = std::uint64_t;
 
-  /** Told by poll(), in the caller's thread. Each may call send(), broadcast() and drop(). */
+  /** Called by poll(), in the caller's thread. Each may call send(), broadcast() and drop(). */
   class Listener {
    public:
     virtual ~Listener() = default;

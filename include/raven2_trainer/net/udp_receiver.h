@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::net {
 
-/** What arrived. */
+/** A received datagram. */
 struct Datagram {
   std::size_t size{};  ///< [bytes] as sent; more than the buffer holds means it was cut, so it is seen, not accepted
   Endpoint source{};
@@ -21,7 +21,7 @@ struct Datagram {
  * A bound UDP socket. Non-blocking; after construction it neither throws nor allocates.
  *
  * Pinned to a source, the socket is connected to it: the kernel then hands over nothing else, so that a flood from
- * elsewhere costs this process nothing. What others send goes to a second, small socket on the same port, from which
+ * elsewhere costs this process nothing. Packets of others go to a second, small socket on the same port, from which
  * receiveForeign() takes samples; the rest is dropped there.
  */
 class UdpReceiver {

@@ -18,7 +18,7 @@ class UdpSender {
    *  failure, as for any UDP. */
   bool send(const std::uint8_t* bytes, std::size_t size) noexcept;
 
-  /** Next answer of the receiver, never waits. @return its true size; 0 if there is none. */
+  /** Next answer of the receiver, never waits. @return its true size, or 0. */
   std::size_t receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 
   /** Own source port. */

@@ -11,7 +11,7 @@
 
 namespace raven2_trainer::net {
 
-/** A UDP socket that both sends and receives, for whoever stands between two programs. Non-blocking; after construction
+/** A UDP socket that both sends and receives, for a program between two others. Non-blocking; after construction
  *  it neither throws nor allocates. */
 class UdpSocket {
  public:

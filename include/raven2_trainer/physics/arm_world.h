@@ -34,7 +34,7 @@ class ArmWorld {
   ArmWorld(const ArmWorld&) = delete;
   ArmWorld& operator=(const ArmWorld&) = delete;
 
-  /** At `q`, moving with `dq` (robot joint coordinates), without a past. What is not finite freezes the world. */
+  /** At `q`, moving with `dq` (robot joint coordinates), without a past. NaN and infinity freeze the world. */
   void setState(const JointArray& q, const JointArray& dq) noexcept;
 
   const JointArray& q() const noexcept;   ///< [rad; m] now
@@ -46,7 +46,7 @@ class ArmWorld {
   /** One tick of 1 ms under these torques [Nm; N], in config.sub_steps steps. Torques that are not finite freeze it. */
   void step(const JointArray& tau) noexcept;
 
-  /** What to restore() later, in this or an equal world, to go on with the same bits. */
+  /** Data for restore(), in this or an equal world, to go on with the same bits. */
   ArmMotion motion() const noexcept;
   void restore(const ArmMotion& motion) noexcept;
 

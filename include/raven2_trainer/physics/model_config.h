@@ -21,7 +21,7 @@ struct ContactMaterial {
   double damping{};    ///< [Ns/m]
 };
 
-/** How an arm's shaft and cables give way when it presses on what stands, up to `travel`. */
+/** How an arm's shaft and cables give way when it presses on fixed things, up to `travel`. */
 struct ArmGive {
   double stiffness{};  ///< [N/m]
   double damping{};    ///< [Ns/m]

@@ -18,17 +18,17 @@ namespace raven2_trainer::physics {
 /**
  * Both arms of the nominal model and the training scene as one ODE world (double precision, dWorldStep, 1 ms).
  *
- * Traps of ODE 0.16.2 met here, all measured (sources.md 1.1): its slider rate is wrong on a rotating
- * parent, so joint rates are computed from the bodies; each world has its own threading implementation, or two
- * worlds crash; capsule-trimesh contacts are incomplete, so collisions use primitives only, and a link that collides by
+ * Traps of ODE 0.16.2, all measured (sources.md 1.1). Its slider rate is wrong on a rotating
+ * parent, so joint rates are computed from the bodies. Each world has its own threading implementation, or two
+ * worlds crash. Capsule-trimesh contacts are incomplete, so collisions use primitives only. A link that collides by
  * meshes only is refused; contacts are reduced to four a body pair; friction is bounded by the normal forces of the
  * step before (src/physics/contact_forces.h). Nothing is ever glued.
  *
- * A part that may break off (SceneModel::breakables) is fixed like the rest of the scene, to the last bit, until the
- * forces of its contacts in the last sub-step of a tick, or their moment about its foot, have exceeded what it bears
- * for so many ticks in a row; from the next tick on it is a free body. Where SceneModel::parking is set, free bodies
- * that have been at rest for 300 ticks with nothing near that moves are parked: left out of the equations, with one
- * contact for each body that holds them in the contact list, until the box of something that moves meets theirs.
+ * A part that may break off (SceneModel::breakables) is fixed like the rest of the scene, to the last bit. It breaks
+ * off if the forces of its contacts in the last sub-step of a tick, or their moment about its foot, exceed its strength
+ * for a number of ticks in a row. From the next tick on it is a free body. With SceneModel::parking, free bodies that
+ * have been at rest for 300 ticks, with nothing near that moves, are parked. They are left out of the equations, with
+ * one contact for each body that holds them in the contact list, until the box of something that moves meets theirs.
  *
  * step() is real-time safe after a warm-up of some hundred steps. Not thread-safe: one thread owns a world.
  */
@@ -60,8 +60,8 @@ class RavenWorld {
   /** In the last step something touched the arm that does not give way: the fixed scene or the other arm. */
   bool isObstructed(Arm arm) const noexcept;
 
-  /** Contacts of the last step: places and normals from its beginning, the forces it made, friction included. What
-   * finds no room is counted; `tick` is left to the caller. Fixed shapes never meet. Real-time safe. */
+  /** Contacts of the last step: places and normals from its beginning, the forces it made, friction included. Contacts
+   * without room are counted; `tick` is left to the caller. Fixed shapes never meet. Real-time safe. */
   void contactList(ContactList* list) const noexcept;
 
   /** Names of the URDF links, robot's and scene's, by the numbers of the contact list. */
@@ -70,7 +70,7 @@ class RavenWorld {
   /** Bodies of the scene that can move, in W: free bodies, then breakables, in SceneModel order. */
   void bodyPoses(std::array<RigidPose, kMaxSceneBodies>* poses) const noexcept;
 
-  /** Which of SceneModel::breakables are off their foot. */
+  /** The parts of SceneModel::breakables that are off their foot. */
   BrokenOff brokenOff() const noexcept;
 
   /** Bit i: body i of bodyPoses() is parked. */

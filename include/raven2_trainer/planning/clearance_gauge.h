@@ -8,9 +8,9 @@
 namespace raven2_trainer::planning {
 
 /**
- * How near an arm is to the scene without its free bodies, to the robot's fixed parts, to the other arm and to itself:
- * the pairs of collision shapes that the planner judges, shape by shape, without a grid or tables. Slower than what the
- * planner searches with, but ready at once.
+ * Distance of an arm to the scene without its free bodies, to the robot's fixed parts, to the other arm and to itself.
+ * It checks the planner's pairs of collision shapes, shape by shape, without a grid or tables. It is slower than the
+ * planner's search, but ready at once.
  *
  * Keeps scratch space: one thread at a time. Real-time safe but for the constructor: measure() takes a few
  * microseconds (`planning_benchmark`).

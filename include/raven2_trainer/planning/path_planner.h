@@ -23,14 +23,14 @@ constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTst
 /** True of FMTstar and FMT, which take n samples; the others draw until they have a path or the time is up. */
 bool takesSamples(const std::string& planner);
 
-/** True of FMTstar: how many free samples OMPL's planners keep, and what time those cost, they do not tell. */
+/** True of FMTstar: OMPL's planners do not report the number of their free samples, nor the time for them. */
 bool reportsSamples(const std::string& planner);
 
 /** What one plan does otherwise than config/planner.yaml says. */
 struct PlanOptions {
   std::string planner;               ///< one of kPlannerNames
   std::uint32_t samples{};           ///< n of the paper: free samples to begin with
-  std::uint32_t max_samples{};       ///< most after failures; equal to `samples`: none are added (success at exactly n)
+  std::uint32_t max_samples{};       ///< most after failures; equal to `samples`: no additions (success at exactly n)
   std::uint32_t improve_attempts{};  ///< [-] of the local improvement of the path found; 0: plain FMT*
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
@@ -50,7 +50,7 @@ struct PlanProgress {
   std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: none yet
 };
 
-/** What a plan cost, for tables. Times are wall clock; in lockstep they stay 0. */
+/** Effort for a plan, for tables. Times are wall clock; in lockstep they stay 0. */
 struct PlanStatistics {
   std::uint32_t samples{};              ///< free samples used, those added after failures included; if reportsSamples()
   std::uint64_t draws{};                ///< samples drawn, free or not
@@ -81,8 +81,8 @@ struct PlanStatistics {
  *
  * The free bodies of the scene (the ring) are no obstacles: the goal is at the ring.
  *
- * What belongs to the scene alone, the grid of distances and the free volume of eq. (2), is worked out by prepare() or
- * ahead of the first plan, and counts for no plan's time.
+ * The data of the scene, the grid of distances and the free volume of eq. (2), are computed by prepare() or
+ * before the first plan, and do not count in a plan's time.
  */
 class PathPlanner {
  public:
@@ -106,11 +106,10 @@ class PathPlanner {
   void prepare();
 
   /**
-   * Plans. Never throws for what is asked: every failure is a status, and comes in finite time. Stops on samples
-   * and, unless `lockstep`, on the time limit; the same request, options and seed give the same path (of OMPL's
-   * planners only one at a time in a process, and in lockstep).
-   * A path of more than kMaxWaypoints counts as none. planning_time is measured here unless `lockstep`, which
-   * leaves it 0.
+   * Plans. Never throws for what is asked: every failure is a status, and comes in finite time. Stops on samples and,
+   * unless `lockstep`, on the time limit; the same request, options and seed give the same path (of OMPL's planners
+   * only one at a time in a process, and in lockstep). A path of more than kMaxWaypoints counts as none. planning_time
+   * is measured here unless `lockstep`, which leaves it 0.
    * @param[in] cancel set from another thread to give up within 100 ms.
    */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);

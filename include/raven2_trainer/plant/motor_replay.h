@@ -11,10 +11,10 @@
 namespace raven2_trainer::plant {
 
 /**
- * The plant's gold arm started from recorded motor states and driven by the recorded DAC, open loop: what
- * identification compares with the recording. What is not recorded comes from the past only: up to the start the motors
- * are led along the recording, so that stretched cables and links are as their equations have them. The tool joints
- * stand at home, held by the control software's proportional gains. Deterministic.
+ * The plant's gold arm started from recorded motor states and driven by the recorded DAC, open loop.
+ * Identification compares it with the recording. Unrecorded states come from the past only: up to the start the motors
+ * follow the recording, so that stretched cables and links obey their equations. The tool joints
+ * are at home, held by the control software's proportional gains. Deterministic.
  */
 class MotorReplay {
  public:

@@ -10,8 +10,8 @@
 namespace raven2_trainer::plant {
 
 /**
- * What the emulated control software drives: USB boards, PLC, amplifiers, motors, cables, links, encoders of both
- * arms. DAC counts in, encoder counts out. Deterministic; real-time safe after construction.
+ * The hardware under the emulated control software: USB boards, PLC, amplifiers, motors, cables, links, encoders of
+ * both arms. DAC counts in, encoder counts out. Deterministic; real-time safe after construction.
  */
 class Plant {
  public:
@@ -24,7 +24,7 @@ class Plant {
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
 
-  /** What the boards send at the start of a cycle. Encoders count from 0 at power-on. */
+  /** The boards' packets at the start of a cycle. Encoders count from 0 at power-on. */
   PerArm<raven::UsbInBytes> read() const noexcept;
 
   /** 1 ms under these board commands: PLC, brakes, motors, links. */
@@ -33,7 +33,7 @@ class Plant {
   /** The start button: leaves E-STOP as soon as the watchdog is alive. An E-STOP lasts until this is called. */
   void pressStart() noexcept;
 
-  /** PEDAL_UP, as if homing had just ended where the arms stand. Before the first step. */
+  /** PEDAL_UP, as if homing had just ended at the arms' places. Before the first step. */
   void startInPedalUp() noexcept;
 
   /** Level the PLC holds now; the software sees it a few cycles later. */

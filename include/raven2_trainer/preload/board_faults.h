@@ -26,7 +26,7 @@ class BoardFaults {
   /** @param[in] plan its rows on packets of the network are left out. @param[in,out] history outlives this. */
   BoardFaults(const FaultPlan& plan, CycleHistory* history);
 
-  /** Which arm's board is board 0 of `board_count` and `board_index`; gold's if nobody says. Any thread. */
+  /** Sets the arm whose board is board 0 of `board_count` and `board_index`; by default gold's. Any thread. */
   void numberFrom(Arm first) noexcept { first_.store(first, std::memory_order_release); }
 
   /**
@@ -36,10 +36,10 @@ class BoardFaults {
    */
   std::int32_t read(Arm arm, std::int32_t result, raven::UsbInBytes* bytes, std::int64_t now_ns) noexcept;
 
-  /** What becomes of a write. */
+  /** Result of a write. */
   struct Order {
-    bool is_written{true};  ///< false: the program is told that it was, and no board gets it
-    Arm board{};            ///< which board gets it
+    bool is_written{true};  ///< false: the program gets the answer that it was written, and no board gets it
+    Arm board{};            ///< the board that gets it
   };
   /** The program writes to a board. @param[out] out what goes there; alike where nothing acts or it is no DAC packet.
    */

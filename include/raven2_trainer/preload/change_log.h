@@ -23,7 +23,7 @@ class ChangeLog {
  public:
   explicit ChangeLog(std::size_t room = 65536) : changes_(room) {}
 
-  /** Everything that the engine has not told yet; it is in its cycle `cycle`, counted from 1. */
+  /** Everything that the engine has not reported yet; it is in its cycle `cycle`, counted from 1. */
   void note(faults::FaultEngine* engine, std::uint64_t cycle, std::int64_t time_ns, std::uint32_t command) noexcept {
     LoggedChange next;
     while (engine->nextChange(&next.change)) {

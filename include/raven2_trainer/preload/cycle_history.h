@@ -7,7 +7,7 @@
 namespace raven2_trainer::preload {
 
 /**
- * What the program's two threads must know of each other: its control thread reads and writes the boards, its network
+ * Data that the program's two threads share: its control thread reads and writes the boards, its network
  * thread receives packets, and faults of both go by both clocks. One writer each, no locks. Real-time safe.
  */
 class CycleHistory {

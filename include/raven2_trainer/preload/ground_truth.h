@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::preload {
 
-/** What the two logs and the counters say at the end. */
+/** The two logs and the counters at the end. */
 struct Truth {
   const ChangeLog& boards;
   const ChangeLog& network;

@@ -23,7 +23,7 @@ class NetworkFaults {
 
   /** A packet has come. @param[in] now_ns [ns] for the log. */
   void offer(const wire::ItpBytes& bytes, std::int64_t now_ns) noexcept;
-  /** The next that the program is to get: the bytes that came where nothing acts. @return false if there is none. */
+  /** The next that the program is to get: the received bytes without a fault. @return false without a packet. */
   bool take(wire::ItpBytes* bytes, std::int64_t now_ns) noexcept;
 
   const ChangeLog& log() const noexcept { return log_; }

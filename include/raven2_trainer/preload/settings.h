@@ -26,7 +26,7 @@ struct Settings {
 /** @param[in] get as std::getenv: null for what is not set, which leaves the default. */
 Settings settingsFrom(const std::function<const char*(const char*)>& get);
 
-/** What is to be done. */
+/** The order of a run. */
 struct Order {
   Scenario scenario{};
   FaultPlan plan{};
@@ -36,7 +36,7 @@ struct Order {
 /**
  * Looks at both keys, then at the scenario.
  * @throw ConfigException for a key that is missing, naming it, and with FILE:LINE for a file that is wrong, or a row
- * that acts inside of the program, where nobody at its boundary can reach, or waits for what nobody there sees.
+ * that acts inside the program, beyond reach from its boundary, or waits for something that is invisible there.
  */
 Order orderOf(const Settings& settings);
 

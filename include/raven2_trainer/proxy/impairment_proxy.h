@@ -37,9 +37,9 @@ struct ProxyReport {
 };
 
 /**
- * Stands between programs and makes their links bad: UDP in both directions (answers go to the last sender), and TCP.
- * Sockets and a clock around impair::Channel; no thread of its own. The bottleneck, loss and order of packets follow
- * from the seed alone; what depends on time follows the real times at which the packets come.
+ * Works between programs and makes their links bad: UDP in both directions (answers go to the last sender), and TCP.
+ * Sockets and a clock around impair::Channel; no thread. The bottleneck, loss and order of packets follow
+ * from the seed alone; effects of time follow the real times at which the packets come.
  */
 class ImpairmentProxy {
  public:

@@ -34,7 +34,7 @@ constexpr std::int32_t encoderSign(Arm arm, std::size_t joint) noexcept {
   return arm == Arm::kGold || joint > kInsertion ? 1 : -1;
 }
 
-/** [rad] of the motor shaft per encoder count: 4000 counts a turn. */
+/** [rad] of the motor shaft per encoder count: 4000 counts a revolution. */
 constexpr double kMotorRadPerCount = 2.0 * kPi / 4000.0;
 
 /** Bits of the output byte, software to PLC (raven2.md 4.3). */

@@ -15,7 +15,7 @@
 
 namespace raven2_trainer::raven {
 
-/** What the detector has found and done since the start. */
+/** Findings and actions of the detector since the start. */
 struct DetectorReport {
   std::uint64_t alarms{};        ///< times it was raised
   std::uint64_t cycles_acted{};  ///< in which a command was replaced or the robot stopped
@@ -23,10 +23,10 @@ struct DetectorReport {
 };
 
 /**
- * The Raven's control program (`r2_control`), emulated and stepped: network layer with the robot's own sequence rules,
- * state machine, inverse kinematics, cable coupling, PD in motor space, DAC, overdrive check, USB packets, in the
- * order of raven2.md 4.2, with an injection point in each of its functions (core/fault_variables.h). No sockets,
- * threads or clocks. Real-time safe after construction.
+ * The Raven's control program (`r2_control`), emulated and stepped. It has the network layer with the robot's own
+ * sequence rules, state machine, inverse kinematics, cable coupling, PD in motor space, DAC, overdrive check and USB
+ * packets, in the order of raven2.md 4.2. Each of its functions has an injection point (core/fault_variables.h). No
+ * sockets, threads or clocks. Real-time safe after construction.
  */
 class ControlSoftware {
  public:
@@ -42,7 +42,7 @@ class ControlSoftware {
   /** `source` names address and port, for `hardened`. */
   void receive(const std::uint8_t* bytes, std::size_t size, std::uint64_t source) noexcept;
 
-  /** The same with an answer to whoever asks for a session of signed ITP. @param[in] fresh random, used at most once.
+  /** The same with an answer to a request for a session of signed ITP. @param[in] fresh random, used at most once.
    *  @return true: send `*reply` to the source. */
   bool receive(const std::uint8_t* bytes,
                std::size_t size,
@@ -60,10 +60,11 @@ class ControlSoftware {
   /** Nothing but zeros without a detector. */
   DetectorReport detectorReport() const noexcept;
 
-  /** The oldest fault that began or ended and was not told yet, with the cycle; ask after each. @return false: none. */
+  /** The oldest fault that began or ended and was not reported yet, with the cycle; ask after each. @return false:
+   * none. */
   bool nextFaultChange(FaultChange* change) noexcept;
 
-  /** What their triggers look at, from the next cycle on. */
+  /** Signals for their triggers, from the next cycle on. */
   void setSignals(const FaultSignals& signals) noexcept;
 
   /** false from the cycle in which a fault ended or stopped the program: it does nothing any more, the boards keep
@@ -83,7 +84,7 @@ class ControlSoftware {
   /** The same with reads that succeed. */
   PerArm<UsbOutBytes> cycle(const PerArm<UsbInBytes>& boards) noexcept;
 
-  /** What the state frame carries after the last cycle: cycle, last_sequence, active_fault, run level, arms' q, dq,
+  /** Data of the state frame after the last cycle: cycle, last_sequence, active_fault, run level, arms' q, dq,
    *  motor, dac, homed, soft_estopped, itp counters, fault_mask; program says whether it still runs. */
   const RobotState& state() const noexcept;
 
@@ -92,7 +93,7 @@ class ControlSoftware {
   void returnState(std::int64_t time_ns) noexcept;
   bool nextReturned(RobotState* state) noexcept;
 
-  /** What the robot publishes on /ravenstate after the last cycle. */
+  /** The robot's /ravenstate message after the last cycle. */
   const RavenReport& report() const noexcept;
 
   /** Reads that gave an error or too few bytes, both boards. */

@@ -6,7 +6,7 @@
 
 namespace raven2_trainer::raven {
 
-/** What the control software knows of its drives, for the detector. @throw ConfigException as CableCoupling. */
+/** The control software's parameters of its drives, for the detector. @throw ConfigException as CableCoupling. */
 detector::Drives drivesOf(const ArmsConfig& arms, const VirtualRavenConfig& config);
 
 }  // namespace raven2_trainer::raven

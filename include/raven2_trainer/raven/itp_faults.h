@@ -6,12 +6,12 @@
 #include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/wire/itp.h"
 
-// Fault site network_layer on ITP packets as they stand on the wire: for the virtual Raven, and for whoever stands
+// Fault site network_layer on ITP packets of the wire: for the virtual Raven, and for a program
 // between a real one and its socket. Real-time safe.
 
 namespace raven2_trainer::raven {
 
-/** What faults on a stream of packets must know of one. */
+/** Access to a packet for faults on a stream. */
 struct ItpTraits {
   static std::uint32_t& sequence(wire::ItpPacket& packet) noexcept { return packet.sequence; }
   static void takeMotion(wire::ItpPacket* to, const wire::ItpPacket& from) noexcept;

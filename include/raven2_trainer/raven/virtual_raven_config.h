@@ -9,7 +9,7 @@
 
 namespace raven2_trainer {
 
-/** What the control software knows of one axis of the emulated robot. */
+/** The control software's parameters of one axis of the emulated robot. */
 struct MotorAxis {
   double transmission{};    ///< [rad motor / rad joint; rad/m]
   double torque_per_amp{};  ///< [Nm/A] at the capstan

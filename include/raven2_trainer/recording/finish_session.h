@@ -14,7 +14,7 @@
 
 namespace raven2_trainer::recording {
 
-/** What to score by and where to write; empty: as the session says. */
+/** Settings of scoring, and files; empty: those of the session. */
 struct ScoringOptions {
   std::string output;   ///< default: score.json of the session
   std::string band;     ///< file; default: the one that the session was run with
@@ -26,12 +26,12 @@ struct ScoringOptions {
 
 struct ScoringCancelled {};
 
-/** What came of it. */
+/** Result of scoring. */
 struct ScoredSession {
   std::string path, index;  ///< written; index empty: there is no trainee
   std::string trainee;
   training::SessionScore score;
-  std::shared_ptr<const Band> band;  ///< that `score` points into; null: there is none
+  std::shared_ptr<const Band> band;  ///< that `score` points into; null: no band
   std::optional<Curriculum> curriculum;
   std::optional<training::Progress> progress;  ///< of the trainee in it
   std::vector<training::IndexEntry> history;   ///< the trainee's sessions at that exercise and drill, in order
@@ -40,7 +40,7 @@ struct ScoredSession {
 /**
  * Scores a recorded session by what it was run with: the copies of exercise, band and curriculum in its directory.
  * Writes score.json, and for a trainee an entry in the index. The same session gives the same bytes of score.json.
- * Reads the log twice and plans a way for each transit.
+ * Reads the log twice and plans a path for each transit.
  * @throw SessionException, ConfigException, ModelException; ScoringCancelled.
  */
 ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& options);
@@ -54,7 +54,7 @@ bool lacksScore(const session::SessionPaths& paths) noexcept;
 /**
  * At the end of a session, once its files are closed: scores it if it had an exercise, else does nothing. One line on
  * stderr for each attempt, or why there is no score. Throws nothing.
- * @return false if there is to be a score and is none.
+ * @return false if a score should exist and does not.
  */
 bool finishSession(const session::SessionPaths& paths, const std::function<bool()>& cancelled = {}) noexcept;
 

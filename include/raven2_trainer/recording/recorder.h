@@ -15,8 +15,8 @@ namespace raven2_trainer::recording {
 
 /**
  * Body of the recorder thread: queues to the session log and the metrics. A record stays in its queue until the log has
- * taken it, so a disk that refuses costs nothing before the queues are full, and then what is lost is counted and
- * stands in the log as a gap record, written as soon as the disk takes records again.
+ * taken it. So nothing is lost while a disk refuses, until the queues are full. Then lost records are counted. A gap
+ * record in the log has their number, as soon as the disk takes records again.
  */
 class Recorder {
  public:
@@ -41,13 +41,14 @@ class Recorder {
 
   /**
    * The same with patience: if the disk refuses, the records stay in their queues and the disk is tried again every
-   * 0.5 s; a line on stderr tells of the first refusal and of the end of it. Forces the log to the disk once a second.
+   * 0.5 s; a line on stderr reports the first refusal and its end. Forces the log to the disk once a second.
    */
   void drain(std::int64_t now_ns);
 
   /**
-   * After the loops stopped: the rest, the footer, metrics.json and faults.json. What the disk does not take becomes a
-   * gap record. @throw SessionException if even the footer does not fit; the queues' file is then left for a recovery.
+   * After the loops stopped: the rest, the footer, metrics.json and faults.json. Records that the disk does not take
+   * become a gap record. @throw SessionException if even the footer does not fit; the queues' file is then left for a
+   * recovery.
    */
   void finish(SessionCounts counts);
 
@@ -55,7 +56,7 @@ class Recorder {
   Tick sessionTick() const noexcept { return session_tick_; }
 
  private:
-  /** What a batch holds: the queues up to `tails`. */
+  /** A batch: the queues up to `tails`. */
   struct Batch {
     RecordTally tails{}, dropped{};
     Tick tick{-1};

@@ -8,16 +8,16 @@
 namespace raven2_trainer::recording {
 
 /**
- * Plans what tips could have done: FMT* for the length of the way alone, from the joints in which a transit begins to
- * its tip's end, along edges that are free of the scene and the other arm. Stops on samples, so the same transit has
- * the same way. The first plan of a scene takes some tenths of a second, the others about one.
+ * Plans reference paths of tips: FMT* for the length alone, from the joints in which a transit begins to
+ * its tip's end, along edges that are free of the scene and the other arm. It stops on samples, so the same transit has
+ * the same path. The first plan of a scene takes some tenths of a second, the others about one.
  */
 class ReferencePaths {
  public:
   /** @throw ModelException as PathPlanner. */
   explicit ReferencePaths(const TrainerConfig& config);
 
-  /** [m, W] The tip's; empty if there is none. */
+  /** [m, W] The tip's; empty without one. */
   std::vector<Vec3> plan(const training::Transit& transit);
 
  private:

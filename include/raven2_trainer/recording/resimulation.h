@@ -29,9 +29,9 @@ struct ResimulationResult {
 TrainerConfig sessionConfig(const session::SessionPaths& paths);
 
 /**
- * Simulates a session again from its log: gives a PhysicsLoop, tick by tick, what its log says that it was given
- * (commands, robot, requests, plans, faults, the time), and compares each ModelState and contact, bit for bit, with
- * those of the log; and each force with eqs. (5) and (6) on the states that its record names.
+ * Simulates a session again from its log: gives a PhysicsLoop, tick by tick, the inputs of the log
+ * (commands, robot, requests, plans, faults, the time). Compares each ModelState and contact, bit for bit, with
+ * those of the log, and each force with equations 5 and 6 on the states that its record names.
  * The same bits are promised for the same build of this package, of libode and of libm, on a processor with the same
  * instructions (buildIdentity()).
  */
@@ -48,7 +48,7 @@ class Resimulation {
   /**
    * Up to the first difference or the end of the log.
    * @param[in] progress called about every 100 ticks with the share of the log read; may be empty.
-   * @throw SessionException if a tick is missing from the log, or an input stands behind the tick that consumed it:
+   * @throw SessionException if a tick is missing from the log, or an input comes after the tick that consumed it:
    * such a session cannot be simulated again.
    */
   ResimulationResult run(const std::function<void(double)>& progress);

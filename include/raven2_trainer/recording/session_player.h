@@ -15,8 +15,8 @@ namespace raven2_trainer::recording {
  * a session that is still being recorded it shows what was written when it was opened. Ticks that are missing, and ones
  * whose numbers cannot be, are left out.
  *
- * Reads files: not for real-time threads. open() and serve() may be called from different threads. What is in
- * SharedState::replay_frames comes from here alone.
+ * Reads files: not for real-time threads. open() and serve() may be called from different threads. It is the only
+ * source of SharedState::replay_frames.
  */
 class SessionPlayer {
  public:

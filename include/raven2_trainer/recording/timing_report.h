@@ -5,7 +5,7 @@
 
 #include "raven2_trainer/core/record.h"
 
-// What the timing of a loop says about a machine, in numbers and in words.
+// Judgement of a machine by the timing of a loop, in numbers and in words.
 
 namespace raven2_trainer::recording {
 

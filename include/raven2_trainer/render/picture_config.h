@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::render {
 
-/** What pictures need of the configuration, to which it refers. */
+/** Parts of the configuration for pictures. Refers to it. */
 struct PictureConfig {
   const RenderConfig& render;
   const HapticGains& haptics;

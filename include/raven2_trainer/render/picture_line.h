@@ -17,9 +17,9 @@ class PictureLine {
   /**
    * @param[in] newest the states of now, no older than those before; older ones begin a new line.
    * @return those to draw for the surgeon, valid until the next call. While the picture is frozen, those of the last
-   * one, its tick and time included; of a delay that grows nothing is seen twice backwards: the picture stands until
-   * the delay has gone by. Whether they stand in for the real camera is told of now in any case: the line that says so
-   * is for the picture that is looked at, and no part of what a camera sees.
+   * one, its tick and time included; if a delay grows, no picture is older than the one before: it stays until
+   * the delay has gone by. Whether they replace the real camera is always the present state: that line
+   * is about the shown picture, and no part of a camera's view.
    */
   const Snapshot& pass(const Snapshot& newest);
 

@@ -60,7 +60,7 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-/** What SceneBuilder draws over the scene. */
+/** Overlays of SceneBuilder. */
 struct SceneOptions {
   SceneOptions(const HapticGains& haptic_gains, OverlaySet wanted = OverlaySet::all())
       : haptics(haptic_gains), overlays(wanted) {}
@@ -85,8 +85,9 @@ class SceneBuilder {
   ~SceneBuilder();
 
   /**
-   * Takes note of a state without drawing it. Trails are all that a picture shows of states before its own: who draws
-   * frame k alone and has told of the frames of TrailConfig::duration before it gets the same pixels as who draws all.
+   * Takes note of a state without drawing it. Of earlier states a picture shows only trails. So a caller that draws
+   * frame k alone, after follow() for the frames of TrailConfig::duration before it, gets the same pixels as one that
+   * draws all.
    */
   void follow(const Snapshot& snapshot);
 

@@ -45,7 +45,7 @@ struct Scene {
   bool is_black{false};  ///< nothing of it is seen, the overlay neither
 };
 
-/** What became of plans so far. Cheap to copy: the same answers and reports stand in many frames. */
+/** Results of plans so far. Cheap to copy: many frames share the same answers and reports. */
 struct PlanNews {
   std::shared_ptr<const PlanResult> answer;          ///< newest of the planner, or refusal; null none
   std::shared_ptr<const PlanResult> path;            ///< newest answer that is a path; null none
@@ -58,7 +58,7 @@ struct PlanNews {
   void add(std::shared_ptr<const ExecutionReport> newest) { execution = std::move(newest); }
 };
 
-/** What is drawn, taken from the shared state or from a log. */
+/** Contents of a picture, from the shared state or from a log. */
 struct Snapshot {
   ModelState model{};
   RobotState robot{};
@@ -66,7 +66,7 @@ struct Snapshot {
   std::string fault;  ///< name, or empty
   PlanNews plans;
   PerArm<Vec3> contact_W{};      ///< [N] what touches each arm presses it with, all contacts of the tick together
-  bool is_substitute{false};     ///< the real camera's picture was asked for, and there is none
+  bool is_substitute{false};     ///< the view is the real camera's, and it has no picture
   bool is_black{false};          ///< a fault of the video leaves nothing to be seen
   bool are_eyes_swapped{false};  ///< and another shows each eye of a pair what the other should see
   /** Of the attempt, where it was scored before the picture was drawn; shown once it is over. */

@@ -13,7 +13,7 @@
 
 namespace raven2_trainer::render {
 
-/** What to make of a recorded session. */
+/** Options of a video of a session. */
 struct SessionRenderOptions {
   std::string camera;                  ///< of render.yaml; empty: the video camera
   /** Camera of the small picture in the corner; "none" or unknown: left out; empty: overview, or endoscope in its

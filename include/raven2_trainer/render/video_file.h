@@ -21,8 +21,8 @@ std::string partFolder(const std::string& video);
  * is somebody's own. */
 bool isUnfinished(const std::string& video);
 
-/** Makes a video that is whole count as unfinished, until it was drawn again. What goes wrong is reported by whoever
- * draws.
+/** Makes a video that is whole count as unfinished, until it was drawn again. The program that draws reports
+ * errors.
  */
 void markUnfinished(const std::string& video);
 

@@ -62,7 +62,7 @@ class RavenServer {
     std::array<std::uint8_t, 256> bytes{};
   };
 
-  /** What the control thread answers: the network thread sends it. */
+  /** Answer of the control thread, which the network thread sends. */
   struct Reply {
     std::uint64_t to{};
     wire::HandshakeBytes bytes{};

@@ -19,7 +19,7 @@ namespace raven2_trainer::robot {
 
 /**
  * The robot's end of the TCP link (doc/wire.md): hello, one state frame a cycle to every reader, fault plans back. A
- * thread of its own sends; push() only puts the state into a ring.
+ * separate thread sends; push() only puts the state into a ring.
  *
  * Fault plans: the first reader that sends one owns the plan until it leaves, then nothing is armed; if the same
  * session comes back, its faults go on where they would be by then. The others' plans are refused and counted; the
@@ -47,19 +47,19 @@ class StateServer {
   /** A fault that began or ended, ahead of the state of that cycle. The same. */
   void push(const FaultChange& change) noexcept;
 
-  /** What the thread does again and again: sends the states that wait, takes what the readers sent. */
+  /** One round of the thread: sends waiting states, receives from the readers. */
   void serve(std::int64_t now_ns);
 
   /** The plan armed now; its generation changes with every plan. Any thread. */
   const StateCell<FaultPlan>& faults() const noexcept { return faults_; }
 
-  /** What its triggers look at, from the owner of the plan. Any thread. */
+  /** Signals for triggers, from the owner of the plan. Any thread. */
   const StateCell<FaultSignals>& signals() const noexcept { return signals_; }
 
   std::uint16_t port() const noexcept { return server_.port(); }
 
   // Any thread.
-  /** What became of every frame, as of the last serve(). */
+  /** Counts of all frames, as of the last serve(). */
   net::FrameTotals frames() const noexcept { return frames_.load(); }
   std::uint64_t framesDropped() const noexcept { return frames().dropped; }
   std::uint64_t statesDropped() const noexcept { return states_.dropped(); }

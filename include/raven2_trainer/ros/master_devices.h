@@ -25,7 +25,7 @@ class MasterDevices : public RosFace {
   void start() override;
   void stop() override;
   std::vector<std::string> services() const override { return {}; }
-  /** What the operator is to know. One thread, any: none of those that move something prints. @return false: no more.
+  /** News for the operator. Any one thread; threads that move something never print. @return false: no more.
    */
   bool nextLine(std::string* line);
 

@@ -6,13 +6,12 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * The node's private parameters: /raven2_simulator/haptics/tolerance overrides haptics/tolerance. Those of the
- * arguments
- * (`_haptics/tolerance:=0.005`), of a launch file, and whatever else the master has under the node's name. None without
- * a master, which is said on stderr if the arguments speak of ROS (NAME:=VALUE).
+ * arguments (`_haptics/tolerance:=0.005`), of a launch file, and whatever else the master has under the node's name.
+ * None without a master, which is said on stderr if the arguments speak of ROS (NAME:=VALUE).
  *
  * Does what Supervisor does first (ros::init), so with the same arguments, before it and before other threads.
- * @throw ConfigException for a parameter of a type that YAML does not have, a master's URI that is none, or a master
- * that answers and then does not tell the parameters: they are never left out unsaid.
+ * @throw ConfigException for a parameter of a type that YAML does not have, an invalid URI of a master, or a master
+ * that answers and then does not give the parameters: they are never left out silently.
  */
 config::Overrides nodeParameters(int argc, char** argv, const char* node);
 

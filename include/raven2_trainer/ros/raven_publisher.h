@@ -17,9 +17,10 @@ namespace raven2_trainer::ros_bridge {
  *   /joint_states    sensor_msgs/JointState, 28 positions, at least 30 ms apart
  *   /raven_automove  raven_2/raven_automove, in
  *
- * and the start button of the emulated PLC as a service, `virtual_raven/press_start`. A thread of its own publishes
- * what the control loop leaves in a ring; a subscriber that takes nothing loses messages and delays nobody. What moves
- * the arm, /raven_automove and press_start, is offered to a network only with runtime.yaml's enable_remote_control.
+ * and the start button of the emulated PLC as a service, `virtual_raven/press_start`. A separate thread publishes
+ * the control loop's states from a ring. A subscriber that takes nothing loses messages and delays nobody.
+ * /raven_automove and press_start, which move the arm, are offered to a network only with runtime.yaml's
+ * enable_remote_control.
  */
 class RavenPublisher : public RosFace {
  public:

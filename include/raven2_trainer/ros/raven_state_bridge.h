@@ -29,7 +29,7 @@ class RavenStateBridge : public RosFace {
 
   // Any thread.
   std::uint64_t received() const noexcept;
-  std::uint64_t refused() const noexcept;  ///< of these: unknown type, run level, or a number that is not finite
+  std::uint64_t refused() const noexcept;  ///< of these: unknown type or run level, NaN or infinity
   /** [ns] CLOCK_MONOTONIC of the newest state that was passed on; 0 none yet. */
   std::int64_t newest() const noexcept;
 

@@ -20,11 +20,11 @@ struct SessionReplayOptions {
 
 /**
  * Plays a recorded session into ROS: the daemon's topics of states (StateTopics), a message of each every
- * runtime.ros_period of the session, and /clock, all with the stamps of the log: CLOCK_MONOTONIC of the tick as the
- * daemon read it; in lockstep tick x 1 ms. Where ticks are missing for longer than a second, the gap is leapt over.
+ * runtime.ros_period of the session, and /clock. All have the stamps of the log: the daemon's CLOCK_MONOTONIC of the
+ * tick, or in lockstep tick x 1 ms. A gap of ticks longer than a second is skipped.
  *
- * Who listens must live by /clock: without the parameter /use_sim_time nothing is played. What a log does not hold is
- * not published: pictures, diagnostics, the planner's counters (zero in plan/progress).
+ * Subscribers must use /clock: without the parameter /use_sim_time nothing is played. A log has no pictures, no
+ * diagnostics and no counters of the planner (zero in plan/progress), so they are not published.
  */
 class SessionReplay : public RosFace {
  public:

@@ -10,8 +10,8 @@ namespace raven2_trainer::ros_bridge {
  * Holds a program's tie to the ROS master, from its own thread: nothing else ever waits for ROS.
  *
  * Looks for a master every 0.25 s with calls that give up; with the first one it starts roscpp and the face. A master
- * that came back without knowing this node (another process, or its memory gone) is told all topics, services and
- * subscriptions again, which roscpp never does; connections to subscribers live on meanwhile.
+ * that came back without knowing this node (another process, or its memory gone) gets all topics, services and
+ * subscriptions again, which roscpp never does. Connections to subscribers stay meanwhile.
  *
  * The slave API's `shutdown` is refused with a fault: ROS knows no authentication, so anybody could end the node. Where
  * the master is on this computer and neither ROS_IP nor ROS_HOSTNAME is set, ROS_IP becomes 127.0.0.1. doc/ros.md.
@@ -34,8 +34,8 @@ class Supervisor {
   /** True once the face is started, ever. Any thread. */
   bool met() const noexcept;
 
-  /** Tells the thread to end the face and roscpp, and returns at once: what the program itself ends meanwhile is time
-   * won. */
+  /** Asks the thread to end the face and roscpp, and returns at once: the program can end other parts
+   * meanwhile. */
   void end() noexcept;
 
   /**

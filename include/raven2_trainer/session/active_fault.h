@@ -6,7 +6,8 @@
 
 namespace raven2_trainer {
 
-/** Fault::id of what acts, 0 none. The robot's word counts; what acts in the daemon alone, only the model tells. */
+/** Fault::id of the active fault; 0 if no fault is active. The robot's report has priority; faults that run in the
+ * daemon are only in the model's state. */
 inline std::uint32_t activeFault(const ModelState& model, const RobotState& robot) noexcept {
   return robot.active_fault != 0 ? robot.active_fault : model.faults.active;
 }

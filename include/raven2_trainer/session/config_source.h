@@ -7,10 +7,10 @@
 
 namespace raven2_trainer::session {
 
-/** What a session was configured by. Refers to the configuration. */
+/** Files of a session's configuration. The configuration must outlive it. */
 struct ConfigSource {
   const std::vector<std::string>& files;
-  const std::map<std::string, std::string>& overridden;  ///< those that were not read as they stand: what was read
+  const std::map<std::string, std::string>& overridden;  ///< by path: text of each file with overridden values
   const std::string& robot_urdf;
   const std::string& scene_urdf;
   const std::string& hazard;

@@ -10,14 +10,14 @@
 namespace raven2_trainer::session {
 
 /**
- * Copies the files that configure a session below its directory, in `configuration/`, each at the same place relative
- * to the others, so that the copies are read as the originals were. About 1 MB with the packaged meshes.
- * @param[in] files in the order wanted, the root file first; a path given twice is copied once.
- * @param[in] overridden texts that stand for some of them (TrainerConfig::overridden), so that what reads the copies
- * reads what ran.
- * @param[in] places Where files that are read from elsewhere would stand next to the others (TrainerConfig::urdf_places
- * and what belongs to them): there the copy has them. The others stand where they are.
- * @throw SessionException if one cannot be read or written.
+ * Copies a session's configuration files to `configuration/` in its directory. Relative paths between the copies are
+ * those between the originals, so that the copies can be loaded. About 1 MB with the packaged meshes.
+ * @param[in] files root file first; a path given twice is copied once. The result has the same order.
+ * @param[in] overridden by path: text to write instead of the file's (TrainerConfig::overridden), so that the copies
+ * contain the values that the session used.
+ * @param[in] places by path: place of the copy of a file from another folder (TrainerConfig::urdf_places and their
+ * meshes). The other files keep their places.
+ * @throw SessionException if a file cannot be read or written.
  */
 std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths,
                                                  const std::vector<std::string>& files,
@@ -25,7 +25,7 @@ std::vector<ConfigurationFile> copyConfiguration(const SessionPaths& paths,
                                                  const std::map<std::string, std::string>& places = {});
 
 /**
- * Checks the copies against the hashes of the log's header.
+ * Compares the copies with the hashes in the log's header.
  * @return path of the root file's copy.
  * @throw SessionException naming every file that is missing or differs, or if the session has no copies.
  */

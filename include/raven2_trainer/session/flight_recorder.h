@@ -12,22 +12,22 @@ namespace raven2_trainer::session {
 
 struct FlightFile;
 
-/** What is safe in the log: the elements below `heads` of each queue, in its first `log.size` bytes. */
+/** The part that is complete in the log: each queue's elements below `heads`, in the log's first `log.size` bytes. */
 struct FlightCheckpoint {
   LogPosition log{};
   RecordTally heads{};    ///< number of the first element that is not in the log, by RecordKind
-  RecordTally dropped{};  ///< records lost that a gap record in the log tells of, by RecordKind
+  RecordTally dropped{};  ///< lost records that a gap record in the log reports, by RecordKind
 };
 
 /**
- * The record queues in a file of a tmpfs, mapped and locked: what the loops have pushed survives a SIGKILL of the
- * process, without a system call or page fault of theirs. (On a disk a page being written back would stall the loop
- * that writes to it.) Until it is attached to a session, and where no such file can be had, it is plain memory.
+ * The record queues in a tmpfs file, mapped and locked. Pushed records survive a SIGKILL of the process, and the loops
+ * need no system call and have no page fault. (On a disk, the write-back of a page would stall the loop that writes to
+ * the page.) Until it is attached to a session, or if the file cannot be created, the queues are in plain memory.
  *
- *   file: head, two checkpoints written in turn, a description of the rest in JSON, the queues
+ *   file: head, two checkpoints written alternately, a JSON description of the rest, the queues
  *
- * The checkpoints tie the queues to the log, so that a recovery neither misses nor doubles a record wherever the
- * process was killed: it cuts the log to the newer whole checkpoint and appends what the queues hold from there on.
+ * The checkpoints connect the queues with the log, so a recovery neither misses nor repeats a record, whenever the
+ * process was killed. It cuts the log to the newer complete checkpoint and appends the queues' later records.
  */
 class FlightRecorder {
  public:
@@ -41,11 +41,11 @@ class FlightRecorder {
   RecordRings* rings() noexcept;
   /** Links the file from the session's directory, whose log exists; before the loops start. */
   void attach(const SessionPaths& paths);
-  /** After the log has taken a batch, before the queues give back its room. The recorder's thread. */
+  /** Call after the log has accepted a batch and before the queues free its space; recorder thread only. */
   void checkpoint(const FlightCheckpoint& checkpoint) noexcept;
   /** The log could not be finished: leaves the file for a recovery. */
   void keep() noexcept { keep_ = true; }
-  /** The log is whole: removes the file, however the process ends from here on. The queues stay usable. */
+  /** The log is complete: removes the file. The queues stay usable. */
   void remove() noexcept;
   /** Path of the file, or "none: REASON". */
   const std::string& description() const noexcept { return description_; }

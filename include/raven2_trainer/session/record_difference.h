@@ -8,7 +8,7 @@ namespace raven2_trainer::session {
 
 /**
  * Compares field by field, bit for bit: -0 is not 0, and a NaN equals itself; padding does not count.
- * @return empty if equal, else the first field that differs and both values, as "arms[1].q[2] is 0.1, was 0.2".
+ * @return empty if equal, else the first field that differs and both values: "arms[1].q[2] is 0.1, was 0.2".
  */
 std::string difference(const ModelState& now, const ModelState& before);
 std::string difference(const HapticState& now, const HapticState& before);

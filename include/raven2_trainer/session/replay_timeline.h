@@ -8,46 +8,44 @@
 
 namespace raven2_trainer::session {
 
-/** What was known at one tick of a recorded session, with what is new since the instant before. */
+/** State at one tick of a recorded session, with the new records since the previous instant. */
 struct ReplayInstant {
   TickRecord tick{};
-  HapticState haptic{};                 ///< newest of this tick or earlier; its tick is -1 if there is none
+  HapticState haptic{};                 ///< newest up to this tick; its tick is -1 if there is no haptic state yet
   std::vector<ContactRecord> contacts;  ///< of this tick
-  std::vector<PlanResult> plans;        ///< new ones, oldest first; so the next two
+  std::vector<PlanResult> plans;        ///< new since the previous instant, oldest first; also executions and events
   std::vector<ExecutionReport> executions;
   std::vector<ExerciseRecord> events;
 };
 
 /**
- * Puts a log's records, read in file order, into the order of their ticks, and takes instants `period` apart from them:
- * what a publisher of that period would have seen. A log is written in batches, a kind of record after the other, so
- * that what belongs to a tick may stand behind later ticks; an instant is given out once nothing can belong to it any
- * more. Memory is bounded by the longest batch. Knows no clock.
+ * Sorts a log's records, read in file order, by tick, and samples instants at least `period` apart, as a publisher of
+ * that period would have seen them. A log's batches are sorted by kind of record, so a record may come after records of
+ * later ticks. next() returns an instant once it is complete. The longest batch limits the memory. Uses no clock.
  */
 class ReplayTimeline {
  public:
-  /** [ticks] of the longest batch: the recorder's queue of ticks (SharedState::tick_records). */
+  /** [ticks] Length of the longest batch: that of the recorder's tick queue (SharedState::tick_records). */
   static constexpr Tick kLongestBatch = 2048;
 
   /**
-   * @param[in] period [1 ms] between instants, at least 1. The first tick is one; then the first at least so much
-   * later.
-   * @param[in] from [1 ms] session tick of the first instant; negative: the log's first tick. What is older is in the
-   * first instant (the newest haptic state, plans), but for the events.
+   * @param[in] period [1 ms] least time between instants, at least 1.
+   * @param[in] from [1 ms] session tick of the first instant; negative: the log's first tick. The first instant also
+   * contains older records (the newest haptic state, plans), except events.
    */
   ReplayTimeline(Tick period, Tick from);
 
-  /** A tick that is not after all before it, by number and time, or whose time is none (ros::Time), is left out. */
+  /** Ignores a tick whose number or time is not later than the previous tick's, or whose time is invalid (ros::Time). */
   void add(const TickRecord& record);
   void add(const HapticRecord& record) { haptics_.push_back(record.haptic); }
   void add(const ContactRecord& record) { contacts_.push_back(record); }
   void add(const PlanRecord& record) { plans_.push_back(record); }
   void add(const ExecutionRecord& record) { executions_.push_back(record); }
   void add(const ExerciseRecord& record) { events_.push_back(record); }
-  /** Nothing comes any more. */
+  /** Call after the log's last record. */
   void finish() { has_ended_ = true; }
 
-  /** @return false, `*instant` unchanged, if none is complete. */
+  /** @return false, with `*instant` unchanged, if no instant is complete. */
   bool next(ReplayInstant* instant);
 
  private:
@@ -55,7 +53,7 @@ class ReplayTimeline {
   void forgetBefore(Tick tick);
 
   const Tick period_, from_;
-  std::deque<TickRecord> due_;  ///< instants to be
+  std::deque<TickRecord> due_;  ///< ticks of the next instants
   std::deque<HapticState> haptics_;
   std::deque<ContactRecord> contacts_;
   std::deque<PlanRecord> plans_;

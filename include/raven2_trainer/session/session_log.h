@@ -8,17 +8,17 @@
 
 #include "raven2_trainer/core/record.h"
 
-// The session log, session.rlog: append-only, the record of truth. Each record: magic, type, version, payload
-// length, record number, payload, CRC-32. The first record is a JSON description of every record's fields, so that
-// a reader in any language needs nothing else (scripts/raven2_session.py is one). Records are written field by
-// field, so the bytes depend on the values only. Format: doc/session.md.
+// The session log, session.rlog: append-only, the authoritative record of a session. Each record: magic, type, version,
+// payload length, record number, payload, CRC-32. The first record describes every record's fields in JSON, so that
+// a reader in any language needs nothing else (example: scripts/raven2_session.py). Records are written field by
+// field, so the bytes depend only on the values. Format: doc/session.md.
 
 namespace raven2_trainer::session {
 
-/** A copy of a file that the session was configured by. */
+/** A copy of one of the session's configuration files. */
 struct ConfigurationFile {
   std::string path;   ///< below the session's directory
-  std::string fnv1a;  ///< of its bytes, hex
+  std::string fnv1a;  ///< hash of its bytes, hex
 };
 
 /** The surgeon's hand on the master, as configured. */
@@ -28,14 +28,14 @@ struct HeaderHand {
   double damping{};    ///< [Ns/m]
 };
 
-/** The lens through which the surgeon looks. */
+/** The lens of the surgeon's camera. */
 struct HeaderCamera {
   std::string name;
   double vertical_fov{};  ///< [rad]
   double aspect{};        ///< [-] width / height of the picture
 };
 
-/** What one open log holds besides ticks. */
+/** Contents of a log's header. */
 struct LogHeader {
   std::uint64_t seed{};
   std::vector<std::string> scenarios;                                        ///< names; Fault::id is the position + 1
@@ -47,32 +47,32 @@ struct LogHeader {
   HeaderCamera camera{};
   std::vector<std::vector<std::string>> step_names;  ///< of the exercise, by ExerciseEvent::track and ::step
   std::vector<std::string> object_names;             ///< of its scene, in the order of SceneRoles::objects
-  std::string motion;                                ///< as the console was started (console/make_motion.h); "" unknown
+  std::string motion;                                ///< the console's motion (console/make_motion.h); "" if unknown
   double d4{};                                       ///< [m] for conversions of joint coordinates
   double tolerance{};                                ///< [m] of the haptic cue
   int model_version{1};                              ///< kModelVersion of the program that recorded
-  PerArm<bool> arm_contacts{};                       ///< the model's arm meets the scene, at the start
-  std::vector<std::string> body_names;               ///< by the numbers of contact records
-  std::vector<ConfigurationFile> configuration;      ///< copies next to the log, the root file first; empty: none
+  PerArm<bool> arm_contacts{};                       ///< whether the model's arm collides with the scene, at the start
+  std::vector<std::string> body_names;               ///< indexed by the body numbers of contact records
+  std::vector<ConfigurationFile> configuration;      ///< copies next to the log, root file first; empty: no copies
 };
 
-/** Where a log stands: all that is whole in the file. */
+/** Position after the last complete record of a log. */
 struct LogPosition {
   std::uint64_t size{};         ///< [bytes]
-  std::uint64_t next_number{};  ///< of the record that comes next
+  std::uint64_t next_number{};  ///< number of the next record
 };
 
 /**
- * Writes one log. write() collects a batch, commit() puts it into the file in one piece: after a kill the file holds
- * whole batches and at most a part of one. Not for real-time threads. While it lives other processes cannot recover
- * the log. @throw SessionException on a file that cannot be opened or written, from the constructors and finish(), and
- * from write() for a batch beyond 16 MiB.
+ * Writes one log. write() collects a batch and commit() appends it to the file at once, so that a killed process leaves
+ * complete batches and at most one incomplete batch. Not for real-time threads. While a LogWriter exists, other
+ * processes cannot recover the log. @throw SessionException from the constructors and finish() if the file cannot be
+ * opened or written, and from write() for a batch over 16 MiB.
  */
 class LogWriter {
  public:
-  /** A new log, its header written. */
+  /** Creates a log and writes its header. */
   LogWriter(const std::string& path, const LogHeader& header);
-  /** Goes on behind `position` of an existing log; what stands behind it is cut off. */
+  /** Continues an existing log after `position`, and cuts off the rest. */
   LogWriter(const std::string& path, const LogPosition& position);
   /** Commits. */
   ~LogWriter();
@@ -81,20 +81,20 @@ class LogWriter {
 
   template <typename T>
   void write(const T& record);
-  /** Takes memory for a batch of so many bytes now, every page of it touched: none so large takes more later. */
+  /** Allocates memory for a batch of that many bytes and touches every page, so that write() allocates no more. */
   void reserve(std::size_t bytes);
   /**
-   * Writes the batch. @return false if the disk refuses: then nothing of it is in the file, it is forgotten, and
-   * error() says why. The next commit() tries the disk again.
+   * Writes the batch. @return false if the write fails: then the file is unchanged, the batch is discarded, and
+   * error() gives the reason. The next commit() tries the disk again.
    */
   bool commit() noexcept;
-  /** Forces what was committed to the disk; may take long. @return false with error() set. */
+  /** Forces the committed part to the disk; may take long. @return false with error() set. */
   bool sync() noexcept;
-  /** What was committed. */
+  /** The committed part. */
   LogPosition position() const noexcept;
-  /** errno of the last refusal; 0 none. */
+  /** errno of the last failed write; 0 if no write failed. */
   int error() const noexcept;
-  /** The batch, and the counters as last record, into room kept free for them. A log without it ended uncleanly. */
+  /** Writes the batch, and the counters as the last record, into reserved space. A log without them ended uncleanly. */
   void finish(const SessionCounts& counts);
   /** The same, for a log whose writer was killed. */
   void finishRecovery(const RecoveryRecord& recovery);
@@ -104,7 +104,7 @@ class LogWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/** Calls for each record in file order; leave out what you do not need. */
+/** Callbacks for the records, in file order; any may be empty. */
 struct LogVisitor {
   std::function<void(const TickRecord&)> tick;
   std::function<void(const HapticRecord&)> haptic;
@@ -119,25 +119,25 @@ struct LogVisitor {
   std::function<void(const GapRecord&)> gap;
   std::function<void(const SessionCounts&)> counts;
   std::function<void(const RecoveryRecord&)> recovery;
-  std::function<void(std::uint64_t bytes)> position;  ///< of the file read so far, after each record
+  std::function<void(std::uint64_t bytes)> position;  ///< bytes read so far, after each record
 };
 
 struct LogSummary {
   LogHeader header;
-  std::uint64_t records{};          ///< intact ones behind the header
-  bool clean{};                     ///< the footer was found
-  bool recovered{};                 ///< the writer was killed, and the log completed afterwards
-  std::uint64_t bad_bytes{};        ///< skipped because a CRC, a length or a value was wrong
-  std::uint64_t truncated_bytes{};  ///< of a last record that was cut short
+  std::uint64_t records{};          ///< intact records after the header
+  bool clean{};                     ///< the log has its last record, the counters
+  bool recovered{};                 ///< the writer was killed; a recovery completed the log
+  std::uint64_t bad_bytes{};        ///< skipped because of a wrong CRC, length or value
+  std::uint64_t truncated_bytes{};  ///< bytes of an incomplete last record
 };
 
 /**
- * Reads a log from the start, one record at a time. A bad record is skipped by searching the next magic.
+ * Reads a log from the start, one record at a time. After a bad record it searches for the next magic.
  * @throw SessionException if the file is missing or does not start with a readable header.
  */
 LogSummary readLog(const std::string& path, const LogVisitor& visitor);
 
-/** The ticks of a log alone, one at a time as they are asked for; else as readLog(). */
+/** Reads only the ticks of a log, one for each call; otherwise as readLog(). */
 class TickReader {
  public:
   /** @throw SessionException as readLog(). */
@@ -157,7 +157,7 @@ class TickReader {
   std::unique_ptr<Impl> impl_;
 };
 
-/** The first record alone. @throw SessionException as readLog(). */
+/** Reads only the header. @throw SessionException as readLog(). */
 LogHeader readLogHeader(const std::string& path);
 
 }  // namespace raven2_trainer::session

@@ -5,18 +5,18 @@
 
 namespace raven2_trainer::session {
 
-/** Reads a text file line by line, gzipped or not: told by its content, not by its name. */
+/** Reads a text file line by line; recognizes gzip by the content, not by the name. */
 class LineReader {
  public:
   /** @throw SessionException if the file cannot be opened. */
   explicit LineReader(const std::string& path);
   ~LineReader();
 
-  /** Next line without its end (LF or CR LF). @return false at the end.
+  /** Next line without its LF or CR LF. @return false at the end of the file.
    *  @throw SessionException with FILE:LINE for a broken file or a line of more than 64 KiB. */
   bool next(std::string* line);
 
-  /** "FILE:LINE" of the line read last. */
+  /** "FILE:LINE" of the last line read. */
   std::string where() const;
   /** Share of the file's bytes read so far, 0 to 1. */
   double progress() const;

@@ -9,7 +9,7 @@
 #include "raven2_trainer/core/types.h"
 #include "raven2_trainer/studies/detector_trial.h"
 
-// What stands behind learn_detector and evaluate_detector. doc/detector.md defines truth, deadline and rates.
+// For learn_detector and evaluate_detector. doc/detector.md defines truth, deadline and rates.
 
 namespace raven2_trainer::studies {
 
@@ -26,7 +26,7 @@ struct LearnOptions {
   double percentile{99.9};     ///< of the thresholds (DSN 2016: 99.8 to 99.9)
 };
 
-/** What fault-free runs teach. */
+/** Results of fault-free runs. */
 struct Learned {
   DetectorConfig detector{};                              ///< the configuration's, with model and thresholds replaced
   PerArm<std::array<double, kDetectorAxes>> explained{};  ///< [-] share of the acceleration's variance
@@ -65,14 +65,14 @@ struct StudyOutcome {
   std::uint64_t seed{};
   StudyFault fault{};
   bool is_unsafe{};
-  Tick decided{-1};  ///< tick in which it became unsafe: had the fault ended with it, the tip would depart all the same
+  Tick decided{-1};  ///< tick in which it became unsafe: had the fault ended with it, the tip would still depart
   Tick harmed{-1};   ///< tick in which the tip had departed
   Tick stopped{-1};  ///< tick in which the robot's own check stopped it
   double departure{};  ///< [m] largest
   double jump{};       ///< [m] largest departure gained within 2 ms
   struct ByRule {
     Tick alarm{-1};    ///< first tick with an alarm
-    double in_time{};  ///< largest size up to the deadline (unsafe runs), or at all (others)
+    double in_time{};  ///< largest size up to the deadline (unsafe runs), or in the whole run (others)
   };
   std::array<ByRule, 2> rules{};  ///< by DetectorRule
 };

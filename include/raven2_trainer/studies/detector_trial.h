@@ -21,7 +21,7 @@ struct TrialTick {
   std::uint8_t soft_estopped{};               ///< 1 once the robot's own check has stopped it
 };
 
-/** What a detector in the robot would have seen in that cycle. */
+/** Input of a detector in the robot in that cycle. */
 detector::Observation observationOf(const TrialTick& tick) noexcept;
 
 /**
@@ -34,7 +34,7 @@ class DetectorTrial {
   DetectorTrial(const TrainerConfig& config, Tick ticks);
   ~DetectorTrial();
 
-  /** What happened in the `ticks` ms until now; at most those since the start. */
+  /** The last `ticks` ms; at most those since the start. */
   const std::vector<TrialTick>& past() const noexcept { return past_; }
 
   /** The next `ticks` ms with this plan armed, none of them kept. @throw Exception if it cannot be forked. */

@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::studies {
 
-/** What is said of a study besides its runs. */
+/** Description of a study, without its runs. */
 struct OmplExperiment {
   std::string name;         ///< of the problem
   std::string description;  ///< of it
@@ -17,7 +17,8 @@ struct OmplExperiment {
 };
 
 /** A study as OMPL's Benchmark writes it, for ompl_benchmark_statistics.py and Planner Arena
- * (ompl/doc/markdown/benchmark.md, OMPL 1.5): each case is a planner, `FMTstar_n500_eta0.1_0.5_0_t5`. Costs are eq. (1),
+ * (ompl/doc/markdown/benchmark.md, OMPL 1.5): each case is a planner, `FMTstar_n500_eta0.1_0.5_0_t5`. Costs are eq.
+ * (1),
  * times those of planning alone. */
 std::string omplLog(const OmplExperiment& experiment,
                     const PlanStudyOptions& options,

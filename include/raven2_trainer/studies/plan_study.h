@@ -9,11 +9,11 @@
 #include "raven2_trainer/planning/path_planner.h"
 #include "raven2_trainer/planning/plan_problem.h"
 
-// What stands behind the program `plan`: one problem planned and tracked again and again (paper, 3.3, Table 2).
+// For the program `plan`: one problem, planned and tracked again and again (paper, 3.3, Table 2).
 
 namespace raven2_trainer::studies {
 
-/** What a user chooses of a study; each list multiplies the others. */
+/** Choices for a study; each list multiplies the others. */
 struct PlanChoice {
   std::vector<std::string> planners{"FMTstar"};
   std::vector<std::uint32_t> samples{200, 500, 1000, 2000};  ///< n of the paper's Table 2
@@ -21,7 +21,7 @@ struct PlanChoice {
   std::vector<double> times;  ///< [s] for comparisonCases()
   double time_limit{};        ///< [s] of one plan; the configuration's if 0
   int improve_attempts{-1};   ///< the configuration's if negative
-  bool is_exact{};            ///< none are added to the samples after a failure
+  bool is_exact{};            ///< no samples are added after a failure
 };
 
 /**

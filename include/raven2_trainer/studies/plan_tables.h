@@ -6,12 +6,12 @@
 
 #include "raven2_trainer/studies/plan_study.h"
 
-// What a study of the planner is told in: CSV files and the paper's Table 2 as text. doc/planning.md describes the
+// Results of a study of the planner: CSV files and the paper's Table 2 as text. doc/planning.md describes the
 // files.
 
 namespace raven2_trainer::studies {
 
-/** Values of many runs. NaN where there are too few to tell. */
+/** Values of many runs. NaN where there are too few. */
 struct Summary {
   std::size_t count{};
   double mean{};
@@ -32,7 +32,7 @@ struct PlanTableRow {
   Summary tracking_time;   ///< [s]
   Summary waypoints;       ///< [-] start and goal counted
   Summary cost;            ///< eq. (1)
-  Summary samples_used;    ///< [-] of planners that tell
+  Summary samples_used;    ///< [-] of planners that report it
   Summary clearance;       ///< [m]
   Summary tracking_error;  ///< [m]
 };
@@ -42,7 +42,7 @@ PlanTableRow tableRow(const planning::PlanOptions& options, const std::vector<co
 /** A row a case. */
 std::vector<PlanTableRow> tableRows(const std::vector<planning::PlanOptions>& cases, const std::vector<PlanRun>& runs);
 
-// Header and line of each file, with their ends of line. A cell is empty where there is nothing to tell.
+// Header and line of each file, with their ends of line. A cell is empty without a value.
 std::string runsHeader();
 std::string runsLine(const planning::PlanOptions& options, const PlanRun& run);
 std::string tableHeader();

@@ -14,7 +14,7 @@
 
 namespace raven2_trainer::threads {
 
-/** What a thread is given before its body runs. */
+/** Settings of a thread before its body runs. */
 struct ThreadOptions {
   std::string name;  ///< at most 15 characters
   ThreadConfig scheduling{};
@@ -42,7 +42,7 @@ class Thread {
   /** Returns once the options are applied. @throw RealtimeException if no thread can be had. */
   void start(const ThreadOptions& options, std::function<void()> body);
   void join();
-  /** Gives a nice thread normal priority, where the limits allow it: for who is about to join it on a busy machine. */
+  /** Gives a nice thread normal priority, where the limits allow it: before a join on a busy machine. */
   void hurry() noexcept;
   /** False if SCHED_FIFO was asked for and refused. */
   bool realtime() const noexcept { return error_.load() == 0; }
@@ -72,7 +72,7 @@ struct CyclicPolicy {
  *   release  |     |     |     |     |     |
  *   body     |==>  |==============>|=>=>=>|==>     late: up to `max_catch_up` extra steps a millisecond until caught up
  *
- * Simulated time is never lost, but for a backlog over `max_backlog`, which is counted and told to `on_slip`.
+ * Simulated time is never lost, but for a backlog over `max_backlog`, which is counted and reported to `on_slip`.
  * A tick is late if it ends more than 1 ms after its release; late ticks in a row are one event. The thread makes these
  * system calls and no others: clock_nanosleep every millisecond, getrusage every thousandth tick, and those of the
  * body.

@@ -6,12 +6,12 @@
 
 #include "raven2_trainer/threads/runtime_config.h"
 
-// What a real-time program asks of the machine it starts on. Each function that returns texts returns one for each
+// Requirements of a real-time program on its machine. Each function that returns texts returns one for each
 // reason against it, in words for the operator; none means all is well.
 
 namespace raven2_trainer::threads {
 
-/** What became of locking the memory. */
+/** Result of locking the memory. */
 struct MemoryLock {
   bool locked{false};
   std::string words{"memory not locked"};
@@ -19,8 +19,8 @@ struct MemoryLock {
 
 /**
  * Locks all memory, present and future, where that can do no harm: without the privilege, a limit that is not infinite
- * lets mlockall succeed and every later thread fail. What is mapped now (code, libraries) is fetched from disk at once,
- * what comes later when it is touched. Keeps the heap's pages from being given back.
+ * lets mlockall succeed and every later thread fail. Mapped code and libraries are read from disk at once,
+ * later memory when it is touched. Keeps the heap's pages from being given back.
  */
 MemoryLock lockMemory();
 
@@ -30,7 +30,7 @@ MemoryLock lockMemory();
  */
 void takeHeap(std::size_t bytes);
 
-/** Libraries put before ours (Alemzadeh et al., DSN 2016, took a Raven over that way).
+/** Libraries put before ours (Alemzadeh et al., DSN 2016, took a Raven over with one).
  *  @param[in] ld_preload value of LD_PRELOAD, null if not set; preload_file usually /etc/ld.so.preload. */
 std::vector<std::string> preloadReasons(const char* ld_preload, const std::string& preload_file);
 

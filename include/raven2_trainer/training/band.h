@@ -48,7 +48,7 @@ struct BandJudgement {
  */
 BandJudgement judge(double value, const BandMetric& metric, double least_spread, double deviations);
 
-/** The same by an absolute limit: no spread is granted, the excess is in shares of the limit. */
+/** Judges by an absolute limit: no spread is granted, the excess is in shares of the limit. */
 BandJudgement judgeByLimit(double value, double limit, Better better);
 
 /** The metric of that name; nullptr if it is not in the band. */

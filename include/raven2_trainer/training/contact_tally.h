@@ -12,7 +12,7 @@
 
 namespace raven2_trainer::training {
 
-/** What a body of contact records is. */
+/** Class of a body of contact records. */
 enum class BodyClass : std::uint8_t { kOther, kGoldTool, kGreenTool, kTower, kWire, kDome, kPlate, kObject };
 
 /**
@@ -22,7 +22,7 @@ enum class BodyClass : std::uint8_t { kOther, kGoldTool, kGreenTool, kTower, kWi
  */
 std::vector<BodyClass> classifyBodies(const std::vector<std::string>& names, const SceneRoles& roles);
 
-/** Who met whom. */
+/** The two parties of a touch. */
 enum class Partner : std::uint8_t {
   kTower,       ///< a tool and a tower
   kWire,        ///< a tool and a wire

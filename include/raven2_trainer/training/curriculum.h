@@ -7,7 +7,7 @@
 
 namespace raven2_trainer {
 
-/** What is to be done before the next stage. */
+/** Requirements before the next stage. */
 struct CurriculumStage {
   std::string exercise;
   std::string drill;      ///< scenario of config/faults; empty: none
@@ -45,9 +45,9 @@ struct Progress {
 };
 
 /**
- * How far a trainee is. An attempt counts for the stage under way if it is of its exercise and drill, and else for
- * none; a failure begins the passes in a row again, but takes nothing from the extra ones. What was not judged counts
- * for none.
+ * How far a trainee is. An attempt counts for the stage under way if it is of its exercise and drill, else
+ * for no stage. A failure begins the passes in a row again, but takes nothing from the extra ones. An attempt that was
+ * not judged does not count.
  * @param[in] attempts in the order in which they were made.
  */
 Progress follow(const Curriculum& curriculum, const std::vector<CurriculumAttempt>& attempts);

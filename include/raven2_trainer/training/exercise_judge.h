@@ -39,7 +39,7 @@ class ExerciseJudge {
   /**
    * @param[in] exercise without tracks: no exercise; the state stays "none" for ever.
    * @param[in] roles of the scene that the exercise was loaded for. @param[in] scene of the same.
-   * @param[in] camera whose lens counts; where it stands is ModelState::camera.
+   * @param[in] camera whose lens counts; its place is ModelState::camera.
    * @param[in] body_names physics::RavenWorld::bodyNames().
    * @throw ConfigException with FILE:LINE for a rule that names no body of the scene or robot, an object that is no
    * free body, and tissue that is not there, moves or collides by a mesh.

@@ -9,7 +9,7 @@
 
 namespace raven2_trainer::training {
 
-/** An attempt at an exercise, as its judge told it. */
+/** An attempt at an exercise, as its judge reported it. */
 struct ExerciseAttempt {
   ExerciseState state{};      ///< at its end, or that of the log
   Tick began{-1}, ended{-1};  ///< [1 ms] session ticks of its timer; -1 never, or before the first pedal-down

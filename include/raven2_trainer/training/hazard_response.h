@@ -10,17 +10,17 @@
 #include "raven2_trainer/haptics/perception.h"
 #include "raven2_trainer/training/contact_tally.h"
 
-// What a surgeon could notice of a hazard, and did about it. Ours (sources.md 3.4, "reaction time to hazard"); thresholds
-// and sources in doc/scores.md.
+// Noticeable effects of a hazard, and the surgeon's response. Ours (sources.md 3.4, "reaction time to hazard");
+// thresholds and sources in doc/scores.md.
 
 namespace raven2_trainer::training {
 
 enum class Response : std::uint8_t {
   kNone,
   kPedalUp,
-  kHoldStill,  ///< the hand stands
+  kHoldStill,  ///< the hand does not move
   kSlow,       ///< and is a fifth as fast as before, or slower
-  kRetreat,    ///< the hand goes back the way that it came
+  kRetreat,    ///< the hand goes back on its path
   kStop,       ///< emergency stop
   kPushOn,     ///< the hand goes on as if nothing were
 };
@@ -41,14 +41,14 @@ enum class Verdict : std::uint8_t {
 };
 constexpr std::array<const char*, 5> kVerdictNames{"none", "right", "late", "wrong", "not_judged"};
 
-/** What is right. A response in neither list does not decide; the first that is in one does. */
+/** Rule for right answers. A response in neither list does not decide; the first that is in one does. */
 struct ResponseRule {
   std::vector<Response> right{Response::kPedalUp, Response::kHoldStill, Response::kStop};
   std::vector<Response> wrong{Response::kPushOn};
   double within{2.0};  ///< [s] from the cue
 };
 
-/** What an exercise calls right in its drill. */
+/** The rule of an exercise's drill. */
 ResponseRule ruleOf(const ExerciseDrill& drill);
 
 /** One millisecond about a hazard. */
@@ -100,11 +100,11 @@ struct HazardResponse {
   double peak_force{};  ///< [N] larger hand
   double impulse{};     ///< [Ns] the same
   Tick answer_time{};   ///< [1 ms] from the cue on that an attempt is not charged with; 0 not right
-  std::array<Touches, kPartnerCount> touches{};  ///< of the model in that time; for whoever has the contacts
+  std::array<Touches, kPartnerCount> touches{};  ///< of the model in that time; for a caller with the contacts
 };
 
 constexpr Tick kLead = 500;             ///< [1 ms] before the injection that a window should have
-constexpr Tick kCarriedThrough = 2000;  ///< [1 ms] that an answer lasts at the least: scripted hands rest up to 1.5 s
+constexpr Tick kCarriedThrough = 2000;  ///< [1 ms] that an answer lasts at least: scripted surgeons rest up to 1.5 s
 constexpr Tick kLongestHabit = 5000;    ///< [1 ms] no clutch is held to be longer
 
 /** [1 ms] For how long the pedal must stay up: twice the surgeon's usual clutch, kCarriedThrough at the least. */
@@ -118,7 +118,7 @@ Tick watchOf(const ResponseRule& rule) noexcept;
  * Judges one hazard: responses in all samples, figures until recovery.
  *
  * The cue is the first that begins in the aftermath and lasts for kNoticed: a force of kFeltForce on either hand, or
- * tips of model and robot kSeenGap apart. Without one nothing is judged. What comes sooner than kQuickest behind it is
+ * tips of model and robot kSeenGap apart. Without one nothing is judged. A response sooner than kQuickest after it is
  * no answer.
  *
  * A right answer's time goes from the cue to its end: of kPedalUp and kStop the next pedal-down, or the window's end.
@@ -135,7 +135,7 @@ Tick watchOf(const ResponseRule& rule) noexcept;
  * - kHoldStill: the same, and |w| <= 5 mm/s for that long beginning 150 ms later at the latest. Where no hand was as
  * fast as 10 mm/s: |w| <= 5 mm/s for that long, from kQuickest behind the cue on or later.
  * - kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along
- * u (anywhere, if it had stood).
+ * u (anywhere, if it was at rest).
  */
 HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained);
 

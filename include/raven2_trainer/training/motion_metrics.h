@@ -11,7 +11,7 @@
 #include "raven2_trainer/training/contact_tally.h"
 #include "raven2_trainer/training/session_metrics.h"
 
-// What an attempt looked like, from its 1 kHz records. Places and speeds are those of the model's tool tips, as means
+// Motion of an attempt, from its 1 kHz records. Places and speeds are those of the model's tool tips, as means
 // of ten ticks (100 Hz): at 1 kHz the sum of steps measures noise. Definitions and thresholds: doc/scores.md.
 
 namespace raven2_trainer::training {
@@ -22,11 +22,11 @@ constexpr double kActiveSpeed = 0.001;    ///< [m/s] of a tip; slower is idle (s
 constexpr double kStrokeSpeed = 0.005;    ///< [m/s] of a tip; ours
 constexpr std::size_t kStrokeLeast = 30;  ///< [samples] 0.3 s; shorter is no stroke; ours
 
-/** What the records themselves do not tell. */
+/** Settings that the records do not have. */
 struct MotionSettings {
   PerArm<Pose> X_WB{};                 ///< arm bases in W
   std::vector<BodyClass> bodies;       ///< by the numbers of contact records
-  std::optional<CameraConfig> camera;  ///< lens, and pose while the record tells none; none: nothing is out of view
+  std::optional<CameraConfig> camera;  ///< lens, and pose while the record has no camera; none: nothing is out of view
   int image_width{}, image_height{};   ///< [px] of its picture; their ratio matters
   std::optional<double> motion_scale;  ///< [-] tip by hand; unknown: no figures of the masters
   double force_limit{3.0};             ///< [N] of force_above; ours, after the Omni's peak of 3.3 N

@@ -22,7 +22,7 @@ struct Metric {
   std::optional<double> value;  ///< in `unit`; nothing: not measured
 };
 
-/** How the exercise went, as its judge told it. */
+/** Result of the exercise, as its judge reported it. */
 struct AttemptOutcome {
   std::int64_t number{};  ///< of the attempt in its session, from 1
   ExerciseStatus status{ExerciseStatus::kNone};
@@ -33,7 +33,7 @@ struct AttemptOutcome {
   bool is_drill{};           ///< a hazard was to come in it
 };
 
-/** What a hazard was, and what was done about it. */
+/** A hazard, and the response to it. */
 struct HazardScore {
   std::string scenario;
   Tick injection{-1};  ///< [1 ms] session tick
@@ -43,7 +43,7 @@ struct HazardScore {
 /** All that can be scored, in a fixed order; doc/scores.md. Mistakes only where there is an exercise. */
 std::vector<Metric> listMetrics(const MotionMetrics& motion, const AttemptOutcome& outcome, const Economy& economy);
 
-/** What attempts are held against. */
+/** Standard for attempts. */
 struct Standard {
   const Band* band{};      ///< of the exercise; nullptr: nothing is judged. It must outlive the results
   double deviations{1.0};  ///< [-] of the band that a metric may be worse than its mean
@@ -79,9 +79,10 @@ constexpr const char* kHazardMetric = "hazard_response";  ///< in AttemptScore::
 std::optional<double> firstAnswer(const std::vector<HazardScore>& hazards);
 
 /**
- * An attempt passes if the exercise was done, every scored metric that was measured lies within its limit (none makes
- * up for another), at least one was, and every hazard that could be noticed (Verdict::kNotJudged) was answered rightly
- * and in time. One that would pass in a drill without such a hazard has neither passed nor failed.
+ * An attempt passes if the exercise was done and every measured scored metric is within its limit (no metric
+ * compensates another). At least one must have been measured. Every noticeable hazard (Verdict::kNotJudged) must have
+ * been answered rightly and in time. One that would pass in a drill without such a hazard has neither passed nor
+ * failed.
  */
 AttemptScore scoreAttempt(const AttemptOutcome& outcome,
                           const MotionMetrics& motion,

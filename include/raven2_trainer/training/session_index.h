@@ -27,16 +27,16 @@ struct IndexEntry {
   std::vector<IndexAttempt> attempts;
 };
 
-/** What stands for a trainee: 1 to 32 of a-z, 0-9, _ and -. No names: the index is personal data (SECURITY.md). */
+/** Whether it is a trainee's ID: 1 to 32 of a-z, 0-9, _ and -. No names: the index is personal data (SECURITY.md). */
 bool isTraineeId(const std::string& text) noexcept;
 
 /** All entries, by start time, then directory; none if there is no file. @throw SessionException if it is not one. */
 std::vector<IndexEntry> readIndex(const std::string& path);
 
 /**
- * Adds an entry, or replaces that of the same directory. The file is exchanged in one piece; whoever else adds to it
- * waits (flock on PATH.lock). @throw SessionException if the trainee's id is none, or the file cannot be read or
- * written.
+ * Adds an entry, or replaces that of the same directory. The file is exchanged in one piece; other processes that add
+ * to it wait (flock on PATH.lock). @throw SessionException if the trainee's ID is invalid, or the file cannot be read
+ * or written.
  */
 void addToIndex(const std::string& path, const IndexEntry& entry);
 

@@ -42,7 +42,7 @@ struct FaultEvent {
   Tick errorToForce() const noexcept { return force_tick < 0 ? -1 : force_tick - onset_tick; }
 };
 
-/** One row of a fault plan from when it began to act until it ended: the ground truth, as its host told it. */
+/** One row of a fault plan from when it began to act until it ended: the ground truth, as its host reported it. */
 struct Injection {
   Fault fault{};  ///< id 0: not in the record
   std::string name;
@@ -115,7 +115,7 @@ class MetricsAccumulator {
     double error{};   ///< [m] the same, of model and robot as the haptic loop saw them; 0 while it may give no force
   };
 
-  /** A row that acts, or acted; the rest of it the plans tell. */
+  /** A row that acts, or acted; the plans have the rest of it. */
   struct Span {
     FaultChange begin{};
     Tick model_tick{};

@@ -15,7 +15,7 @@
 
 namespace raven2_trainer::training {
 
-/** What a log alone does not tell. */
+/** Settings that a log does not have. */
 struct ScoreSettings {
   MotionSettings motion;
   std::vector<ExerciseTrack> tracks;  ///< of the exercise, for the ways to where its steps wait for a tip

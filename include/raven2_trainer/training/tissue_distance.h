@@ -28,7 +28,7 @@ class TissueDistance {
    */
   TissueDistance(const model::SceneModel& scene, const std::vector<std::string>& tissue);
 
-  /** @return [m] least distance of any of the points; 0 inside tissue; infinite where there is none. */
+  /** @return [m] least distance of any of the points; 0 inside tissue; infinite without tissue. */
   double measure(const PerArm<ToolPoints>& tools) noexcept;
 
   std::size_t shapeCount() const noexcept { return shapes_.size(); }

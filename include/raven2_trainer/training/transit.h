@@ -8,14 +8,14 @@
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// How much farther a tip went than it had to, carrying something or to where it should go: its way against the
+// Extra distance of a tip, with an object or to a goal: its path against the
 // planner's.
 
 namespace raven2_trainer::training {
 
 /**
- * An arm carries a body, from taking it to letting go; or, in a track about no object, goes where a step waits for it,
- * from when the step's turn came to its end. Less kTransitEnd of the way at both ends.
+ * An arm carries a body, from taking it to letting go; or, in a track about no object, goes to the goal of a step,
+ * from the step's beginning to its end. Less kTransitEnd of the path at both ends.
  */
 struct Transit {
   Arm arm{};

@@ -13,7 +13,7 @@
 
 namespace raven2_trainer::training {
 
-/** As the robot would have told it. */
+/** As the robot would have reported it. */
 struct UsbTruth {
   FaultRecord rows;                        ///< what each row does, from the session's beginning on
   std::vector<FaultChangeRecord> changes;  ///< in order of their ticks
@@ -36,14 +36,14 @@ struct TruthMerge {
 /**
  * Brings the file that RAVEN2_USB_FAULTS_TRUTH named to the session's ticks and keeps it as usb_truth.json in its
  * directory, where computeMetrics() finds it. A moment of the file is the first tick that saw the robot's state of that
- * moment or of a later one: by the clock of the robot's computer (CLOCK_MONOTONIC, which each state carries), or by the
- * number of the newest command that the robot had taken. An earlier merge is replaced.
+ * moment or of a later one. It is found by the clock of the robot's computer (CLOCK_MONOTONIC, in each state), or by
+ * the number of the newest command that the robot had taken. An earlier merge is replaced.
  * @throw SessionException if the file cannot be read or is no such file, names a scenario that the session does not
  * know, has nothing that falls into the session, or if clock and commands are more than 200 ms apart.
  */
 TruthMerge mergeUsbTruth(const std::string& file, const session::SessionPaths& paths, TruthBy by);
 
-/** What mergeUsbTruth() kept; none if there is no such file. @throw SessionException if it cannot be read. */
+/** The result of mergeUsbTruth(); nothing without such a file. @throw SessionException if it cannot be read. */
 std::optional<UsbTruth> loadUsbTruth(const std::string& path);
 
 }  // namespace raven2_trainer::training

@@ -5,15 +5,15 @@
 namespace raven2_trainer::wire {
 
 /**
- * How long each frame of a peer was on its way, although the two clocks have nothing in common: its receipt by our
- * clock less its stamp by the peer's, above the smallest such difference of late (sources.md 2.2). So a
- * frame that waited in some buffer is known to be old when it comes out.
+ * The delay of each frame of a peer, although the two clocks are independent. It is the frame's receipt by our
+ * clock minus its stamp by the peer's, above the smallest such difference of late (sources.md 2.2). So a
+ * frame that waited in some buffer is known to be old when it arrives.
  *
- * The smallest difference is kept over the last 5 to 10 s of the *peer's* clock: a silence wears it out only by its
- * ageing, and a peer whose clock stood still (a suspended computer) is trusted again 10 s later. It ages by 200 ppm,
- * the worst that two quartz clocks drift apart, so that drift is never taken for delay; the estimate can therefore be
- * too small by as much as 4 ms (200 ppm each way over 10 s; more for the first frames behind a longer silence), and by
- * the fastest way there is, which nobody can know. Real-time safe.
+ * The smallest difference is kept over the last 5 to 10 s of the *peer's* clock. So a silence changes it only by
+ * ageing. A peer whose clock stopped (a suspended computer) is trusted again 10 s later. The difference ages by 200
+ * ppm, the largest drift of two quartz clocks, so drift is never taken for delay. The estimate can therefore be too
+ * small by as much as 4 ms (200 ppm each way over 10 s; more for the first frames behind a longer silence), and by the
+ * fastest way there is, which nobody can know. Real-time safe.
  */
 class FrameDelay {
  public:

@@ -38,7 +38,7 @@ ItpBytes encodeItp(const ItpPacket& packet) noexcept;
 /** Copies the fields of exactly kItpSize bytes; no value is judged. kWrongSize, `*packet` unchanged, otherwise. */
 Reject decodeItp(const std::uint8_t* bytes, std::size_t size, ItpPacket* packet) noexcept;
 
-/** What an honest packet stays within. */
+/** Limits of an honest packet. */
 struct ItpLimits {
   std::int32_t max_increment_um{};  ///< [um] each axis
   double max_rotation{kPi};         ///< [rad]

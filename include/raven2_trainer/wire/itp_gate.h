@@ -22,9 +22,9 @@ struct Arrival {
 };
 
 /**
- * What a receiver of ITP makes of a datagram: size, source, signature, values, order, rate, in this order; each reason
+ * Checks a received ITP datagram: size, source, signature, values, order, rate, in this order. Each reason
  * of rejection is one of core's Reject. `compat`: a Raven's own rules, from anyone. `hardened`: one pinned master, and
- * with a key nothing that is not signed. A console's own way of speaking ITP is translated first, for the daemon alone.
+ * with a key only signed packets. For the daemon alone, a console's own variant of ITP is translated first.
  * Knows no socket and no clock. Real-time safe. Rules: doc/wire.md.
  */
 class ItpGate {

@@ -50,7 +50,8 @@ Reject decodeChallenge(const ItpKey& key,
                        std::size_t size,
                        Nonce* receiver) noexcept;
 
-/** What both sides derive from key and nonces: signs and verifies. Wiped at its end. Real-time safe: some 0.4 us and no
+/** Session keys that both sides derive from key and nonces: signs and verifies. Wiped at its end. Real-time safe: some
+ * 0.4 us and no
  *  allocation a packet. */
 class ItpSession {
  public:
@@ -79,7 +80,7 @@ class ItpSession {
   std::array<std::uint8_t, ItpKey::kSize> key_{};
 };
 
-/** What the trailer claims, before anything is proven. */
+/** The trailer's fields, before they are verified. */
 struct Trailer {
   std::uint32_t session{};
   std::uint64_t counter{};

@@ -6,8 +6,8 @@
 
 namespace raven2_trainer::wire {
 
-/** Order rule of packets that each tell all there is: only what is newer than the newest counts, whatever was lost
- *  between. Serial arithmetic on 32 bits. Real-time safe. */
+/** Order rule of packets with complete states: only a packet newer than the newest counts, whatever was lost
+ *  in between. Serial arithmetic on 32 bits. Real-time safe. */
 class NewestOnly {
  public:
   /** kNone (use it), kDuplicate or kOutOfOrder. */

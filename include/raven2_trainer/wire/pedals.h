@@ -7,8 +7,8 @@
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/pedals.h"
 
-// Pedals and buttons that ITP has no room for: a separate packet to the same port. Each packet tells all
-// that is held, so a lost one costs nothing once the next is there. Described byte for byte in doc/wire.md.
+// Pedals and buttons that ITP has no room for: a separate packet to the same port. Each packet has all
+// held pedals, so the next one makes up a lost one. Described byte for byte in doc/wire.md.
 
 namespace raven2_trainer::wire {
 

@@ -66,7 +66,7 @@ Reject decodeState(const Frame& frame, RobotState* state) noexcept;
 /** @return false, `*plan` unchanged, on another type, a wrong size or a fault that is not sound (isSound()). */
 bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept;
 
-/** @return false, `*signals` unchanged, on another type, a wrong size, a negative distance or one that is no number. */
+/** @return false, `*signals` unchanged, on another type, a wrong size, a negative distance or NaN. */
 bool decodeFaultSignals(const Frame& frame, FaultSignals* signals) noexcept;
 
 /** @return false, `*change` unchanged, on another type, a wrong size, another host than the robot, or what cannot be.

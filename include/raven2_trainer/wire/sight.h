@@ -7,7 +7,7 @@
 #include "raven2_trainer/core/counters.h"
 #include "raven2_trainer/core/sight.h"
 
-// What a scripted hand sees in place of a picture: poses of tools, bodies and camera. Described byte for byte in
+// View of a simulated surgeon, in place of a picture: poses of tools, bodies and camera. Described byte for byte in
 // doc/wire.md.
 
 namespace raven2_trainer::wire {

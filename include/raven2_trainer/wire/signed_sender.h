@@ -20,7 +20,7 @@ class SignedSender {
   bool isHelloDue(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_; }
   /** The hello. @param[in] fresh random, used at most once. */
   HandshakeBytes hello(const Nonce& fresh, std::int64_t now_ns) noexcept;
-  /** What came back. @return false if it is no answer to the newest hello. */
+  /** Takes an answer. @return false if it is not one to the newest hello. */
   bool receive(const std::uint8_t* bytes, std::size_t size, std::int64_t now_ns) noexcept;
 
   /** The receiver has answered: sign() can be used. */

@@ -8,7 +8,7 @@ namespace raven2_trainer {
 
 /** A stream of packets of which most are refused. */
 struct StreamFinding {
-  std::uint32_t number{};    ///< counts them; 0 there was none yet
+  std::uint32_t number{};    ///< counts them; 0: none yet
   std::uint32_t received{};  ///< in the second in which it was found
   std::uint32_t refused{};   ///< of them
   Reject reason{};           ///< why most of those were

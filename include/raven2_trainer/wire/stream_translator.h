@@ -6,15 +6,15 @@
 namespace raven2_trainer::wire {
 
 /**
- * Makes proper ITP of a console's own packets before they are judged. What is known of a stream (where its grasp was,
- * the rest of a micrometre, whether its pedal was up) changes with the packets that are used alone: keep() after each.
+ * Translates a console's own packets to ITP before they are judged. The state of a stream (last grasp,
+ * rest of a micrometre, pedal) changes only with packets that are used: call keep() after each.
  * Pure; real-time safe.
  */
 class StreamTranslator {
  public:
   explicit StreamTranslator(const StreamProfile& profile) noexcept : profile_(profile) {}
 
-  /** In place. What is not finite stays so; what is no rotation becomes no unit quaternion. */
+  /** In place. Numbers that are not finite stay so; an invalid rotation does not become a unit quaternion. */
   void translate(ItpPacket* packet) noexcept;
   /** The packet that was translated last is used. */
   void keep() noexcept { kept_ = next_; }

@@ -24,7 +24,7 @@ class StreamWatch {
   bool may_publish_{true};  ///< a second was good since the last one was found
 };
 
-/** What is refused, why, and what to do about it, in one sentence. */
+/** One sentence: refused packets, reason, and remedy. */
 std::string sentence(const StreamFinding& finding);
 
 }  // namespace raven2_trainer::wire

@@ -11,8 +11,8 @@ class TokenBucket {
   /** @param[in] rate [1/s] over 0. @param[in] burst [-] at least 1. */
   TokenBucket(double rate, std::int32_t burst) noexcept;
 
-  /** Takes one token. @param[in] now_ns never going back; if it does, no time has passed. @return false if none is
-   * left. */
+  /** Takes one token. @param[in] now_ns never going back; if it does, no time has passed. @return false without a
+   * token. */
   bool take(std::int64_t now_ns) noexcept;
 
  private:

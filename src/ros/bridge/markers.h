@@ -7,8 +7,7 @@
 #include "raven2_trainer/core/state.h"
 
 // Contacts and forces as markers of RViz, in frame world and in the picture's colours (render/overlays.h). Numbers that
-// are
-// not finite are left out.
+// are not finite are left out.
 
 namespace raven2_trainer::ros_bridge {
 

@@ -15,10 +15,8 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * Publishes a recorded session as the daemon's topics of states (StateTopics), an instant every runtime.ros_period: to
- * ROS,
- * or into a bag. A log has no pictures, no diagnostics and no counters of the planner (zero in plan/progress), so they
- * are not
- * published.
+ * ROS, or into a bag. A log has no pictures, no diagnostics and no counters of the planner (zero in plan/progress), so
+ * they are not published.
  */
 class SessionPublisher {
  public:

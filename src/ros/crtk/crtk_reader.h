@@ -15,8 +15,7 @@
 #include "ros/crtk/crtk_frames.h"
 
 // The command in a CRTK client's message. Lengths, names, frames and numbers are checked here. Whether the arms may do
-// it is
-// checked where they are moved (ServoRefusal).
+// it is checked where they are moved (ServoRefusal).
 
 namespace raven2_trainer::ros_bridge {
 

@@ -9,11 +9,9 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * Whether the pedal of a topic is held, as long as a publisher could report its release. A publisher that repeats its
- * state is lost
- * once it is silent. Its later messages count from the next pedal-up on: the pedal may have been released and pressed
- * meanwhile. A publisher that sends changes alone is lost once nobody publishes; one that died without a message is
- * never
- * noticed. hear() and look() may be on different threads; their times [s] are of one clock.
+ * state is lost once it is silent. Its later messages count from the next pedal-up on: the pedal may have been released
+ * and pressed meanwhile. A publisher that sends changes alone is lost once nobody publishes; one that died without a
+ * message is never noticed. hear() and look() may be on different threads; their times [s] are of one clock.
  */
 class PedalHold {
  public:

@@ -42,10 +42,8 @@ struct ForeignText {
 
 /**
  * Makes a struct a message of roscpp. It has md5(), name() (package/Message), text() (of those that are published;
- * withPart()
- * adds what it is made of) and fields(m, use), which calls use(m.a, m.b, ...) in the order of the wire. Use it outside
- * of all
- * namespaces.
+ * withPart() adds what it is made of) and fields(m, use), which calls use(m.a, m.b, ...) in the order of the wire. Use
+ * it outside of all namespaces.
  */
 #define RAVEN2_FOREIGN_MESSAGE(Message)                                                              \
   namespace ros {                                                                                    \

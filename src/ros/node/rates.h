@@ -26,8 +26,7 @@ std::vector<Stream> streams(const SessionCounts& counts, const LivePicture& pict
 /**
  * Rates over about the last second: value `rate_hz`, and `expected_hz` where one is known, as in diagnostic_updater's
  * FrequencyStatus. A rate more than 10 % below the expected one (its default tolerance), or a failure, makes an OK a
- * WARN and says
- * so. One thread.
+ * WARN and says so. One thread.
  */
 class Rates {
  public:

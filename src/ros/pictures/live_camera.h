@@ -15,8 +15,7 @@ namespace raven2_trainer::ros_bridge {
 /**
  * The virtual camera's topics: camera/image_raw, camera/camera_info, and camera/image_raw/compressed as
  * compressed_image_transport names and fills it, so that image_transport's clients find it. The costly parts (a copy of
- * the
- * pixels, JPEG) are done only while there is a subscriber, and once for camera and view together.
+ * the pixels, JPEG) are done only while there is a subscriber, and once for camera and view together.
  */
 class LiveCamera {
  public:

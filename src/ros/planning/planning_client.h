@@ -14,8 +14,7 @@ namespace raven2_trainer::ros_bridge {
 /**
  * Posts requests to the physics loop, and takes its answers. The one producer of its ring of requests and the one
  * consumer of its rings of answers, so all requests of a node go through here. Any thread but a real-time one: ask()
- * and
- * await...() wait.
+ * and await...() wait.
  */
 class PlanningClient {
  public:

@@ -11,8 +11,7 @@ namespace raven2_trainer::ros_bridge {
 /**
  * The real robot's messages to the state that a state frame carries: radians and metres, and velocities of all joints
  * from the motor positions through the inverse cable coupling, because the message has no velocities of the tool
- * joints.
- * The cycle counts the robot's messages, also those that did not arrive.
+ * joints. The cycle counts the robot's messages, also those that did not arrive.
  */
 class RavenStateReader {
  public:
