@@ -5,12 +5,12 @@
 #include <cstring>
 #include <type_traits>
 
-// Cursors over a byte buffer for the wire formats and the session log. Little-endian hosts only, as the Raven's own
-// packets are (raven2.md 1.1); checked at compile time in bytes.cpp.
+// Cursors over a byte buffer for the wire formats and the session log. The host must be little-endian, as the Raven's
+// packets are (raven2.md 1.1); bytes.cpp checks this at compile time.
 
 namespace raven2_trainer {
 
-/** Appends plain values to a fixed buffer; writes past the end set `overflow()` and are ignored. */
+/** Appends plain values to a fixed buffer. A write past the end sets `overflow()` and is ignored. */
 class ByteWriter {
  public:
   ByteWriter(std::uint8_t* data, std::size_t capacity) noexcept : data_(data), capacity_(capacity) {}
@@ -40,7 +40,7 @@ class ByteWriter {
   bool overflow_{false};
 };
 
-/** Takes plain values off a buffer; reads past the end set `underflow()` and give zero. */
+/** Reads plain values from a buffer. A read past the end sets `underflow()` and returns zero. */
 class ByteReader {
  public:
   ByteReader(const std::uint8_t* data, std::size_t size) noexcept : data_(data), left_(size) {}
@@ -73,7 +73,7 @@ class ByteReader {
   bool underflow_{false};
 };
 
-/** All numbers of an array, in order. */
+/** Appends all numbers of an array, in order. */
 template <typename Array>
 void putAll(ByteWriter& out, const Array& values) noexcept {
   for (const auto& value : values)

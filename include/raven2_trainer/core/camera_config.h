@@ -8,12 +8,12 @@
 
 namespace raven2_trainer {
 
-/** Whether a camera stays where it is, and if not, what takes it along. */
+/** Motion of a camera. */
 enum class CameraMoves : std::uint8_t {
   kNever,
-  kClutch,     ///< ModelState::camera: the masters move it while its pedal is held
-  kGoldTool,   ///< looks at the model's gold tool tip, from the side that eye and target give
-  kGreenTool,  ///< the same, green
+  kClutch,     ///< the masters, while the camera pedal is held: ModelState::camera
+  kGoldTool,   ///< follows the model's gold tool tip, in the direction from eye to target
+  kGreenTool,  ///< the same for the green tool tip
 };
 constexpr std::array<const char*, 4> kCameraMovesNames{"never", "clutch", "gold_tool", "green_tool"};
 
@@ -21,11 +21,11 @@ constexpr std::array<const char*, 4> kCameraMovesNames{"never", "clutch", "gold_
 struct CameraConfig {
   std::string name;
   Vec3 eye_W{};           ///< [m]
-  Vec3 target_W{};        ///< [m] looked at
+  Vec3 target_W{};        ///< [m] point in the image's centre
   Vec3 up_W{};            ///< [-]
   double vertical_fov{};  ///< [rad]
   CameraMoves moves{CameraMoves::kNever};
-  double aside{};  ///< [m] to the right of its place by eye and target, in the same direction of view: an eye of a pair
+  double aside{};  ///< [m] shift to the right with the same view direction, for one eye of a stereo pair
 };
 
 }  // namespace raven2_trainer

@@ -6,16 +6,16 @@
 
 #include "raven2_trainer/core/types.h"
 
-// Elements of rings: each counts, none may be lost or seen twice.
+// Elements of rings: each must arrive exactly once.
 
 namespace raven2_trainer {
 
-// MasterCommand::pedal, ModelState::pedal: whose it is while it is down.
+// Values of MasterCommand::pedal and ModelState::pedal while a pedal is down.
 constexpr std::uint8_t kSurgeonsPedal = 1;
-constexpr std::uint8_t kClientsPedal = 2;  ///< of a CRTK client: what it moves, no hand moved
+constexpr std::uint8_t kClientsPedal = 2;  ///< pedal of a CRTK client: its motion is not a hand's
 
-/** One accepted ITP packet of the masters, or what CRTK clients ask for in a tick. Increments are already scaled by the
- * master (ITP has no scale). */
+/** One accepted ITP packet of the masters, or the CRTK clients' motion in one tick. The master has already scaled the
+ * increments (ITP has no scale). */
 struct MasterCommand {
   std::uint32_t sequence{};
   std::uint8_t pedal{};                               ///< 0 up; kSurgeonsPedal: surgeon_mode != 0; kClientsPedal
@@ -27,12 +27,12 @@ struct MasterCommand {
 /** The relay's packet to the robot for one tick: the increments that the model applied. */
 struct RelayPacket {
   Tick tick{};
-  MasterCommand command{};     ///< sequence is the relay's own
-  std::uint32_t impairment{};  ///< 1 + position of the bad network it goes through, 0 none
-  std::uint8_t is_held{};      ///< 1: no fault may touch what is sent, and nothing that one held back may come after it
+  MasterCommand command{};     ///< the relay counts its `sequence`
+  std::uint32_t impairment{};  ///< 1 + index in LoopConfig::impairments; 0: no bad network
+  std::uint8_t is_held{};      ///< 1: no fault may change this packet, and no packet that a fault delayed may follow it
 };
 
-/** Force for the console, one a haptic tick. */
+/** Force for the console, one packet per haptic tick. */
 struct ForcePacket {
   std::uint32_t sequence{};
   std::uint32_t last_sequence{};  ///< newest master packet applied
@@ -40,33 +40,33 @@ struct ForcePacket {
   PerArm<Vec3> force_I{};  ///< [N] [@frame I]
 };
 
-/** Orders from operators (ROS services, schedules) to the physics loop. */
+/** Requests from operators (ROS services, schedules) to the physics loop. */
 enum class RequestKind : std::uint8_t {
   kNone,
   kEngage,
   kDisengage,
   kPlan,
-  kCancelPlan,  ///< gives up choosing, planning and executing, and forgets the plan
+  kCancelPlan,  ///< ends goal selection, planning and execution, and deletes the plan
   kSetCollisions,
-  kBeginPlanning,    ///< planning mode: the masters move `arm` of the model alone, until the next two
-  kRecordGoal,       ///< where that arm is now is the goal: it goes back to where it was, and a plan is made
-  kEndPlanning,      ///< it goes back to where it was, and no plan is made
-  kExecutePlan,      ///< the plan that is there, from the next pedal-down on while the pedal is held
-  kBeginSimulation,  ///< the masters move the model alone
-  kEndSimulation,    ///< the model goes back to the robot
-  kBeginTrial,       ///< a virtual trial: as simulation, and what the model does is kept
-  kEndTrial,         ///< it is over
-  kDiscardTrial,     ///< and forgotten
-  kRepeatTrial,      ///< from the next pedal-down on while the pedal is held, on the robot too if `on_robot`
+  kBeginPlanning,    ///< planning mode: the masters move only the model's `arm`, until one of the next two
+  kRecordGoal,       ///< the arm's present joints become the goal; it returns to its start, and planning begins
+  kEndPlanning,      ///< the arm returns to its start without a plan
+  kExecutePlan,      ///< executes the plan from the next pedal-down on, while the pedal is held
+  kBeginSimulation,  ///< the masters move only the model
+  kEndSimulation,    ///< the model returns to the robot's joints
+  kBeginTrial,       ///< virtual trial: simulation with recorded motion
+  kEndTrial,         ///< ends the trial and keeps its motion
+  kDiscardTrial,     ///< deletes its motion
+  kRepeatTrial,      ///< from the next pedal-down on, while the pedal is held; with `on_robot` also on the robot
   kEmergencyStop,
-  kClearStop,       ///< of an emergency stop by request or pedal
-  kSetView,         ///< `enabled`: 1 the real camera's picture, 0 the virtual one
+  kClearStop,       ///< clears an emergency stop by request or pedal
+  kSetView,         ///< `enabled`: 1 the real camera's image, 0 the virtual one
   kSetCameraPedal,  ///< `enabled`: a CameraPedal
   kToolChange,      ///< the tool of `arm` was changed
-  kStartExercise,   ///< again: scene and arms' objects back to where they were, timer and mistakes at nothing
+  kStartExercise,   ///< restarts: objects return to their start, timer and mistakes to zero
   kBeginReplay,     ///< the model shows a recorded session
   kEndReplay,
-  kSetEffort,  ///< of a CRTK client, to `arm` of the model (control/effort.h); asked for within the daemon only
+  kSetEffort,  ///< a CRTK client's forces on the model's `arm` (control/effort.h); only the daemon makes it
 };
 constexpr std::size_t kRequestKindCount = 25;
 constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
@@ -80,10 +80,10 @@ constexpr std::array<const char*, kRequestKindCount> kRequestKindNames{
 enum class CameraPedal : std::uint8_t {
   kReleased,
   kPressed,  ///< the masters move the camera
-  kSilent,   ///< nothing was heard of it for too long: it counts as up, but nobody lifted a foot to go on with the arms
+  kSilent,   ///< no message for too long: the camera stops, and the arms wait for a new pedal-down
 };
 
-/** Where a plan shall lead. */
+/** Goal of a plan. */
 enum class GoalKind : std::uint8_t {
   kDefault,  ///< the goal of planner.yaml, a tip position
   kTip,      ///< a tip position, orientation free
@@ -92,47 +92,47 @@ enum class GoalKind : std::uint8_t {
 constexpr std::size_t kGoalKindCount = 3;
 constexpr std::array<const char*, kGoalKindCount> kGoalKindNames{"default", "tip", "joints"};
 
-/** Request::id up to this are the daemon's own: of its schedule, and of plans that pedals ask for. */
+/** The daemon uses Request::id up to this for its schedule and for plans that pedals request. */
 constexpr std::uint32_t kOwnRequestIds = 999;
 
 struct Request {
   RequestKind kind{RequestKind::kNone};
   Arm arm{Arm::kGold};
-  std::uint8_t choose_arm{};  ///< kPlan: 1 the planner chooses the arm from the goal, `arm` does not count
-  std::uint8_t enabled{};     ///< kSetCollisions: 1 the arm meets scene and other arm, 0 it passes through;
-                              ///< kSetEffort: which
+  std::uint8_t choose_arm{};  ///< kPlan: 1 the planner chooses the arm from the goal and ignores `arm`
+  std::uint8_t enabled{};     ///< kSetCollisions: 1 arms collide with scene and each other, 0 they pass through;
+                              ///< kSetEffort: kind and flags
   GoalKind goal{GoalKind::kDefault};
   std::uint8_t on_robot{};  ///< kExecutePlan: 1 the robot moves too
   Vec3 goal_W{};            ///< [m] [@frame W] kTip
-  JointArray goal_q{};      ///< [rad, m] kJoints; the jaws keep the opening they have, their mid-line counts;
+  JointArray goal_q{};      ///< [rad, m] kJoints: the jaws' mid-line moves to it, their opening stays;
                             ///< [Nm; N] kSetEffort
-  std::uint32_t id{};       ///< chosen by the sender: PlanResult::id, PlanningState::answered, ExecutionReport::id; 0:
-                            ///< no answer is wanted, and a plan gets one of kOwnRequestIds
-  std::uint32_t plan{};     ///< kExecutePlan: id of the plan that is meant; 0 whichever is there. kBeginReplay: what
-                            ///< recording::SessionPlayer::open() gave
+  std::uint32_t id{};       ///< sender's choice, also in PlanResult::id, PlanningState::answered, ExecutionReport::id;
+                            ///< 0: the sender wants no answer, and a plan gets one of kOwnRequestIds
+  std::uint32_t plan{};     ///< kExecutePlan: id of the plan; 0 the present plan. kBeginReplay: number that
+                            ///< recording::SessionPlayer::open() returned
 };
 
 enum class FaultOrder : std::uint8_t {
   kClear,
-  kArm,      ///< it waits for its own trigger
+  kArm,      ///< the fault waits for its trigger
   kArmAtOnce
 };
 
-/** Orders to the fault director. */
+/** Request to the fault director. */
 struct FaultRequest {
   FaultOrder order{};
-  std::uint32_t fault_id{};  ///< index in the scenario library + 1; 0 with kClear clears all
+  std::uint32_t fault_id{};  ///< index in the scenario library + 1; with kClear, 0 clears all
 };
 
-/** Problem handed to the planner thread. */
+/** Planning problem for the planner thread. */
 struct PlanRequest {
   std::uint32_t id{};
-  std::uint32_t serial{};  ///< counts what the planner is asked: SharedState::plan_cancelled
+  std::uint32_t serial{};  ///< counts these problems; selects the flag in SharedState::plan_cancelled
   Tick requested_tick{};
   Arm arm{Arm::kGold};
-  JointArray start{};         ///< [rad, m] the arm
-  JointArray other{};         ///< [rad, m] the other arm
-  std::uint8_t choose_arm{};  ///< 1: `arm` and `other` change places if the other one suits the goal better
+  JointArray start{};         ///< [rad, m] joints of `arm`
+  JointArray other{};         ///< [rad, m] joints of the other arm
+  std::uint8_t choose_arm{};  ///< 1: the planner may move the other arm instead, if it suits the goal better
   GoalKind goal{GoalKind::kDefault};
   Vec3 goal_W{};        ///< [m] kTip
   JointArray goal_q{};  ///< [rad, m] kJoints
@@ -144,12 +144,12 @@ enum class PlanStatus : std::uint8_t {
   kStartInCollision,
   kGoalUnreachable,
   kGoalInCollision,
-  kNoPath,              ///< none through the samples, however many were added
-  kCancelled,           ///< by request, by the pedal, or refused
-  kDynamicsInfeasible,  ///< paths were found, but the arm touches something when it follows them
-  kTimeLimit,           ///< the time was up before there was an answer
-  kInvalidStart,        ///< outside the joint limits or not finite
-  kFailed,              ///< a library or the heap gave up
+  kNoPath,              ///< no path through the samples, even after more were added
+  kCancelled,           ///< by request or pedal, or the request was refused
+  kDynamicsInfeasible,  ///< paths exist, but the arm touches something when it follows them
+  kTimeLimit,           ///< the time limit passed without an answer
+  kInvalidStart,        ///< outside the joint limits, NaN or infinity
+  kFailed,              ///< a library failed, or memory ran out
 };
 constexpr std::size_t kPlanStatusCount = 11;
 constexpr std::array<const char*, kPlanStatusCount> kPlanStatusNames{
@@ -159,24 +159,24 @@ constexpr std::array<const char*, kPlanStatusCount> kPlanStatusNames{
 
 constexpr std::size_t kMaxWaypoints = 64;
 
-/** Answer of the planner. Waypoints are rest-to-rest: the arm stops at each (so that eq. 1 adds up over edges). */
+/** Answer of the planner. The arm stops at each waypoint, so that the cost (eq. 1) is a sum over edges. */
 struct PlanResult {
   std::uint32_t id{};
   PlanStatus status{PlanStatus::kNone};
   Arm arm{Arm::kGold};
   std::uint32_t waypoint_count{};
   std::array<JointArray, kMaxWaypoints> waypoints{};  ///< [rad, m] first is the start
-  std::array<double, kMaxWaypoints> arrival{};        ///< [s] time of each from the start of the motion
+  std::array<double, kMaxWaypoints> arrival{};        ///< [s] arrival at each, from the start of the motion
   double cost{};                                      ///< eq. (1) of the paper
   double planning_time{};                             ///< [s] wall clock; in lockstep the fixed simulated delay
-  double clearance{};       ///< [m] least distance to the scene, the other arm and itself in the roll-out of the path
-  double tracking_error{};  ///< [m] greatest distance of the tip from its place on the path in that roll-out
+  double clearance{};       ///< [m] least distance to the scene, the other arm and itself in the path's roll-out
+  double tracking_error{};  ///< [m] greatest distance of the tip from its desired position in that roll-out
   std::uint32_t samples{};  ///< used; includes those added after a failure; 0: OMPL does not say
-  std::uint8_t robot_follows{};  ///< 1: the robot's own inverse kinematics takes the path's increments along the path
+  std::uint8_t robot_follows{};  ///< 1: the robot's inverse kinematics stays on the path, given the path's increments
 };
 static_assert(std::is_trivially_copyable<PlanResult>::value, "travels in a ring");
 
-/** Plans that may be asked for and not answered yet; the capacity of the rings to and from the planner. */
+/** Most plans requested and not yet answered; capacity of the rings to and from the planner. */
 constexpr std::size_t kMaxPlansUnderWay = 4;
 
 /** Why the execution of a plan ended. */
@@ -184,45 +184,45 @@ enum class ExecutionEnd : std::uint8_t {
   kNone,
   kFinished,    ///< at the goal and settled
   kReleased,    ///< the pedal went up
-  kCancelled,   ///< by request: cancelled, disengaged, or another plan was wanted before the pedal came
-  kEStop,       ///< the robot went to E-STOP, or the model broke down
+  kCancelled,   ///< by request: cancel, disengage, or another plan before pedal-down
+  kEStop,       ///< the robot went to E-STOP, or the model failed
   kTimeSlip,    ///< simulated time was lost
   kRobotLost,   ///< the robot's link, its homing or its readiness to follow was lost
   kOffPath,     ///< model or robot was farther from the path than allowed
-  kNotSettled,  ///< the path was over, but model or robot did not come to rest at the goal in time
-  kNoPedal,     ///< armed, but the pedal did not come in time
-  kMoved,       ///< armed, but at pedal-down an arm had moved since the plan was requested
+  kNotSettled,  ///< the path ended, but model or robot did not come to rest at the goal in time
+  kNoPedal,     ///< armed, but no pedal-down in time
+  kMoved,       ///< armed, but an arm moved between the plan's request and pedal-down
 };
 constexpr std::size_t kExecutionEndCount = 11;
 constexpr std::array<const char*, kExecutionEndCount> kExecutionEndNames{
     "none",       "finished", "released",    "cancelled", "e_stop", "time_slip",
     "robot_lost", "off_path", "not_settled", "no_pedal",  "moved"};
 
-/** How far a tool tip was from where the path put it at that instant. */
+/** Distance of a tool tip from its desired position on the path at the same instant. */
 struct TrackingError {
   double mean{};     ///< [m] over the ticks from pedal-down to the end
-  double largest{};  ///< [m] of those ticks
-  double at_end{};   ///< [m] from where the path ends, in the last tick
+  double largest{};  ///< [m] in those ticks
+  double at_end{};   ///< [m] from the path's end, in the last tick
 };
 
-/** How the execution of a plan went: one for each that was armed. */
+/** Result of an execution. Each armed plan gets one. */
 struct ExecutionReport {
   std::uint32_t id{};    ///< of the request to execute
   std::uint32_t plan{};  ///< id of the plan
   Arm arm{Arm::kGold};
   std::uint8_t on_robot{};  ///< 1: the robot moved too
   ExecutionEnd end{ExecutionEnd::kNone};
-  Tick started{-1};                ///< [1 ms] tick of the pedal-down; -1 the pedal never came
-  Tick ended{-1};                  ///< [1 ms] first tick that no longer moved anything
-  double path_time{};              ///< [s] that the path takes at full speed
-  double progress{};               ///< [-] share of the path's time gone at the end, 0 to 1
+  Tick started{-1};                ///< [1 ms] tick of the pedal-down; -1: no pedal-down
+  Tick ended{-1};                  ///< [1 ms] first tick without motion
+  double path_time{};              ///< [s] duration of the path at full speed
+  double progress{};               ///< [-] elapsed share of the path's time at the end, 0 to 1
   double planned_clearance{};      ///< [m] PlanResult::clearance
   TrackingError model{};           ///< of the nominal model
   TrackingError robot{};           ///< of the robot, as received; zero if it did not move
-  double model_clearance{};        ///< [m] least distance of the model's arm to anything, at most 0.05; 0 it touched
-  double robot_clearance{};        ///< [m] the same where the robot's joints put its arms; zero if it did not move
-  std::uint32_t contact_ticks{};   ///< [1 ms] in which the model's arm touched something
-  std::uint32_t contact_points{};  ///< most of them in one tick
+  double model_clearance{};        ///< [m] least distance of the model's arm to anything, at most 0.05; 0 on contact
+  double robot_clearance{};        ///< [m] the same at the robot's joint positions; zero if the robot did not move
+  std::uint32_t contact_ticks{};   ///< [1 ms] ticks with contacts of the model's arm
+  std::uint32_t contact_points{};  ///< most contact points in one tick
 };
 static_assert(std::is_trivially_copyable<ExecutionReport>::value, "crosses threads word by word");
 

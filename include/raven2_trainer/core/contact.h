@@ -6,19 +6,18 @@
 
 #include "raven2_trainer/core/types.h"
 
-// Contacts of one physics step, for scoring and drawing. Bodies are numbered by the world that reports them
-// (physics::RavenWorld::bodyNames()); fixed parts of the scene have numbers too.
+// Contacts of one physics step, for scoring and drawing. The world that reports them numbers the bodies
+// (physics::RavenWorld::bodyNames()), fixed parts of the scene included.
 
 namespace raven2_trainer {
 
-/** One contact point between two bodies: place, normal and overlap from the beginning of a step, force from the step.
- */
+/** One contact point between two bodies: place, normal and overlap at the beginning of a step, force in that step. */
 struct Contact {
   std::uint16_t a{}, b{};  ///< numbers of the two bodies, a < b
   float depth{};           ///< [m] overlap
   Vec3 p_W{};              ///< [m] place
   Vec3 n_W{};              ///< [-] unit normal, from b towards a
-  Vec3 f_W{};              ///< [N] force on a, friction included; that on b is its opposite
+  Vec3 f_W{};              ///< [N] force on a, friction included; b gets the opposite force
 };
 
 constexpr std::size_t kMaxContacts = 64;
@@ -27,7 +26,7 @@ constexpr std::size_t kMaxContacts = 64;
 struct ContactList {
   Tick tick{};              ///< [1 ms] of the ModelState they belong to
   std::uint32_t count{};    ///< contacts in use
-  std::uint32_t dropped{};  ///< contacts that acted but found no room here
+  std::uint32_t dropped{};  ///< contacts that acted but did not fit here
   std::array<Contact, kMaxContacts> contacts{};
 };
 static_assert(std::is_trivially_copyable<ContactList>::value, "crosses threads word by word");

@@ -7,7 +7,7 @@
 
 namespace raven2_trainer {
 
-/** Why a packet or frame was not applied. One list for every link, so that reports and sums look alike. */
+/** Why a packet or frame was not applied. All links share this list, so that their reports have one form. */
 enum class Reject : std::uint8_t {
   kNone,
   kWrongSize,
@@ -16,19 +16,19 @@ enum class Reject : std::uint8_t {
   kOutOfRange,
   kDuplicate,
   kOutOfOrder,
-  kSequenceGap,   ///< compat: the packet after a gap is itself dropped
+  kSequenceGap,   ///< compat: the packet after a gap is dropped
   kSequenceJump,  ///< hardened: further ahead than the window
   kSequenceZero,  ///< compat: "reflect" packet
   kReset,         ///< numbering reset: this packet re-bases the count and is not used
   kForeignSource,
-  kBadFrame,  ///< TCP: magic, length or CRC; a frame of another kind than expected
+  kBadFrame,  ///< TCP: wrong magic, length or CRC; unexpected kind of frame
   kQueueFull,
-  kBadVersion,    ///< TCP: another major version of the frames
-  kRateLimited,   ///< more a second than any honest master sends
-  kUnsigned,      ///< plain ITP where only signed ITP is taken
-  kBadSignature,  ///< signed ITP of which the tag is wrong
-  kReplayed,      ///< signed ITP of this session, seen before or behind the window
-  kOtherSession,  ///< signed ITP of a session that is not the one in force
+  kBadVersion,    ///< TCP: different major version of the frames
+  kRateLimited,   ///< more packets per second than an honest master sends
+  kUnsigned,      ///< plain ITP where only signed ITP is accepted
+  kBadSignature,  ///< signed ITP with a wrong tag
+  kReplayed,      ///< signed ITP of this session: a duplicate, or older than the window
+  kOtherSession,  ///< signed ITP of a session that is not in force
   kStale,         ///< TCP: delayed too long
 };
 constexpr std::size_t kRejectCount = 21;
@@ -63,18 +63,18 @@ struct LinkCounts {
   constexpr bool addsUp() const noexcept { return received == applied + rejectedTotal(); }
 };
 
-/** Effects of faults on a stream of packets: came out = went in + added - lost - held. */
+/** Effects of faults on a stream of packets: output = input + added - lost - held. */
 struct FaultedPackets {
   std::uint64_t lost{};
   std::uint64_t added{};  ///< second copies and forgeries
-  std::uint64_t held{};   ///< not out yet
+  std::uint64_t held{};   ///< delayed, not sent yet
 };
 
-/** Plain copy of the counters of one ring. Invariant: pushed >= taken; the difference waits in the ring. */
+/** Plain copy of the counters of one ring. Invariant: pushed >= taken; the difference is in the ring. */
 struct RingCounts {
-  std::uint64_t pushed{};   ///< elements that went in
-  std::uint64_t taken{};    ///< of them taken out
-  std::uint64_t dropped{};  ///< elements that found it full
+  std::uint64_t pushed{};   ///< elements put in
+  std::uint64_t taken{};    ///< elements taken out
+  std::uint64_t dropped{};  ///< elements refused by the full ring
 
   constexpr std::uint64_t offered() const noexcept { return pushed + dropped; }
 };

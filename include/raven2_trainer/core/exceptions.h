@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <string>
 
-// Set-up throws one of these, with the value, the allowed range and the place; `main` catches once and prints one
-// line. Loops never throw: they return enums and count.
+// Set-up throws one of these, with the value, the allowed range and the place. `main` catches it and prints one line.
+// Loops never throw: they return enums and count.
 
 namespace raven2_trainer {
 
@@ -29,12 +29,12 @@ class NetworkException : public Exception {
   using Exception::Exception;
 };
 
-/** A session log cannot be opened, or is not one. Message: file, reason. */
+/** A session log cannot be opened, or the file is not a session log. Message: file, reason. */
 class SessionException : public Exception {
   using Exception::Exception;
 };
 
-/** Real-time scheduling was demanded (`--strict`) and refused. Message: what was refused and why. */
+/** `--strict` requires real-time scheduling, but the system refused it. Message: refused call, reason. */
 class RealtimeException : public Exception {
   using Exception::Exception;
 };

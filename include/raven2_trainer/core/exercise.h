@@ -9,8 +9,8 @@
 #include "raven2_trainer/core/scene_roles.h"
 #include "raven2_trainer/core/types.h"
 
-// Exercises: what a trainee is asked to do in a scene, as data (config/exercises/*.yaml), and what came of it. A judge
-// in the physics loop (training/exercise_judge.h) sees contacts and poses alone, never what moves the arms.
+// Exercises: a trainee's tasks in a scene, as data (config/exercises/*.yaml), and their results. A judge in the physics
+// loop (training/exercise_judge.h) sees only contacts and poses, not the arms' commands.
 
 namespace raven2_trainer {
 
@@ -29,9 +29,9 @@ constexpr std::array<const char*, kExerciseStatusCount> kExerciseStatusNames{"no
 enum class ExerciseFailure : std::uint8_t {
   kNone,
   kTimeLimit,
-  kBrokeOff,    ///< something was torn off
-  kObjectLost,  ///< an object lies where no hand can take it
-  kMistakes,    ///< more of one kind than the exercise allows
+  kBrokeOff,    ///< a part was torn off
+  kObjectLost,  ///< an object lies where no arm can grasp it
+  kMistakes,    ///< more mistakes of one kind than the exercise allows
   kGivenUp,     ///< by request
 };
 constexpr std::size_t kExerciseFailureCount = 6;
@@ -39,33 +39,33 @@ constexpr std::array<const char*, kExerciseFailureCount> kExerciseFailureNames{"
                                                                                "object_lost", "mistakes",   "given_up"};
 
 enum class Mistake : std::uint8_t {
-  kWireTouch,   ///< tool or object at a wire
-  kCollision,   ///< tool at a tower, the dome or the other arm
-  kDrop,        ///< an object let go where it does not belong
-  kBreakOff,    ///< something torn off its foot
-  kOutOfOrder,  ///< a step done too early
-  kWrongArm,    ///< an object taken by the arm that should not
+  kWireTouch,   ///< tool or object touches a wire
+  kCollision,   ///< tool touches a tower, the dome or the other arm
+  kDrop,        ///< an object is released in the wrong place
+  kBreakOff,    ///< a part is torn off its foot
+  kOutOfOrder,  ///< a step is done too early
+  kWrongArm,    ///< the wrong arm grasps an object
 };
 constexpr std::size_t kMistakeCount = 6;
 constexpr std::array<const char*, kMistakeCount> kMistakeNames{"wire_touch", "collision",    "drop",
                                                                "break_off",  "out_of_order", "wrong_arm"};
 
-/** Conditions of an exercise on one object, tool or camera. `value` is its number. */
+/** Condition of an exercise on one object, tool or camera. Names in backquotes are members of Predicate. */
 enum class PredicateKind : std::uint8_t {
-  kHeld,        ///< both jaws of `arm` press on `object`
-  kHeldAlone,   ///< and nothing else touches it
+  kHeld,        ///< both jaws of `hand` press on `object`
+  kHeldAlone,   ///< kHeld, and nothing else touches `object`
   kUntouched,   ///< no arm touches `object`
   kAround,      ///< peg `place` is in the opening of `object`
-  kLifted,      ///< `object` is around none of the pegs and touches nothing fixed
+  kLifted,      ///< `object` is around no peg and touches nothing fixed
   kResting,     ///< `object` is slower than 1 mm/s and 0.05 rad/s
   kAt,          ///< middle of `object` within `value` [m] of point `place`
-  kTipNear,     ///< tip of `arm` within `value` [m] of point `place`
-  kTipInside,   ///< tip of `arm` in region `place`
-  kTipOutside,  ///< and not
-  kAlong,       ///< `object` was led along wire `place` to `value` [-] of its length
+  kTipNear,     ///< tip of `hand` within `value` [m] of point `place`
+  kTipInside,   ///< tip of `hand` in region `place`
+  kTipOutside,  ///< tip of `hand` outside region `place`
+  kAlong,       ///< `object` has moved along wire `place` to `value` [-] of its length
   kUnthreaded,  ///< wire `place` is no longer in the opening of `object`
-  kInView,      ///< point `place` is in front of the camera, within `value` [-] half heights of the picture's middle
-  kCameraNear,  ///< the camera is `value` [m] or nearer to point `place`
+  kInView,      ///< point `place` is in front of the camera, within `value` [-] half image heights of the centre
+  kCameraNear,  ///< the camera is at most `value` [m] from point `place`
 };
 constexpr std::size_t kPredicateKindCount = 14;
 constexpr std::array<const char*, kPredicateKindCount> kPredicateNames{
@@ -79,38 +79,38 @@ constexpr std::array<const char*, kHandCount> kHandNames{"gold", "green", "any",
 
 struct Predicate {
   PredicateKind kind{};
-  std::uint8_t negated{};        ///< 1: it must not hold
-  Hand hand{Hand::kAny};         ///< where the kind speaks of an arm
+  std::uint8_t negated{};        ///< 1: the condition must be false
+  Hand hand{Hand::kAny};         ///< for kinds with an arm
   std::uint8_t object{kNobody};  ///< index in SceneRoles::objects
   std::uint8_t place{kNobody};   ///< index in pegs, wires, points or regions of SceneRoles, by kind
   double value{};                ///< by kind
 };
 
-/** Done when all of `until` held together for `dwell`. */
+/** Done when all of `until` have been true together for `dwell`. */
 struct ExerciseStep {
   std::string name;
   std::vector<Predicate> until;  ///< at most kMaxPredicates
   double dwell{};                ///< [s]
 };
 
-/** Steps in a row. */
+/** Steps, to be done in order. */
 struct ExerciseTrack {
   std::string name;
-  std::uint8_t object{kNobody};  ///< that it is about; kNobody none
-  std::uint8_t after{kNobody};   ///< track that must be done first; kNobody none
+  std::uint8_t object{kNobody};  ///< object of these steps; kNobody: no object
+  std::uint8_t after{kNobody};   ///< track that must be done first; kNobody: no track
   std::vector<ExerciseStep> steps;
 };
 
 /** A rule for mistakes. A rule of kind kWireTouch or kCollision looks for touches of `names_a` with `names_b`. */
 struct WatchRule {
   Mistake mistake{};
-  std::vector<std::string> names_a, names_b;  ///< links of scene and robot, sets taken apart
+  std::vector<std::string> names_a, names_b;  ///< links of scene and robot, with sets expanded
   std::string place_a, place_b;               ///< "FILE:LINE: key" of both, for messages
   double force{};                             ///< [N] least sum of normal forces that counts
-  double gap{};                               ///< [s] parted for longer is a new touch
-  double grace{};                             ///< [s] kDrop: from letting go to the verdict
-  std::uint32_t limit{};                      ///< more of them fail the attempt; 0 no limit
-  std::uint8_t fails{};                       ///< 1: the first fails it
+  double gap{};                               ///< [s] after a longer separation, a touch is a new one
+  double grace{};                             ///< [s] kDrop: from release to verdict
+  std::uint32_t limit{};                      ///< more mistakes fail the attempt; 0: no limit
+  std::uint8_t fails{};                       ///< 1: the first mistake fails the attempt
 };
 
 constexpr std::size_t kMaxPredicates = 4;
@@ -118,14 +118,14 @@ constexpr std::size_t kMaxTracks = 8;
 constexpr std::size_t kMaxSteps = 48;  ///< of all tracks together
 constexpr std::size_t kMaxWatchRules = 12;
 
-/** Responses of a hand to a hazard. */
+/** Responses of a trainee to a hazard. */
 enum class DrillResponse : std::uint8_t {
   kPedalUp,
   kHoldStill,
   kSlow,
-  kRetreat,  ///< back to where it came from
+  kRetreat,  ///< moves back
   kStop,     ///< emergency stop
-  kPushOn,   ///< goes on as if nothing were
+  kPushOn,   ///< continues as before
 };
 constexpr std::size_t kDrillResponseCount = 6;
 constexpr std::array<const char*, kDrillResponseCount> kDrillResponseNames{"pedal_up", "hold_still", "slow",
@@ -133,83 +133,83 @@ constexpr std::array<const char*, kDrillResponseCount> kDrillResponseNames{"peda
 
 /** The exercise as a hazard drill. */
 struct ExerciseDrill {
-  std::string scenario;  ///< of config/faults; empty: no drill
-  std::uint32_t step{};  ///< ExerciseState::step with whose beginning the clock starts; 1: the timer's
-  double delay{};        ///< [s] from there
+  std::string scenario;  ///< in config/faults; empty: no drill
+  std::uint32_t step{};  ///< the clock starts when ExerciseState::step reaches this; 1: with the timer
+  double delay{};        ///< [s] on that clock
   double jitter{};       ///< [s] added to it, uniform in [0, jitter]
   std::vector<DrillResponse> right, wrong;  ///< first responses
-  double within{};                          ///< [s] from the cue; a right one that comes later is late
+  double within{};                          ///< [s] from the cue; a right response after it is late
 };
 
-/** A metric that is scored. */
+/** A scored metric. */
 struct ScoredMetric {
   std::string name;  ///< one of kMetrics (training/metric_names.h)
   std::uint8_t has_limit{};
-  double limit{};  ///< worst value that passes, in the metric's unit; force_above: [N] what the force is compared with
+  double limit{};  ///< worst value that passes, in the metric's unit; force_above: [N] threshold of the force
   std::string place;
 };
 
-/** Where the planned path that is shown leads. */
+/** Goal of the displayed planned path. */
 struct ExerciseGuide {
-  std::uint8_t given{};  ///< 0: not shown
+  std::uint8_t given{};  ///< 0: no path
   Arm arm{};
   std::uint8_t point{kNobody};  ///< index in SceneRoles::points
 };
 
-/** A key of a scripted hand, as written: `text`, and its `numbers` if it is one or a list of them. A key within a key
- * is "outer/inner". */
+/** A key of a scripted surgeon, as written: `text`, and `numbers` if it is a number or a list of numbers. A key within
+ * a key is "outer/inner". */
 struct ScriptValue {
   std::string key, text;
   std::vector<double> numbers;
 };
 
-/** One act of the scripted expert: its first key is the verb. The simulated surgeon knows the verbs. */
+/** One action of the scripted expert: its first key is the verb (console/script.h). */
 struct ScriptVerb {
   std::string verb;
-  std::vector<ScriptValue> values;  ///< that of the verb itself first
+  std::vector<ScriptValue> values;  ///< the verb's own value first
   std::string place;                ///< "FILE:LINE: " for messages
 };
 
-/** A scripted hand that does something wrong in a known way. */
+/** A scripted surgeon that makes a known mistake. */
 struct ClumsyHand {
   std::string name;
   std::vector<ScriptValue> values;
   std::string place;  ///< "FILE:LINE: " for messages
 };
 
-/** One file of config/exercises. Built at set-up; the judge turns it into flat arrays. */
+/** One file of config/exercises, read at set-up; the judge converts it to flat arrays. */
 struct Exercise {
   std::string name, title, source, file;
   std::uint32_t number{};
   std::string scene;    ///< file name in config/scenes without its ending
   double time_limit{};  ///< [s]
   std::vector<std::string> skills;
-  std::vector<Predicate> begin;  ///< when all hold the timer starts; empty: with the first pedal-down
+  std::vector<Predicate> begin;  ///< the timer starts when all are true; empty: at the first pedal-down
   std::vector<ExerciseTrack> tracks;
   std::vector<WatchRule> rules;
-  std::vector<std::uint8_t> targets;  ///< pegs on which an object may be let go
-  std::vector<ScoredMetric> metrics;  ///< the others are reported and not scored
+  std::vector<std::uint8_t> targets;  ///< pegs on which an object may be released
+  std::vector<ScoredMetric> metrics;  ///< the other metrics are only reported
   ExerciseGuide guide;
   ExerciseDrill drill;
-  std::vector<ScriptVerb> expert;  ///< what the scripted expert does, in order
+  std::vector<ScriptVerb> expert;  ///< actions of the scripted expert, in order
   std::vector<ClumsyHand> clumsy;
 };
 
-/** Moving links of an arm of the robot, each with "_L" (gold) or "_R" (green) behind; the last two are its jaws. */
+/** Moving links of a robot arm, without the ending "_L" (gold) or "_R" (green); the last two are its jaws. */
 constexpr std::array<const char*, kJointCount> kArmLinkStems{"link1", "link2",    "link3",   "instrument_shaft",
                                                              "wrist", "grasper1", "grasper2"};
 constexpr std::array<const char*, kArmCount> kArmLinkEndings{"_L", "_R"};
 
-/** An attempt at the end of one tick. Written by physics (training/exercise_judge.h). */
+/** An attempt at the end of one tick. The physics loop writes it (training/exercise_judge.h). */
 struct ExerciseState {
   ExerciseStatus status{ExerciseStatus::kNone};
   ExerciseFailure failure{ExerciseFailure::kNone};
   std::uint8_t attempt{};                              ///< counts starts and restarts
-  std::uint32_t step{};                                ///< 1 + steps done, over all tracks; 0 no attempt
+  std::uint32_t step{};                                ///< 1 + steps done, over all tracks; 0: no attempt
   std::array<std::uint8_t, kMaxTracks> done{};         ///< steps done of each track
-  Tick began{-1};                                      ///< [1 ms] tick in which the timer started; -1 not yet
-  Tick ended{-1};                                      ///< [1 ms] in which it was done or failed
-  std::array<std::uint8_t, kMaxSceneBodies> bodies{};  ///< of each body: the flags below
+  Tick began{-1};                                      ///< [1 ms] tick in which the timer started; -1: not yet
+  Tick ended{-1};                                      ///< [1 ms] tick in which it was done or failed
+  std::array<std::uint8_t, kMaxSceneBodies> bodies{};  ///< flags of each body, see below
   std::array<std::uint32_t, kMistakeCount> mistakes{};
   double progress{};  ///< [-] along the wire of the running step, 0 to 1
 };
@@ -217,14 +217,14 @@ constexpr std::uint8_t kHeldByGold = 1, kHeldByGreen = 2, kBodyParked = 4, kBody
 static_assert(std::is_trivially_copyable<ExerciseState>::value, "part of ModelState");
 
 enum class ExerciseEventKind : std::uint8_t {
-  kStarted,     ///< an attempt waits for its beginning
+  kStarted,     ///< an attempt waits for its timer
   kBegan,       ///< the timer started
   kStepDone,    ///< `track`, `step`
   kHeld,        ///< `arm` holds body `a`
-  kReleased,    ///< `arm` no longer does
-  kDropped,     ///< a mistake of that kind; `a` the body
+  kReleased,    ///< `arm` released body `a`
+  kDropped,     ///< body `a`: a mistake kDrop
   kTouchBegan,  ///< bodies `a`, `b`
-  kTouchEnded,  ///< `value` [s] how long; a mistake if its rule says so
+  kTouchEnded,  ///< `value` [s] duration; a mistake if its rule says so
   kBrokeOff,    ///< body `a`
   kMistake,     ///< `mistake`, counted in this tick
   kDone,
@@ -241,13 +241,13 @@ struct ExerciseEvent {
   Mistake mistake{};
   Hand arm{Hand::kAny};
   std::uint8_t track{kNobody}, step{kNobody};
-  std::uint16_t a{0xFFFF}, b{0xFFFF};  ///< numbers of bodies as in contact records; 0xFFFF none
+  std::uint16_t a{0xFFFF}, b{0xFFFF};  ///< numbers of bodies as in contact records; 0xFFFF: no body
   double value{};                      ///< by kind
-  double force{};                      ///< [N] kTouchEnded: greatest
+  double force{};                      ///< [N] kTouchEnded: greatest force
 };
 static_assert(std::is_trivially_copyable<ExerciseEvent>::value, "travels in a ring");
 
-/** Inputs of the judge in one tick, in addition to the model's state. */
+/** Input of the judge in one tick, in addition to the model's state. */
 struct BrokenOff {
   std::uint16_t mask{};  ///< bit i: SceneRoles::breakables[i] is off its foot
 };

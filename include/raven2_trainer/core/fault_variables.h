@@ -5,12 +5,12 @@
 
 #include "raven2_trainer/core/fault.h"
 
-// The one table of what can be injected where. The loader checks scenarios against it, the engine finds a variable's
-// site in it, and doc/hazards.md prints it.
+// The table of all variables that faults can change. The loader checks scenarios against it, the engine looks up sites
+// in it, and doc/hazards.md shows it.
 
 namespace raven2_trainer {
 
-/** How the elements of a variable are named. */
+/** Names of a variable's elements. */
 enum class FaultChannels : std::uint8_t { kOne, kJoints, kAxes, kQuaternion, kMatrix, kBytes };
 
 struct FaultChannelNames {
@@ -26,7 +26,7 @@ constexpr std::array<FaultChannelNames, 6> kFaultChannelNames{{
     {9, {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"}},
     {24, {}},
 }};
-constexpr std::size_t kMaxFaultChannels = 24;  ///< of one arm
+constexpr std::size_t kMaxFaultChannels = 24;  ///< per arm
 
 struct FaultVariableInfo {
   FaultVariable variable;
@@ -35,8 +35,8 @@ struct FaultVariableInfo {
   const char* unit;
   FaultChannels channels;
   bool per_arm;
-  double low, high;     ///< of stuck_at, add, ramp and random, in `unit`
-  bool is_stream;       ///< packets or frames: takes the kinds for streams
+  double low, high;     ///< range for stuck_at, add, ramp and random, in `unit`
+  bool is_stream;       ///< packets or frames: accepts the kinds for streams
   const char* meaning;  ///< with its name in the robot's program
 };
 
@@ -137,7 +137,7 @@ constexpr const FaultChannelNames& channelsOf(FaultVariable variable) noexcept {
   return kFaultChannelNames[static_cast<std::size_t>(infoOf(variable).channels)];
 }
 
-/** The table is in the order of the enumeration. */
+/** Whether the table is in the order of the enumeration. */
 constexpr bool isFaultTableInOrder() noexcept {
   for (std::size_t i = 0; i < kFaultVariableCount; ++i) {
     if (static_cast<std::size_t>(kFaultVariables[i].variable) != i) return false;
@@ -146,7 +146,7 @@ constexpr bool isFaultTableInOrder() noexcept {
 }
 static_assert(isFaultTableInOrder(), "infoOf() finds a variable by its number");
 
-/** Whether it is a whole number in the robot's program or on the wire. */
+/** Whether a variable is a whole number in the robot's program or on the wire. */
 constexpr bool isWhole(FaultVariable variable) noexcept {
   switch (variable) {
     case FaultVariable::kQuaternion:
@@ -169,26 +169,25 @@ constexpr bool isWhole(FaultVariable variable) noexcept {
   }
 }
 
-/** Whether a fault lasts for packets and not for cycles: it is on what packets say, and began with one. */
+/** Whether a fault's duration counts packets, not cycles: a packet triggers it, and its variable is in packets. */
 constexpr bool lastsForPackets(const Fault& fault) noexcept {
   return fault.trigger == FaultTrigger::kPacket && infoOf(fault.variable).site == FaultSite::kNetworkLayer;
 }
 
-/** Whether a variable takes a kind. */
+/** Whether a variable accepts a kind. */
 bool takes(FaultVariable variable, FaultKind kind) noexcept;
 
-/** Whether an engine can work with every field, from any sender: numbers finite, enumerations and channels
- *  known, site and variable and kind of each other, times within a million hours, counts of a stream within its room.
- */
+/** Whether all fields are valid, from any sender: finite numbers, known enumerations and channels, matching site,
+ *  variable and kind, times within a million hours, and stream counts within the limits below. */
 bool isSound(const Fault& fault) noexcept;
 
-constexpr double kMaxStreamDelay = 500;  ///< [ticks] what a stream can hold back, and the longest replay [packets]
-constexpr double kMaxFaultFactor = 1e6;  ///< of kScale
+constexpr double kMaxStreamDelay = 500;  ///< [ticks] longest delay of a stream; [packets] longest replay
+constexpr double kMaxFaultFactor = 1e6;  ///< for kScale
 constexpr double kMaxDuplicates = 8;
 constexpr double kMaxReordered = 64;
 constexpr double kMaxForgedAhead = 1e6;
 
-/** Hosts that serve a site. */
+/** Whether a host applies faults at a site. */
 constexpr bool serves(FaultHost host, FaultSite site) noexcept {
   if (site == FaultSite::kHaptic || site == FaultSite::kVideo) return host == FaultHost::kConsole;
   if (site == FaultSite::kNetworkLayer) return host != FaultHost::kConsole;

@@ -10,9 +10,9 @@ namespace raven2_trainer {
 
 constexpr std::size_t kMaxPathPoints = 256;
 
-/** The way of one arm's tool tip along a plan, as a polyline. */
+/** Path of one arm's tool tip along a plan, as a polyline. */
 struct GuidePath {
-  std::uint32_t plan{};  ///< PlanResult::id; 0 none
+  std::uint32_t plan{};  ///< PlanResult::id; 0: no plan
   Arm arm{Arm::kGold};
   std::uint32_t count{};                        ///< points in use
   std::array<Vec3, kMaxPathPoints> points_B{};  ///< [m] [@frame B] of `arm`

@@ -9,14 +9,14 @@
 namespace raven2_trainer {
 
 /**
- * Counts durations in fixed buckets, evenly spaced in the logarithm: 8 an octave (at most 12.5 % wide) from 256 ns to
- * 268 ms, one below and one above. A plain struct that crosses threads and travels in the log. Real-time safe.
+ * Counts durations in fixed buckets: 8 per octave (each at most 12.5 % wide) from 256 ns to 268 ms, one below and one
+ * above. A plain struct, for threads and the log. Real-time safe.
  */
 class Histogram {
  public:
   static constexpr int kFirstOctave = 8;  ///< 2^8 ns = 256 ns
   static constexpr int kOctaves = 20;     ///< up to 2^28 ns = 268 ms
-  static constexpr int kParts = 8;        ///< buckets an octave, linear within it
+  static constexpr int kParts = 8;        ///< buckets per octave, linear within it
   static constexpr std::size_t kBuckets = 2 + kOctaves * kParts;
 
   /** Counts one duration [ns]; negative ones count as the shortest. */
@@ -31,8 +31,8 @@ class Histogram {
 
   /**
    * @param[in] p in [0, 1].
-   * @return [ns] upper edge of the bucket that holds the p-quantile, so never too small a figure and at most 12.5 % too
-   * large; 0 if nothing was counted, the upper end for what is longer than that.
+   * @return [ns] upper edge of the bucket with the p-quantile: never too small, and at most 12.5 % too large. 0 if
+   * nothing was counted; 268 ms for longer durations.
    */
   std::int64_t quantile(double p) const noexcept {
     const auto rank = static_cast<std::uint64_t>(std::ceil(p * static_cast<double>(total())));
@@ -44,7 +44,7 @@ class Histogram {
     return 0;
   }
 
-  /** [ns] Where bucket `i` ends; that of the last one is its beginning. */
+  /** [ns] Upper edge of bucket `i`; of the last bucket the lower edge. */
   static constexpr std::int64_t upperEdge(std::size_t i) noexcept {
     const std::size_t step = i < kBuckets - 1 ? i : i - 1;
     const std::int64_t octave = std::int64_t{1} << (static_cast<int>(step / kParts) + kFirstOctave);
@@ -57,7 +57,7 @@ class Histogram {
     int octave = kFirstOctave;
     while ((ns >> (octave + 1)) != 0)
       ++octave;
-    const std::int64_t part = (ns >> (octave - 3)) & (kParts - 1);  // the three bits below the first
+    const std::int64_t part = (ns >> (octave - 3)) & (kParts - 1);  // the three bits below the highest set bit
     return 1 + static_cast<std::size_t>((octave - kFirstOctave) * kParts + part);
   }
 

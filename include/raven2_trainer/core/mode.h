@@ -8,24 +8,24 @@ namespace raven2_trainer {
 
 /** Mode of the daemon. The table of events is in control/mode_table.h. */
 enum class Mode : std::uint8_t {
-  kWaiting,        ///< no pedal seen yet, or the robot is not ready
+  kWaiting,        ///< no pedal packet yet, or the robot is not ready
   kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds without a robot
   kTeleoperating,  ///< pedal down: increments move model and robot
   kPlanning,       ///< pedal up, a plan is being computed; the model holds
   kTracking,       ///< the model follows a planned path; the robot holds
   kStopped,        ///< the robot is in E-STOP; the model holds
-  kPaused,         ///< simulated time was lost: the model holds, the session's clock stops, until a new pedal-down
-  kChoosing,   ///< planning mode: pedal down moves one arm of the model, through everything, to a goal; the robot holds
-  kArmed,      ///< pedal up: the model is at the start of the plan to be executed, and waits for the pedal
-  kExecuting,  ///< pedal held: the model follows the plan's path, and the robot too if that was asked for
-  kSimulating,      ///< pure simulation, pedal down: increments move the model alone, the robot is disengaged
+  kPaused,         ///< simulated time was lost: the model holds and the session's clock stops until pedal-down
+  kChoosing,   ///< planning mode: pedal down moves one arm of the model through objects to a goal; the robot holds
+  kArmed,      ///< pedal up: the model is at the plan's start and waits for the pedal
+  kExecuting,  ///< pedal held: the model follows the plan's path; so does the robot if requested
+  kSimulating,      ///< pure simulation, pedal down: increments move only the model; the robot is disengaged
   kSimulationHeld,  ///< the same, pedal up: the model holds
-  kTrial,           ///< virtual trial, pedal down: as kSimulating, and what the model does is kept
+  kTrial,           ///< virtual trial, pedal down: as kSimulating, and the motion is recorded
   kTrialHeld,       ///< the same, pedal up: the model holds
-  kTrialReady,      ///< the trial is over and waits for what shall become of it
-  kReturning,       ///< pedal up: the model glides to where the robot is, through everything
-  kReplaying,       ///< pedal up: a recorded session is shown, the world is paused; the robot holds
-  kCameraMoving,    ///< camera pedal held: the masters move the camera, model and robot hold
+  kTrialReady,      ///< the trial has ended and waits: repeat or discard
+  kReturning,       ///< pedal up: the model glides to the robot's joints, through objects
+  kReplaying,       ///< pedal up: the model shows a recorded session, the world is paused; the robot holds
+  kCameraMoving,    ///< camera pedal held: the masters move the camera; model and robot hold
 };
 constexpr std::size_t kModeCount = 18;
 constexpr std::array<const char*, kModeCount> kModeNames{
@@ -33,7 +33,7 @@ constexpr std::array<const char*, kModeCount> kModeNames{
     "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
     "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
-/** The part of the physics loop that does a mode's work. */
+/** Part of the physics loop that carries out a mode. */
 enum class ActivityKind : std::uint8_t {
   kHold,
   kTeleoperation,
@@ -50,33 +50,33 @@ constexpr std::size_t kActivityCount = 9;
 /** Arms that a mode can move. */
 enum class Moves : std::uint8_t {
   kNothing,
-  kModel,       ///< the model moves or holds away from the robot, which does not move
-  kBoth,        ///< model and robot from a common pose, or the model alone where no robot joins
-  kBothIfAsked  ///< the same if the robot was asked to move
+  kModel,       ///< the model, apart from the robot; the robot does not move
+  kBoth,        ///< model and robot from a common pose, or only the model without a robot
+  kBothIfAsked  ///< the same, if the request includes the robot
 };
 
 /** Motion of the world. */
 enum class WorldMotion : std::uint8_t {
-  kMeets,   ///< it is stepped, and the arms meet what is there
-  kPasses,  ///< it is stepped, and the arms pass through everything
-  kStill,   ///< it does not move: what is shown is placed directly, without physics
+  kMeets,   ///< the world is stepped, and the arms collide with it
+  kPasses,  ///< the world is stepped, and the arms pass through it
+  kStill,   ///< the world is not stepped: bodies are placed without physics
 };
 
-/** Properties of a mode: a row for each, in traitsOf(). doc/modes.md shows them; a test compares. */
+/** Properties of a mode: a row of traitsOf(). doc/modes.md shows them; a test compares both. */
 struct ModeTraits {
   ActivityKind activity{};
   Moves moves{};
   WorldMotion world{};
   bool hands{};         ///< the masters move an arm of the model
-  bool keeps_plan{};    ///< a plan that was made, or is being shown or executed, may be kept
-  bool keeps_trial{};   ///< so may a virtual trial
-  bool keeps_repeat{};  ///< a repetition that was asked for may still come, or goes on
+  bool keeps_plan{};    ///< a plan may be kept
+  bool keeps_trial{};   ///< a virtual trial may be kept
+  bool keeps_repeat{};  ///< a requested or running repetition of a trial may be kept
   bool clients_hold{};  ///< a CRTK client may hold the pedal
-  bool begins{};        ///< the session's clock starts with it
+  bool begins{};        ///< the session's clock starts with this mode
   bool timed{};         ///< an exercise's timer runs
-  bool judged{};        ///< what the arms touch and the objects do counts in an exercise
+  bool judged{};        ///< contacts of arms and motion of objects count in an exercise
   bool follows_plan{};  ///< the model follows a plan's path
-  bool may_replay{};    ///< a recorded session may be shown from here
+  bool may_replay{};    ///< a replay may start from this mode
 };
 
 constexpr bool kYes = true, kNo = false;
@@ -110,7 +110,7 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
     case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo};
       // clang-format on
   }
-  return {};  // nothing that is a mode
+  return {};  // not a mode
 }
 
 }  // namespace raven2_trainer

@@ -8,10 +8,10 @@ namespace raven2_trainer {
 
 /** Pedals and buttons other than the engaging pedal, which ITP carries. */
 enum class Pedal : std::uint8_t {
-  kPlanning,    ///< begins planning, ends it at the next press
+  kPlanning,    ///< begins planning; the next press ends it
   kSimulation,  ///< the same for pure simulation
   kTrial,       ///< the same for a virtual trial
-  kView,        ///< virtual scene or real camera
+  kView,        ///< switches between virtual scene and real camera
   kCamera,      ///< held: the masters move the camera
   kToolChange,
   kStop,  ///< emergency stop
@@ -24,7 +24,7 @@ constexpr std::uint32_t bit(Pedal pedal) noexcept {
   return 1u << static_cast<unsigned>(pedal);
 }
 
-/** All of them at one moment. */
+/** State of all pedals at one instant. */
 struct PedalState {
   std::uint32_t sequence{};
   std::uint32_t held{};  ///< bits by Pedal

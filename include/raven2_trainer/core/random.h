@@ -8,8 +8,8 @@
 namespace raven2_trainer {
 
 /**
- * Seeded generator (PCG-XSH-RR 64/32, O'Neill 2014, www.pcg-random.org). Ours because the distributions of
- * `<random>` differ between standard libraries, and a session must be the same bytes from the same seed.
+ * Seeded generator (PCG-XSH-RR 64/32, O'Neill 2014, www.pcg-random.org). Not `<random>`: its distributions differ
+ * between standard libraries, and the same seed must give the same session, byte by byte.
  */
 class Random {
  public:

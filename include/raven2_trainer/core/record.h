@@ -10,8 +10,8 @@
 #include "raven2_trainer/core/histogram.h"
 #include "raven2_trainer/core/state.h"
 
-// Data from the loops to the recorder. Together the records have everything the physics loop consumed, per tick, so
-// that a session can be simulated again from its log.
+// Data from the loops to the recorder. The records contain every input of the physics loop, per tick. So a session can
+// be simulated again from its log.
 
 namespace raven2_trainer {
 
@@ -19,7 +19,7 @@ namespace raven2_trainer {
 struct TickRecord {
   ModelState model{};
   RobotState robot{};
-  std::uint8_t slipped{};  ///< 1 if simulated time was given up just before it
+  std::uint8_t slipped{};  ///< 1 if simulated time was lost just before it
 };
 
 /** One haptic tick. */
@@ -43,7 +43,7 @@ struct RequestRecord {
 struct PlanRecord {
   Tick tick{};
   PlanResult result{};
-  std::uint8_t refused{};  ///< 1: the physics loop's own answer, no planner was asked
+  std::uint8_t refused{};  ///< 1: the physics loop refused the request without the planner
 };
 
 /** A fault plan, stamped with the first physics tick that saw it. */
@@ -52,25 +52,25 @@ struct FaultRecord {
   FaultPlan plan{};
 };
 
-/** A fault that began or ended, stamped with the physics tick that learned of it. */
+/** A fault that began or stopped, stamped with the physics tick that received it. */
 struct FaultChangeRecord {
   Tick tick{};
   FaultChange change{};
 };
 
-/** How the execution of a plan went, stamped with the physics tick that ended it. */
+/** Result of an execution, stamped with the physics tick that ended it. */
 struct ExecutionRecord {
   Tick tick{};
   ExecutionReport report{};
 };
 
-/** Something that happened in an exercise, stamped with the physics tick in which its judge saw it. */
+/** An event of an exercise, stamped with the physics tick in which the judge saw it. */
 struct ExerciseRecord {
   Tick tick{};
   ExerciseEvent event{};
 };
 
-/** All contact points of one pair of bodies in one physics tick, taken together. */
+/** Sum of all contact points of one pair of bodies in one physics tick. */
 struct ContactRecord {
   Tick tick{};             ///< [1 ms] of the ModelState they belong to
   std::uint16_t a{}, b{};  ///< numbers of the two bodies, a < b (physics::RavenWorld::bodyNames())
@@ -96,7 +96,7 @@ enum class RecordKind : std::uint8_t {
 constexpr std::size_t kRecordKindCount = 10;
 constexpr std::array<const char*, kRecordKindCount> kRecordKindNames{
     "tick", "haptic", "command", "request", "plan", "contact", "faults", "fault_change", "execution", "exercise"};
-/** A number of records of each kind, by RecordKind. */
+/** Number of records of each kind, by RecordKind. */
 using RecordTally = std::array<std::uint64_t, kRecordKindCount>;
 
 inline std::uint64_t tallyTotal(const RecordTally& tally) noexcept {
@@ -108,7 +108,7 @@ inline std::uint64_t tallyTotal(const RecordTally& tally) noexcept {
 
 enum class GapReason : std::uint8_t {
   kQueueFull,   ///< the recorder did not keep up with the loops
-  kNotWritten,  ///< the disk refused the log for longer than the queues last
+  kNotWritten,  ///< writes to the log failed for longer than the queues can buffer
   kDamaged,     ///< found damaged when the log of a killed process was completed
 };
 constexpr std::size_t kGapReasonCount = 3;
@@ -116,23 +116,23 @@ constexpr std::array<const char*, kGapReasonCount> kGapReasonNames{"queue_full",
 
 /** Records that are missing from the log before this one. */
 struct GapRecord {
-  Tick tick{-1};  ///< [1 ms] of the newest tick record before this one; -1 none
+  Tick tick{-1};  ///< [1 ms] of the newest tick record before this one; -1: no such record
   GapReason reason{};
-  std::int32_t error{};  ///< errno of the disk's last refusal since the gap before; 0 none
+  std::int32_t error{};  ///< errno of the last failed write since the previous gap; 0: no failure
   RecordTally lost{};
 };
 
-/** Ends a log that its writer was killed over, in place of the counters. */
+/** Ends the log of a killed process, in place of the counters. */
 struct RecoveryRecord {
   RecordTally recovered{};    ///< records taken from the queues and appended
-  std::uint64_t cut_bytes{};  ///< [bytes] of records that were half written, or written but still in the queues
+  std::uint64_t cut_bytes{};  ///< [bytes] removed: incomplete records, and records that were also in the queues
 };
 
 /** State of the recorder, for /diagnostics. */
 struct RecorderStatus {
-  std::uint8_t failing{};  ///< 1 while the disk refuses the log
-  std::int32_t error{};    ///< errno of the last refusal; 0 none yet
-  std::uint64_t lost{};    ///< records that will not be in the log, all gaps
+  std::uint8_t failing{};  ///< 1 while writes to the log fail
+  std::int32_t error{};    ///< errno of the last failed write; 0: no failure yet
+  std::uint64_t lost{};    ///< records missing from the log, over all gaps
 };
 
 enum class LoopId : std::uint8_t { kPhysics, kHaptic };
@@ -142,20 +142,20 @@ constexpr std::array<const char*, kLoopCount> kLoopNames{"physics", "haptic"};
 /** Timing of one 1 kHz loop, from its own clock readings. All zero in lockstep. About 1.4 KiB. */
 struct LoopTiming {
   std::uint64_t ticks{};             ///< periods run, catch-up steps included
-  std::uint64_t on_time{};           ///< finished within 1 ms of their release
-  std::uint64_t slips{};             ///< finished later
-  std::uint64_t late_runs{};         ///< overrun events: runs of late ticks without one on time between
-  std::uint64_t longest_late_run{};  ///< [ticks] the longest of them
-  std::int64_t last_run_late_ns{};   ///< [ns] worst finish after its release in the newest of them
-  std::uint64_t time_slips{};        ///< backlog over 250 ms given up, each an event
-  std::int64_t lost_ticks{};         ///< [1 ms] simulated time given up by those events
+  std::uint64_t on_time{};           ///< ticks finished within 1 ms of their release
+  std::uint64_t slips{};             ///< ticks finished later
+  std::uint64_t late_runs{};         ///< overruns: uninterrupted runs of late ticks
+  std::uint64_t longest_late_run{};  ///< [ticks] length of the longest
+  std::int64_t last_run_late_ns{};   ///< [ns] latest finish after its release, in the newest of them
+  std::uint64_t time_slips{};        ///< events in which a backlog over 250 ms was dropped
+  std::int64_t lost_ticks{};         ///< [1 ms] simulated time lost in those events
   std::int64_t max_late_ns{};        ///< [ns] latest start after a release
   std::int64_t max_run_ns{};         ///< [ns] longest body
   std::uint64_t stale_reads{};       ///< cells that could not be read in a bounded number of tries
   std::uint64_t minor_faults{};  ///< page faults of the thread since its loop began, without disk; read once a second
   std::uint64_t major_faults{};  ///< with disk
-  Histogram wake_up{};           ///< start after the release, once a wake-up
-  Histogram run{};               ///< of the body, every tick
+  Histogram wake_up{};           ///< start after the release, once per wake-up
+  Histogram run{};               ///< duration of the body, every tick
 };
 static_assert(sizeof(LoopTiming) <= 2048, "copied every tick");
 
@@ -203,16 +203,16 @@ constexpr RingId ringOf(RecordKind kind) noexcept {
 /** Counters at the end of a session (and once a second on /diagnostics). */
 struct SessionCounts {
   LinkCounts master{};               ///< console -> daemon (UDP, ITP)
-  std::uint64_t master_used{};       ///< of the applied ones, those that moved the model
+  std::uint64_t master_used{};       ///< applied packets that moved the model
   std::uint64_t master_overruled{};  ///< taken from the queue, but not used: a CRTK client held the pedal
-  std::uint64_t servo_made{};        ///< master commands that what CRTK clients asked for became
-  std::uint64_t efforts_made{};      ///< requests that the forces they asked for became
+  std::uint64_t servo_made{};        ///< master commands made from CRTK clients' motion
+  std::uint64_t efforts_made{};      ///< requests made from CRTK clients' forces
   LinkCounts robot_state{};          ///< robot -> daemon (TCP frames)
   std::uint64_t relay_sent{};        ///< daemon -> robot packets sent
-  LinkCounts relay{};                ///< the same link as the robot counted it
+  LinkCounts relay{};                ///< the same link as counted by the robot
   std::uint64_t force_sent{};        ///< daemon -> console packets sent
   std::array<LoopTiming, kLoopCount> loops{};
-  std::uint64_t records_dropped{};  ///< records that found a ring full
+  std::uint64_t records_dropped{};  ///< records refused by a full ring
   std::uint64_t frames{};           ///< live camera frames rendered
   std::uint64_t ik_clamped{};       ///< ticks in which a joint limit clamped the desired pose
   std::uint8_t realtime{};          ///< 1 if SCHED_FIFO was granted
@@ -220,17 +220,17 @@ struct SessionCounts {
 
   // Further counts of packets, commands, requests and records; see addsUp().
   std::array<RingCounts, kRingCount> rings{};  ///< by RingId
-  std::uint64_t relay_failed{};                ///< daemon -> robot packets that the system did not take
+  std::uint64_t relay_failed{};                ///< daemon -> robot packets that the system did not send
   std::uint64_t relay_released{};              ///< pedal-up packets that the sender added to those of the physics loop
-  std::uint64_t force_failed{};                ///< daemon -> console packets that the system did not take
+  std::uint64_t force_failed{};                ///< daemon -> console packets that the system did not send
   std::uint64_t force_silent{};      ///< packets of zero force that the sender added to those of the haptic loop
   std::uint64_t contacts_dropped{};  ///< contacts of a tick beyond the longest list
 
   // Effects of injected faults on packets under way; all 0 without faults.
   FaultedPackets master_faults{};      ///< between ingest and model
   FaultedPackets relay_faults{};       ///< between physics loop and sender
-  FaultedPackets relay_network{};      ///< between sender and socket: the bad network of a fault
-  std::uint64_t fault_changes_lost{};  ///< beginnings and ends of faults that were not reported
+  FaultedPackets relay_network{};      ///< between sender and socket: bad network of a fault
+  std::uint64_t fault_changes_lost{};  ///< begins and stops of faults that were not reported
 };
 static_assert(std::is_trivially_copyable<SessionCounts>::value, "travels in the log");
 
@@ -239,10 +239,10 @@ constexpr const RingCounts& ring(const SessionCounts& counts, RingId id) noexcep
 }
 
 /**
- * Whether every packet, command, request and record of a finished session is accounted for. On every link, received =
- * applied + rejected. Applied packets went into the next ring. The loops' output was sent, refused by the
- * system or dropped by a full ring. Every record was written or dropped. While threads run the counters are read
- * one after the other, so only of a finished session. @return nullptr if so, else the first sum that is wrong.
+ * Checks that every packet, command, request and record is accounted for. On every link, received = applied + rejected.
+ * Applied packets went into the next ring. The loops' output was sent, refused by the system or dropped by a full ring.
+ * Every record was written or dropped. Only for a finished session: running threads change counters between two reads.
+ * @return nullptr if all sums are right, else the first wrong sum.
  */
 const char* wrongSum(const SessionCounts& counts) noexcept;
 

@@ -12,8 +12,8 @@
 namespace raven2_trainer {
 
 /**
- * Checksum of the words of a record and of its place in the sequence: each step is one-to-one in the words, so one
- * changed word always shows, and a slot of an earlier lap never passes for a new one. 0.4 us for a tick record.
+ * Checksum of a record's words and its index. Each step is one-to-one in the word, so it detects every single changed
+ * word. It also distinguishes a slot of an earlier lap from a new one. 0.4 us for a tick record.
  */
 template <typename T>
 std::uint64_t recordChecksum(const T& value, std::uint64_t index) noexcept {
@@ -30,11 +30,10 @@ std::uint64_t recordChecksum(const T& value, std::uint64_t index) noexcept {
 }
 
 /**
- * An SpscRing whose memory can outlive the process: every element carries a checksum, and the consumer looks at
- * elements first (`at`) and gives their room back later (`release`), when they are safe elsewhere. Whatever the
- * producer has pushed and the consumer has not released is in the memory, whole, at any moment, so a file mapped there
- * keeps it through a SIGKILL. Real-time safe on both sides: wait-free, no allocation, no system call. One producer, one
- * consumer.
+ * An SpscRing whose memory can outlive the process. Every element carries a checksum. The consumer reads elements with
+ * `at`, stores them elsewhere, and only then frees their slots with `release`. Pushed elements that are not released
+ * are complete in memory at any instant, so a mapped file keeps them through a SIGKILL. Real-time safe on both sides:
+ * wait-free, no allocation, no system call. One producer, one consumer.
  */
 template <typename T, std::size_t Capacity>
 class RecordRing {
@@ -58,15 +57,14 @@ class RecordRing {
     }
     Slot& slot = slots_[tail % Capacity];
     std::memcpy(&slot.value, &element, sizeof(T));
-    // The compiler may choose other padding of the element at each read: only the written bytes
-    // count.
+    // Padding may differ at each read of `element`: compute the checksum from the slot.
     std::atomic_signal_fence(std::memory_order_seq_cst);
     slot.check = recordChecksum(slot.value, tail);
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }
 
-  /** Producer: elements that found no room even before this ring count as dropped here. */
+  /** Producer: also counts elements that were lost before this ring as dropped. */
   void drop(std::uint64_t count) noexcept { dropped_.fetch_add(count, std::memory_order_relaxed); }
 
   /** Consumer: takes the oldest. @return false if empty; `*element` is unchanged then. */
@@ -78,18 +76,18 @@ class RecordRing {
     return true;
   }
 
-  /** Number of the oldest element still here; all below were released. */
+  /** Number of the oldest element in the ring; all below are released. */
   std::uint64_t head() const noexcept { return head_.load(std::memory_order_acquire); }
   /** Number of the next element to be pushed. */
   std::uint64_t tail() const noexcept { return tail_.load(std::memory_order_acquire); }
   /** Consumer: element head() <= index < tail(). */
   const T& at(std::uint64_t index) const noexcept { return slots_[index % Capacity].value; }
-  /** Whether the slot really holds element `index`; for memory that comes from a file. */
+  /** Whether the slot contains element `index`, undamaged; for memory from a file. */
   bool isIntact(std::uint64_t index) const noexcept {
     const Slot& slot = slots_[index % Capacity];
     return slot.check == recordChecksum(slot.value, index);
   }
-  /** Consumer: gives back the room of all elements below `index`. */
+  /** Consumer: frees the slots of all elements below `index`. */
   void release(std::uint64_t index) noexcept { head_.store(index, std::memory_order_release); }
 
   /** Elements dropped because the ring was full, or by drop(), since the start. Any thread. */
@@ -104,7 +102,7 @@ class RecordRing {
     return c;
   }
 
-  /** Where the parts lie, for a description of the memory. */
+  /** Addresses of the parts, to describe the memory. */
   const void* slots() const noexcept { return slots_.data(); }
   const void* tailAddress() const noexcept { return &tail_; }
   const void* droppedAddress() const noexcept { return &dropped_; }

@@ -41,7 +41,7 @@ struct RecordRings {
     visit(*this, call);
   }
 
-  /** Records that found their ring full, by kind. */
+  /** Records refused by a full ring, by kind. */
   RecordTally dropped() const noexcept {
     RecordTally tally{};
     forEach([&tally](RecordKind kind, const auto& ring) { tally[static_cast<std::size_t>(kind)] = ring.dropped(); });

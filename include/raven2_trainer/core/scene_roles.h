@@ -7,8 +7,7 @@
 
 #include "raven2_trainer/core/types.h"
 
-// What the parts of a scene are there for (config/scenes/*.yaml): a scene is a URDF and these roles, and a new one
-// needs no code.
+// Roles of a scene's parts (config/scenes/*.yaml). A scene is a URDF and these roles; a new scene needs no code.
 
 namespace raven2_trainer {
 
@@ -16,15 +15,15 @@ namespace raven2_trainer {
 constexpr std::size_t kMaxSceneBodies = 12;
 constexpr std::uint8_t kNobody = 255;
 
-/** A free body that is carried about. Its opening, what may pass through it, lies in the x-y plane of its link. */
+/** A free body that the arms carry. Its opening is in the x-y plane of its link. */
 struct SceneObject {
   std::string name, link;
   std::uint8_t square{};  ///< 1: the opening is a square with this half edge
-  double inner_radius{};  ///< [m] of the opening; 0 none
+  double inner_radius{};  ///< [m] of the opening; 0: no opening
   double bar_radius{};    ///< [m] of the bar around it
 };
 
-/** Something upright that an object goes over. */
+/** An upright peg; an object is put over it. */
 struct ScenePeg {
   std::string name, link;
   Vec3 base_W{};    ///< [m] middle of its foot
@@ -32,19 +31,19 @@ struct ScenePeg {
   double radius{};  ///< [m]
 };
 
-/** A wire along which an object is led. */
+/** A wire along which an object is moved. */
 struct SceneWire {
   std::string name, link;
   double radius{};           ///< [m]
-  std::vector<Vec3> line_W;  ///< [m] its centre line, from where the object starts; at most 64 points
+  std::vector<Vec3> line_W;  ///< [m] centre line from the object's start; at most 64 points
 };
 
-/** A part that comes off its foot when it is pushed or pulled too hard. */
+/** A part that breaks off its foot when it is pushed or pulled too hard. */
 struct SceneBreakable {
   std::string link;
-  double force{};        ///< [N] of all contacts together
-  double moment{};       ///< [Nm] of them about its foot
-  std::int32_t ticks{};  ///< [1 ms] exceeded for so long
+  double force{};        ///< [N] limit of all contacts together
+  double moment{};       ///< [Nm] their limit about the foot
+  std::int32_t ticks{};  ///< [1 ms] it breaks off when a limit is exceeded this long
 };
 
 struct ScenePoint {
@@ -62,15 +61,15 @@ struct SceneRegion {
 struct SceneRoles {
   std::string name, title, file;
   std::string urdf;        ///< absolute path
-  std::string urdf_place;  ///< its place next to this file; another one if it is the package's
+  std::string urdf_place;  ///< path next to this file, or within the package
   std::vector<SceneObject> objects;
   std::vector<ScenePeg> pegs;
   std::vector<SceneWire> wires;
   std::vector<SceneBreakable> breakables;
-  std::vector<std::string> tissue;  ///< links that stand for tissue
+  std::vector<std::string> tissue;  ///< links that represent tissue
   std::vector<ScenePoint> points;
   std::vector<SceneRegion> regions;
-  std::uint8_t parking{};  ///< 1: bodies at rest are parked until something comes near
+  std::uint8_t parking{};  ///< 1: bodies at rest are parked until a body is near
 };
 
 }  // namespace raven2_trainer

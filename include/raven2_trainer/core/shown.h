@@ -6,8 +6,8 @@
 namespace raven2_trainer {
 
 /**
- * What a message shows of a text from outside, which may be a megabyte long, or control a terminal: at most its first
- * `most` bytes, then "..."; control characters as '?'. Allocates; for set-up only.
+ * External text, made safe for a message: at most its first `most` bytes, then "..."; control characters become '?'.
+ * Allocates; for set-up only.
  */
 inline std::string shown(const std::string& text, std::size_t most) {
   std::string out = text.substr(0, most);

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer {
 
-/** View of the virtual scene, 30 times a second: for simulated surgeons, in place of a picture. */
+/** State of the virtual scene, 30 times a second: for simulated surgeons, in place of an image. */
 struct Sight {
   std::uint32_t sequence{};
   Tick tick{};  ///< [1 ms] of the model

@@ -33,7 +33,7 @@ class SpscRing {
     return true;
   }
 
-  /** Consumer: the element that tryPop() would give next; null if empty. */
+  /** Consumer: the element that tryPop() would return next; null if empty. */
   const T* front() const noexcept {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     return head == tail_.load(std::memory_order_acquire) ? nullptr : &elements_[head % Capacity];

@@ -15,48 +15,48 @@
 
 namespace raven2_trainer {
 
-/** How far planning and executing are. Between requests the newest plan is kept, as long as it may be executed. */
+/** Progress of planning and execution. The newest plan is kept as long as it may be executed. */
 enum class PlanningStatus : std::uint8_t {
-  kIdle,       ///< there is no plan
+  kIdle,       ///< no plan
   kChoosing,   ///< the surgeon moves the model to the goal
   kPlanning,   ///< a plan is being computed
-  kReady,      ///< a plan is there and was not asked to be executed
-  kArmed,      ///< it will be executed from the next pedal-down on
-  kExecuting,  ///< it is being executed
+  kReady,      ///< the plan is ready; its execution is not requested
+  kArmed,      ///< the next pedal-down starts the execution
+  kExecuting,  ///< the plan is being executed
 };
 constexpr std::size_t kPlanningStatusCount = 6;
 constexpr std::array<const char*, kPlanningStatusCount> kPlanningStatusNames{"idle",  "choosing", "planning",
                                                                              "ready", "armed",    "executing"};
 
-/** Answer to a request for planning or executing. */
+/** Answer to a request for planning or execution. */
 enum class PlanningAnswer : std::uint8_t {
   kNone,
   kAccepted,
   kNotNow,             ///< not in this mode, or the pedal is down
-  kNoPlan,             ///< there is no plan, or not the one that was asked for
+  kNoPlan,             ///< no plan, or not the requested one
   kMoved,              ///< an arm has moved since the plan was requested
-  kNoRobot,            ///< the robot shall move, but it is not ready, not heard or not engaged
+  kNoRobot,            ///< the robot must move, but it is not ready, not connected or not engaged
   kRobotCannotFollow,  ///< the robot's own inverse kinematics would leave the path
 };
 constexpr std::size_t kPlanningAnswerCount = 7;
 constexpr std::array<const char*, kPlanningAnswerCount> kPlanningAnswerNames{
     "none", "accepted", "not_now", "no_plan", "moved", "no_robot", "robot_cannot_follow"};
 
-/** To the request with this id. */
+/** Answer to request `id`. */
 struct RequestAnswer {
   std::uint32_t id{};
   PlanningAnswer answer{PlanningAnswer::kNone};
 };
 
-/** Planning and executing, at the end of one tick. */
+/** Planning and execution at the end of one tick. */
 struct PlanningState {
   PlanningStatus status{PlanningStatus::kIdle};
-  Arm arm{Arm::kGold};                           ///< that chooses, or that the plan moves
+  Arm arm{Arm::kGold};                           ///< arm of the goal selection or the plan
   std::uint8_t on_robot{};                       ///< kArmed, kExecuting: 1 the robot moves too
   PlanningAnswer answer{PlanningAnswer::kNone};  ///< to the request `answered`
   std::uint32_t answered{};                      ///< Request::id of the newest that was answered
-  std::uint32_t plan{};                          ///< id of the plan from kPlanning on; 0 none
-  double progress{};                             ///< [-] kExecuting: share of the path's time gone, 0 to 1
+  std::uint32_t plan{};                          ///< id of the plan from kPlanning on; 0: no plan
+  double progress{};                             ///< [-] kExecuting: elapsed share of the path's time, 0 to 1
 };
 
 /** Run level of the Raven's state machine (raven2.md 4.3). */
@@ -76,23 +76,23 @@ struct ArmState {
   std::uint32_t contacts{};   ///< contact points on this arm in this step
 };
 
-/** Faults in the daemon in one tick. Masks: bit i, row i of the armed plan acts. */
+/** Faults in the daemon in one tick. Bit i of a mask: row i of the armed plan acts. */
 struct DaemonFaults {
-  std::uint32_t active{};                 ///< Fault::id of the first that acts, 0 none
+  std::uint32_t active{};                 ///< Fault::id of the first that acts; 0: no fault
   std::uint8_t relay{};                   ///< mask of those on the stream to the robot
   std::uint8_t master{};                  ///< mask of those on the masters' stream
-  std::uint8_t console{};                 ///< mask of those on what the surgeon feels and sees
+  std::uint8_t console{};                 ///< mask of those on the surgeon's force and image
   std::uint8_t picture{};                 ///< PictureFault, by FaultVariable::kPicture
   std::uint32_t picture_delay_ms{};       ///< [ms] kPictureDelay
   PerArm<double> force_gain{{1.0, 1.0}};  ///< kForceGain
   PerArm<Vec3> force_offset_B{};          ///< [N] kForceOffset
-  FaultSignals signals{};                 ///< what triggers look at
+  FaultSignals signals{};                 ///< inputs of triggers
 };
 
-/** Place of the movable camera. Its lens is configured. */
+/** Pose of the movable camera. Its lens is configured. */
 struct CameraState {
   Vec3 eye_W{};                ///< [m]
-  Vec3 target_W{};             ///< [m] looked at
+  Vec3 target_W{};             ///< [m] point in the image's centre
   Vec3 up_W{{0.0, 0.0, 1.0}};  ///< [-]
 };
 
@@ -102,20 +102,20 @@ struct ModelState {
   Tick session_tick{-1};   ///< [1 ms] since the first pedal down; -1 before
   std::int64_t time_ns{};  ///< [ns] CLOCK_MONOTONIC at the start of the tick; in lockstep tick x 1e6
   Mode mode{Mode::kWaiting};
-  std::uint8_t pedal{};        ///< 1 while the surgeon's pedal is down, 2 a CRTK client's (core/command.h)
-  std::uint8_t engaged{1};     ///< 1 while the robot is sent the surgeon's motion
-  std::uint8_t robot_fresh{};  ///< 1 while the robot's state is connected and at most 20 ms old
-  std::uint8_t linked{};  ///< 1 while model and robot move from a common pose: the cue may act, the robot is engaged
+  std::uint8_t pedal{};        ///< 1 while the surgeon's pedal is down, 2 while a CRTK client's is (core/command.h)
+  std::uint8_t engaged{1};     ///< 1 while the daemon sends the surgeon's motion to the robot
+  std::uint8_t robot_fresh{};  ///< 1 while the robot is connected and its state at most 20 ms old
+  std::uint8_t linked{};  ///< 1 while model and robot move from a common pose: cue allowed, robot engaged
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
-  std::uint32_t guide_plan{};     ///< id of the plan along whose path the hand may be guided; 0 none
-  PerArm<Vec3> master_I{};      ///< [m] [@frame I] sum of all increments sent by the masters, used or not; not clients'
-  PlanningState planning{};     ///< how far planning and executing are
-  ExerciseState exercise{};     ///< how far the exercise is
-  CameraState camera{};         ///< place of the movable camera
+  std::uint32_t guide_plan{};     ///< id of the plan whose path may guide the hand; 0: no plan
+  PerArm<Vec3> master_I{};      ///< [m] [@frame I] sum of all increments of the masters, used or not; clients' excluded
+  PlanningState planning{};     ///< progress of planning and execution
+  ExerciseState exercise{};     ///< progress of the exercise
+  CameraState camera{};         ///< pose of the movable camera
   std::uint32_t pedals{};       ///< Pedal bits held
-  std::uint32_t trial_ticks{};  ///< [1 ms] of the virtual trial that are kept
-  std::uint8_t view{};          ///< 1: the real camera's picture is asked for
-  DaemonFaults faults{};        ///< what they do here
+  std::uint32_t trial_ticks{};  ///< [1 ms] recorded length of the virtual trial
+  std::uint8_t view{};          ///< 1: the real camera's image is selected
+  DaemonFaults faults{};        ///< effects in the daemon
   PerArm<ArmState> arms{};
   std::array<RigidPose, kMaxSceneBodies> bodies{};  ///< in W: free bodies, then breakables, in SceneModel order
 };
@@ -124,10 +124,10 @@ static_assert(std::is_trivially_copyable<ModelState>::value, "crosses threads wo
 /** The robot's `jstate` (raven2.md 4.4): 0 not_ready, 1 pos_unknown, 2 homing1, 3 homing2, 4 ready, 5 wait, 6
  * hard_stop. */
 constexpr std::uint8_t kMaxJointState = 6;
-constexpr std::uint8_t kJointStateUnknown = 255;  ///< a robot that does not report it
+constexpr std::uint8_t kJointStateUnknown = 255;  ///< the robot does not report it
 constexpr std::array<std::uint8_t, kJointCount> kNoJointStates{255, 255, 255, 255, 255, 255, 255};
 
-/** Whether the robot's control program runs: faults can end it. */
+/** Whether the robot's control program runs. Faults can stop it. */
 enum class ProgramState : std::uint8_t { kRunning, kHung, kCrashed };
 
 /** One arm of the robot as received. */
@@ -144,25 +144,25 @@ struct RobotArmState {
 /** The robot, from its newest state frame. */
 struct RobotState {
   std::uint64_t cycle{};          ///< robot control cycle that sent the frame
-  std::uint64_t frame{};          ///< frames applied so far; 0 = none yet, the rest is then meaningless
+  std::uint64_t frame{};          ///< frames applied so far; 0: the rest has no meaning yet
   std::int64_t time_ns{};         ///< [ns] the robot computer's CLOCK_MONOTONIC in that cycle; in lockstep tick x 1e6
-  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt less the delay; in lockstep tick x 1e6
-  std::uint32_t last_sequence{};  ///< newest ITP sequence number that the robot took as its last
-  std::uint32_t active_fault{};   ///< Fault::id acting in that cycle, 0 none
+  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt minus the delay; in lockstep tick x 1e6
+  std::uint32_t last_sequence{};  ///< ITP sequence number that the robot stores as its last
+  std::uint32_t active_fault{};   ///< Fault::id acting in that cycle; 0: no fault
   RunLevel runlevel{RunLevel::kEStop};
   std::uint8_t sublevel{};
   std::uint8_t connected{};  ///< 1 while the TCP link is up
   std::uint8_t homed{};
   std::uint8_t soft_estopped{};
   std::uint8_t fault_mask{};                     ///< bit i: row i of the armed plan acts in that cycle
-  ProgramState program{ProgramState::kRunning};  ///< does not travel: who does not run sends nothing
+  ProgramState program{ProgramState::kRunning};  ///< not transmitted: a stopped program sends nothing
   std::uint8_t is_virtual{};                     ///< 1 only if the hello said "virtual"; anything else is a real robot
   PerArm<RobotArmState> arms{};
   LinkCounts itp{};  ///< the robot's own count of our packets
 };
 static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads word by word");
 
-/** Forces for the hands in one tick. Has all that the next tick depends on, except the states of model and robot. */
+/** Forces for the hands in one tick. With the states of model and robot, it determines the next tick. */
 struct HapticState {
   Tick tick{-1};                    ///< model tick it was computed from
   std::uint64_t count{};            ///< haptic ticks so far
@@ -171,18 +171,18 @@ struct HapticState {
   PerArm<Vec3> force_B{};           ///< [N] in each arm's frame B
   PerArm<Vec3> force_I{};           ///< [N] the same in master (ITP) axes
   PerArm<double> error{};           ///< [m] distance of model and robot tips; 0 if either is not finite
-  PerArm<Vec3> cue_B{};             ///< [N] what eqs. (5) and (6) ask for
-  PerArm<Vec3> guidance_B{};        ///< [N] what the guidance along a path asks for
-  PerArm<Vec3> edge_B{};            ///< [N] what the edge of the master's workspace asks for
-  PerArm<double> gain{{1.0, 1.0}};  ///< [-] share of the cue that the passivity controller lets through
-  PerArm<double> energy{};          ///< [J] given to the hand by all parts, less what the force takes back
-  PerArm<double> allowance{};       ///< [J] what that may be; both together give the share of guidance and edge
-  PerArm<double> guidance_fade{};   ///< [-] 0 none to 1 whole
+  PerArm<Vec3> cue_B{};             ///< [N] wanted by eqs. (5) and (6)
+  PerArm<Vec3> guidance_B{};        ///< [N] wanted by the guidance along a path
+  PerArm<Vec3> edge_B{};            ///< [N] wanted at the edge of the master's workspace
+  PerArm<double> gain{{1.0, 1.0}};  ///< [-] share of the cue that the passivity controller allows
+  PerArm<double> energy{};          ///< [J] given to the hand by all parts, minus what the force takes back
+  PerArm<double> allowance{};       ///< [J] limit of `energy`; both determine the share of guidance and edge
+  PerArm<double> guidance_fade{};   ///< [-] 0 no guidance to 1 full guidance
   PerArm<Vec3> master_I{};          ///< [m] ModelState::master_I of `tick`
-  PerArm<Vec3> hand_I{};            ///< [m] of the hand from what is taken for the middle of its workspace
-  std::uint32_t guide_plan{};       ///< id of the plan whose path was at hand; 0 none
+  PerArm<Vec3> hand_I{};            ///< [m] hand position from the assumed middle of its workspace
+  std::uint32_t guide_plan{};       ///< id of the plan of the available path; 0: no plan
   std::uint8_t pedal{};             ///< ModelState::pedal of `tick`
-  std::uint8_t active{};            ///< 1 while forces may act: linked, model and robot fresh; else they fall to 0
+  std::uint8_t active{};            ///< 1 while forces may act: linked, model and robot fresh; else forces fall to 0
 };
 static_assert(std::is_trivially_copyable<HapticState>::value, "crosses threads word by word");
 

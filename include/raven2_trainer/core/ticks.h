@@ -8,7 +8,7 @@
 
 namespace raven2_trainer {
 
-/** The nearest tick. */
+/** @return the nearest tick. */
 inline Tick toTicks(double seconds) noexcept {
   return static_cast<Tick>(std::lround(seconds / kTickSeconds));
 }

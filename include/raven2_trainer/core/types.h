@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 
-// Names of things that every module shares: arms, joints, ticks and the plain arrays that cross threads. Eigen
-// types are not trivially copyable (Eigen 3.4), so shared structs hold std::array; maths uses kinematics/eigen.h.
+// Types that every module shares: arms, joints, ticks and the plain arrays that cross threads. Eigen types are not
+// trivially copyable (Eigen 3.4), so shared structs use std::array; maths uses kinematics/eigen.h.
 
 namespace raven2_trainer {
 
-/** Count of 1 ms control periods. Negative before the first pedal down where a session clock is meant. */
+/** Count of 1 ms control periods. A session clock is negative before the first pedal-down. */
 using Tick = std::int64_t;
 
 constexpr double kTickSeconds = 0.001;                ///< [s] period of every 1 kHz loop
@@ -24,14 +24,14 @@ constexpr std::size_t kArmCount = 2;
 constexpr std::array<Arm, kArmCount> kArms{Arm::kGold, Arm::kGreen};
 constexpr std::array<const char*, kArmCount> kArmNames{"gold", "green"};
 
-/** The seven driven joints of an arm, in the order of every array of joints here. The robot's own arrays have an
- *  eighth, unconnected slot at index 3; only `wire` and `raven` know it. */
+/** The seven driven joints of an arm, in the order of all joint arrays. The robot's arrays have an eighth, unconnected
+ *  slot at index 3; only `wire` and `raven` use it. */
 enum Joint : std::size_t { kShoulder, kElbow, kInsertion, kToolRotation, kWrist, kGrasp1, kGrasp2 };
 constexpr std::size_t kJointCount = 7;
 constexpr std::array<const char*, kJointCount> kJointNames{"shoulder", "elbow",  "insertion", "tool_rotation",
                                                            "wrist",    "grasp1", "grasp2"};
 
-using JointArray = std::array<double, kJointCount>;  ///< one number a joint; rad or m (kInsertion) unless said
+using JointArray = std::array<double, kJointCount>;  ///< one number per joint; rad or m (kInsertion) unless stated
 using Vec3 = std::array<double, 3>;                  ///< x, y, z
 using Quat = std::array<double, 4>;                  ///< unit quaternion, order x, y, z, w (ROS order)
 
@@ -62,7 +62,7 @@ constexpr const char* name(Arm arm) noexcept {
   return kArmNames[index(arm)];
 }
 
-/** Position and orientation of one frame in another; the names of both are in the name of the variable. */
+/** Position and orientation of one frame in another; the variable's name names both. */
 struct RigidPose {
   Vec3 p{};               ///< [m]
   Quat q{kIdentityQuat};  ///< unit, x y z w

@@ -9,9 +9,8 @@
 namespace raven2_trainer::loop {
 
 /**
- * Takes the contacts of each pair of bodies together and hands them to `use(const ContactRecord&)`, a pair at a time:
- * partners, place and force are what a score or a plot needs, and a third of the bytes. The list is sorted by pair.
- * Real-time safe as far as `use` is.
+ * Sums the contacts of each pair of bodies and passes each sum to `use(const ContactRecord&)`. A score or a plot needs
+ * only partners, place and force: a third of the bytes. The list is sorted by pair. Real-time safe if `use` is.
  */
 template <typename Use>
 void forEachPair(const ContactList& list, Use&& use) {

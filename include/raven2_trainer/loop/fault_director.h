@@ -6,19 +6,19 @@
 namespace raven2_trainer::loop {
 
 /**
- * Body of the faults thread: decides which scenarios are armed. When exactly each acts is in the row itself.
+ * Body of the faults thread: decides which scenarios are armed. A fault's row determines when it acts.
  *
- * A drill is armed for one attempt at a time: with its end what did not come is off, and what acts ends; with the next
- * attempt it is armed again, its jitter drawn again. Once its scenario is cleared or started by request it is over for
+ * A drill is armed for one attempt. The attempt's end cancels faults that have not begun, and stops those that act. The
+ * next attempt arms the drill again with a new jitter. A request that clears or starts its scenario ends the drill for
  * good.
  */
 class FaultDirector {
  public:
-  /** Arms config.hazard; as the drill of the first attempt if it is one. */
+  /** Arms config.hazard; a drill is armed for the first attempt. */
   FaultDirector(const faults::FaultLibrary& library, SharedState* shared);
   void tick();
 
-  /** Whether there is room for a scenario's plan in addition to the armed ones. */
+  /** Whether a scenario's plan fits in addition to the armed ones. */
   static bool fits(const FaultPlan& armed, const FaultPlan& added);
 
  private:
@@ -33,9 +33,9 @@ class FaultDirector {
   FaultPlan plan_{};
   std::uint32_t armings_{0};
   std::uint32_t drill_{0};   ///< id of its scenario; 0: no drill, or it is over
-  std::uint8_t attempt_{1};  ///< that the drill is armed for
-  std::uint8_t next_{1};     ///< the newest seen
-  Tick next_seen_{0};        ///< when that was first seen
+  std::uint8_t attempt_{1};  ///< attempt for which the drill is armed
+  std::uint8_t next_{1};     ///< newest attempt seen
+  Tick next_seen_{0};        ///< tick in which it was first seen
 };
 
 }  // namespace raven2_trainer::loop

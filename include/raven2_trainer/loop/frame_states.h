@@ -6,18 +6,18 @@
 
 namespace raven2_trainer::loop {
 
-/** States that one picture is drawn of. */
+/** States for one image. */
 struct FrameStates {
   ModelState model{};      ///< and the scene's bodies
-  ContactList contacts{};  ///< of the model's tick; none if those could not be had
+  ContactList contacts{};  ///< of the model's tick; empty if not available
   HapticState haptic{};
   RobotState robot{};  ///< newest; ModelState::robot_fresh says whether it was at most 20 ms old in the model's tick
-  bool is_one_tick{false};  ///< model and haptic state are of one tick
+  bool is_one_tick{false};  ///< model and haptic state are of the same tick
 };
 
 constexpr int kFrameStateTries = 30;  ///< a few periods of the haptic loop
 
-/** The newest model state, and its contacts, which physics stores right behind it; none if those could not be had. */
+/** The newest model state and its contacts, which physics stores right after it; empty if not available. */
 inline void loadModel(const SharedState& shared, ModelState* model, ContactList* contacts) {
   constexpr int kTries = 4;
   for (int i = 0; i < kTries; ++i) {
@@ -29,12 +29,11 @@ inline void loadModel(const SharedState& shared, ModelState* model, ContactList*
 }
 
 /**
- * Loads the newest model state, with the contacts and the haptic state of the same tick. Each is whole, but the cells
- * are written one after the other, the haptic one up to a period later: it is waited for. If it does not come within
- * kFrameStateTries looks (a loop that is late, or has stopped), the newest of both are used, one tick apart as long
- * as both loops run.
- * @param[in] pause called between looks; a tenth of a millisecond, for 1 kHz loops: with the 50 us that the system adds
- * to the sleep of an ordinary thread, 4.5 ms in all, more where the processor is busy. Not for real-time threads.
+ * Loads the newest model state, with the contacts and the haptic state of the same tick. The haptic loop writes its
+ * state up to a period later, so this function waits for it. If it does not arrive within kFrameStateTries tries (the
+ * loop is late or stopped), the newest of both are used. They are one tick apart while both loops run.
+ * @param[in] pause called between tries; sleeps 0.1 ms for 1 kHz loops. With the 50 us that the system adds to an
+ * ordinary thread's sleep, that is 4.5 ms in all, more on a busy processor. Not for real-time threads.
  */
 template <typename Pause>
 FrameStates loadFrameStates(const SharedState& shared, Pause&& pause) {

@@ -11,39 +11,38 @@
 namespace raven2_trainer::loop {
 
 /**
- * Body of the haptic thread. It applies equations 5 and 6 of the paper to the newest states of model and robot, and, if
- * they are on, guidance along a planned path and a cue at the edge of the master's workspace. All goes through the
- * passivity controller and a limiter of size and slew. A model or robot that is stale, not linked or not finite is not
- * felt: its force falls to nothing. Real-time safe.
+ * Body of the haptic thread. It applies equations 5 and 6 of the paper to the newest states of model and robot. If
+ * enabled, it adds guidance along a planned path and a force at the edge of the master's workspace. The passivity
+ * controller and a limiter of size and slew bound the sum. If model or robot is stale, not linked or not finite, the
+ * force falls to zero. Real-time safe.
  *
- * Two accounts of each port: that of all that is given, which shortens the guidance first and then the edge, and that
- * of what is given less those two, which shortens the cue. So the cue never pays for what the others gave, and they do
- * not give where the cue has used up what the hand can take. doc/haptics.md has the bound for the whole.
+ * Each port has two energy accounts. The account of the total force reduces first the guidance, then the edge force.
+ * The account of the total without these two reduces the cue. So the cue never pays for the energy of guidance and
+ * edge, and these give nothing once the cue has used the hand's allowance. doc/haptics.md has the bound for the total.
  *
- * While a CRTK client holds the pedal (ServoState) the force is its own: the console's hand, which moves nothing, is
- * given none.
+ * While a CRTK client holds the pedal (ServoState), the console gets zero force, because its hand moves nothing.
  *
- * A tick is observe(), compute(), account(). Everything that one tick passes to the next is in its HapticState,
- * so that re-simulation computes a recorded tick from the records before it, with the same three functions.
+ * A tick is observe(), compute(), account(). HapticState contains everything that one tick passes to the next. So
+ * re-simulation computes a recorded tick from the records before it, with the same three functions.
  */
 class HapticLoop {
  public:
   HapticLoop(const LoopConfig& config, SharedState* shared);
-  /** @param[in] now_ns CLOCK_MONOTONIC, judges the age of both states. */
+  /** @param[in] now_ns CLOCK_MONOTONIC, for the age of both states. */
   void tick(std::int64_t now_ns) noexcept;
 
-  /** First: where the masters are. @param[in] master_I ModelState::master_I. */
+  /** First: the masters' positions. @param[in] master_I ModelState::master_I. */
   void observe(const PerArm<Vec3>& master_I) noexcept;
-  /** Then: what these states ask for, after the tick that was accounted for last. Changes nothing.
-   *  @param[in] path followed if it is that of model.guide_plan. */
+  /** Then: the forces for these states, after the last accounted tick. Changes nothing.
+   *  @param[in] path used if it belongs to model.guide_plan. */
   HapticState compute(const ModelState& model,
                       const RobotState& robot,
                       const GuidePath& path,
                       std::int64_t now_ns) const noexcept;
-  /** Last: what was given. */
+  /** Last: the forces that were given. */
   void account(const HapticState& state) noexcept;
 
-  /** Records are missing: what was handed on is not known until the guards have started again. */
+  /** Records are missing: the internal state is unknown until the guards have started again. */
   void forget() noexcept;
   bool knowsItself() const noexcept;
 
@@ -81,13 +80,13 @@ class HapticLoop {
   GuidePath path_{};
   std::uint64_t path_version_{0};
   HapticState last_{};
-  const bool has_fixtures_;  ///< guidance or edge is on: without them both accounts were the same
+  const bool has_fixtures_;  ///< guidance or edge is enabled; without them both accounts are equal
   PerArm<haptics::ForceLimiter> limiters_;
-  PerArm<haptics::ForceLimiter> fixture_limiters_;  ///< of guidance and edge, before the whole is limited
-  PerArm<haptics::PassivityGuard> guards_;          ///< of all that is given
-  PerArm<haptics::PassivityGuard> cue_guards_;      ///< of that less guidance and edge; idle without them
-  PerArm<haptics::ForceLimiter> console_limiters_;  ///< of what the console is given, in I; idle without clients
-  PerArm<bool> is_spared_{};                        ///< the console is given less than what there is
+  PerArm<haptics::ForceLimiter> fixture_limiters_;  ///< of guidance and edge, before the total is limited
+  PerArm<haptics::PassivityGuard> guards_;          ///< of the total force
+  PerArm<haptics::PassivityGuard> cue_guards_;      ///< of the total without guidance and edge; unused without them
+  PerArm<haptics::ForceLimiter> console_limiters_;  ///< of the console's force, in I; unused without clients
+  PerArm<bool> is_spared_{};                        ///< the console gets less than the computed force
   ServoState servo_{};
   bool forgotten_{false};
   std::uint64_t stale_reads_{0};

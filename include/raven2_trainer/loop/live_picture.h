@@ -5,16 +5,16 @@
 
 namespace raven2_trainer {
 
-/** How the live picture goes, for /diagnostics. */
+/** State of the live image, for /diagnostics. */
 struct LivePicture {
-  std::int32_t fps{};              ///< [Hz] aimed at while somebody looks; 0: nothing is drawn
+  std::int32_t fps{};              ///< [Hz] target rate with a viewer; 0: no images
   std::int32_t width{}, height{};  ///< [px]
-  std::uint32_t level{};           ///< steps below what is configured
-  std::uint64_t frames{};          ///< drawn so far
-  std::uint64_t changes{};         ///< of rate or size
-  std::uint64_t parted{};          ///< frames whose model and haptic state were more than a tick apart
-  std::uint8_t watched{};          ///< 1: somebody looks; else one a second is drawn
-  std::uint8_t failed{};           ///< 1: nothing is drawn any more, something went wrong; stderr says what
+  std::uint32_t level{};           ///< steps below the configured rate and size
+  std::uint64_t frames{};          ///< images drawn so far
+  std::uint64_t changes{};         ///< changes of rate or size
+  std::uint64_t parted{};          ///< images whose model and haptic state were more than a tick apart
+  std::uint8_t watched{};          ///< 1: there is a viewer; else one image a second is drawn
+  std::uint8_t failed{};           ///< 1: an error ended drawing; stderr has the message
 };
 static_assert(std::is_trivially_copyable<LivePicture>::value, "crosses threads word by word");
 

@@ -15,7 +15,7 @@
 
 namespace raven2_trainer::loop {
 
-/** Parts of the configuration for the loops. Refers to it. */
+/** References to the loops' parts of the configuration. */
 struct LoopConfig {
   const ArmsConfig& arms;
   const ModelConfig& model;
@@ -24,14 +24,14 @@ struct LoopConfig {
   const ExecutionConfig& execution;
   const CrtkConfig& crtk;
   const ItpRules& itp;
-  const CameraConfig& live_camera;  ///< through which the surgeon looks
-  const Exercise& exercise;         ///< empty for none
+  const CameraConfig& live_camera;  ///< the surgeon's camera
+  const Exercise& exercise;         ///< empty: no exercise
   const SceneRoles& roles;
-  const std::vector<Impairment>& impairments;  ///< that faults of kind `impair` name by position
+  const std::vector<Impairment>& impairments;  ///< faults of kind `impair` name them by index
   const faults::FaultLibrary library;
   const double stale_after;   ///< [s] robot state older than this is not used
   const double master_scale;  ///< [-] motion scale of the master
-  const double plan_at;       ///< [s] session time of the scheduled plan; negative: none
+  const double plan_at;       ///< [s] session time of the scheduled plan; negative: no plan
 };
 
 }  // namespace raven2_trainer::loop

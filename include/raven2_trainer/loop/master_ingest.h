@@ -12,41 +12,41 @@
 namespace raven2_trainer::loop {
 
 /**
- * Body of the ingest thread: one datagram at a time, judged, counted, queued. Pedal packets are accepted from the
- * sender of ITP and counted separately. They are unsigned: where ITP must be signed they are refused. Real-time safe.
+ * Body of the ingest thread: checks, counts and queues each datagram. Pedal packets are accepted only from the sender
+ * of ITP, and counted separately. They are unsigned, so they are rejected where ITP must be signed. Real-time safe.
  */
 class MasterIngest {
  public:
-  /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. */
+  /** @param[in] key of signed ITP, outlives this; nullptr: no verification. */
   MasterIngest(const ItpRules& rules, const wire::ItpKey* key, SharedState* shared) noexcept
       : rules_(rules),
         gate_(rules, wire::Audience::kDaemon, key),
         pedal_gate_(rules.pedalTimeout()),
         shared_(*shared) {}
 
-  /** Only this source's address is heard (address << 16). */
+  /** Accepts packets only from this address (address << 16). */
   void allowOnly(std::uint64_t address) noexcept { gate_.allowOnly(address, kAddressBits); }
 
-  /** A datagram as received; its size is the true one even if longer than the buffer. */
+  /** Processes a datagram; its size is the true one even if longer than the buffer. */
   Reject receive(const wire::Arrival& arrival) noexcept;
 
-  /** Whether this asks for a session; then it is answer()'s, not receive()'s. */
+  /** Whether a datagram asks for a session; then call answer(), not receive(). */
   bool isHello(const wire::Arrival& arrival) const noexcept { return gate_.isHello(arrival); }
-  /** kNone: send `*reply` to the source; nothing is counted then. @param[in] fresh random, used at most once. */
+  /** @param[in] fresh random, used at most once. @return kNone, not counted: send `*reply` to the source. */
   Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
 
-  /** Unpins a silent master. Reports a stream of which most packets are refused. Call at least every 100 ms. */
+  /** Unpins a silent master. Reports a stream of mostly rejected packets. Call at least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
   bool isPinned() const noexcept { return gate_.isPinned(); }
   std::uint64_t source() const noexcept { return gate_.source(); }  ///< of the pinned master
   const LinkCounts& counts() const noexcept { return counts_; }
-  /** Of the packets of pedals. */
+  /** Counts of pedal packets. */
   const LinkCounts& pedalCounts() const noexcept { return pedal_counts_; }
 
  private:
   static constexpr double kPedalRate = 200.0;      ///< [1/s] twice PedalBeat's
-  static constexpr std::int32_t kPedalBurst = 50;  ///< of a quarter of a second that came at once, and edges
+  static constexpr std::int32_t kPedalBurst = 50;  ///< a quarter of a second that arrives at once, and edges
   static constexpr std::uint64_t kAddressBits = 0xFFFFFFFFULL << 16U;
 
   Reject judge(const wire::Arrival& arrival) noexcept;

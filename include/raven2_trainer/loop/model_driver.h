@@ -10,32 +10,30 @@
 
 namespace raven2_trainer::loop {
 
-/** The nominal model's own control loop: gravity compensation, PD and PID of both arms on a world, as a session and the
- *  program model_follow run it. Real-time safe. */
+/** Control loop of the nominal model: gravity compensation, PD and PID of both arms on a world. Sessions and the
+ *  program model_follow use it. Real-time safe. */
 class ModelDriver {
  public:
   /** @param[in] world outlives the driver. */
   ModelDriver(const ModelConfig& config, const ArmGeometry& geometry, physics::RavenWorld* world) noexcept;
 
-  /** Set-up for openLoop(). @throw ModelException if the model cannot be turned into bodies. */
+  /** Set-up for openLoop(). @throw ModelException if bodies cannot be made from the model. */
   void allowOpenLoop(const model::RavenModel& raven, const ModelConfig& config);
 
-  /** Forgets the integral of an arm and what pushes it: it starts again from where it is, in closed loop. */
+  /** Clears an arm's integral and effort: it starts again from its position, in closed loop. */
   void reset(Arm arm) noexcept;
 
-  /** From the next step on these forces, each within what that joint's controller may use, take the place of the
-   *  controllers' torques. */
+  /** From the next step on these forces replace the controllers' torques, each within that joint's controller limit. */
   void push(Arm arm, const Effort& effort) noexcept { at(efforts_, arm) = effort; }
-  /** Something pushes the arm, so that it has no fixed place: not the jaws alone. */
+  /** Whether an effort moves the arm; one on the jaws alone does not. */
   bool isPushed(Arm arm) const noexcept { return at(efforts_, arm).kind != EffortKind::kNone; }
 
-  /** From now on an arm gets the torques of a separate arm in a separate world. That arm starts at its place, at rest,
-   *  and the law drives it to the set points. The jaws are excepted: they hold objects that the separate arm does not
-   * have. */
+  /** From now on an arm gets the torques of a twin in a separate world, except its jaws: they hold objects that the
+   *  twin does not have. The twin starts at rest at the arm's joints; the control law drives it to the set points. */
   void openLoop(Arm arm) noexcept;
 
-  /** [rad; m] What to ask for so that an arm in motion is where it should be: the law damps velocity,
-   *  so a plain `q` would be followed with a lag (control::ArmController). */
+  /** [rad; m] Set point that compensates the lag of an arm in motion: the law damps velocity
+   *  (control::ArmController). */
   JointArray leading(Arm arm, const control::JointTarget& target) const noexcept {
     return at(controllers_, arm).leading(target);
   }
@@ -44,7 +42,7 @@ class ModelDriver {
   PerArm<JointArray> step(const PerArm<JointArray>& q_d) noexcept;
 
  private:
-  /** An arm that is predicted. */
+  /** The twin of openLoop(). */
   struct Twin {
     std::unique_ptr<physics::ArmWorld> world;  ///< null: not allowed
     bool leads{false};

@@ -8,14 +8,14 @@
 namespace raven2_trainer::loop {
 
 /**
- * When a console sends the pedals that ITP does not carry: at each change and every 10 ms, because packets
- * get lost; nothing before the first of them is pressed. Pure; real-time safe.
+ * Decides when a console sends the pedals that ITP does not carry: at each change and, because packets get lost, every
+ * 10 ms. Nothing is sent before the first press. Pure; real-time safe.
  */
 class PedalBeat {
  public:
-  static constexpr int kPeriod = 10;  ///< [ticks] a twentieth of network.yaml's master_timeout, which lets go
+  static constexpr int kPeriod = 10;  ///< [ticks] a twentieth of network.yaml's master_timeout, which releases them
 
-  /** Once a millisecond. @return what is to be sent now. */
+  /** Call once a millisecond. @return the packet to send now, if any. */
   std::optional<PedalState> tick(std::uint32_t held) noexcept {
     const bool is_change = held != told_.held;
     if (told_.sequence == 0 && !is_change) return std::nullopt;

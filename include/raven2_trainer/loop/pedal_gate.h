@@ -11,34 +11,33 @@
 
 namespace raven2_trainer::loop {
 
-/** Most requests that one packet of pedals can make: each of them, and the camera's release. */
+/** Most requests from one pedal packet: each pedal, or the camera's release. */
 constexpr std::size_t kMaxPedalRequests = kPedalCount;
 
-/** In the order in which they are meant. */
+/** Requests, in the order of execution. */
 struct PedalRequests {
   std::array<Request, kMaxPedalRequests> items{};
   std::size_t count{};
 };
 
 /**
- * Turns the pedals other than the engaging one into requests: a press asks, and so does the
- * release of the camera's pedal, which alone is held. The meaning of a press depends on the state: planning's begins it
- * and records the goal at the next press, simulation's and the trial's begin and end. The stop comes first; it is
- * cleared by a request, never by a pedal. Packets may be lost or doubled, and come late: each has all held pedals.
- * Pure; real-time safe.
+ * Converts pedals other than the engaging one to requests: a press makes one, and so does the release of the camera
+ * pedal. The meaning of a press depends on the mode. The planning pedal begins planning and then records the goal; the
+ * simulation and trial pedals begin and end. The stop comes first; only a request clears it, never a pedal. Packets may
+ * be lost, doubled or late: each contains all held pedals. Pure; real-time safe.
  */
 class PedalGate {
  public:
-  /** @param[in] timeout [s] of silence after which the camera's counts as up. */
+  /** @param[in] timeout [s] of silence after which the camera pedal counts as up. */
   explicit PedalGate(double timeout) noexcept : timeout_ns_(static_cast<std::int64_t>(timeout * 1e9)) {}
 
-  /** Whether a packet with this number is to be taken: kNone, or why it came too late. */
+  /** @return kNone if a packet with this number is valid, else why it is too late. */
   Reject check(std::uint32_t sequence, std::int64_t now_ns) const noexcept;
 
-  /** A packet of the master's; one that check() refuses changes nothing. @param[in] mode, view of the newest state. */
+  /** A packet of the master; one that check() rejects changes nothing. @param[in] mode, view of the newest state. */
   PedalRequests take(const PedalState& pedals, std::int64_t now_ns, Mode mode, std::uint8_t view) noexcept;
 
-  /** At least every 100 ms: silence lets go of the camera. */
+  /** Call at least every 100 ms: silence releases the camera pedal. */
   PedalRequests idle(std::int64_t now_ns) noexcept;
 
   /** Bits by Pedal. */

@@ -11,24 +11,24 @@
 
 namespace raven2_trainer::loop {
 
-/** [s] Longest virtual trial that is kept, pedal down; ours: 160 bytes a tick, 19 MB, are taken at construction. */
+/** [s] Longest recorded virtual trial, pedal down; our choice: 160 bytes a tick, 19 MB, allocated at construction. */
 constexpr double kTrialLimit = 120.0;
 
 /**
  * Body of the physics thread: masters' increments to desired joints, controllers, one ODE step, the relay to the robot,
- * and the mode. Owner of the live world. tick() is real-time safe once warm.
+ * and the mode. It owns the live world. tick() is real-time safe after the first ticks.
  *
- * What a tick does in a mode is the work of that mode's activity (src/loop/activity/, core/mode.h): teleoperation,
- * planning, goal selection, execution, trial, returning, replay, camera, hold.
+ * Each mode has an activity that does its work in a tick (src/loop/activity/, core/mode.h): teleoperation, planning,
+ * goal selection, execution, trial, returning, replay, camera, hold.
  *
  * Linking model and robot: while the pedal is up and the robot's state is fresh, the model's controllers bring it to
- * the robot's joints (objects in the jaws stay held). At pedal down it is put exactly there, and both start from one
- * pose. Increments count for neither until the robot reports PEDAL_DN, so that both apply the same ones. If the robot's
- * link is lost while engaged, the model goes on alone and the robot is sent pedal-up until the surgeon's next
- * pedal-down: it never moves, nor does the cue act, without a new start from a common pose.
+ * the robot's joints (objects in the jaws stay held). At pedal-down it is set to exactly these joints, so that both
+ * start from one pose. Neither applies increments before the robot reports PEDAL_DN, so that both apply the same ones.
+ * If the robot's link is lost while engaged, the model continues alone. The robot then gets pedal-up until the
+ * surgeon's next pedal-down: without a new start from a common pose it does not move, and the cue does not act.
  *
- * CRTK clients are one more master (ServoManager): their requests arrive as commands in addition to the console's, and
- * is recorded, corrupted, taken and relayed as those are.
+ * CRTK clients are one more master (ServoManager): their motion becomes commands, and faults, log, model and relay
+ * treat these like the console's.
  */
 class PhysicsLoop {
  public:
@@ -43,17 +43,15 @@ class PhysicsLoop {
   /** Advances the nominal model by one 1 ms step. @param[in] now_ns CLOCK_MONOTONIC; in lockstep tick x 1e6. */
   void tick(std::int64_t now_ns) noexcept;
 
-  /** Simulated time was given up (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down.
-   */
+  /** Simulated time was lost (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down. */
   void timeSlip() noexcept;
-  /** The same at the next tick, from any thread: another loop of the exercise gave up time, or somebody asks for a
-   * pause. */
+  /** The same at the next tick, from any thread: another loop lost time, or an operator requests a pause. */
   void requestPause() noexcept;
 
-  /** Signals for faults' triggers, from the next tick on; from the thread of the ticks. */
+  /** Inputs of fault triggers, from the next tick on. Call it in the thread of tick(). */
   void setSignals(const FaultSignals& signals) noexcept;
 
-  /** Bodies by the numbers of contacts. */
+  /** Names of bodies by their numbers in contacts. */
   const std::vector<std::string>& bodyNames() const noexcept;
 
  private:

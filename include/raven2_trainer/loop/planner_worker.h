@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::loop {
 
-/** Body of the planner thread. Allocates, takes as long as it takes; never on a real-time thread. */
+/** Body of the planner thread. It allocates and has no time bound: never on a real-time thread. */
 class PlannerWorker {
  public:
   PlannerWorker(const LoopConfig& config,
@@ -18,14 +18,13 @@ class PlannerWorker {
                 const model::SceneModel& scene,
                 SharedState* shared);
 
-  /** Computes the data of the scene, some tenths of a second, ahead of the first plan. The plan that needs them
-   *  reports errors. */
+  /** Computes the scene's data before the first plan, in some tenths of a second. The first plan reports errors. */
   void prepare() noexcept;
 
   /** Serves waiting requests. @return true if there was one. */
   bool serve();
-  /** Gives up the running plan within 100 ms, and all later ones: the end is near. Any thread. A single plan that
-   *  nobody waits for any more is given up by its flag in SharedState::plan_cancelled, as fast. */
+  /** For shutdown: cancels the running plan within 100 ms, and all later ones. Any thread. A flag in
+   *  SharedState::plan_cancelled cancels a single plan as fast. */
   void cancel() noexcept;
   /** Any thread. */
   PlanCounts counts() const noexcept;

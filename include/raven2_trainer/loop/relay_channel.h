@@ -12,10 +12,9 @@
 namespace raven2_trainer::loop {
 
 /**
- * Path of the relayed packets out of the daemon: straight, or through the bad network of a fault of kind `impair`. Each
- * time one begins it begins again, from the configuration's seed. Packets that it still holds when the fault ends come
- * when they are due, unless a packet is held clean (RelayPacket::is_held): then it is lost. For the sender's thread: it
- * allocates.
+ * Path of the relayed packets out of the daemon: direct, or through the bad network of a fault of kind `impair`. Each
+ * such fault starts its network again from the configuration's seed. Packets still in it when the fault ends are sent
+ * when they are due; a packet with RelayPacket::is_held discards them. For the sender's thread: it allocates.
  */
 class RelayChannel {
  public:
@@ -23,12 +22,12 @@ class RelayChannel {
 
   explicit RelayChannel(const LoopConfig& config) : config_(config) {}
 
-  /** One packet in; whatever comes out by now is sent. Calls in order of time. */
+  /** Takes a packet and sends all that are due by now. Call in order of time. */
   void pass(const RelayPacket& packet, std::int64_t now_ns, const Send& send);
   /** Sends packets that have become due. */
   void flush(std::int64_t now_ns, const Send& send);
 
-  /** Since the start: given to `send` = passed + added - lost - held. */
+  /** Since the start: sent = passed + added - lost - held. */
   FaultedPackets counts() const;
 
  private:
@@ -37,8 +36,8 @@ class RelayChannel {
 
   const LoopConfig config_;
   std::optional<impair::Channel> channel_;
-  FaultedPackets before_{};  ///< of the channels before this one
-  std::uint64_t cut_{0};     ///< came out too short to be a packet
+  FaultedPackets before_{};  ///< of earlier channels
+  std::uint64_t cut_{0};     ///< outputs too short to be a packet
   std::uint32_t impairment_{0};
 };
 

@@ -11,13 +11,13 @@ namespace raven2_trainer {
 
 /** The shown part of one tick of a recorded session. */
 struct ReplayFrame {
-  std::uint32_t replay{};                             ///< Request::plan of its replay; 0 whichever there is
-  std::uint8_t is_last{};                             ///< 1: the recording is over, the rest means nothing
+  std::uint32_t replay{};                             ///< Request::plan of its replay; 0: any replay
+  std::uint8_t is_last{};                             ///< 1: the recording has ended, the rest is invalid
   PerArm<JointArray> q{};                             ///< [rad; m] of the model's arms
   std::array<RigidPose, kMaxSceneBodies> bodies_W{};  ///< as ModelState::bodies
 };
 static_assert(std::is_trivially_copyable<ReplayFrame>::value, "travels in a ring");
 
-constexpr std::size_t kReplayFrames = 1024;  ///< that wait to be shown: a second
+constexpr std::size_t kReplayFrames = 1024;  ///< capacity of the ring: a second
 
 }  // namespace raven2_trainer

@@ -8,39 +8,38 @@
 
 namespace raven2_trainer {
 
-/** States, hold and free; all else moves something. */
+/** Whether a command is an order (state, hold, free); the others are motions. */
 constexpr bool isOrder(ServoKind kind) noexcept {
   return kind == ServoKind::kState || kind == ServoKind::kHold || kind == ServoKind::kFree;
 }
 
-/** An order, and how many motions were asked for before it. */
+/** An order, and the number of motions before it. */
 struct ServoOrder {
   ServoCommand command{};
   std::uint64_t behind{};
 };
 
 /**
- * Commands of CRTK clients. Orders have their own ring, so that no flood of motions delays or displaces a pause;
- * each says which motions it was given behind. One producer thread, one consumer thread. Real-time safe.
+ * Commands of CRTK clients. Orders have a separate ring, so that no flood of motions delays or displaces a pause.
+ * One producer thread, one consumer thread. Real-time safe.
  */
 class ServoQueue {
  public:
   static constexpr std::size_t kOrders = 64, kMotions = 256;
 
-  /** @return false if there is no room: dropped and counted. */
+  /** @return false if full; the command is dropped and counted. */
   bool tryPush(const ServoCommand& command) noexcept {
     return isOrder(command.kind) ? orders_.tryPush({command, asked()}) : motions_.tryPush(command);
   }
 
-  /** Motions asked for since the start. Read before orders are taken: what it counts was asked for before any order
-   * that is not there yet. */
+  /** Motions pushed since the start. Read it before popOrder(): they precede every order that arrives later. */
   std::uint64_t asked() const noexcept { return motions_.counts().pushed; }
-  /** Motions taken since the start: the number of the next one. */
+  /** Motions taken since the start; also the number of the next motion. */
   std::uint64_t taken() const noexcept { return motions_.counts().taken; }
   bool popOrder(ServoOrder* order) noexcept { return orders_.tryPop(order); }
   bool popMotion(ServoCommand* command) noexcept { return motions_.tryPop(command); }
 
-  /** Of both rings. Any thread. */
+  /** Sums of both rings. Any thread. */
   RingCounts counts() const noexcept {
     const RingCounts orders = orders_.counts();
     RingCounts sum = motions_.counts();

@@ -31,7 +31,7 @@ namespace raven2_trainer {
 struct SharedState {
   /** With new record queues. */
   SharedState() : SharedState(std::make_unique<RecordRings>()) {}
-  /** With record queues elsewhere, which must outlive it. */
+  /** With external record queues, which must outlive it. */
   explicit SharedState(RecordRings* queues)
       : records(*queues),
         tick_records(records.ticks),
@@ -58,7 +58,7 @@ struct SharedState {
   StateCell<FaultPlan> faults;
   // written by physics: the newest answer of the planner, cancelled ones included
   StateCell<PlanResult> last_plan;
-  // written by physics: how the newest execution of a plan went
+  // written by physics: result of the newest execution of a plan
   StateCell<ExecutionReport> last_execution;
   // written by physics: the newest events of the exercise
   StateCell<ExerciseNews> exercise_news;
@@ -66,22 +66,22 @@ struct SharedState {
   StateCell<ServoState> servo;
   // counted up by ros: Request::id of the next request that wants an answer
   std::atomic<std::uint32_t> next_request{kOwnRequestIds + 1};
-  // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest picture; 0 none yet
+  // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest image; 0: no image yet
   StateCell<std::int64_t> real_picture_ns;
-  // written by ros: 1 while somebody looks at a live picture, or asks where its camera is
+  // written by ros: 1 while a client uses a live image or its camera's pose
   StateCell<std::uint8_t> picture_watched;
-  // written by ros: 1 while somebody looks at the stereo pair
+  // written by ros: 1 while a client uses the stereo pair
   StateCell<std::uint8_t> stereo_watched;
-  // written by planner: the tip's path of the newest plan that succeeded
+  // written by planner: the tip's path of the newest successful plan
   StateCell<GuidePath> guide_path;
   // written by ingest
   StateCell<LinkCounts> master_link;
   StateCell<StreamFinding> master_stream;
-  // written by ingest: of pedal packets
+  // written by ingest: counts of pedal packets
   StateCell<LinkCounts> pedal_link;
   // written by robot_link
   StateCell<LinkCounts> robot_link;
-  // written by robot_link: frame version for which the robot was refused, major << 8 | minor; 0 none
+  // written by robot_link: the robot's frame version if it was refused, major << 8 | minor; else 0
   StateCell<std::uint16_t> robot_version_refused;
   // written by robot_link: 1 while the robot refuses our fault plan
   StateCell<std::uint8_t> plan_refused;
@@ -109,10 +109,10 @@ struct SharedState {
   SpscRing<Request, 32> pedal_requests;
   // ros (crtk) -> physics
   ServoQueue servo_commands;
-  // physics -> ros (crtk): those that did nothing
+  // physics -> ros (crtk): refused commands
   SpscRing<ServoRefused, 256> servo_refused;
-  // physics -> ros: what became of requests, each once, but for the daemon's own; not counted: without a ROS master
-  // nobody reads them, and who asked for nothing gets none
+  // physics -> ros: one answer to each request, except the daemon's own; not counted, because without a ROS master
+  // nobody reads them
   SpscRing<RequestAnswer, 64> answers;
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_answers;
   SpscRing<ExecutionReport, 8> execution_answers;
@@ -124,16 +124,16 @@ struct SharedState {
   SpscRing<PlanRequest, kMaxPlansUnderWay> plan_requests;
   // planner -> physics
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_results;
-  // physics -> planner: nobody waits for this plan any more. By PlanRequest::serial, modulo: of those under way each
-  // has its own. Cleared before the request goes into its ring; the planner sets them all when the program ends.
+  // physics -> planner: the plan is cancelled. The index is PlanRequest::serial modulo the size, so that all pending
+  // plans differ. physics clears a flag before it pushes the request; the planner sets all when the program ends.
   std::array<std::atomic<bool>, kMaxPlansUnderWay> plan_cancelled{};
   // physics -> sender
   SpscRing<RelayPacket, 256> relay_packets;
   // haptic -> sender
   SpscRing<ForcePacket, 256> force_packets;
-  // player -> physics; not counted: what is left of a replay that was given up is thrown away
+  // player -> physics; not counted: frames of an aborted replay are discarded
   SpscRing<ReplayFrame, kReplayFrames> replay_frames;
-  // the queues to the recorder (RecordRings says who fills which)
+  // the queues to the recorder (RecordRings names their producers)
   RecordRings& records;
   RecordRing<TickRecord, 2048>& tick_records;
   RecordRing<HapticRecord, 2048>& haptic_records;
@@ -148,10 +148,10 @@ struct SharedState {
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;       // physics
-  Counter master_overruled;  // physics: of the console, while a client held the pedal
-  Counter servo_made;        // physics: commands that what clients ask for became
-  Counter efforts_made;      // physics: requests that the forces clients ask for became
-  Counter servo_unread;      // ros: messages of clients that no command could be made of
+  Counter master_overruled;  // physics: the console's, while a client held the pedal
+  Counter servo_made;        // physics: commands made from clients' motion
+  Counter efforts_made;      // physics: requests made from clients' forces
+  Counter servo_unread;      // ros: clients' messages that are no valid command
   Counter ik_clamped;        // physics
   Counter relay_sent;        // sender
   Counter force_sent;        // sender
@@ -159,9 +159,9 @@ struct SharedState {
   Counter sight_sent;        // sight
 
   Counter contacts_dropped;      // physics: beyond the longest list
-  Counter fault_changes_lost;    // robot_link: missing between those that came
-  Counter fault_changes_unreported;  // physics: more in a tick than its engines keep
-  Counter relay_failed;          // sender: the system did not take it
+  Counter fault_changes_lost;    // robot_link: gaps in the received numbers
+  Counter fault_changes_unreported;  // physics: beyond the engines' capacity in a tick
+  Counter relay_failed;          // sender: the system did not send it
   Counter relay_released;        // sender: its own pedal-up packets
   Counter force_failed;          // sender
   Counter force_silent;          // sender: its own zero forces
@@ -184,7 +184,7 @@ inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexc
           s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
 }
 
-/** The counters that live in the shared state; the owner of links and loops adds theirs. Any thread. */
+/** The counters in the shared state; the caller adds those of links and loops. Any thread. */
 inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   SessionCounts c;
   c.master_used = s.master_used.value();

@@ -8,12 +8,12 @@
 
 namespace raven2_trainer::loop {
 
-constexpr Tick kPicturePeriod = 33;  ///< [1 ms] 30 pictures a second
+constexpr Tick kPicturePeriod = 33;  ///< [1 ms] 30 views a second
 
 /**
- * A surgeon's view of the model and news of the robot.
- * @param[in] free_bodies Bodies of ModelState::bodies ahead of those that can break off.
- * @param[in] sequence Number of the picture. Real-time safe.
+ * The simulated surgeon's view of model and robot. Real-time safe.
+ * @param[in] free_bodies Number of free bodies: the first ones of ModelState::bodies.
+ * @param[in] sequence Number of the view.
  */
 Sight sightOf(const ModelState& model,
               const RobotState& robot,
