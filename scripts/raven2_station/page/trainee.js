@@ -5,6 +5,8 @@ import { ACTIONS, Hands, loadKeys, saveKeys } from "/static/input.js";
 
 const PERIOD_MS = 16;
 const NOTICEABLE = 0.5;  // [N] as in doc/scores.md
+const REFUSED_MS = 700;  // a held pedal counts within 100 ms, on a busy computer a little later
+const PEDAL_TEXTS = { yes: "Pedal DOWN", no: "Pedal up", refused: "Let the pedal go, then press it again" };
 const picture = new Picture(byId("picture"));
 const screen = byId("screen");
 const keys = loadKeys();
@@ -14,9 +16,10 @@ let me = null;
 let steps = {};
 let drives = false;
 let mode = "";
+let pedalCounts = false;  // as the trainer sees it
+let downSince = null;     // [ms] the pedal is held on this page
 let lastPicture = 0;
 let lastSent = performance.now();
-let wasDown = false;
 
 const link = new Link("trainee", {
   hello: (m) => { me = m.number; },
@@ -35,6 +38,7 @@ const link = new Link("trainee", {
 
 function showMode(message) {
   mode = message.mode;
+  pedalCounts = message.pedal;
   byId("mode").textContent = message.text;
   const banner = byId("banner");
   const text = mode === "stopped" ? "STOPPED" : mode === "paused" ? "PAUSED" : "";
@@ -138,11 +142,16 @@ screen.addEventListener("blur", release);
 window.addEventListener("pagehide", release);
 document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
 
+// A pedal does not count while the robot is not ready, nor again after it came up by itself (a page or computer that
+// stalled) until it is pressed anew. The page says so, for the key is held and nothing moves.
 function showPedal(isDown) {
-  if (isDown === wasDown && byId("pedal").textContent) return;
-  wasDown = isDown;
-  byId("pedal").dataset.down = isDown ? "yes" : "no";
-  byId("pedal").textContent = isDown ? "Pedal DOWN" : "Pedal up";
+  const now = performance.now();
+  downSince = isDown ? downSince ?? now : null;
+  const isRefused = isDown && !pedalCounts && now - downSince > REFUSED_MS;
+  const shown = isRefused ? "refused" : isDown ? "yes" : "no";
+  if (byId("pedal").dataset.down === shown) return;
+  byId("pedal").dataset.down = shown;
+  byId("pedal").textContent = PEDAL_TEXTS[shown];
 }
 
 setInterval(() => {
