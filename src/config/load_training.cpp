@@ -30,7 +30,8 @@ void checkTrainee(const std::string& id) {
 /** Scene first: the exercise speaks of its parts by name. */
 void readExercise(TrainerConfig* c) {
   const std::string file = namedFile(c->exercises, c->exercise_name, "exercise", {"none"});
-  const std::string scene = namedFile(c->scenes, Section::fromFile(file).text("scene"), "scene", {});
+  Section exercise = Section::fromFile(file);
+  const std::string scene = namedFile(c->scenes, exercise.text("scene"), "scene", {}, exercise.where("scene"));
   c->files.insert(c->files.end(), {file, scene});
   c->roles = loadScene(scene);
   c->exercise = loadExercise(file, c->roles);

@@ -23,11 +23,12 @@ std::vector<std::string> namesIn(const std::string& folder) {
 std::string namedFile(const std::string& folder,
                       const std::string& name,
                       const char* what,
-                      const std::vector<std::string>& besides) {
+                      const std::vector<std::string>& also,
+                      const std::string& place) {
   std::vector<std::string> names = namesIn(folder);
   if (std::find(names.begin(), names.end(), name) != names.end()) return (fs::path(folder) / (name + ".yaml")).string();
-  names.insert(names.begin(), besides.begin(), besides.end());
-  throw ConfigException(unknownName(what, name, names));
+  names.insert(names.begin(), also.begin(), also.end());
+  throw ConfigException((place.empty() ? "" : place + ": ") + unknownName(what, name, names));
 }
 
 }  // namespace raven2_trainer::config

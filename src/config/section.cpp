@@ -160,7 +160,7 @@ std::string Section::placeOf(const std::string& key, const std::string& otherwis
 
 YAML::Node Section::find(const std::string& key) {
   const YAML::Node value = (*node_)[key];
-  if (!value.IsDefined() || value.IsNull()) throw ConfigException(where(key) + " is missing" + hintAt(key));
+  if (!value.IsDefined() || value.IsNull()) throw ConfigException(missing(key));
   read_.insert(key);
   return value;
 }
@@ -318,13 +318,15 @@ std::string Section::yaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
-/** For the message about a missing key: an unread key of almost that name, which may be it mistyped. */
-std::string Section::hintAt(const std::string& key) const {
-  std::vector<std::string> unread;
-  for (const std::string& each : keys())
-    if (read_.count(each) == 0) unread.push_back(each);
-  const std::string nearest = nearestName(key, unread);
-  return nearest.empty() ? "" : ": is it \"" + shown(nearest) + "\"?";
+/** An unread key of almost that name is taken for it, mistyped. */
+std::string Section::missing(const std::string& key) const {
+  for (const auto& entry : *node_) {
+    const std::string each = entry.first.IsScalar() ? entry.first.Scalar() : "";
+    if (read_.count(each) > 0 || nearestName(key, {each}).empty()) continue;
+    return placeOf(each, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(each) + hintOf(key) + " (" +
+           key + " is missing)";
+  }
+  return where(key) + " is missing";
 }
 
 void Section::finish() const {

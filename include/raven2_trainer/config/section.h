@@ -76,7 +76,7 @@ class Section {
   Section with(const std::string& key, const YAML::Node& value) const;
   /** "FILE:LINE: ", or the source of what was put there, above or below: "SOURCE: ". */
   std::string placeOf(const std::string& key, const std::string& otherwise) const;
-  std::string hintAt(const std::string& key) const;
+  std::string missing(const std::string& key) const;
   YAML::Node find(const std::string& key);
   std::size_t choiceOf(const std::string& key, const std::vector<std::string>& names);
   template <typename Array>

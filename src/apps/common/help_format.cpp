@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t kColumn = 28;  // [characters] where descriptions begin
 constexpr std::size_t kWidth = 72;   // [characters] of a description: 100 columns in all
 constexpr double kNoLimit = 1e15;    // a larger upper limit does not help a reader
+constexpr std::size_t kMostExcluded = 3;
 
 /** CLI11 joins the type and the checks' descriptions by colons: "FLOAT:FLOAT in [0 - 1]", "TEXT:{on,off}". */
 std::vector<std::string> partsOf(const CLI::Option& option) {
@@ -56,13 +57,22 @@ std::string namesOf(const std::set<CLI::Option*>& options) {
   return names;
 }
 
+/** Options that it refuses, but for those that list it among many others: they say it once for all. */
+std::set<CLI::Option*> excludedBy(const CLI::Option& option) {
+  std::set<CLI::Option*> excluded;
+  for (CLI::Option* each : option.get_excludes())
+    if (each->get_excludes().size() <= kMostExcluded || option.get_excludes().size() > kMostExcluded)
+      excluded.insert(each);
+  return excluded;
+}
+
 /** "(0 to 86400; default 30; only with --replay)", or nothing. */
 std::string notesOf(const CLI::Option& option) {
   std::vector<std::string> notes;
   if (const std::string range = rangeOf(option); !range.empty()) notes.push_back(range);
   if (!option.get_default_str().empty()) notes.push_back("default " + option.get_default_str());
   if (!option.get_needs().empty()) notes.push_back("only with " + namesOf(option.get_needs()));
-  if (!option.get_excludes().empty()) notes.push_back("not with " + namesOf(option.get_excludes()));
+  if (const auto excluded = excludedBy(option); !excluded.empty()) notes.push_back("not with " + namesOf(excluded));
   if (option.get_required() && !option.get_positional()) notes.emplace_back("required");
   std::string text;
   for (const std::string& note : notes) text += (text.empty() ? " (" : "; ") + note;

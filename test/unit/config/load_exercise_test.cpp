@@ -283,7 +283,7 @@ TEST_F(LoadExercise, EveryOtherKeyIsDemanded) {
 
 TEST_F(LoadExercise, WrongHeadsAreRefused) {
   expectRefused(with("number: 7", "number: 7\nnumbre: 8"), 4, "unknown key numbre: did you mean \"number\"?");
-  expectRefused(with("number: 7", "numbre: 7"), 1, "number is missing: is it \"numbre\"?");
+  expectRefused(with("number: 7", "numbre: 7"), 3, "unknown key numbre: did you mean \"number\"? (number is missing)");
   expectRefused(with("name: probe", "name: other"), 1, "name is not the file's name");
   expectRefused(with("name: probe", "name: Probe!"), 1, "is no name");
   expectRefused(with("title: A test", "title: \"\""), 2, "title is empty");

@@ -83,7 +83,8 @@ TEST_F(LoadTraining, AnUnknownNameIsRefusedWithTheKnownOnes) {
   std::ofstream(folder_ / "exercises/notes.txt") << "no exercise\n";
   EXPECT_EQ(message({"pres", "", "", ""}), "raven2_trainer: no exercise is called \"pres\": did you mean \"press\"?");
   EXPECT_EQ(message({"hop", "", "", ""}), "raven2_trainer: no exercise is called \"hop\"; known: none, press");
-  EXPECT_EQ(message({"press", "", "", ""}), "raven2_trainer: no scene is called \"box\"; known: none");
+  EXPECT_EQ(message({"press", "", "", ""}), "raven2_trainer: " + (folder_ / "exercises/press.yaml").string() +
+                                                ":1: scene: no scene is called \"box\"; known: none");
   EXPECT_EQ(message({"", "", "", "basics"}), "raven2_trainer: no curriculum is called \"basics\"; known: none");
   set("exercise", "hop");
   EXPECT_EQ(message(), "raven2_trainer: no exercise is called \"hop\"; known: none, press");

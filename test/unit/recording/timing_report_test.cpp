@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 namespace raven2_trainer::recording {
 namespace {
@@ -36,6 +37,22 @@ TEST(TimingVerdict, LostTimeAndNoTicksFail) {
   EXPECT_FALSE(judgeTiming(slipped, timing(1000, 0)).pass);
   EXPECT_FALSE(judgeTiming(LoopTiming{}, timing(1000, 0)).pass);
   EXPECT_FALSE(judgeTiming(timing(1000, 0), LoopTiming{}).pass);
+}
+
+TEST(TimingVerdict, AFailureSaysItsReasonAndNothingGood) {
+  LoopTiming slipped = timing(1000, 0);
+  slipped.time_slips = 1;
+  const auto lastLine = [](const LoopTiming& loop, const LoopTiming& bare) {
+    const std::string text = timingText("physics", loop, bare);
+    EXPECT_EQ(text.find("good"), std::string::npos);
+    return text.substr(text.rfind('\n', text.size() - 2) + 1);
+  };
+  EXPECT_EQ(lastLine(timing(1000, 0), timing(1000, 0)), "  pass\n");
+  EXPECT_EQ(lastLine(timing(1000, 30), timing(1000, 0)), "  FAIL: more ticks missed than allowed\n");
+  EXPECT_EQ(lastLine(slipped, timing(1000, 0)), "  FAIL: the loop was so late that it gave up time\n");
+  EXPECT_EQ(lastLine(LoopTiming{}, timing(1000, 0)), "  FAIL: nothing was measured\n");
+  EXPECT_EQ(lastLine(timing(1000, 100), timing(1000, 99)),
+            "  pass, but only 90.0 % of the ticks are on time, and bare threads are no better\n");
 }
 
 TEST(TimingReport, DrawsALineForEveryOctaveThatOccurred) {
