@@ -8,10 +8,10 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CHECK = ROOT / "scripts/check_prose"
-# What has been rewritten so far; the rest follows: pages, headers of include/.
-PAGES = ("crtk execution exercises glossary hardware hazards impairment index modes raven2 report ros scores session sources station streams usb_faults "
+# What has been rewritten so far; the rest follows.
+PAGES = ("campaign crtk execution exercises glossary hardware hazards impairment index modes raven2 report ros scores session sources station streams usb_faults "
          "virtual_raven wire tutorials/educator tutorials/engineer tutorials/researcher tutorials/surgeon_assistant").split()
-FOLDERS = ("src", "scripts", "launch", "config")
+FOLDERS = ("include", "src", "scripts", "launch", "config")
 PLAIN = ["README.md", "CHANGELOG.md", *(f"doc/{name}.md" for name in PAGES), *sorted(
     str(p.relative_to(ROOT)) for folder in FOLDERS for p in (ROOT / folder).rglob("*")
     if p.is_file() and not {"__pycache__", "page"} & set(p.parts) and p.suffix not in {".json", ".rviz", ".pyc", ".csv"})]

@@ -17,16 +17,16 @@ class PedalBeat {
 
   /** Call once a millisecond. @return the packet to send now, if any. */
   std::optional<PedalState> tick(std::uint32_t held) noexcept {
-    const bool is_change = held != told_.held;
-    if (told_.sequence == 0 && !is_change) return std::nullopt;
+    const bool is_change = held != sent_.held;
+    if (sent_.sequence == 0 && !is_change) return std::nullopt;
     if (!is_change && ++since_ < kPeriod) return std::nullopt;
     since_ = 0;
-    told_ = {told_.sequence + 1, held};
-    return told_;
+    sent_ = {sent_.sequence + 1, held};
+    return sent_;
   }
 
  private:
-  PedalState told_{};
+  PedalState sent_{};
   int since_{0};  ///< [ticks]
 };
 

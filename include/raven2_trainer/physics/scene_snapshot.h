@@ -38,6 +38,6 @@ struct SceneSnapshot {
   std::uint32_t parked_count{};
   std::array<Contact, kMaxParkedContacts> parked{};  ///< contacts that hold parked bodies
 };
-static_assert(std::is_trivially_copyable<SceneSnapshot>::value, "kept beside a trial");
+static_assert(std::is_trivially_copyable<SceneSnapshot>::value, "copied with a trial");
 
 }  // namespace raven2_trainer::physics
