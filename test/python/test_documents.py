@@ -385,3 +385,16 @@ def test_sections_that_are_cited_are_there():
 def test_citations_are_read_over_line_breaks():
     assert citations("// (raven2.md\n// 3.4, 5.1)") == [("raven2", "3.4"), ("raven2", "5.1")]
     assert citations("doc/model.md says 3 things") == []
+
+
+def test_each_file_to_touch_has_the_example_of_its_row():
+    """CONTRIBUTING: `git grep -niE EXAMPLE FILES` shows a newcomer where the lines go."""
+    table = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("| you want to add |")[1].split("\n\n")[0]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
+    assert len(rows) == 12
+    for what, files, example in (row for row in rows if row[2]):
+        named = re.findall(r"`([^` ]+/[^` ]+\.\w+)`", files)
+        assert len(named) >= 3, what
+        for name in named:
+            path = next(path for path in (ROOT / name, ROOT / "include/raven2_trainer" / name) if path.exists())
+            assert re.search(example.strip("`"), name + path.read_text(encoding="utf-8"), re.I), (what, name, example)
