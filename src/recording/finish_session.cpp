@@ -239,6 +239,7 @@ ScoredSession scoreRecorded(const std::string& directory, const ScoringOptions& 
   scored.band = loadBand(config, options);
   if (config.curriculum != "none") scored.curriculum = config::findCurriculum(config.curricula, config.curriculum);
   training::ScoreSettings settings = scoreSettings(config, session::readLogHeader(paths.log()), scored);
+  if (!options.band.empty()) settings.band_file = fs::absolute(options.band).string();
   const auto giveUpIfAsked = [&] {
     if (options.cancelled && options.cancelled()) throw ScoringCancelled{};
   };

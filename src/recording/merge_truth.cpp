@@ -21,6 +21,21 @@ std::uint64_t framesOf(const session::SessionPaths& paths) {
   return has_frames ? json["frames"].get<std::uint64_t>() : 0;
 }
 
+std::string textAt(const nlohmann::json& json, const char* key) {
+  const bool has_text = json.is_object() && json.contains(key) && json[key].is_string();
+  return has_text ? json[key].get<std::string>() : "";
+}
+
+/** score_session may have been given another trainee or band than the session's: they stay. */
+ScoringOptions earlierOptions(const session::SessionPaths& paths) {
+  std::ifstream in(paths.score());
+  const auto json = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
+  ScoringOptions options;
+  options.trainee = textAt(json, "trainee");
+  if (json.is_object() && json.contains("band")) options.band = textAt(json["band"], "file");
+  return options;
+}
+
 training::TruthMerge mergeInto(const session::SessionPaths& paths, const std::string& file, training::TruthBy by) {
   const training::TruthMerge merged = training::mergeUsbTruth(file, paths, by);
   training::SessionMetrics metrics = training::computeMetrics(paths.log());
@@ -43,7 +58,7 @@ training::TruthMerge mergeTruth(const std::string& directory, const std::string&
   // A remembered file is of this host, where one clock says which run it is of.
   const auto by = file.empty() ? training::TruthBy::kClockAlone : training::TruthBy::kClockOrCommands;
   const training::TruthMerge merged = mergeInto(paths, truth, by);
-  if (session::readLogHeader(paths.log()).exercise != "none") scoreRecorded(directory, {});
+  if (session::readLogHeader(paths.log()).exercise != "none") scoreRecorded(directory, earlierOptions(paths));
   return merged;
 }
 

@@ -159,6 +159,7 @@ Json describeBand(const ScoreSettings& settings) {
   return {{"origin", band->origin},
           {"sessions", band->sessions},
           {"least_spread", band->least_spread},
+          {"file", settings.band_file.empty() ? Json(nullptr) : Json(settings.band_file)},
           {"deviations", settings.standard.deviations}};
 }
 

@@ -170,3 +170,20 @@ def test_without_a_file_the_one_that_the_session_remembers_is_taken(session, tic
     assert report.returncode == 0, report.stderr
     assert read(session, "faults.json")["injections"], "the report merged it"
     assert "sudden jump" in (tmp_path / "page.html").read_text()
+
+
+def test_trainee_and_band_given_by_hand_stay(tmp_path):
+    session = tmp_path / "session"
+    subprocess.run([PROGRAMS / "simulate", "--exercise", "pick_hand_over_place", "--hazard", "none", "--seconds", "4", "--homing", "quick",
+                    "--output", session], capture_output=True, check=True)
+    band = shutil.copy(ROOT / "config/bands/pick_hand_over_place.yaml", tmp_path / "ours.yaml")
+    subprocess.run([PROGRAMS / "score_session", session, "--trainee", "kim", "--band", band], capture_output=True, check=True)
+    before = read(session, "score.json")
+    ticks = raven2_session.Session(str(session)).log.ticks
+    at = begin_of(ticks)
+    done = merge(session, write(tmp_path / "truth.json", truth_of(moment(ticks, at), moment(ticks, at + 300))))
+    assert done.returncode == 0, done.stderr
+    after = read(session, "score.json")
+    assert (after["trainee"], after["band"]) == (before["trainee"], before["band"])
+    assert before["trainee"] == "kim" and before["band"]["file"] == str(band)
+    assert after["hazards"] and not before["hazards"], "scored with the truth"

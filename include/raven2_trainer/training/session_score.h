@@ -22,6 +22,7 @@ struct ScoreSettings {
   HandConfig hand;                    ///< mass, stiffness, damping: what forces explain of its motion
   ResponseRule response;              ///< to a hazard
   Standard standard;                  ///< of its attempts
+  std::string band_file;              ///< given by hand; empty: the session's own band
   WayPlanner plan;                    ///< of transits; none: no economy
   /** Called with every tick that is read, up to three times each; what it throws ends the scoring. May be empty. */
   std::function<void()> on_tick;

@@ -73,7 +73,7 @@ bool isSafer(const ServoCommand& command) noexcept {
 CrtkAsked unlessOld(const CrtkAsked& asked, const CrtkOrigin& origin) {
   if (!asked.command || isSafer(*asked.command)) return asked;
   if (origin.may_be_stored)
-    return refuse(*asked.command, origin.publisher + " latches, and may have said so long ago; say it again");
+    return refuse(*asked.command, origin.publisher + " latches its topic, so the message may be old; send it again");
   const double age = origin.stamp.isZero() ? 0.0 : (origin.now - origin.stamp).toSec();
   if (age <= kOldest) return asked;
   char text[128];

@@ -82,7 +82,7 @@ TEST(CrtkAge, WhatMayBeStoredIsRefusedUnlessItMakesTheArmsSafer) {
   const CrtkOrigin stored{"/circle", true, {}, ros::Time(100.0)};
   const CrtkAsked asked = unlessOld(readState(Arm::kGold, "enable"), stored);
   EXPECT_FALSE(asked.command);
-  EXPECT_EQ(asked.refusal, "state_command: /circle latches, and may have said so long ago; say it again");
+  EXPECT_EQ(asked.refusal, "state_command: /circle latches its topic, so the message may be old; send it again");
   for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kServoJawBy, ServoKind::kMoveJoints})
     EXPECT_FALSE(unlessOld(of(kind), stored).command);
   for (const std::string word : {"resume", "home"})
