@@ -322,7 +322,7 @@ std::string Section::yaml() const {
 std::string Section::missing(const std::string& key) const {
   for (const auto& entry : *node_) {
     const std::string each = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    if (read_.count(each) > 0 || nearestName(key, {each}).empty()) continue;
+    if (each == key || read_.count(each) > 0 || nearestName(key, {each}).empty()) continue;
     return placeOf(each, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(each) + hintOf(key) + " (" +
            key + " is missing)";
   }
