@@ -162,15 +162,18 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
     browser.click("drive")
     browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
-    before = tip(station)
     picture = driver.find_element(By.ID, "screen")
     ActionChains(driver).move_to_element(picture).click().perform()
     browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is the page's")
     time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
-    press_pedal(browser)
-    for _ in range(30):
-        ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
-    time.sleep(1.0)
+    for _ in range(3):  # again where a busy machine kept the page silent, so that the pedal came up
+        press_pedal(browser)
+        before = tip(station)
+        for _ in range(30):
+            ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
+        time.sleep(1.0)
+        if not is_refused(browser):
+            break
     after = tip(station)
     moved = [1e3 * (a - b) for a, b in zip(after, before)]
     assert moved[1] < -5.0 and abs(moved[0]) < 3.0 and abs(moved[2]) < 3.0, f"right is -y of the world: {moved} mm"
