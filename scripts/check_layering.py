@@ -45,7 +45,7 @@ RULES = {
                 r"pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|sys/|unistd\.h|time\.h"),
     "recording": (["core", "control", "config", "loop", "model", "planning", "session", "training", "render"],
                   PURE + r"|link\.h|nlohmann/"),
-    "lockstep": (["core", "config", "wire", "impair", "session", "raven", "console", "plant", "loop", "recording"], PURE),
+    "lockstep": (["core", "config", "wire", "impair", "model", "session", "raven", "console", "plant", "loop", "recording"], PURE),
     "robot": (["core", "config", "wire", "model", "net", "raven", "plant", "threads"], PURE),
     "daemon": (["core", "config", "wire", "model", "net", "session", "console", "physics", "render", "loop", "threads", "recording"],
                PURE),
@@ -57,6 +57,8 @@ RULES = {
     "ros": (["core", "kinematics", "control", "wire", "config", "console", "faults", "model", "net", "render", "session",
              "raven", "loop", "threads", "robot", "daemon"],
             PURE + r"|ros/|actionlib/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|turbojpeg\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(BeginReplay|CancelPlan|ExecutePlan|MoveArm[A-Z][a-z]+|Exercise(EventStamped|Progress)|Plan(Path|Execution|ning(Mode|Progress))|RepeatTrial|SessionConfiguration|StartHazard|TrainerMode)\.h"),
+    "python": (["core", "kinematics", "control", "config", "model", "session", "console", "physics", "render", "loop", "recording", "lockstep"],
+               PURE + r"|ode/|pybind11/|sys/mman\.h"),
     "apps": (None, None),  # anything
 }
 # System headers that a pure module must not reach, not even through our headers: clocks, threads, files, sockets, ROS.
@@ -67,7 +69,7 @@ IMPURE = re.compile(r"(chrono|thread|mutex|shared_mutex|condition_variable|futur
 
 # All of the configuration is seen where a whole is put together, and nowhere else.
 WHOLE = "raven2_trainer/config/trainer_config.h"
-ROOTS = re.compile(r"(include/raven2_trainer|src)/(config|daemon|lockstep|robot|recording|studies|campaign|apps)/"
+ROOTS = re.compile(r"(include/raven2_trainer|src)/(config|daemon|lockstep|robot|recording|studies|campaign|python|apps)/"
                    r"|src/ros/bridge/|include/raven2_trainer/ros/session_replay\.h")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')

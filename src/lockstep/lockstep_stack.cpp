@@ -29,15 +29,19 @@ constexpr std::uint64_t kArmedHere = std::uint64_t{1} << 31U;  // generations th
 }  // namespace
 
 struct LockstepStack::Impl {
-  Impl(const TrainerConfig& configuration, std::unique_ptr<console::MotionSource> source)
+  Impl(const TrainerConfig& configuration, std::unique_ptr<console::MotionSource> source, const StackParts& parts)
       : config(configuration),
-        raven(model::loadRavenModel(config)),
-        scene(model::loadSceneModel(config)),
-        shared(std::make_unique<SharedState>()),
+        has_robot(parts.has_robot),
+        own_raven(parts.raven ? parts.raven : std::make_shared<model::RavenModel>(model::loadRavenModel(config))),
+        own_scene(parts.scene ? parts.scene : std::make_shared<model::SceneModel>(model::loadSceneModel(config))),
+        raven(*own_raven),
+        scene(*own_scene),
+        shared(parts.records != nullptr ? std::make_unique<SharedState>(parts.records)
+                                        : std::make_unique<SharedState>()),
         hands(config.console, std::move(source)),
         ingest(config.network.itp, nullptr, shared.get()),
         faults(config, shared.get()),
-        physics(config, raven, scene, shared.get()),
+        physics(config, raven, scene, shared.get(), parts.trial_limit),
         haptic(config, shared.get()),
         link(config, shared.get()),
         planner(config, raven, scene, shared.get()),
@@ -45,7 +49,8 @@ struct LockstepStack::Impl {
         software(config.arms, config.virtual_raven),
         plant(raven, config.virtual_raven) {
     software.setDetector(config.detector);
-    connect();
+    if (has_robot) connect();
+    hands.setReady(!has_robot);
   }
 
   void connect() {
@@ -61,7 +66,7 @@ struct LockstepStack::Impl {
     faults.tick();
     physics.tick(now_ns);
     servePlanner();
-    stepRobot();
+    if (has_robot) stepRobot();
     haptic.tick(now_ns);
     deliverForce();
     refreshView();
@@ -184,7 +189,8 @@ struct LockstepStack::Impl {
     ForcePacket received;
     if (wire::decodeForce(bytes, size, &received) != Reject::kNone) return;
     hands.applyForce(received);
-    hands.setReady(received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp) && !isShowing());
+    const bool is_robot_ready = !has_robot || received.runlevel >= static_cast<std::uint8_t>(RunLevel::kPedalUp);
+    hands.setReady(is_robot_ready && !isShowing());
   }
 
   /** Shows this tick's picture to the surgeon of the next tick. */
@@ -219,8 +225,11 @@ struct LockstepStack::Impl {
   }
 
   const TrainerConfig config;
-  const model::RavenModel raven;
-  const model::SceneModel scene;
+  const bool has_robot;
+  const std::shared_ptr<const model::RavenModel> own_raven;
+  const std::shared_ptr<const model::SceneModel> own_scene;
+  const model::RavenModel& raven;
+  const model::SceneModel& scene;
   std::unique_ptr<SharedState> shared;
   // the console
   console::Console hands;
@@ -251,8 +260,10 @@ struct LockstepStack::Impl {
   std::uint64_t plans_armed{0};
 };
 
-LockstepStack::LockstepStack(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source)
-    : impl_(std::make_unique<Impl>(config, std::move(source))) {}
+LockstepStack::LockstepStack(const TrainerConfig& config,
+                             std::unique_ptr<console::MotionSource> source,
+                             const StackParts& parts)
+    : impl_(std::make_unique<Impl>(config, std::move(source), parts)) {}
 
 LockstepStack::~LockstepStack() = default;
 

@@ -8,11 +8,22 @@
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/core/state.h"
 #include "raven2_trainer/impair/impairment.h"
+#include "raven2_trainer/loop/physics_loop.h"
 #include "raven2_trainer/loop/shared_state.h"
+#include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/raven/control_software.h"
 #include "raven2_trainer/raven/raven_report.h"
 
 namespace raven2_trainer::lockstep {
+
+/** Optional parts of a stack. */
+struct StackParts {
+  std::shared_ptr<const model::RavenModel> raven;  ///< null: loaded for this stack alone
+  std::shared_ptr<const model::SceneModel> scene;  ///< the same
+  RecordRings* records{};                          ///< must outlive the stack; null: it has its own
+  bool has_robot{true};                            ///< false: no virtual Raven, the model moves alone
+  double trial_limit{loop::kTrialLimit};           ///< [s] longest virtual trial; each second takes 160 KB
+};
 
 /** Newest states of a lockstep run. */
 struct LockstepView {
@@ -32,7 +43,9 @@ struct LockstepView {
 class LockstepStack {
  public:
   /** ODE must be initialised. @throw ModelException. */
-  LockstepStack(const TrainerConfig& config, std::unique_ptr<console::MotionSource> source);
+  LockstepStack(const TrainerConfig& config,
+                std::unique_ptr<console::MotionSource> source,
+                const StackParts& parts = {});
   ~LockstepStack();
 
   /** One millisecond of everything. */

@@ -1,0 +1,151 @@
+"""The simulator of the Raven-II in Python (doc/python.md). Arms are in the order gold, green; SI units throughout."""
+
+from os import PathLike
+from types import TracebackType
+from typing import Any, Mapping, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Command = Union[None, Mapping[str, Any], ArrayLike]
+
+class ConfigError(ValueError):
+    """A setting that is not known, missing or out of its range."""
+
+class ModelError(RuntimeError):
+    """The robot's or the scene's description cannot be used."""
+
+class RenderError(RuntimeError):
+    """No OpenGL context, or it cannot draw."""
+
+class SessionError(RuntimeError):
+    """A session cannot be written."""
+
+class Snapshot:
+    """All state of one simulation."""
+
+    @property
+    def size(self) -> int:
+        """[bytes]"""
+
+class State:
+    """The newest state. Arrays are views of the simulation's memory: they change with each step and cannot be written."""
+
+    @property
+    def joints(self) -> NDArray[np.float64]:
+        """(2, 7) [rad; m for the insertion] joints of the model."""
+    @property
+    def joint_rates(self) -> NDArray[np.float64]:
+        """(2, 7) [rad/s; m/s]"""
+    @property
+    def torques(self) -> NDArray[np.float64]:
+        """(2, 7) [Nm; N] on the model's joints in the last tick."""
+    @property
+    def desired_joints(self) -> NDArray[np.float64]:
+        """(2, 7) [rad; m] where the commands lead."""
+    @property
+    def tips(self) -> NDArray[np.float64]:
+        """(2, 3) [m] tool tips of the model, each in its arm's base frame B."""
+    @property
+    def tip_velocities(self) -> NDArray[np.float64]:
+        """(2, 3) [m/s] in B."""
+    @property
+    def tip_rotations(self) -> NDArray[np.float64]:
+        """(2, 4) unit quaternions x, y, z, w of the tools in B."""
+    @property
+    def robot_joints(self) -> NDArray[np.float64]:
+        """(2, 7) [rad; m] joints that the robot reports; zeros without a robot."""
+    @property
+    def robot_tips(self) -> NDArray[np.float64]:
+        """(2, 3) [m] in B."""
+    @property
+    def true_joints(self) -> NDArray[np.float64]:
+        """(2, 7) [rad; m] true joints of the robot's plant; a copy."""
+    @property
+    def dac(self) -> NDArray[np.int32]:
+        """(2, 7) [counts] the robot's last motor commands."""
+    @property
+    def force(self) -> NDArray[np.float64]:
+        """(2, 3) [N] on the surgeon's hands, in B."""
+    @property
+    def error(self) -> NDArray[np.float64]:
+        """(2,) [m] distance of the model's tip from the robot's."""
+    @property
+    def objects(self) -> NDArray[np.float64]:
+        """(n, 7) [m; -] free objects in the world frame W: position, unit quaternion x, y, z, w."""
+    @property
+    def contacts(self) -> Sequence[int]:
+        """Contact points on each arm of the model."""
+    @property
+    def mode(self) -> str:
+        """Mode of the trainer (doc/modes.md)."""
+    @property
+    def runlevel(self) -> str:
+        """E-STOP, INIT, PEDAL_UP or PEDAL_DN."""
+    @property
+    def tick(self) -> int:
+        """[ms] since the beginning."""
+    @property
+    def session_tick(self) -> int:
+        """[ms] since the first pedal-down; -1 before."""
+    @property
+    def hazard(self) -> bool:
+        """Whether a hazard acts."""
+    @property
+    def exercise(self) -> Mapping[str, Any]:
+        """status: none, waiting, running, done or failed; attempt; steps_done; steps: their names."""
+
+class Simulation:
+    def __init__(self, exercise: Optional[str] = ..., hazard: Optional[str] = ..., seed: int = ...,
+                 config: Union[str, PathLike[str], None] = ..., robot: str = ..., motion: Optional[str] = ...,
+                 output: Union[str, PathLike[str], None] = ...) -> None: ...
+    def step(self, command: Command = ..., ticks: int = ...) -> None: ...
+    def start(self, limit: int = ...) -> int: ...
+    def save(self) -> Snapshot: ...
+    def restore(self, snapshot: Snapshot) -> None: ...
+    def inject(self, hazard: str) -> None: ...
+    def clear_hazards(self) -> None: ...
+    def render(self, camera: str = ..., width: int = ..., height: int = ...) -> NDArray[np.uint8]: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> "Simulation": ...
+    def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None: ...
+    @property
+    def state(self) -> State: ...
+    @property
+    def closed(self) -> bool: ...
+    @property
+    def cameras(self) -> Sequence[str]: ...
+    @property
+    def object_names(self) -> Sequence[str]: ...
+    @property
+    def memory(self) -> int: ...
+
+class VectorSimulation:
+    simulations: Sequence[Simulation]
+    joints: NDArray[np.float64]
+    joint_rates: NDArray[np.float64]
+    torques: NDArray[np.float64]
+    desired_joints: NDArray[np.float64]
+    tips: NDArray[np.float64]
+    tip_velocities: NDArray[np.float64]
+    tip_rotations: NDArray[np.float64]
+    robot_joints: NDArray[np.float64]
+    robot_tips: NDArray[np.float64]
+    force: NDArray[np.float64]
+    error: NDArray[np.float64]
+    objects: NDArray[np.float64]
+    def __init__(self, n: int, exercise: Optional[str] = ..., hazard: Optional[str] = ..., seed: int = ..., threads: Optional[int] = ...,
+                 **options: Any) -> None: ...
+    def __len__(self) -> int: ...
+    def step(self, commands: Union[None, Sequence[Command], NDArray[np.float64]] = ..., ticks: int = ...) -> None: ...
+    def start(self, limit: int = ...) -> None: ...
+    def close(self) -> None: ...
+
+class Kinematics:
+    def __init__(self, config: Union[str, PathLike[str], None] = ...) -> None: ...
+    def forward(self, arm: str, joints: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """joints (..., 7) -> tip p (..., 3) [m] and rotation R (..., 3, 3) in the arm's base frame B."""
+    def jacobian(self, arm: str, joints: ArrayLike) -> NDArray[np.float64]:
+        """joints (..., 7) -> (..., 6, 7): rows linear [m/s] and angular [rad/s] velocity of the tip in B."""
+    def inverse(self, arm: str, p: ArrayLike, R: ArrayLike, opening: float = ...) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """p (..., 3), R (..., 3, 3) -> joints (..., 8, 7), NaN where there is no solution, and whether each is one (..., 8)."""

@@ -1,0 +1,87 @@
+"""Simulations: console, daemon and virtual Raven in one process, stepped by a program."""
+
+import os
+import pathlib
+
+import numpy as np
+
+from . import _core
+
+
+def _root(config):
+    """The packaged configuration lies in the same prefix as this package, in the devel and in the install space."""
+    if config:
+        return os.fspath(config)
+    packaged = pathlib.Path(__file__).parents[4] / "share/raven2_trainer/config/trainer.yaml"
+    return str(packaged) if packaged.exists() and "RAVEN2_TRAINER_SHARE" not in os.environ else ""
+
+
+class Kinematics(_core.Kinematics):
+    """Forward and inverse kinematics and Jacobian of a root configuration's arms; arrays of any leading axes."""
+
+    def __init__(self, config=None):
+        super().__init__(_root(config))
+
+
+class Simulation(_core.Simulation):
+    """Both arms, the scene and, with `robot="virtual"`, the robot's control software, 1 ms a tick.
+
+    exercise   name in config/exercises, or None
+    hazard     name in config/faults, or None; in an exercise it comes as its drill, else by its own trigger. "own": the exercise's
+    seed       of everything random; the same seed and commands give the same numbers, to the last bit
+    config     path of a root file like config/trainer.yaml; None: the packaged one
+    robot      "virtual": an emulated Raven follows the model; "none": the model alone, faster
+    motion     None: commands of step(); else a simulated surgeon, "scripted", "expert" or "clumsy:NAME"
+    output     directory of a recorded session; None: nothing is recorded
+    """
+
+    def __init__(self, exercise=None, hazard=None, seed=1, config=None, robot="virtual", motion=None, output=None):
+        if robot not in ("virtual", "none"):
+            raise ValueError(f"robot is {robot!r}, expected 'virtual' or 'none'")
+        if isinstance(seed, bool) or int(seed) != seed or not 0 <= seed < 2**64:
+            raise ValueError(f"seed is {seed!r}, expected a whole number from 0")
+        for name, value in (("exercise", exercise), ("hazard", hazard), ("motion", motion)):
+            if value is not None and not isinstance(value, str):
+                raise TypeError(f"{name} is {value!r}, expected a name or None")
+        super().__init__(exercise or "none", hazard or "none", int(seed), _root(config), robot == "virtual", motion or "commands",
+                         os.fspath(output or ""))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+class VectorSimulation:
+    """n simulations side by side on all cores, seeds `seed` to `seed + n - 1`. Arrays have a first axis n."""
+
+    ARRAYS = ("joints", "joint_rates", "torques", "desired_joints", "tips", "tip_velocities", "tip_rotations", "robot_joints", "robot_tips",
+              "force", "error", "objects")
+
+    def __init__(self, n, exercise=None, hazard=None, seed=1, threads=None, **options):
+        if n < 1:
+            raise ValueError(f"n is {n}, expected at least 1")
+        self.simulations = [Simulation(exercise, hazard, seed + i, **options) for i in range(n)]
+        self._threads = threads or len(os.sched_getaffinity(0))
+
+    def __len__(self):
+        return len(self.simulations)
+
+    def step(self, commands=None, ticks=1):
+        """commands: None, a list of n commands, or an array of shape (n, 2, 7)."""
+        commands = [None] * len(self) if commands is None else list(commands)
+        _core.step_all(self.simulations, commands, ticks, self._threads)
+
+    def start(self, limit=20000):
+        for simulation in self.simulations:
+            simulation.start(limit)
+
+    def __getattr__(self, name):
+        if name not in self.ARRAYS:
+            raise AttributeError(name)
+        return np.stack([getattr(simulation.state, name) for simulation in self.simulations])
+
+    def close(self):
+        for simulation in self.simulations:
+            simulation.close()

@@ -1,0 +1,434 @@
+// The Python module raven2_trainer._core: simulations and kinematics as numpy arrays. doc/python.md.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <thread>
+
+#include "python/picture.h"
+#include "python/simulation.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/share_folder.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
+namespace py = pybind11;
+
+namespace raven2_trainer::python {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// ---- what callers pass
+
+std::vector<double> finiteNumbers(const py::handle& value, std::size_t count, const std::string& what) {
+  const auto array = Numbers::ensure(value);
+  if (!array || array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != count) {
+    PyErr_Clear();
+    throw std::invalid_argument(what + ": expected " + std::to_string(count) + " numbers");
+  }
+  std::vector<double> numbers(array.data(), array.data() + count);
+  for (const double number : numbers)
+    if (!std::isfinite(number)) throw std::invalid_argument(what + ": not a finite number");
+  return numbers;
+}
+
+template <typename Array>
+Array arrayOf(const py::handle& value, const std::string& what) {
+  Array array{};
+  const std::vector<double> numbers = finiteNumbers(value, array.size(), what);
+  std::copy(numbers.begin(), numbers.end(), array.begin());
+  return array;
+}
+
+ArmCommand armCommand(const py::handle& given, const std::string& arm) {
+  ArmCommand command;
+  if (!py::isinstance<py::dict>(given)) throw std::invalid_argument(arm + ": expected a dict");
+  for (const auto& [key, value] : py::cast<py::dict>(given)) {
+    const auto name = py::cast<std::string>(py::str(key));
+    const std::string what = arm + "/" + name;
+    if (name == "move") {
+      command.move_W = arrayOf<Vec3>(value, what);
+    } else if (name == "turn") {
+      command.turn_W = arrayOf<Vec3>(value, what);
+    } else if (name == "joints") {
+      command.joints = arrayOf<JointArray>(value, what);
+    } else if (name == "jaw") {
+      command.jaw = arrayOf<std::array<double, 1>>(py::make_tuple(value), what)[0];
+    } else {
+      throw std::invalid_argument(what + ": unknown key; known: move, turn, joints, jaw");
+    }
+  }
+  if (command.joints && (py::cast<py::dict>(given).size() > 1))
+    throw std::invalid_argument(arm + ": joints go alone, they have the jaws in them");
+  return command;
+}
+
+/** Rows gold and green: move [m], turn [rad], jaw [rad]. */
+StepCommand rowsCommand(const Numbers& rows) {
+  StepCommand command;
+  for (const Arm arm : kArms) {
+    const double* const row = rows.data(static_cast<py::ssize_t>(index(arm)), 0);
+    for (std::size_t i = 0; i < 7; ++i)
+      if (!std::isfinite(row[i])) throw std::invalid_argument("command: not a finite number");
+    ArmCommand& one = at(command.arms, arm);
+    std::copy(row, row + 3, one.move_W.begin());
+    std::copy(row + 3, row + 6, one.turn_W.begin());
+    one.jaw = row[6];
+  }
+  return command;
+}
+
+StepCommand stepCommand(const py::object& given) {
+  if (given.is_none()) return {};
+  if (!py::isinstance<py::dict>(given)) {
+    const auto rows = Numbers::ensure(given);
+    PyErr_Clear();
+    if (rows && rows.ndim() == 2 && rows.shape(0) == 2 && rows.shape(1) == 7) return rowsCommand(rows);
+    throw std::invalid_argument("command: expected None, a dict or an array of shape (2, 7)");
+  }
+  StepCommand command;
+  for (const auto& [key, value] : py::cast<py::dict>(given)) {
+    const auto name = py::cast<std::string>(py::str(key));
+    if (name == "gold" || name == "green") {
+      at(command.arms, name == "gold" ? Arm::kGold : Arm::kGreen) = armCommand(value, name);
+    } else if (name == "pedal") {
+      command.pedal = py::cast<bool>(py::bool_(py::reinterpret_borrow<py::object>(value)));
+    } else {
+      throw std::invalid_argument(name + ": unknown key; known: gold, green, pedal");
+    }
+  }
+  return command;
+}
+
+int demandTicks(int ticks) {
+  if (ticks < 1 || ticks > 1000000) throw std::invalid_argument("ticks: expected 1 to 1000000");
+  return ticks;
+}
+
+// ---- views
+
+/** Of numbers that lie in the simulation, which `owner` keeps alive; not to be written. */
+template <typename T>
+py::array view(const T* first,
+               std::vector<py::ssize_t> shape,
+               std::vector<py::ssize_t> strides,
+               const py::object& owner) {
+  py::array_t<T> array(std::move(shape), std::move(strides), first, owner);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return std::move(array);
+}
+
+template <typename Struct, typename Array>
+py::array perArm(const PerArm<Struct>& arms, const Array Struct::*member, const py::object& owner) {
+  const auto& first = arms[0].*member;
+  return view(first.data(), {2, static_cast<py::ssize_t>(first.size())},
+              {static_cast<py::ssize_t>(sizeof(Struct)), static_cast<py::ssize_t>(sizeof(first[0]))}, owner);
+}
+
+template <typename Array>
+py::array perArm(const PerArm<Array>& arms, const py::object& owner) {
+  return view(arms[0].data(), {2, static_cast<py::ssize_t>(arms[0].size())},
+              {static_cast<py::ssize_t>(sizeof(Array)), static_cast<py::ssize_t>(sizeof(double))}, owner);
+}
+
+/** The newest state of a simulation: numbers change with each step. */
+class State {
+ public:
+  explicit State(py::object owner) : owner_(std::move(owner)), simulation_(py::cast<Simulation&>(owner_)) {}
+
+  const ModelState& model() const { return simulation_.view().model; }
+  const RobotState& robot() const { return simulation_.view().robot; }
+  const HapticState& haptic() const { return simulation_.view().haptic; }
+  const py::object& owner() const { return owner_; }
+  const Simulation& simulation() const { return simulation_; }
+
+  py::array objects() const {
+    const std::size_t count = simulation_.scene().free_bodies.size();
+    return view(model().bodies[0].p.data(), {static_cast<py::ssize_t>(count), 7},
+                {static_cast<py::ssize_t>(sizeof(RigidPose)), static_cast<py::ssize_t>(sizeof(double))}, owner_);
+  }
+
+ private:
+  py::object owner_;
+  Simulation& simulation_;
+};
+static_assert(sizeof(RigidPose) == 7 * sizeof(double), "an object's row");
+
+std::vector<std::string> stepNames(const TrainerConfig& config) {
+  std::vector<std::string> names;
+  for (const ExerciseTrack& track : config.exercise.tracks)
+    for (const ExerciseStep& step : track.steps)
+      names.push_back(step.name);
+  return names;
+}
+
+py::dict exerciseOf(const State& state) {
+  const ExerciseState& exercise = state.model().exercise;
+  py::dict out;
+  out["status"] = kExerciseStatusNames[static_cast<std::size_t>(exercise.status)];
+  out["attempt"] = exercise.attempt;
+  out["steps_done"] = exercise.step > 0 ? exercise.step - 1 : 0;
+  out["steps"] = stepNames(state.simulation().config());
+  return out;
+}
+
+// ---- kinematics
+
+struct Kinematics {
+  ArmGeometry geometry;
+};
+
+Arm armOf(const std::string& name) {
+  if (name == "gold") return Arm::kGold;
+  if (name == "green") return Arm::kGreen;
+  throw std::invalid_argument("arm is \"" + name + "\", expected gold or green");
+}
+
+Numbers jointRows(const py::object& given) {
+  auto rows = Numbers::ensure(given);
+  PyErr_Clear();
+  if (!rows || rows.ndim() < 1 || rows.shape(rows.ndim() - 1) != 7)
+    throw std::invalid_argument("joints: expected an array whose last axis has 7 numbers");
+  return rows;
+}
+
+std::vector<py::ssize_t> leading(const py::array& array, int dropped, std::vector<py::ssize_t> added) {
+  std::vector<py::ssize_t> shape(array.shape(), array.shape() + array.ndim() - dropped);
+  shape.insert(shape.end(), added.begin(), added.end());
+  return shape;
+}
+
+JointArray rowOf(const double* numbers) {
+  JointArray q{};
+  std::copy(numbers, numbers + q.size(), q.begin());
+  return q;
+}
+
+py::tuple forwardOf(const Kinematics& self, const std::string& arm, const py::object& joints) {
+  const Numbers rows = jointRows(joints);
+  Numbers p(leading(rows, 1, {3})), R(leading(rows, 1, {3, 3}));
+  for (py::ssize_t i = 0; i < rows.size() / 7; ++i) {
+    const Pose pose = kinematics::forward(self.geometry, armOf(arm), rowOf(rows.data() + 7 * i));
+    for (int k = 0; k < 3; ++k)
+      p.mutable_data()[3 * i + k] = pose.p[k];
+    for (int k = 0; k < 9; ++k)
+      R.mutable_data()[9 * i + k] = pose.R(k / 3, k % 3);
+  }
+  return py::make_tuple(p, R);
+}
+
+Numbers jacobianOf(const Kinematics& self, const std::string& arm, const py::object& joints) {
+  const Numbers rows = jointRows(joints);
+  Numbers J(leading(rows, 1, {6, 7}));
+  for (py::ssize_t i = 0; i < rows.size() / 7; ++i) {
+    const kinematics::Jacobian one = kinematics::jacobian(self.geometry, armOf(arm), rowOf(rows.data() + 7 * i));
+    for (int k = 0; k < 42; ++k)
+      J.mutable_data()[42 * i + k] = one(k / 7, k % 7);
+  }
+  return J;
+}
+
+py::tuple inverseOf(const Kinematics& self,
+                    const std::string& arm,
+                    const py::object& given_p,
+                    const py::object& given_R,
+                    double opening) {
+  const auto p = Numbers::ensure(given_p), R = Numbers::ensure(given_R);
+  PyErr_Clear();
+  const bool fits = p && R && p.ndim() >= 1 && R.ndim() == p.ndim() + 1 && p.shape(p.ndim() - 1) == 3 &&
+                    R.shape(R.ndim() - 1) == 3 && R.shape(R.ndim() - 2) == 3 && R.size() == 3 * p.size();
+  if (!fits) throw std::invalid_argument("p, R: expected arrays of shapes (..., 3) and (..., 3, 3)");
+  if (!std::isfinite(opening)) throw std::invalid_argument("opening: not a finite number");
+  Numbers joints(leading(p, 1, {8, 7}));
+  py::array_t<bool> valid(leading(p, 1, {8}));
+  for (py::ssize_t i = 0; i < p.size() / 3; ++i) {
+    Pose pose;
+    for (int k = 0; k < 3; ++k)
+      pose.p[k] = p.data()[3 * i + k];
+    for (int k = 0; k < 9; ++k)
+      pose.R(k / 3, k % 3) = R.data()[9 * i + k];
+    kinematics::IkSolutions solutions{};
+    const bool is_sane =
+        pose.p.allFinite() && pose.R.allFinite() && (pose.R * pose.R.transpose() - Matrix3::Identity()).norm() < 1e-6;
+    if (is_sane) kinematics::inverseAll(self.geometry, armOf(arm), pose, opening, &solutions);
+    for (std::size_t s = 0; s < solutions.size(); ++s) {
+      valid.mutable_data()[8 * i + static_cast<py::ssize_t>(s)] = solutions[s].valid;
+      for (std::size_t k = 0; k < kJointCount; ++k)
+        joints.mutable_data()[56 * i + static_cast<py::ssize_t>(7 * s + k)] =
+            solutions[s].valid ? solutions[s].q[k] : std::nan("");
+    }
+  }
+  return py::make_tuple(joints, valid);
+}
+
+// ---- many at once
+
+/** Steps all of them, each on one of the threads. @throw the first that any of them throws. */
+void stepAll(const std::vector<Simulation*>& all,
+             const std::vector<StepCommand>& commands,
+             int ticks,
+             unsigned threads) {
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::string trouble;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < all.size(); i = next++) {
+      try {
+        all[i]->step(commands[i], ticks);
+      } catch (const std::exception& e) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (trouble.empty()) trouble = e.what();
+      }
+    }
+  };
+  std::vector<std::thread> others;
+  for (unsigned i = 1; i < threads && i < all.size(); ++i)
+    others.emplace_back(work);
+  work();
+  for (std::thread& other : others)
+    other.join();
+  if (!trouble.empty()) throw std::runtime_error(trouble);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  serveOde();
+  py::register_exception<ConfigException>(module, "ConfigError", PyExc_ValueError);
+  py::register_exception<ModelException>(module, "ModelError", PyExc_RuntimeError);
+  py::register_exception<RenderException>(module, "RenderError", PyExc_RuntimeError);
+  py::register_exception<SessionException>(module, "SessionError", PyExc_RuntimeError);
+
+  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot")
+      .def_property_readonly("size", [](const Snapshot& self) { return self.memory.size(); });
+
+  py::class_<Simulation>(module, "Simulation")
+      .def(
+          py::init([](const std::string& exercise, const std::string& hazard, std::uint64_t seed,
+                      const std::string& config, bool has_robot, const std::string& motion, const std::string& output) {
+            SimulationOptions options{exercise, hazard, motion, config, output, seed, has_robot};
+            const py::gil_scoped_release release;
+            return std::make_unique<Simulation>(options);
+          }),
+          py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
+          py::arg("motion"), py::arg("output"))
+      .def(
+          "step",
+          [](Simulation& self, const py::object& command, int ticks) {
+            const StepCommand wanted = stepCommand(command);
+            demandTicks(ticks);
+            const py::gil_scoped_release release;
+            self.step(wanted, ticks);
+          },
+          py::arg("command") = py::none(), py::arg("ticks") = 1)
+      .def(
+          "start", [](Simulation& self, int limit) { return self.start(demandTicks(limit)); }, py::arg("limit") = 20000,
+          py::call_guard<py::gil_scoped_release>())
+      .def(
+          "save", [](Simulation& self) { return std::make_shared<Snapshot>(self.save()); },
+          py::call_guard<py::gil_scoped_release>())
+      .def("restore", &Simulation::restore, py::arg("snapshot"), py::call_guard<py::gil_scoped_release>())
+      .def("inject", &Simulation::inject, py::arg("hazard"), py::call_guard<py::gil_scoped_release>())
+      .def("clear_hazards", &Simulation::clearHazards, py::call_guard<py::gil_scoped_release>())
+      .def("close", &Simulation::close, py::call_guard<py::gil_scoped_release>())
+      .def(
+          "render",
+          [](const Simulation& self, const std::string& camera, int width, int height) {
+            if (width < 1 || width > 4096 || height < 1 || height > 4096)
+              throw std::invalid_argument("width, height: expected 1 to 4096");
+            std::vector<std::uint8_t> rgb;
+            {
+              const py::gil_scoped_release release;
+              rgb = drawPicture(self, camera, width, height);
+            }
+            return py::array_t<std::uint8_t>({height, width, 3}, rgb.data());
+          },
+          py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
+      .def_property_readonly("cameras",
+                             [](const Simulation& self) {
+                               std::vector<std::string> names;
+                               for (const CameraConfig& camera : self.config().render.cameras)
+                                 names.push_back(camera.name);
+                               return names;
+                             })
+      .def_property_readonly("closed", &Simulation::isClosed)
+      .def_property_readonly("memory", &Simulation::stateSize)
+      .def_property_readonly("state", [](py::object self) { return State(std::move(self)); })
+      .def_property_readonly("object_names", [](const Simulation& self) {
+        std::vector<std::string> names;
+        for (const int body : self.scene().free_bodies)
+          names.push_back(self.scene().description.links[static_cast<std::size_t>(body)].name);
+        return names;
+      });
+
+  py::class_<State>(module, "State")
+      .def_property_readonly("joints", [](const State& s) { return perArm(s.model().arms, &ArmState::q, s.owner()); })
+      .def_property_readonly("joint_rates",
+                             [](const State& s) { return perArm(s.model().arms, &ArmState::dq, s.owner()); })
+      .def_property_readonly("torques",
+                             [](const State& s) { return perArm(s.model().arms, &ArmState::tau, s.owner()); })
+      .def_property_readonly("desired_joints",
+                             [](const State& s) { return perArm(s.model().arms, &ArmState::q_d, s.owner()); })
+      .def_property_readonly("tips", [](const State& s) { return perArm(s.model().arms, &ArmState::p_BT, s.owner()); })
+      .def_property_readonly("tip_velocities",
+                             [](const State& s) { return perArm(s.model().arms, &ArmState::v_BT, s.owner()); })
+      .def_property_readonly("tip_rotations",
+                             [](const State& s) { return perArm(s.model().arms, &ArmState::q_BT, s.owner()); })
+      .def_property_readonly("robot_joints",
+                             [](const State& s) { return perArm(s.robot().arms, &RobotArmState::q, s.owner()); })
+      .def_property_readonly("robot_tips",
+                             [](const State& s) { return perArm(s.robot().arms, &RobotArmState::p_BT, s.owner()); })
+      .def_property_readonly("dac",
+                             [](const State& s) { return perArm(s.robot().arms, &RobotArmState::dac, s.owner()); })
+      .def_property_readonly("force", [](const State& s) { return perArm(s.haptic().force_B, s.owner()); })
+      .def_property_readonly(
+          "error", [](const State& s) { return view(s.haptic().error.data(), {2}, {sizeof(double)}, s.owner()); })
+      .def_property_readonly("objects", &State::objects)
+      .def_property_readonly(
+          "contacts",
+          [](const State& s) {
+            return std::array<std::uint32_t, 2>{s.model().arms[0].contacts, s.model().arms[1].contacts};
+          })
+      .def_property_readonly("true_joints",
+                             [](const State& s) {
+                               const PerArm<JointArray> q = s.simulation().trueJoints();
+                               return Numbers({2, 7}, q[0].data());
+                             })
+      .def_property_readonly("mode",
+                             [](const State& s) { return kModeNames[static_cast<std::size_t>(s.model().mode)]; })
+      .def_property_readonly(
+          "runlevel", [](const State& s) { return kRunLevelNames[static_cast<std::size_t>(s.robot().runlevel)]; })
+      .def_property_readonly("tick", [](const State& s) { return s.model().tick; })
+      .def_property_readonly("session_tick", [](const State& s) { return s.model().session_tick; })
+      .def_property_readonly("hazard",
+                             [](const State& s) { return s.robot().active_fault != 0 || s.model().faults.active != 0; })
+      .def_property_readonly("exercise", &exerciseOf);
+
+  module.def("step_all", [](const py::list& simulations, const py::list& commands, int ticks, unsigned threads) {
+    if (simulations.size() != commands.size()) throw std::invalid_argument("expected a command for each simulation");
+    std::vector<Simulation*> all;
+    std::vector<StepCommand> wanted;
+    for (std::size_t i = 0; i < simulations.size(); ++i) {
+      all.push_back(&py::cast<Simulation&>(simulations[i]));
+      wanted.push_back(stepCommand(py::reinterpret_borrow<py::object>(commands[i])));
+    }
+    demandTicks(ticks);
+    const py::gil_scoped_release release;
+    stepAll(all, wanted, ticks, threads);
+  });
+
+  py::class_<Kinematics>(module, "Kinematics")
+      .def(py::init([](const std::string& config) {
+             const std::string root = config.empty() ? config::shareFolder() + "/config/trainer.yaml" : config;
+             return Kinematics{config::loadTrainerConfig(root).arms.geometry};
+           }),
+           py::arg("config") = "")
+      .def("forward", &forwardOf, py::arg("arm"), py::arg("joints"))
+      .def("jacobian", &jacobianOf, py::arg("arm"), py::arg("joints"))
+      .def("inverse", &inverseOf, py::arg("arm"), py::arg("p"), py::arg("R"), py::arg("opening") = 0.0);
+}
+
+}  // namespace raven2_trainer::python

@@ -1,0 +1,54 @@
+#include "python/picture.h"
+
+#include <list>
+
+#include "raven2_trainer/model/camera.h"
+#include "raven2_trainer/render/picture_line.h"
+#include "raven2_trainer/render/renderer.h"
+
+namespace raven2_trainer::python {
+namespace {
+
+constexpr std::size_t kMostStages = 8;  ///< on a thread; some 30 MB each
+
+struct Stage {
+  Stage(const Simulation& simulation, int width, int height)
+      : number(simulation.number()),
+        renderer(width, height),
+        builder(simulation.raven(),
+                simulation.scene(),
+                render::SceneOptions(simulation.config(), OverlaySet()),
+                &renderer) {}
+
+  std::uint64_t number;
+  render::Renderer renderer;
+  render::SceneBuilder builder;
+};
+
+/** That of this simulation and size on this thread; the one that waited longest makes room. */
+Stage& stageFor(const Simulation& simulation, int width, int height) {
+  static thread_local std::list<Stage> stages;
+  for (auto it = stages.begin(); it != stages.end(); ++it) {
+    if (it->number != simulation.number() || it->renderer.width() != width || it->renderer.height() != height) continue;
+    stages.splice(stages.begin(), stages, it);
+    return stages.front();
+  }
+  if (stages.size() >= kMostStages) stages.pop_back();
+  return stages.emplace_front(simulation, width, height);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> drawPicture(const Simulation& simulation, const std::string& camera, int width, int height) {
+  const CameraConfig& config = model::requireCamera(simulation.config().render.cameras, camera);
+  Stage& stage = stageFor(simulation, width, height);
+  const std::lock_guard<std::mutex> lock(simulation.mutex());
+  render::Snapshot snapshot;
+  snapshot.model = simulation.view().model;
+  snapshot.robot = simulation.view().robot;
+  snapshot.haptic = simulation.view().haptic;
+  const render::Scene& scene = stage.builder.build(snapshot);
+  return stage.renderer.draw(scene, render::cameraSeeing(snapshot, config, simulation.raven().X_WB, width, height));
+}
+
+}  // namespace raven2_trainer::python

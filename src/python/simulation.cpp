@@ -1,0 +1,258 @@
+#include "python/simulation.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/share_folder.h"
+#include "raven2_trainer/console/make_motion.h"
+#include "raven2_trainer/control/axis_map.h"
+#include "raven2_trainer/control/teleop_mapper.h"
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/physics/raven_world.h"
+#include "raven2_trainer/recording/finish_session.h"
+#include "raven2_trainer/recording/recorder.h"
+#include "raven2_trainer/recording/start_meta.h"
+
+namespace raven2_trainer::python {
+namespace {
+
+std::atomic<std::uint64_t> simulations{0};
+
+TrainerConfig load(const SimulationOptions& options) {
+  const std::string root = options.config.empty() ? config::shareFolder() + "/config/trainer.yaml" : options.config;
+  const bool has_exercise = options.exercise != "none";
+  config::TrainingNames names;
+  names.exercise = options.exercise;
+  names.drill = has_exercise ? options.hazard : "none";
+  TrainerConfig loaded = config::loadTrainerConfig(root, names);
+  loaded.seed = options.seed;
+  if (!has_exercise) loaded.hazard = options.hazard;
+  config::checkHazard(loaded);
+  loaded.virtual_raven.full_homing = false;
+  if (options.motion == "commands") loaded.runtime.plan_at = -1.0;  // the model moves as commanded alone
+  return loaded;
+}
+
+double limited(double opening) noexcept {
+  return std::clamp(opening, control::kMinOpening, control::kMaxOpening);
+}
+
+Vector3 toItp(const Vector3& v_W) noexcept {
+  return {v_W.x(), -v_W.y(), -v_W.z()};
+}
+
+Quat quaternionOf(const Vector3& rotation) noexcept {
+  const double angle = rotation.norm();
+  if (angle < 1e-12) return kIdentityQuat;
+  return toArray(Quaternion(Eigen::AngleAxisd(angle, rotation / angle)));
+}
+
+}  // namespace
+
+/** The session on the disk. */
+class Simulation::Recording {
+ public:
+  Recording(const TrainerConfig& config, const SimulationOptions& options, lockstep::LockstepStack* stack)
+      : config_(config),
+        stack_(*stack),
+        paths_(session::createSessionDirectory(options.output)),
+        meta_(recording::startMeta("python", RAVEN2_TRAINER_VERSION, options.motion)),
+        recorder_(config, stack->bodyNames(), paths_, options.motion, stack->shared()) {}
+
+  void drain() { recorder_.drain(); }
+  void finish() {
+    recorder_.finish(stack_.counts());
+    meta_.realtime = "lockstep";
+    session::writeMeta(paths_, meta_, config_);
+    recording::finishSession(paths_);
+  }
+
+ private:
+  const TrainerConfig& config_;
+  lockstep::LockstepStack& stack_;
+  const session::SessionPaths paths_;
+  session::SessionMeta meta_;
+  recording::Recorder recorder_;
+};
+
+Simulation::Simulation(const SimulationOptions& options)
+    : number_(++simulations),
+      config_(load(options)),
+      raven_(std::make_shared<model::RavenModel>(model::loadRavenModel(config_))),
+      scene_(std::make_shared<model::SceneModel>(model::loadSceneModel(config_))),
+      records_(std::make_unique<RecordRings>()),
+      has_robot_(options.has_robot) {
+  physics::initialiseOde();
+  std::string trouble;
+  const OdeBuilding building;
+  try {
+    build(options);
+  } catch (const std::exception& e) {
+    trouble = e.what();  // the exception may have memory in the arena, which goes
+  }
+  if (!trouble.empty()) {
+    const ArenaScope scope(&arena_);
+    stack_.reset();
+    throw std::runtime_error(trouble);
+  }
+  if (!options.output.empty()) recording_ = std::make_unique<Recording>(config_, options, stack_.get());
+}
+
+void Simulation::build(const SimulationOptions& options) {
+  const ArenaScope scope(&arena_);
+  const double opening = kinematics::jawOpening(config_.arms.geometry.home);
+  std::unique_ptr<console::MotionSource> hands;
+  if (options.motion == "commands") {
+    auto commanded = std::make_unique<console::CommandedSource>(config_.console, PerArm<double>{opening, opening});
+    source_ = commanded.get();
+    hands = std::move(commanded);
+  } else {
+    hands = console::makeMotion(config_, options.motion);
+  }
+  lockstep::StackParts parts;
+  parts.raven = raven_;
+  parts.scene = scene_;
+  parts.records = records_.get();
+  parts.has_robot = options.has_robot;
+  parts.trial_limit = 0.1;  // a program has save() and restore()
+  stack_ = std::make_unique<lockstep::LockstepStack>(config_, std::move(hands), parts);
+}
+
+Simulation::~Simulation() {
+  recording_.reset();
+  physics::attachOdeToThread();
+  const OdeBuilding building;
+  const ArenaScope scope(&arena_);
+  stack_.reset();
+}
+
+void Simulation::demandOpen() const {
+  if (is_closed_) throw std::runtime_error("the simulation is closed");
+}
+
+void Simulation::tick() {
+  {
+    const ArenaScope scope(&arena_);
+    stack_->tick();
+    if (!recording_) stack_->discardRecords();
+  }
+  if (recording_) recording_->drain();
+}
+
+void Simulation::step(const StepCommand& command, int ticks) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demandOpen();
+  physics::attachOdeToThread();
+  for (const Arm arm : kArms) {
+    const ArmCommand& wanted = at(command.arms, arm);
+    if (wanted.jaw) at(jaws_, arm) = limited(*wanted.jaw);
+    if (wanted.joints) at(jaws_, arm) = limited(kinematics::jawOpening(*wanted.joints));
+  }
+  for (int left = ticks; left > 0; --left) {
+    if (source_ != nullptr) source_->set(handsFor(command, ticks, left));
+    tick();
+  }
+}
+
+int Simulation::start(int limit) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demandOpen();
+  physics::attachOdeToThread();
+  if (source_ != nullptr) {
+    console::HandsCommand rest;
+    rest.grasp = {source_->grasp(Arm::kGold), source_->grasp(Arm::kGreen)};
+    source_->set(rest);
+  }
+  for (int ticks = 0; ticks < limit; ++ticks) {
+    const bool may_move = source_ == nullptr || source_->mayMove();
+    const bool waits = view().model.mode == Mode::kPedalUp || (!has_robot_ && view().model.mode == Mode::kWaiting);
+    if (may_move && waits) return ticks;
+    tick();
+  }
+  throw std::runtime_error("the arms are not ready after " + std::to_string(limit) + " ticks");
+}
+
+console::HandsCommand Simulation::handsFor(const StepCommand& command, int ticks, int left) {
+  console::HandsCommand hands;
+  hands.pedal = command.pedal;
+  for (const Arm arm : kArms) {
+    const ArmCommand& wanted = at(command.arms, arm);
+    at(hands.grasp, arm) = graspFor(arm, command.pedal);
+    if (wanted.joints) {
+      approach(arm, *wanted.joints, left, &hands);
+      continue;
+    }
+    const double share = 1.0 / ticks;
+    at(hands.move_I, arm) = toArray(Vector3(share * toItp(toEigen(wanted.move_W))));
+    at(hands.turn_I, arm) = quaternionOf(share * toItp(toEigen(wanted.turn_W)));
+  }
+  return hands;
+}
+
+/** ITP has increments of the jaws alone: this adds what they lack of the command. */
+double Simulation::graspFor(Arm arm, bool pedal) const {
+  const double sent = source_->grasp(arm);
+  if (!pedal || !at(jaws_, arm) || !source_->mayMove()) return sent;
+  return sent + *at(jaws_, arm) - kinematics::jawOpening(at(view().model.arms, arm).q_d);
+}
+
+/** From the model's desired pose toward that of the joints, so that what was rounded before counts. */
+void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) {
+  const ArmGeometry& geometry = config_.arms.geometry;
+  const Pose now = kinematics::forward(geometry, arm, at(view().model.arms, arm).q_d);
+  const Pose goal = kinematics::forward(geometry, arm, joints);
+  const Matrix3 B_to_I = control::itpToBase(arm).transpose();
+  const Eigen::AngleAxisd turn(Matrix3(goal.R * now.R.transpose()));
+  at(hands->move_I, arm) = toArray(Vector3(B_to_I * (goal.p - now.p) / left));
+  at(hands->turn_I, arm) = quaternionOf(B_to_I * (turn.angle() / left * turn.axis()));
+}
+
+Snapshot Simulation::save() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demandOpen();
+  if (recording_) throw std::runtime_error("a recorded simulation cannot go back: save() needs one without output");
+  return {number_, jaws_, arena_.copy()};
+}
+
+void Simulation::restore(const Snapshot& snapshot) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demandOpen();
+  if (snapshot.owner != number_) throw std::invalid_argument("the snapshot is another simulation's");
+  jaws_ = snapshot.jaws;
+  arena_.restore(snapshot.memory);
+}
+
+void Simulation::inject(const std::string& hazard) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demandOpen();
+  FaultRequest request;
+  request.order = FaultOrder::kArmAtOnce;
+  request.fault_id = config::faultId(config_, hazard);
+  stack_->shared()->fault_requests.tryPush(request);
+}
+
+void Simulation::clearHazards() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demandOpen();
+  FaultRequest request;
+  request.order = FaultOrder::kClear;
+  stack_->shared()->fault_requests.tryPush(request);
+}
+
+void Simulation::close() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (is_closed_) return;
+  is_closed_ = true;
+  if (recording_) recording_->finish();
+}
+
+PerArm<JointArray> Simulation::trueJoints() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return {stack_->trueJoints(Arm::kGold), stack_->trueJoints(Arm::kGreen)};
+}
+
+}  // namespace raven2_trainer::python

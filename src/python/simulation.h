@@ -1,0 +1,112 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "python/arena.h"
+#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/console/commanded_source.h"
+#include "raven2_trainer/lockstep/lockstep_stack.h"
+
+namespace raven2_trainer::python {
+
+/** Where a simulation begins. */
+struct SimulationOptions {
+  std::string exercise{"none"};
+  std::string hazard{"none"};
+  std::string motion{"commands"};  ///< or a simulated surgeon: MotionChoice::motion
+  std::string config;              ///< root file; empty: the packaged one
+  std::string output;              ///< session directory; empty: nothing is recorded
+  std::uint64_t seed{1};
+  bool has_robot{true};
+};
+
+/** Command to one arm. */
+struct ArmCommand {
+  Vec3 move_W{};                     ///< [m] motion of the tool in all ticks together
+  Vec3 turn_W{};                     ///< [rad] its rotation vector, the same
+  std::optional<JointArray> joints;  ///< [rad; m] set point at the end of the ticks, instead of the two above
+  std::optional<double> jaw;         ///< [rad] opening; none: as before. Not with `joints`, which have the jaws in them
+};
+
+struct StepCommand {
+  PerArm<ArmCommand> arms{};
+  bool pedal{true};
+};
+
+/** A copy of all of a simulation's state. It fits that simulation alone. */
+struct Snapshot {
+  std::uint64_t owner{};
+  PerArm<std::optional<double>> jaws{};
+  std::vector<std::byte> memory;
+};
+
+/**
+ * Console, daemon and virtual Raven in lockstep for a program: LockstepStack with commands from outside. All its state
+ * is in one arena. Calls may come from any thread; they wait for each other. After close() all of them throw
+ * ClosedError.
+ */
+class Simulation {
+ public:
+  /** @throw ConfigException, ModelException, SessionException. */
+  explicit Simulation(const SimulationOptions& options);
+  ~Simulation();
+
+  /** Ticks of a command. @throw std::invalid_argument for numbers that are not finite or a motion that is too fast. */
+  void step(const StepCommand& command, int ticks);
+
+  /** Pedal up, until the arms wait for it. @return ticks. @throw std::runtime_error after `limit` ticks. */
+  int start(int limit);
+
+  Snapshot save();
+  /** @throw std::invalid_argument for another simulation's. */
+  void restore(const Snapshot& snapshot);
+
+  /** A scenario of the library, at once. @throw ConfigException. */
+  void inject(const std::string& hazard);
+  void clearHazards();
+
+  /** Writes the end of the recorded session. Views stay readable until destruction. */
+  void close();
+  bool isClosed() const noexcept { return is_closed_; }
+
+  const lockstep::LockstepView& view() const noexcept { return stack_->view(); }
+  const TrainerConfig& config() const noexcept { return config_; }
+  const model::SceneModel& scene() const noexcept { return *scene_; }
+  const model::RavenModel& raven() const noexcept { return *raven_; }
+  /** [rad; m] true joints of the robot's plant. */
+  PerArm<JointArray> trueJoints() const;
+  std::uint64_t number() const noexcept { return number_; }
+  std::mutex& mutex() const noexcept { return mutex_; }
+  /** [bytes] of a snapshot. */
+  std::size_t stateSize() const noexcept { return arena_.used(); }
+
+ private:
+  class Recording;
+
+  void demandOpen() const;
+  void build(const SimulationOptions& options);
+  void tick();
+  console::HandsCommand handsFor(const StepCommand& command, int ticks, int left);
+  double graspFor(Arm arm, bool pedal) const;
+  void approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands);
+
+  mutable std::mutex mutex_;
+  const std::uint64_t number_;
+  TrainerConfig config_;
+  std::shared_ptr<const model::RavenModel> raven_;
+  std::shared_ptr<const model::SceneModel> scene_;
+  std::unique_ptr<RecordRings> records_;
+  Arena arena_;
+  std::unique_ptr<Recording> recording_;
+  console::CommandedSource* source_{nullptr};  // owned by the stack; null: a simulated surgeon
+  std::unique_ptr<lockstep::LockstepStack> stack_;
+  PerArm<std::optional<double>> jaws_{};  // [rad] commanded openings
+  const bool has_robot_;
+  bool is_closed_{false};
+};
+
+}  // namespace raven2_trainer::python

@@ -1,0 +1,303 @@
+"""import raven2_trainer: simulations and kinematics for programs (doc/python.md)."""
+
+import copy
+import os
+import pathlib
+import pickle
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build"))
+sys.path.insert(0, str(BUILD / "devel/lib/python3/dist-packages"))
+raven2_trainer = pytest.importorskip("raven2_trainer._core", reason="the module is not built") and __import__("raven2_trainer")
+
+PICK = "pick_hand_over_place"
+
+
+def numbers(simulation):
+    """All that a state shows, as bytes."""
+    s = simulation.state
+    return b"".join(np.ascontiguousarray(a).tobytes() for a in (
+        s.joints, s.joint_rates, s.torques, s.desired_joints, s.tips, s.robot_joints, s.dac, s.force, s.objects, s.true_joints)) + str(
+            (s.tick, s.mode, s.runlevel, s.exercise)).encode()
+
+
+def walk(simulation, seed, steps=200):
+    """Random motion of both arms. @return the bytes of each state."""
+    random = np.random.default_rng(seed)
+    states = []
+    for _ in range(steps):
+        command = np.zeros((2, 7))
+        command[:, :3] = random.normal(0, 2e-4, (2, 3))
+        command[:, 3:6] = random.normal(0, 2e-3, (2, 3))
+        command[:, 6] = random.uniform(0, 0.6, 2)
+        simulation.step(command, ticks=int(random.integers(1, 8)))
+        states.append(numbers(simulation))
+    return states
+
+
+@pytest.fixture(name="ready")
+def started():
+    with raven2_trainer.Simulation(PICK) as simulation:
+        simulation.start()
+        yield simulation
+
+
+def test_a_tool_moves_as_commanded_and_the_robot_follows(ready):
+    state = ready.state
+    before, robot = state.tips.copy(), state.robot_tips.copy()
+    ready.step({"gold": {"move": [0, 0, 0.01], "jaw": 0.6}}, ticks=500)  # up in the world is x of gold's base
+    ready.step(ticks=300)
+    moved = state.tips - before
+    assert moved[0] == pytest.approx([0.01, 0, 0], abs=3e-4) and np.abs(moved[1]).max() < 2e-4
+    assert state.robot_tips - robot == pytest.approx(moved, abs=5e-4)
+    assert state.mode == "teleoperating" and state.runlevel == "PEDAL_DN"
+
+
+def test_a_start_lifts_the_pedal(ready):
+    ready.step(ticks=50)
+    assert ready.state.mode == "teleoperating"
+    assert 0 < ready.start() < 100 and ready.state.mode == "pedal_up"
+
+
+def test_joint_set_points_are_reached(ready):
+    goal = ready.state.joints[1] + np.array([0.05, -0.04, 0.004, 0.2, 0.1, -0.35, -0.15])
+    ready.step({"green": {"joints": goal}}, ticks=800)
+    ready.step(ticks=500)
+    assert ready.state.desired_joints[1] == pytest.approx(goal, abs=1e-3)
+    assert ready.state.joints[1] == pytest.approx(goal, abs=5e-3)
+
+
+def test_views_show_each_step_without_a_copy_and_cannot_be_written(ready):
+    joints = ready.state.joints
+    first = joints.copy()
+    ready.step({"gold": {"move": [0, 0.005, 0]}}, ticks=200)
+    assert not np.array_equal(joints, first) and np.shares_memory(joints, ready.state.joints)
+    with pytest.raises(ValueError):
+        joints[0, 0] = 1.0
+
+
+def test_the_same_seed_and_commands_give_the_same_numbers():
+    runs = []
+    for _ in range(2):
+        with raven2_trainer.Simulation(PICK, hazard="sudden_jump", seed=5) as simulation:
+            simulation.start()
+            runs.append(walk(simulation, 5))
+    assert runs[0] == runs[1]
+
+
+def test_a_restored_simulation_repeats_itself_to_the_bit(ready):
+    walk(ready, 1, 50)
+    snapshot = ready.save()
+    before = numbers(ready)
+    first = walk(ready, 2)
+    ready.restore(snapshot)
+    assert numbers(ready) == before
+    assert walk(ready, 2) == first
+    assert walk(ready, 3) != first
+    ready.restore(snapshot)
+    assert walk(ready, 2) == first
+
+
+def test_threads_do_not_disturb_each_other():
+    def run(seed, out):
+        with raven2_trainer.Simulation(PICK, seed=seed) as simulation:
+            simulation.start()
+            walk(simulation, seed, 40)
+            snapshot = simulation.save()
+            walk(simulation, seed + 100, 40)
+            simulation.restore(snapshot)
+            out[seed] = walk(simulation, seed, 60)
+
+    alone, together = {}, {}
+    for seed in range(4):
+        run(seed, alone)
+    threads = [threading.Thread(target=run, args=(seed, together)) for seed in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert alone == together and len({tuple(states) for states in alone.values()}) == 4
+
+
+def test_many_side_by_side_are_as_each_alone():
+    many = raven2_trainer.VectorSimulation(3, PICK, seed=7)
+    many.start()
+    commands = np.zeros((3, 2, 7))
+    commands[:, 0, 2] = [1e-3, 2e-3, 3e-3]
+    commands[:, :, 6] = 0.3
+    many.step(commands, ticks=100)
+    assert many.tips.shape == (3, 2, 3)
+    with raven2_trainer.Simulation(PICK, seed=8) as one:
+        one.start()
+        one.step(commands[1], ticks=100)
+        assert np.array_equal(one.state.joints, many.joints[1])
+    many.close()
+
+
+def test_without_a_robot_the_model_moves_alone():
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.start()
+        before = simulation.state.tips.copy()
+        simulation.step({"green": {"move": [0.008, 0, 0]}}, ticks=400)
+        simulation.step(ticks=200)
+        assert np.linalg.norm(simulation.state.tips[1] - before[1]) == pytest.approx(0.008, abs=3e-4)
+        assert not simulation.state.robot_joints.any()
+
+
+def test_a_hazard_acts_when_it_is_injected(ready):
+    ready.step(ticks=200)
+    assert not ready.state.hazard
+    ready.inject("sudden_jump")
+    ready.step(ticks=100)
+    assert ready.state.hazard and ready.state.error[0] > 0.0
+
+
+def test_an_expert_does_the_exercise():
+    with raven2_trainer.Simulation(PICK, motion="expert", seed=2) as simulation:
+        for _ in range(300):
+            simulation.step(ticks=100)
+            if simulation.state.exercise["status"] == "done":
+                break
+        assert simulation.state.exercise["status"] == "done"
+        assert simulation.state.exercise["steps_done"] == len(simulation.state.exercise["steps"])
+
+
+def test_a_recorded_simulation_has_the_bytes_of_simulate(tmp_path):
+    subprocess.run([BUILD / "devel/lib/raven2_trainer/simulate", "--exercise", PICK, "--motion", "expert", "--seed", "3", "--seconds", "2",
+                    "--homing", "quick", "--output", tmp_path / "program"], check=True, capture_output=True)
+    with raven2_trainer.Simulation(PICK, motion="expert", seed=3, output=tmp_path / "python") as simulation:
+        while simulation.state.session_tick + 1 < 2000:
+            simulation.step()
+    assert (tmp_path / "python/session.rlog").read_bytes() == (tmp_path / "program/session.rlog").read_bytes()
+
+
+@pytest.mark.parametrize("command, says", [
+    ({"gold": {"move": [0, 0]}}, "gold/move: expected 3 numbers"), ({"gold": {"move": [0, 0, np.nan]}}, "gold/move: not a finite number"),
+    ({"gold": {"jump": 1}}, "gold/jump: unknown key"), ({"blue": {}}, "blue: unknown key"), ({"gold": 3}, "gold: expected a dict"),
+    (np.zeros((2, 6)), "expected None, a dict or an array"), (np.full((2, 7), np.inf), "not a finite number"), ("x", "expected None"),
+    ({"gold": {"joints": [0] * 7, "jaw": 1}}, "joints go alone"), ({"gold": {"move": "abc"}}, "gold/move: expected 3 numbers")])
+def test_a_wrong_command_is_refused_and_changes_nothing(ready, command, says):
+    before = numbers(ready)
+    with pytest.raises(ValueError, match=says.replace("(", r"\(")):
+        ready.step(command)
+    assert numbers(ready) == before
+
+
+def test_wrong_settings_are_refused_with_the_programs_texts():
+    with pytest.raises(raven2_trainer.ConfigError, match="did you mean"):
+        raven2_trainer.Simulation("pick_hand_over_plase")
+    with pytest.raises(raven2_trainer.ConfigError, match="did you mean"):
+        raven2_trainer.Simulation(hazard="suden_jump")
+    for settings in ({"robot": "real"}, {"seed": -1}, {"seed": 1.5}):
+        with pytest.raises(ValueError):
+            raven2_trainer.Simulation(**settings)
+
+
+def test_a_closed_simulation_says_so_and_keeps_its_last_state(ready):
+    ready.close()
+    for call in (ready.step, ready.start, ready.save, lambda: ready.inject("sudden_jump")):
+        with pytest.raises(RuntimeError, match="is closed"):
+            call()
+    assert ready.state.joints.shape == (2, 7)
+
+
+def test_a_snapshot_of_another_simulation_is_refused(ready):
+    with raven2_trainer.Simulation(PICK) as other:
+        with pytest.raises(ValueError, match="another simulation's"):
+            ready.restore(other.save())
+
+
+def test_a_view_outlives_its_simulation():
+    simulation = raven2_trainer.Simulation(robot="none")
+    simulation.start()
+    joints = simulation.state.joints
+    last = joints.copy()
+    del simulation
+    assert np.array_equal(joints, last)
+
+
+def test_kinematics_agree_with_themselves_and_the_state(ready):
+    kinematics = raven2_trainer.Kinematics()
+    p, _ = kinematics.forward("gold", ready.state.joints[0])
+    assert p == pytest.approx(ready.state.tips[0], abs=1e-6)
+    random = np.random.default_rng(4)
+    home = ready.state.joints[1]
+    q = home + random.uniform(-0.1, 0.1, (20, 7)) * [1, 1, 0.1, 1, 1, 1, 1]
+    p, R = kinematics.forward("green", q)
+    assert p.shape == (20, 3) and R.shape == (20, 3, 3)
+    joints, valid = kinematics.inverse("green", p, R, 0.0)
+    assert joints.shape == (20, 8, 7) and valid.any(axis=1).all() and np.isnan(joints[~valid]).all()
+    again, _ = kinematics.forward("green", joints[valid])
+    assert again == pytest.approx(np.repeat(p, valid.sum(axis=1), axis=0), abs=1e-5)
+    J = kinematics.jacobian("green", q)
+    step = 1e-6
+    for joint in range(5):
+        moved = q.copy()
+        moved[:, joint] += step
+        assert (kinematics.forward("green", moved)[0] - p) / step == pytest.approx(J[:, :3, joint], abs=1e-4)
+
+
+@pytest.mark.parametrize("arguments", [("blue", np.zeros(7)), ("gold", np.zeros(6)), ("gold", "x"), ("gold", None)])
+def test_wrong_joints_are_refused(arguments):
+    with pytest.raises((ValueError, TypeError)):
+        raven2_trainer.Kinematics().forward(*arguments)
+
+
+def test_a_picture_shows_the_motion_of_a_tool(ready):
+    first = ready.render("endoscope", 320, 240)
+    assert first.shape == (240, 320, 3) and first.dtype == np.uint8 and first.std() > 10
+    assert np.array_equal(ready.render("endoscope", 320, 240), first), "the same state, the same pixels"
+    ready.step({"gold": {"move": [0.01, 0, 0]}}, ticks=400)
+    assert np.abs(ready.render("endoscope", 320, 240).astype(int) - first).max() > 50
+    assert {"overview", "endoscope", "top"} <= set(ready.cameras)
+
+
+@pytest.mark.parametrize("arguments, says", [(("endoscop",), "endoscop"), (("top", 0, 10), "expected 1 to 4096"), (("top", 10, 5000), "expected 1 to 4096")])
+def test_a_wrong_picture_is_refused(ready, arguments, says):
+    with pytest.raises(ValueError, match=says):
+        ready.render(*arguments)
+
+
+JUNK = (None, True, -1, 0, 3, 2**70, 1e300, float("nan"), "", "gold", b"\xff\x00", [], [1, 2, 3], {}, {"gold": {}}, {"gold": {"joints": "x"}}, {1: 2},
+        object(), np.zeros(7), np.zeros((2, 7)), np.zeros((2, 7), dtype=complex), np.full((2, 7), "a"), np.zeros((0, 7)), [[None] * 7] * 2,
+        lambda: 1, Ellipsis, np.zeros((2, 7))[::-1, ::-1])
+
+
+def test_nothing_that_a_caller_passes_ends_the_interpreter(ready):
+    """Seeded calls of everything with anything: they work or raise, and the simulation goes on."""
+    random = np.random.default_rng(11)
+    snapshot, kinematics = ready.save(), raven2_trainer.Kinematics()
+    calls = [ready.step, ready.start, ready.restore, ready.inject, ready.render, kinematics.forward, kinematics.inverse, kinematics.jacobian,
+             raven2_trainer._core.step_all, raven2_trainer.Simulation, raven2_trainer.VectorSimulation, lambda x=None: setattr(ready.state, "tips", x)]
+    raised = 0
+    for _ in range(600):
+        call = calls[random.integers(len(calls))]
+        arguments = [JUNK[random.integers(len(JUNK))] for _ in range(random.integers(1, 4))]
+        try:
+            call(*arguments)
+        except Exception:  # pylint: disable=broad-except
+            raised += 1
+    assert raised > 300
+    ready.restore(snapshot)
+    ready.start()
+    ready.step(ticks=10)
+    assert np.isfinite(ready.state.joints).all()
+
+
+def test_a_simulation_is_not_copied(ready):
+    for thing in (ready, ready.state, ready.save()):
+        for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError):
+                copied(thing)
+
+
+def test_the_messages_are_there_without_the_simulator():
+    code = "import sys; from raven2_trainer.msg import TrainerMode; assert 'raven2_trainer._core' not in sys.modules; print(TrainerMode().mode)"
+    subprocess.run(["/usr/bin/python3", "-c", code], check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(
+        [str(BUILD / "devel/lib/python3/dist-packages"), "/usr/lib/python3/dist-packages"])})
