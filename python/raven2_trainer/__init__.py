@@ -9,7 +9,8 @@
 doc/python.md. The compiled part is loaded at the first use of a name, so that ROS programs do without it.
 """
 
-_NAMES = {"Simulation": "simulation", "VectorSimulation": "simulation", "Kinematics": "simulation", "Snapshot": "_core", "State": "_core",
+_NAMES = {"Campaign": "campaign", "outcomes": "campaign", "Planner": "simulation", "Session": "session", "SessionLog": "session",
+          "Simulation": "simulation", "VectorSimulation": "simulation", "Kinematics": "simulation", "Snapshot": "_core", "State": "_core",
           "ConfigError": "_core", "RenderError": "_core", "ModelError": "_core", "SessionError": "_core"}
 __all__ = sorted(_NAMES)
 

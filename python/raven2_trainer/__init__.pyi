@@ -141,6 +141,40 @@ class VectorSimulation:
     def start(self, limit: int = ...) -> None: ...
     def close(self) -> None: ...
 
+class Planner:
+    """FMT* in the scene of an exercise (doc/planning.md)."""
+
+    def __init__(self, exercise: Optional[str] = ..., config: Union[str, PathLike[str], None] = ...) -> None: ...
+    def plan(self, arm: str, start: ArrayLike, goal: ArrayLike, other: Optional[ArrayLike] = ..., seed: int = ...) -> dict[str, Any]:
+        """start (7,) joints; goal (7,) joints or (3,) tip position in the world [m]. status, waypoints (n, 7), arrival (n,) [s], cost,
+        clearance [m], tracking_error [m], samples."""
+    def in_collision(self, arm: str, joints: ArrayLike, other: Optional[ArrayLike] = ...) -> NDArray[np.bool_]:
+        """joints (..., 7) -> (...): touches something, or is nearer than the clearance."""
+    def edge_cost(self, arm: str, a: ArrayLike, b: ArrayLike) -> float:
+        """Cost (eq. 1 of the paper) of the straight motion from joints a to b."""
+
+class Campaign:
+    """A grid of fault injections (doc/campaign.md)."""
+
+    definition: Union[str, PathLike[str], dict[str, Any]]
+    def __init__(self, definition: Union[str, PathLike[str], dict[str, Any]]) -> None: ...
+    def run(self, output: Union[str, PathLike[str]], seed: int = ..., jobs: Optional[int] = ..., resume: bool = ...) -> list[dict[str, Any]]: ...
+
+def outcomes(directory: Union[str, PathLike[str]]) -> list[dict[str, Any]]: ...
+
+class SessionLog:
+    """All records of a session.rlog as structured numpy arrays: ticks, haptics, commands, ..."""
+
+    def __init__(self, path: Union[str, PathLike[str]]) -> None: ...
+    def __getattr__(self, name: str) -> Any: ...
+
+class Session:
+    """A session directory: log, and the files next to it."""
+
+    log: SessionLog
+    def __init__(self, directory: Union[str, PathLike[str]]) -> None: ...
+    def file(self, name: str) -> Any: ...
+
 class Kinematics:
     def __init__(self, config: Union[str, PathLike[str], None] = ...) -> None: ...
     def forward(self, arm: str, joints: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

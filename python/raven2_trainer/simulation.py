@@ -23,6 +23,18 @@ class Kinematics(_core.Kinematics):
         super().__init__(_root(config))
 
 
+class Planner(_core.Planner):
+    """FMT* of both arms in the scene of an exercise; each path is followed by the dynamics before it is returned.
+
+    plan(arm, start, goal, other=None, seed=1): from joints `start` (7) to joints (7) or to a tip position in the world (3); `other`:
+    joints of the other arm, None: home. A dict: status ("success", or why not), waypoints (n, 7), arrival (n,) [s], cost (eq. 1),
+    clearance and tracking_error [m] of the roll-out, samples.
+    """
+
+    def __init__(self, exercise=None, config=None):
+        super().__init__(exercise or "none", _root(config))
+
+
 class Simulation(_core.Simulation):
     """Both arms, the scene and, with `robot="virtual"`, the robot's control software, 1 ms a tick.
 

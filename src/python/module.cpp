@@ -7,7 +7,9 @@
 #include <cmath>
 #include <thread>
 
+#include "python/arrays.h"
 #include "python/picture.h"
+#include "python/planner_module.h"
 #include "python/simulation.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/share_folder.h"
@@ -18,30 +20,6 @@ namespace py = pybind11;
 
 namespace raven2_trainer::python {
 namespace {
-
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-// ---- what callers pass
-
-std::vector<double> finiteNumbers(const py::handle& value, std::size_t count, const std::string& what) {
-  const auto array = Numbers::ensure(value);
-  if (!array || array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != count) {
-    PyErr_Clear();
-    throw std::invalid_argument(what + ": expected " + std::to_string(count) + " numbers");
-  }
-  std::vector<double> numbers(array.data(), array.data() + count);
-  for (const double number : numbers)
-    if (!std::isfinite(number)) throw std::invalid_argument(what + ": not a finite number");
-  return numbers;
-}
-
-template <typename Array>
-Array arrayOf(const py::handle& value, const std::string& what) {
-  Array array{};
-  const std::vector<double> numbers = finiteNumbers(value, array.size(), what);
-  std::copy(numbers.begin(), numbers.end(), array.begin());
-  return array;
-}
 
 ArmCommand armCommand(const py::handle& given, const std::string& arm) {
   ArmCommand command;
@@ -180,32 +158,6 @@ py::dict exerciseOf(const State& state) {
 struct Kinematics {
   ArmGeometry geometry;
 };
-
-Arm armOf(const std::string& name) {
-  if (name == "gold") return Arm::kGold;
-  if (name == "green") return Arm::kGreen;
-  throw std::invalid_argument("arm is \"" + name + "\", expected gold or green");
-}
-
-Numbers jointRows(const py::object& given) {
-  auto rows = Numbers::ensure(given);
-  PyErr_Clear();
-  if (!rows || rows.ndim() < 1 || rows.shape(rows.ndim() - 1) != 7)
-    throw std::invalid_argument("joints: expected an array whose last axis has 7 numbers");
-  return rows;
-}
-
-std::vector<py::ssize_t> leading(const py::array& array, int dropped, std::vector<py::ssize_t> added) {
-  std::vector<py::ssize_t> shape(array.shape(), array.shape() + array.ndim() - dropped);
-  shape.insert(shape.end(), added.begin(), added.end());
-  return shape;
-}
-
-JointArray rowOf(const double* numbers) {
-  JointArray q{};
-  std::copy(numbers, numbers + q.size(), q.begin());
-  return q;
-}
 
 py::tuple forwardOf(const Kinematics& self, const std::string& arm, const py::object& joints) {
   const Numbers rows = jointRows(joints);
@@ -419,6 +371,8 @@ PYBIND11_MODULE(_core, module) {
     const py::gil_scoped_release release;
     stepAll(all, wanted, ticks, threads);
   });
+
+  addPlanner(&module);
 
   py::class_<Kinematics>(module, "Kinematics")
       .def(py::init([](const std::string& config) {

@@ -22,7 +22,9 @@ namespace {
 
 std::atomic<std::uint64_t> simulations{0};
 
-TrainerConfig load(const SimulationOptions& options) {
+}  // namespace
+
+TrainerConfig loadConfig(const SimulationOptions& options) {
   const std::string root = options.config.empty() ? config::shareFolder() + "/config/trainer.yaml" : options.config;
   const bool has_exercise = options.exercise != "none";
   config::TrainingNames names;
@@ -36,6 +38,8 @@ TrainerConfig load(const SimulationOptions& options) {
   if (options.motion == "commands") loaded.runtime.plan_at = -1.0;  // the model moves as commanded alone
   return loaded;
 }
+
+namespace {
 
 double limited(double opening) noexcept {
   return std::clamp(opening, control::kMinOpening, control::kMaxOpening);
@@ -81,7 +85,7 @@ class Simulation::Recording {
 
 Simulation::Simulation(const SimulationOptions& options)
     : number_(++simulations),
-      config_(load(options)),
+      config_(loadConfig(options)),
       raven_(std::make_shared<model::RavenModel>(model::loadRavenModel(config_))),
       scene_(std::make_shared<model::SceneModel>(model::loadSceneModel(config_))),
       records_(std::make_unique<RecordRings>()),

@@ -24,6 +24,9 @@ struct SimulationOptions {
   bool has_robot{true};
 };
 
+/** The configuration that they stand for. @throw ConfigException. */
+TrainerConfig loadConfig(const SimulationOptions& options);
+
 /** Command to one arm. */
 struct ArmCommand {
   Vec3 move_W{};                     ///< [m] motion of the tool in all ticks together

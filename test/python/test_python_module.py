@@ -301,3 +301,63 @@ def test_the_messages_are_there_without_the_simulator():
     code = "import sys; from raven2_trainer.msg import TrainerMode; assert 'raven2_trainer._core' not in sys.modules; print(TrainerMode().mode)"
     subprocess.run(["/usr/bin/python3", "-c", code], check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(
         [str(BUILD / "devel/lib/python3/dist-packages"), "/usr/lib/python3/dist-packages"])})
+
+
+# ---- planner, sessions, campaigns
+
+
+@pytest.fixture(scope="module", name="planner")
+def made():
+    return raven2_trainer.Planner()
+
+
+@pytest.fixture(scope="module", name="home")
+def joints_at_rest():
+    with raven2_trainer.Simulation() as simulation:
+        simulation.start()
+        return simulation.state.joints.copy()
+
+
+def test_a_plan_leads_from_start_to_goal(planner, home):
+    goal = home[0] + [0.2, -0.1, 0.01, 0, 0, 0, 0]
+    plan = planner.plan("gold", home[0], goal, other=home[1])
+    assert plan["status"] == "success" and plan["cost"] > 0 and plan["clearance"] > 0
+    assert plan["waypoints"][0] == pytest.approx(home[0]) and plan["waypoints"][-1][:5] == pytest.approx(goal[:5], abs=1e-6)
+    assert (np.diff(plan["arrival"]) > 0).all() and not planner.in_collision("gold", plan["waypoints"], home[1]).any()
+    again = raven2_trainer.Planner().plan("gold", home[0], goal, other=home[1])
+    assert np.array_equal(again["waypoints"], plan["waypoints"]), "the same seed, the same path"
+    edges = sum(planner.edge_cost("gold", a, b) for a, b in zip(plan["waypoints"], plan["waypoints"][1:]))
+    assert edges <= plan["cost"] * (1 + 1e-9), "eq. (1), without the term for clearance"
+
+
+def test_what_cannot_be_planned_says_why(planner, home):
+    assert planner.plan("green", home[1], [10.0, 0, 0])["status"] == "goal_unreachable"
+    assert planner.in_collision("green", home).shape == (2,)
+    for arguments in (("green", home[1], [0, 0]), ("blue", home[1], home[0]), ("green", home[1][:6], home[0]), ("green", home[1] * np.nan, home[0])):
+        with pytest.raises(ValueError):
+            planner.plan(*arguments)
+
+
+def test_a_session_is_read_as_arrays(tmp_path):
+    with raven2_trainer.Simulation(motion="scripted", robot="virtual", output=tmp_path / "session") as simulation:
+        while simulation.state.session_tick < 300:
+            simulation.step(ticks=10)
+        last = simulation.state.joints.copy()
+    ticks = raven2_trainer.Session(str(tmp_path / "session")).log.ticks
+    assert np.array_equal(ticks["model"]["arms"]["q"][-1], last)
+
+
+def test_a_campaign_is_defined_run_and_read(tmp_path):
+    fault = {"host": "robot", "site": "put_usb_packet", "variable": "dac", "kind": "stuck_at", "arm": ["gold", "green"], "channel": "shoulder",
+             "value": [-20000, 0], "start": {"trigger": "pedal_down", "first_tick": 300}, "duration_ticks": 100}
+    campaign = raven2_trainer.Campaign({
+        "name": "four", "title": "Four", "source": "none", "plant": "identified", "homing": "quick", "arm_contacts": False, "cpu_limit": 20,
+        "horizon_ticks": {"homing": 300, "pedal_down": 400}, "limits": {"masked": 1e-4, "jump": 1e-3, "still": 3e-4, "moved": 1e-3, "force": 0.05},
+        "scenarios": [{"scenario": "dac", "injection": 0, "number": 0, "observed": "none", "published": [], "phase": "pedal_down",
+                       "repetitions": 1, "faults": [fault]}]})
+    rows = campaign.run(tmp_path / "out", seed=2)
+    assert [row["run"] for row in rows] == [1, 2, 3, 4]
+    assert {row["outcome"] for row in rows if row["value"] == -20000} <= {"estop", "unsafe_jump"}
+    assert raven2_trainer.outcomes(tmp_path / "out") == rows
+    with pytest.raises(RuntimeError, match="no campaign|nowhere"):
+        raven2_trainer.Campaign("nowhere").run(tmp_path / "none")

@@ -1,0 +1,58 @@
+"""Campaigns of fault injections from Python: the program run_campaign, and its table (doc/campaign.md)."""
+
+import csv
+import json
+import os
+import pathlib
+import subprocess
+
+PROGRAM = pathlib.Path(__file__).parents[3] / "raven2_trainer/run_campaign"
+
+
+class Campaign:
+    """A grid of injections: a name of config/campaigns, the path of a file, or a dict with the keys of such a file."""
+
+    def __init__(self, definition):
+        if not isinstance(definition, (str, os.PathLike, dict)):
+            raise TypeError(f"campaign is {definition!r}, expected a name, a path or a dict")
+        if isinstance(definition, dict) and not isinstance(definition.get("name"), str):
+            raise ValueError("the campaign has no name")
+        self.definition = definition
+
+    def run(self, output, seed=1, jobs=None, resume=False):
+        """Runs it on `jobs` processors (None: all). @return its outcomes, a list of rows.
+
+        A fault that never acted, a run without an outcome, or an outcome that is neither published nor explained is no error here:
+        see the rows. RuntimeError has the program's text for what is wrong with the campaign itself.
+        """
+        output = pathlib.Path(output)
+        command = [PROGRAM, self._file(output), "--output", output, "--seed", str(seed), "--jobs", str(jobs or len(os.sched_getaffinity(0)))]
+        done = subprocess.run([*command, *(["--resume"] if resume else [])], capture_output=True, text=True, check=False)
+        if not (output / "outcomes.csv").exists() or done.returncode not in (0, 1):
+            raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"run_campaign ended with {done.returncode}")
+        return outcomes(output)
+
+    def _file(self, output):
+        if not isinstance(self.definition, dict):
+            return os.fspath(self.definition)
+        output.parent.mkdir(parents=True, exist_ok=True)
+        path = output.parent / f"{self.definition['name']}.yaml"
+        path.write_text(json.dumps(self.definition, indent=1), encoding="utf-8")  # JSON is YAML
+        return os.fspath(path)
+
+
+def outcomes(directory):
+    """The rows of outcomes.csv: dicts by column; numbers as numbers, empty cells as None."""
+    with open(pathlib.Path(directory) / "outcomes.csv", encoding="utf-8", newline="") as file:
+        return [{key: _value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def _value(text):
+    if text == "":
+        return None
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

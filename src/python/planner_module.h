@@ -1,0 +1,10 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace raven2_trainer::python {
+
+/** The class Planner of the module: FMT* in the scene of an exercise. */
+void addPlanner(pybind11::module_* module);
+
+}  // namespace raven2_trainer::python
