@@ -87,7 +87,6 @@ class Hands:
     def __init__(self):
         self.arms = {"gold": Hand(), "green": Hand()}
         self.pedal = self.camera = False
-        self._lapsed = [False, False]  # pedal, camera: came up by itself, and counts again from the next press on
         self._heard, self._dither = None, DITHER
 
     def apply(self, message, now):
@@ -106,8 +105,6 @@ class Hands:
             jaw = given.get("jaw")
             moves[arm] = (_numbers(given.get("move", [0, 0, 0]), 3), _numbers(given.get("turn", [0, 0, 0]), 3),
                           None if jaw is None else _numbers([jaw], 1)[0])
-        self._lapsed = [lapsed and held for lapsed, held in zip(self._lapsed, (pedal, camera))]
-        pedal, camera = (held and not lapsed for lapsed, held in zip(self._lapsed, (pedal, camera)))
         dt = min(LONGEST, now - self._heard) if self._heard is not None else 1.0 / 60.0
         dt = max(dt, 1e-3)
         for arm, (motion, rotation, jaw) in moves.items():
@@ -129,11 +126,10 @@ class Hands:
                 for arm, hand in self.arms.items()}
 
     def watch(self, now):
-        """Call often. @return whether the pedal came up because the page was silent. Then it needs a new press."""
+        """Call often. @return whether the pedal came up because the page was silent."""
         if self._heard is None or now - self._heard <= SILENT:
             return False
         was_down = self.pedal or self.camera
-        self._lapsed = [lapsed or held for lapsed, held in zip(self._lapsed, (self.pedal, self.camera))]
         self.release()
         return was_down
 

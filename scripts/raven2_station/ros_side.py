@@ -29,6 +29,7 @@ HANDS_PERIOD = 0.016   # [s] of the virtual hand device
 MASTER_PERIOD = 0.5    # [s] between questions to the ROS master
 MASTER_PATIENCE = 1.0  # [s] for its answer
 LONGEST_CALL = 20.0    # [s]
+PEDAL_GAP = 0.08       # [s] below silent_after of config/masters/browser.yaml
 CAMERA_BUTTON = 4      # of `pedals`: config/network.yaml, joy
 FORCES_SILENT = 0.3  # [s] without a force: the strips end
 SIDES = {"gold": "L", "green": "R"}
@@ -162,6 +163,14 @@ class BrowserHands:
         self._pedal = rospy.Publisher("/browser/pedal", Joy, queue_size=4)
         self._pedals = rospy.Publisher("pedals", Joy, queue_size=4)
         self._camera = False
+        self._published = None  # [s] monotonic
+
+    def _holds(self, held):
+        """After a gap the console waits for a pedal-up message. A key that is still held then counts as pressed again."""
+        now = time.monotonic()
+        had_gap = self._published is not None and now - self._published > PEDAL_GAP
+        self._published = now
+        return held and not had_gap
 
     def publish(self, message):
         now = rospy.Time.now()
@@ -176,7 +185,7 @@ class BrowserHands:
             jaw = JointState(name=["jaw"], position=[hand["jaw"]])
             jaw.header.stamp = now
             self._jaws[arm].publish(jaw)
-        pedal = Joy(buttons=[int(message["pedal"])])
+        pedal = Joy(buttons=[int(self._holds(message["pedal"]))])
         pedal.header.stamp = now
         self._pedal.publish(pedal)
         camera = bool(message["camera"])

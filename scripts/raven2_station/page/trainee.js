@@ -142,8 +142,8 @@ screen.addEventListener("blur", release);
 window.addEventListener("pagehide", release);
 document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
 
-// A pedal does not count while the robot is not ready, nor again after it came up by itself (a page or computer that
-// stalled) until it is pressed anew. The page says so, for the key is held and nothing moves.
+// A pedal does not count while the robot is not ready, nor after the console lost it, until the next press. The page says
+// so, because the key is held and nothing moves.
 function showPedal(isDown) {
   const now = performance.now();
   downSince = isDown ? downSince ?? now : null;
