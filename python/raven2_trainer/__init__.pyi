@@ -47,6 +47,12 @@ class State:
     def tips(self) -> NDArray[np.float64]:
         """(2, 3) [m] tool tips of the model, each in its arm's base frame B."""
     @property
+    def tips_in_world(self) -> NDArray[np.float64]:
+        """(2, 3) [m] in the world frame W (x forward, y left, z up); a copy."""
+    @property
+    def desired_tips_in_world(self) -> NDArray[np.float64]:
+        """(2, 3) [m] where the commands lead, in W; a copy. The model follows some 100 ms later."""
+    @property
     def tip_velocities(self) -> NDArray[np.float64]:
         """(2, 3) [m/s] in B."""
     @property
@@ -106,6 +112,10 @@ class Simulation:
     def inject(self, hazard: str) -> None: ...
     def clear_hazards(self) -> None: ...
     def render(self, camera: str = ..., width: int = ..., height: int = ...) -> NDArray[np.uint8]: ...
+    def measure(self, camera: str = ..., width: int = ..., height: int = ...) -> tuple[NDArray[np.float32], NDArray[np.uint16]]:
+        """depth (height, width) [m] along the view direction, infinity where nothing is; part (height, width), an index of part_names."""
+    @property
+    def part_names(self) -> Sequence[str]: ...
     def close(self) -> None: ...
     def __enter__(self) -> "Simulation": ...
     def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None: ...

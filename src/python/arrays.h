@@ -10,7 +10,7 @@
 
 #include "raven2_trainer/core/types.h"
 
-// What callers pass as arrays.
+// Arrays from callers.
 
 namespace raven2_trainer::python {
 

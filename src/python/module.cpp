@@ -86,6 +86,10 @@ int demandTicks(int ticks) {
   return ticks;
 }
 
+void demandSize(int width, int height) {
+  if (width < 1 || width > 4096 || height < 1 || height > 4096) throw std::invalid_argument("width, height: expected 1 to 4096");
+}
+
 // ---- views
 
 /** Of numbers that lie in the simulation, which `owner` keeps alive; not to be written. */
@@ -134,6 +138,26 @@ class State {
   Simulation& simulation_;
 };
 static_assert(sizeof(RigidPose) == 7 * sizeof(double), "an object's row");
+
+/** @param[in] tip_B of an arm's state. */
+template <typename Tip>
+Numbers inWorld(const State& state, Tip tip_B) {
+  Numbers tips(std::vector<py::ssize_t>{2, 3});
+  for (const Arm arm : kArms) {
+    const Vector3 p_W = at(state.simulation().raven().X_WB, arm) * tip_B(arm, at(state.model().arms, arm));
+    std::copy(p_W.data(), p_W.data() + 3, tips.mutable_data(static_cast<py::ssize_t>(index(arm)), 0));
+  }
+  return tips;
+}
+
+Numbers tipsInWorld(const State& state) {
+  return inWorld(state, [](Arm, const ArmState& arm) -> Vector3 { return toEigen(arm.p_BT); });
+}
+
+Numbers desiredTipsInWorld(const State& state) {
+  const ArmGeometry& geometry = state.simulation().config().arms.geometry;
+  return inWorld(state, [&](Arm which, const ArmState& arm) { return kinematics::forward(geometry, which, arm.q_d).p; });
+}
 
 std::vector<std::string> stepNames(const TrainerConfig& config) {
   std::vector<std::string> names;
@@ -289,8 +313,7 @@ PYBIND11_MODULE(_core, module) {
       .def(
           "render",
           [](const Simulation& self, const std::string& camera, int width, int height) {
-            if (width < 1 || width > 4096 || height < 1 || height > 4096)
-              throw std::invalid_argument("width, height: expected 1 to 4096");
+            demandSize(width, height);
             std::vector<std::uint8_t> rgb;
             {
               const py::gil_scoped_release release;
@@ -299,6 +322,17 @@ PYBIND11_MODULE(_core, module) {
             return py::array_t<std::uint8_t>({height, width, 3}, rgb.data());
           },
           py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
+      .def("measure", [](const Simulation& self, const std::string& camera, int width, int height) {
+             demandSize(width, height);
+             render::Geometry seen;
+             {
+               const py::gil_scoped_release release;
+               seen = measurePicture(self, camera, width, height);
+             }
+             return py::make_tuple(py::array_t<float>({height, width}, seen.depth.data()),
+                                   py::array_t<std::uint16_t>({height, width}, seen.part.data()));
+           }, py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
+      .def_property_readonly("part_names", [](const Simulation& self) { return render::partNames(self.raven(), self.scene()); })
       .def_property_readonly("cameras",
                              [](const Simulation& self) {
                                std::vector<std::string> names;
@@ -325,6 +359,8 @@ PYBIND11_MODULE(_core, module) {
       .def_property_readonly("desired_joints",
                              [](const State& s) { return perArm(s.model().arms, &ArmState::q_d, s.owner()); })
       .def_property_readonly("tips", [](const State& s) { return perArm(s.model().arms, &ArmState::p_BT, s.owner()); })
+      .def_property_readonly("tips_in_world", &tipsInWorld)
+      .def_property_readonly("desired_tips_in_world", &desiredTipsInWorld)
       .def_property_readonly("tip_velocities",
                              [](const State& s) { return perArm(s.model().arms, &ArmState::v_BT, s.owner()); })
       .def_property_readonly("tip_rotations",

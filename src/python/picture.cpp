@@ -37,9 +37,9 @@ Stage& stageFor(const Simulation& simulation, int width, int height) {
   return stages.emplace_front(simulation, width, height);
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> drawPicture(const Simulation& simulation, const std::string& camera, int width, int height) {
+/** draw(renderer, scene, camera) of the newest state. */
+template <typename Draw>
+auto withScene(const Simulation& simulation, const std::string& camera, int width, int height, Draw draw) {
   const CameraConfig& config = model::requireCamera(simulation.config().render.cameras, camera);
   Stage& stage = stageFor(simulation, width, height);
   const std::lock_guard<std::mutex> lock(simulation.mutex());
@@ -48,7 +48,23 @@ std::vector<std::uint8_t> drawPicture(const Simulation& simulation, const std::s
   snapshot.robot = simulation.view().robot;
   snapshot.haptic = simulation.view().haptic;
   const render::Scene& scene = stage.builder.build(snapshot);
-  return stage.renderer.draw(scene, render::cameraSeeing(snapshot, config, simulation.raven().X_WB, width, height));
+  return draw(&stage.renderer, scene, render::cameraSeeing(snapshot, config, simulation.raven().X_WB, width, height));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> drawPicture(const Simulation& simulation, const std::string& camera, int width, int height) {
+  return withScene(simulation, camera, width, height,
+                   [](render::Renderer* renderer, const render::Scene& scene, const model::Camera& seen) -> std::vector<std::uint8_t> {
+                     return renderer->draw(scene, seen);
+                   });
+}
+
+render::Geometry measurePicture(const Simulation& simulation, const std::string& camera, int width, int height) {
+  return withScene(simulation, camera, width, height,
+                   [](render::Renderer* renderer, const render::Scene& scene, const model::Camera& seen) {
+                     return renderer->measure(scene, seen);
+                   });
 }
 
 }  // namespace raven2_trainer::python

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "python/simulation.h"
+#include "raven2_trainer/render/renderer.h"
 
 namespace raven2_trainer::python {
 
@@ -14,5 +15,8 @@ namespace raven2_trainer::python {
  * @return RGB, 8 bit, top row first. @throw ConfigException for a camera that is not there; RenderException.
  */
 std::vector<std::uint8_t> drawPicture(const Simulation& simulation, const std::string& camera, int width, int height);
+
+/** Depth and parts in the same picture. */
+render::Geometry measurePicture(const Simulation& simulation, const std::string& camera, int width, int height);
 
 }  // namespace raven2_trainer::python

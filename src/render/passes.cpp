@@ -230,4 +230,25 @@ void MeshPass::drawTranslucent(const std::vector<DrawItem>& items, const model::
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
+PartPass::PartPass()
+    : program_(kShadowVertex, kPartFragment),
+      clip_from_mesh_(program_.uniform("clip_from_mesh")),
+      colour_(program_.uniform("colour")) {}
+
+void PartPass::draw(const DrawLists& lists, const model::Camera& camera) const {
+  program_.use();
+  glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  const Eigen::Matrix4f clip_from_world = clipFromWorld(camera);
+  for (const auto* items : {&lists.opaque, &lists.translucent}) {
+    for (const DrawItem& item : *items) {
+      if (item.part == 0 || !isInView(camera, item.centre_W, item.radius)) continue;
+      setUniform(clip_from_mesh_, Eigen::Matrix4f(clip_from_world * item.world_from_mesh));
+      const auto low = static_cast<float>(item.part % 256U), high = static_cast<float>(item.part / 256U);
+      setUniform(colour_, Eigen::Vector4f(low / 255.0F, high / 255.0F, 0.0F, 1.0F));
+      item.mesh->draw(item.first, item.count);
+    }
+  }
+}
+
 }  // namespace raven2_trainer::render

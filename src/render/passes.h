@@ -21,6 +21,7 @@ struct DrawItem {
   Eigen::Vector4f colour;
   std::uint32_t first, count;  ///< triangles of the mesh
   bool is_fixed;               ///< Drawable::is_fixed
+  std::uint16_t part;          ///< Drawable::part
 };
 
 /** Contents of a picture, sorted by how they are drawn. */
@@ -99,6 +100,17 @@ class MeshPass {
   Eigen::Matrix4f shadow_from_world_{Eigen::Matrix4f::Identity()};
   float shadow_lift_W_{0.0F};  // [m] along the normal, see draw()
   GLint clip_from_mesh_, world_from_mesh_, shadow_from_mesh_, shadow_lift_, colour_, eye_W_;
+};
+
+/** Numbers of parts as colours, red the lower byte and green the upper one, into whatever framebuffer and viewport is set. */
+class PartPass {
+ public:
+  PartPass();
+  void draw(const DrawLists& lists, const model::Camera& camera) const;
+
+ private:
+  ShaderProgram program_;
+  GLint clip_from_mesh_, colour_;
 };
 
 }  // namespace raven2_trainer::render

@@ -68,14 +68,23 @@ void PictureTarget::copyTo(const PictureTarget& other) const noexcept {
                     GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT, GL_NEAREST);
 }
 
-void PictureTarget::read(std::uint8_t* rgba) const noexcept {
+template <typename Number>
+void PictureTarget::readPixels(GLenum format, GLenum type, int numbers, Number* pixels) const noexcept {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
   if (can_invert_) glPixelStorei(kPackInvert, GL_TRUE);
-  glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  glReadPixels(0, 0, width_, height_, format, type, pixels);
   if (can_invert_) return glPixelStorei(kPackInvert, GL_FALSE);
-  const auto row = static_cast<std::ptrdiff_t>(width_) * 4;
+  const auto row = static_cast<std::ptrdiff_t>(width_) * numbers;
   for (std::ptrdiff_t top = 0, bottom = height_ - 1; top < bottom; ++top, --bottom)
-    std::swap_ranges(rgba + top * row, rgba + (top + 1) * row, rgba + bottom * row);
+    std::swap_ranges(pixels + top * row, pixels + (top + 1) * row, pixels + bottom * row);
+}
+
+void PictureTarget::read(std::uint8_t* rgba) const noexcept {
+  readPixels(GL_RGBA, GL_UNSIGNED_BYTE, 4, rgba);
+}
+
+void PictureTarget::readDepth(float* depth) const noexcept {
+  readPixels(GL_DEPTH_COMPONENT, GL_FLOAT, 1, depth);
 }
 
 }  // namespace raven2_trainer::render

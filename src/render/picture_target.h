@@ -21,8 +21,13 @@ class PictureTarget {
   void copyTo(const PictureTarget& other) const noexcept;
   /** Waits for what was drawn. @param[out] rgba 4 bytes a pixel, top row first. */
   void read(std::uint8_t* rgba) const noexcept;
+  /** The same of the depth, 0 near to 1 far. @param[out] depth a number a pixel. */
+  void readDepth(float* depth) const noexcept;
 
  private:
+  template <typename Number>
+  void readPixels(GLenum format, GLenum type, int numbers, Number* pixels) const noexcept;
+
   int width_, height_;
   bool can_invert_;
   GLuint framebuffer_{0}, colour_{0}, depth_{0};

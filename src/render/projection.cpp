@@ -67,6 +67,11 @@ Eigen::Matrix4f clipFromWorld(const model::Camera& camera) {
   return (clipFromCamera(camera) * homogeneous(camera.X_WC.inverse())).cast<float>();
 }
 
+float metresOf(float depth) noexcept {
+  const double clip = 2.0 * static_cast<double>(depth) - 1.0;
+  return static_cast<float>(2.0 * kFarPlane * kNearPlane / (kFarPlane + kNearPlane - clip * (kFarPlane - kNearPlane)));
+}
+
 Eigen::Vector3f keyLight() {
   return Eigen::Vector3f(-0.45F, 0.40F, 1.0F).normalized();
 }

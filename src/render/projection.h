@@ -9,6 +9,9 @@ namespace raven2_trainer::render {
 /** Clip space from W for a camera; depth 5 mm to 10 m. A point lands on the pixel that Camera::project gives. */
 Eigen::Matrix4f clipFromWorld(const model::Camera& camera);
 
+/** [m] Along the view direction, from the depth buffer's number below 1. */
+float metresOf(float depth) noexcept;
+
 /** Unit direction in W toward the key light: above, from the surgeon's left. */
 Eigen::Vector3f keyLight();
 

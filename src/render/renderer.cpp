@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -38,6 +39,7 @@ struct Renderer::Impl {
   ShadowPass shadow;
   PictureTarget picture;
   MeshPass meshes;
+  PartPass parts;
   FixedLayer layer;
   EdgeSmoother smoother;
   OverlayPainter overlay;
@@ -87,7 +89,8 @@ void Renderer::Impl::sortItems(const Scene& scene, const Vector3& eye_W) {
                      {c[0], c[1], c[2], c[3]},
                      drawable.first,
                      drawable.count,
-                     drawable.is_fixed});
+                     drawable.is_fixed,
+                     drawable.part});
   }
   const auto nearness = [&eye_W](const DrawItem& item) { return (item.centre_W - eye_W).norm() + item.radius; };
   std::stable_sort(lists.opaque.begin(), lists.opaque.end(),
@@ -198,6 +201,25 @@ const std::vector<std::uint8_t>& Renderer::draw(const Scene& scene,
   impl.overlay.paint(scene.overlay, &impl.rgb);
   impl.finishStage("overlay");
   return impl.rgb;
+}
+
+Geometry Renderer::measure(const Scene& scene, const model::Camera& camera) {
+  Impl& impl = *impl_;
+  const std::size_t pixels = impl.rgba.size() / 4;
+  Geometry seen{std::vector<float>(pixels), std::vector<std::uint16_t>(pixels)};
+  impl.context.makeCurrent();
+  impl.sortItems(scene, Vector3(0, 0, 0));
+  if (!isUsable(camera)) impl.lists = {};
+  impl.picture.bind();
+  glViewport(0, 0, width(), height());
+  impl.parts.draw(impl.lists, isUsable(camera) ? camera : model::Camera{});
+  impl.picture.read(impl.rgba.data());
+  impl.picture.readDepth(seen.depth.data());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    seen.part[i] = static_cast<std::uint16_t>(impl.rgba[4 * i] + 256 * impl.rgba[4 * i + 1]);
+    seen.depth[i] = seen.part[i] == 0 ? std::numeric_limits<float>::infinity() : metresOf(seen.depth[i]);
+  }
+  return seen;
 }
 
 }  // namespace raven2_trainer::render

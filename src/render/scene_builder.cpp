@@ -162,13 +162,16 @@ void SceneBuilder::Impl::addFixedScene(const Snapshot& snapshot) {
                               : toEigen(snapshot.model.bodies[static_cast<std::size_t>(body)]) * X_BodyLink[link];
     scene.drawables.push_back(drawableOf(visual, X_W));
     scene.drawables.back().is_fixed = body < 0;  // what may break off hangs on a fixed joint, too
+    scene.drawables.back().part = static_cast<std::uint16_t>(1 + raven.description.links.size() + link);
   }
 }
 
 void SceneBuilder::Impl::addArms(const Snapshot& snapshot) {
   raven.linkPosesInWorld({snapshot.model.arms[0].q, snapshot.model.arms[1].q}, &positions, &X_WL);
-  for (const Visual& visual : raven_visuals)
+  for (const Visual& visual : raven_visuals) {
     scene.drawables.push_back(drawableOf(visual, X_WL[static_cast<std::size_t>(visual.link)]));
+    scene.drawables.back().part = static_cast<std::uint16_t>(1 + visual.link);
+  }
   for (const Arm arm : kArms)
     scene.drawables.push_back({sphere, at(raven.X_WB, arm), kRcmColour});
 }
@@ -267,6 +270,14 @@ void SceneBuilder::Impl::addTrails() {
     pictures.replaceMesh(trail_meshes[i], makeMarks(marks, kMarkRadius));
     scene.drawables.push_back({trail_meshes[i], Pose{}, kTrailColours[i], /*is_mark=*/true});
   }
+}
+
+std::vector<std::string> partNames(const model::RavenModel& raven, const model::SceneModel& scene) {
+  std::vector<std::string> names{""};
+  for (const model::Description* description : {&raven.description, &scene.description})
+    for (const model::Link& link : description->links)
+      names.push_back(link.name);
+  return names;
 }
 
 SceneOptions::SceneOptions(const PictureConfig& config, OverlaySet wanted)

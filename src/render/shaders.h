@@ -70,6 +70,13 @@ constexpr const char* kNoFragment = R"(#version 330 core
 void main() {}
 )";
 
+/** One colour, without light: the number of a part. */
+constexpr const char* kPartFragment = R"(#version 330 core
+uniform vec4 colour;
+out vec4 pixel;
+void main() { pixel = colour; }
+)";
+
 /** Tiles of the picture, in clip space. */
 constexpr const char* kTileVertex = R"(#version 330 core
 layout(location = 0) in vec2 corner;

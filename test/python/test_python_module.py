@@ -361,3 +361,21 @@ def test_a_campaign_is_defined_run_and_read(tmp_path):
     assert raven2_trainer.outcomes(tmp_path / "out") == rows
     with pytest.raises(RuntimeError, match="no campaign|nowhere"):
         raven2_trainer.Campaign("nowhere").run(tmp_path / "none")
+
+
+def test_depth_and_parts_are_those_of_the_scene(ready):
+    """From above: where the ring is seen, back-projected, is where it lies."""
+    depth, part = ready.measure("top", 640, 480)
+    assert depth.shape == part.shape == (480, 640) and depth.dtype == np.float32
+    assert np.isinf(depth[part == 0]).all() and np.isfinite(depth[part > 0]).all()
+    ring = part == ready.part_names.index(ready.object_names[0])
+    assert ring.sum() > 10
+    focal = 240 / np.tan(0.3)  # config/render.yaml: 1.5 m above the middle, vertical_fov 0.6, up is x of the world
+    v, u = np.nonzero(ring)
+    z = depth[ring]
+    seen = np.stack([-(v - 239.5) * z / focal, -(u - 319.5) * z / focal, 1.5 - z])
+    middle = (seen.min(axis=1) + seen.max(axis=1)) / 2
+    assert middle[:2] == pytest.approx(ready.state.objects[0, :2], abs=0.004)
+    assert abs(seen[2].mean() - ready.state.objects[0, 2]) < 0.03
+    names = {ready.part_names[i] for i in np.unique(part)}
+    assert any("_L" in name for name in names) and any("_R" in name for name in names), names

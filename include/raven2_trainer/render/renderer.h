@@ -19,6 +19,12 @@ namespace raven2_trainer::render {
  *  @return "OSMesa" or "EGL". @throw RenderException if neither is there. */
 const char* loadOpenGl();
 
+/** View of a camera in each pixel; top row first. */
+struct Geometry {
+  std::vector<float> depth;         ///< [m] along the view direction; infinity: nothing
+  std::vector<std::uint16_t> part;  ///< Drawable::part; 0: nothing
+};
+
 /** Offscreen OpenGL renderer (core profile 3.3; llvmpipe, or with EGL a GPU). Owns its context: create, use and destroy
  * it on one thread. @throw RenderException if no context can be had or a shader does not compile. */
 class Renderer {
@@ -46,6 +52,9 @@ class Renderer {
                                         const model::Camera& camera,
                                         const model::Camera* inset = nullptr);
 
+  /** Depth and parts of the things in a scene, without marks and overlays. */
+  Geometry measure(const Scene& scene, const model::Camera& camera);
+
   int width() const noexcept;
   int height() const noexcept;
 
@@ -59,6 +68,9 @@ class Renderer {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/** Names of the parts by Drawable::part: the robot's links, then the scene's; the first is "", for nothing. */
+std::vector<std::string> partNames(const model::RavenModel& raven, const model::SceneModel& scene);
 
 /** Overlays of SceneBuilder. */
 struct SceneOptions {

@@ -25,6 +25,7 @@ struct Drawable {
   std::uint32_t first{0};                                          ///< of the mesh's triangles, the first drawn
   std::uint32_t count{std::numeric_limits<std::uint32_t>::max()};  ///< and how many from there on, as far as they go
   bool is_fixed{false};  ///< it stays where it is: its shadow is kept for the next pictures. Wrong, it costs time only
+  std::uint16_t part{0};  ///< number of a link, as in partNames(); 0: not in a Geometry
 };
 
 /** A line of text or a bar drawn over the picture. */

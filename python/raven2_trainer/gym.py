@@ -1,0 +1,150 @@
+"""Environments for learning, with gymnasium (PyPI; not in Debian): doc/python.md.
+
+    import gymnasium, raven2_trainer.gym
+    env = gymnasium.make("raven2_trainer/Reach-v0")
+
+Success, mistakes and failure are the judgement of the same judge that scores surgeons. A reset restores a snapshot.
+"""
+
+import gymnasium
+import numpy as np
+
+from .simulation import Simulation
+
+TICKS = 20         # [ms] of a step
+MOVE = 0.002       # [m] largest motion of a tip along an axis in a step
+TURN = 0.05        # [rad] largest rotation about an axis in a step
+OPEN = 1.0         # [rad] widest jaws that an action asks for
+NEAR = 0.002       # [m] a reached point
+REACH = 0.02       # [m] farthest point along an axis
+SPREAD = 0.004     # [m] of the tips at a reset
+_ARMS = ("gold", "green")
+
+
+class Raven(gymnasium.Env):
+    """Both arms in an exercise. `arms`: those that an action moves.
+
+    Action, per arm: motion (3, along world axes), rotation (3) and jaws (1: -1 closed, 1 open), each -1 to 1. Observation: for both arms tip
+    (3) [m, B], quaternion (4), jaw opening (1), error (1) [m], where the actions lead (3) [m, world]; objects (n, 7); from the tips to the first object in
+    world axes.
+    With `pictures=(width, height)` a dict of that ("state") and the endoscope's image ("picture").
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 1000 // TICKS}
+
+    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot="none", config=None, max_steps=1000, render_mode=None):
+        self.render_mode = render_mode
+        self._make = {"exercise": exercise, "hazard": hazard, "robot": robot if hazard is None else "virtual", "config": config}
+        self._arms = [_ARMS.index(arm) for arm in arms]
+        self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
+        self._simulation = Simulation(seed=0, **self._make)
+        self._simulation.start()
+        self._begin = self._simulation.save()
+        self._done_before, self._step = 0, 0
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (self._action_size() * len(self._arms),), np.float32)
+        state = gymnasium.spaces.Box(-10.0, 10.0, self._observe().shape, np.float32)
+        self.observation_space = state if pictures is None else gymnasium.spaces.Dict(
+            {"state": state, "picture": gymnasium.spaces.Box(0, 255, (pictures[1], pictures[0], 3), np.uint8)})
+
+    def _action_size(self):
+        return 7
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self._simulation.restore(self._begin)
+        self._step = self._done_before = 0
+        command = np.zeros((2, 7))
+        command[:, :3] = self.np_random.uniform(-SPREAD, SPREAD, (2, 3))
+        command[:, 6] = OPEN
+        self._simulation.step(command, ticks=2 * TICKS)
+        self._begin_episode()
+        return self._seen(), self._info()
+
+    def step(self, action):
+        action = np.clip(np.asarray(action, dtype=float).reshape(len(self._arms), -1), -1.0, 1.0)
+        command = np.zeros((2, 7))
+        command[:, 6] = OPEN
+        for row, arm in zip(action, self._arms):
+            command[arm, :3] = MOVE * row[:3]
+            if len(row) == 7:
+                command[arm, 3:6] = TURN * row[3:6]
+                command[arm, 6] = OPEN * (row[6] + 1) / 2
+        self._simulation.step(command, ticks=TICKS)
+        self._step += 1
+        info = self._info()
+        reward, is_over = self._judge(info)
+        return self._seen(), reward, is_over, not is_over and self._step >= self._max_steps, info
+
+    def render(self):
+        return self._simulation.render("endoscope", 640, 480)
+
+    def close(self):
+        self._simulation.close()
+
+    def _begin_episode(self):
+        """After the arms are at their random start."""
+
+    def _judge(self, info):
+        exercise = self._simulation.state.exercise
+        steps = info["steps_done"] - self._done_before
+        self._done_before = info["steps_done"]
+        failed = exercise["status"] == "failed"
+        return float(steps) - float(failed), failed or info["is_success"]
+
+    def _info(self):
+        state = self._simulation.state
+        exercise = state.exercise
+        wanted = self._wanted or len(exercise["steps"])
+        return {"is_success": bool(exercise["status"] == "done" or exercise["steps_done"] >= wanted > 0), "steps_done": exercise["steps_done"],
+                "hazard": state.hazard, "tick": state.tick}
+
+    def _seen(self):
+        state = self._observe()
+        if self._pictures is None:
+            return state
+        return {"state": state, "picture": self._simulation.render("endoscope", *self._pictures)}
+
+    def _observe(self):
+        state = self._simulation.state
+        jaws = state.joints[:, 5] + state.joints[:, 6]
+        parts = [state.tips.ravel(), state.tip_rotations.ravel(), jaws, state.error, state.desired_tips_in_world.ravel(), state.objects.ravel()]
+        if len(state.objects):
+            parts.append((state.objects[0, :3] - state.tips_in_world).ravel())
+        return np.concatenate(parts).astype(np.float32)
+
+
+class Reach(Raven):
+    """A tip to a point. Action: motion (3). Observation, in world axes: tip (3) [m], from the tip to the point (3), from where the actions
+    lead to the point (3): the tip follows them later."""
+
+    def __init__(self, arm="gold", max_steps=100, exercise=None, **options):
+        self._arm, self._goal = _ARMS.index(arm), np.zeros(3)
+        super().__init__(exercise, (arm,), max_steps=max_steps, **options)
+
+    def _action_size(self):
+        return 3
+
+    def _tip(self):
+        return np.array(self._simulation.state.tips_in_world[self._arm])
+
+    def _begin_episode(self):
+        self._goal = self._tip() + self.np_random.uniform(-REACH, REACH, 3)
+
+    def _distance(self):
+        return float(np.linalg.norm(self._goal - self._tip()))
+
+    def _info(self):
+        return {"is_success": self._distance() < NEAR, "distance": self._distance(), "steps_done": 0, "hazard": self._simulation.state.hazard,
+                "tick": self._simulation.state.tick}
+
+    def _judge(self, info):
+        return -info["distance"] / REACH + float(info["is_success"]), info["is_success"]
+
+    def _observe(self):
+        tip = self._tip()
+        return np.concatenate([tip, self._goal - tip, self._goal - self._simulation.state.desired_tips_in_world[self._arm]]).astype(np.float32)
+
+
+for name, options in (("Reach", {}), ("PickRing", {"exercise": "pick_hand_over_place", "arms": ("gold",), "steps": 1}),
+                      ("RingTransfer", {"exercise": "ring_tower_transfer"}), ("PegTransfer", {"exercise": "peg_transfer"})):
+    gymnasium.register(f"raven2_trainer/{name}-v0", entry_point=Reach if name == "Reach" else Raven, kwargs=options)

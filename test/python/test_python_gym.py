@@ -1,0 +1,80 @@
+"""raven2_trainer.gym in an environment of its own, where gymnasium can be installed (PyPI)."""
+
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build"))
+GYMNASIUM = "gymnasium==1.4.0"
+
+CHECK = """
+import sys, warnings
+import numpy as np, gymnasium
+from gymnasium.utils.env_checker import check_env
+warnings.simplefilter("error")
+import raven2_trainer.gym
+
+def episode(env, seed, steps=30):
+    random = np.random.default_rng(seed)
+    observation, info = env.reset(seed=seed)
+    seen = [np.asarray(observation)]
+    for _ in range(steps):
+        observation, reward, terminated, truncated, info = env.step(random.uniform(-1, 1, env.action_space.shape))
+        seen.append(np.append(observation, reward))
+        if terminated or truncated:
+            break
+    return np.concatenate(seen)
+
+for name in ("Reach", "PickRing", "RingTransfer", "PegTransfer"):
+    env = gymnasium.make(f"raven2_trainer/{name}-v0", render_mode="rgb_array")
+    check_env(env.unwrapped, skip_render_check=False)
+    assert np.array_equal(episode(env, 3), episode(env, 3)) and not np.array_equal(episode(env, 3), episode(env, 4)), name
+    env.close()
+
+# a controller that goes straight to the point reaches it, which is success
+env = gymnasium.make("raven2_trainer/Reach-v0")
+successes = 0
+for seed in range(20):
+    observation, _ = env.reset(seed=seed)
+    over = False
+    while not over:
+        observation, reward, terminated, truncated, info = env.step(np.clip(observation[6:] / 0.002, -1, 1).astype(np.float32))
+        over = terminated or truncated
+    successes += info["is_success"]
+assert successes == 20, successes
+
+env = gymnasium.make("raven2_trainer/PickRing-v0", hazard="sudden_jump", pictures=(64, 48))
+observation, _ = env.reset(seed=1)
+assert observation["picture"].shape == (48, 64, 3) and observation["picture"].std() > 5
+assert env.observation_space.contains(observation)
+print("all good")
+"""
+
+
+@pytest.fixture(scope="module", name="python")
+def environment(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("gym") / "venv"
+    subprocess.run(["/usr/bin/python3", "-m", "venv", "--system-site-packages", "--without-pip", folder], check=True, timeout=120)
+    site = next((folder / "lib").glob("python3*/site-packages"))
+    got = subprocess.run(["/usr/bin/python3", "-m", "pip", "install", "--quiet", "--target", site, "--no-deps", GYMNASIUM, "farama-notifications",
+                          "cloudpickle", "typing-extensions"], capture_output=True, text=True, timeout=120, check=False)
+    if got.returncode != 0:
+        pytest.skip(f"gymnasium cannot be installed: {got.stderr.strip().splitlines()[-1] if got.stderr.strip() else 'no reason given'}")
+    return folder / "bin/python3"
+
+
+def test_the_environments_keep_gymnasiums_rules(python):
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "devel/lib/python3/dist-packages")}
+    done = subprocess.run([python, "-c", CHECK], capture_output=True, text=True, env=environment, timeout=300, check=False)
+    assert done.returncode == 0 and "all good" in done.stdout, done.stderr[-3000:]
+
+
+def test_without_gymnasium_the_module_says_what_is_missing():
+    done = subprocess.run(["/usr/bin/python3", "-c", "import raven2_trainer.gym"], capture_output=True, text=True, timeout=60, check=False,
+                          env={**os.environ, "PYTHONPATH": str(BUILD / "devel/lib/python3/dist-packages")})
+    assert done.returncode != 0 and "gymnasium" in done.stderr
+
+
