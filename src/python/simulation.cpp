@@ -98,12 +98,18 @@ Simulation::Simulation(const SimulationOptions& options)
   } catch (const std::exception& e) {
     trouble = e.what();  // the exception may have memory in the arena, which goes
   }
-  if (!trouble.empty()) {
-    const ArenaScope scope(&arena_);
-    stack_.reset();
-    throw std::runtime_error(trouble);
+  try {
+    if (!trouble.empty()) throw std::runtime_error(trouble);
+    if (!options.output.empty()) recording_ = std::make_unique<Recording>(config_, options, stack_.get());
+  } catch (...) {  // here, as in the destructor: ODE may keep no block of the arena
+    destroyStack();
+    throw;
   }
-  if (!options.output.empty()) recording_ = std::make_unique<Recording>(config_, options, stack_.get());
+}
+
+void Simulation::destroyStack() {
+  const ArenaScope scope(&arena_);
+  stack_.reset();
 }
 
 void Simulation::build(const SimulationOptions& options) {
@@ -130,8 +136,7 @@ Simulation::~Simulation() {
   recording_.reset();
   physics::attachOdeToThread();
   const OdeBuilding building;
-  const ArenaScope scope(&arena_);
-  stack_.reset();
+  destroyStack();
 }
 
 void Simulation::demandOpen() const {
@@ -236,6 +241,7 @@ void Simulation::inject(const std::string& hazard) {
   FaultRequest request;
   request.order = FaultOrder::kArmAtOnce;
   request.fault_id = config::faultId(config_, hazard);
+  if (request.fault_id == 0) throw std::invalid_argument("inject: \"none\" is no hazard; clear_hazards() ends all");
   stack_->shared()->fault_requests.tryPush(request);
 }
 

@@ -92,6 +92,7 @@ class Simulation {
 
   void demandOpen() const;
   void build(const SimulationOptions& options);
+  void destroyStack();
   void tick();
   console::HandsCommand handsFor(const StepCommand& command, int ticks, int left);
   double graspFor(Arm arm, bool pedal) const;

@@ -199,6 +199,21 @@ def test_wrong_settings_are_refused_with_the_programs_texts():
             raven2_trainer.Simulation(**settings)
 
 
+def test_a_simulation_that_could_not_be_made_leaves_nothing_behind(tmp_path):
+    raven2_trainer.Simulation(output=tmp_path / "session").close()
+    for _ in range(3):
+        with pytest.raises(raven2_trainer.SessionError, match="session"):
+            raven2_trainer.Simulation(output=tmp_path / "session")
+        with raven2_trainer.Simulation(robot="none") as simulation:
+            simulation.step(ticks=5)
+            assert np.isfinite(simulation.state.joints).all()
+
+
+def test_none_is_no_hazard_to_inject(ready):
+    with pytest.raises(ValueError, match="clear_hazards"):
+        ready.inject("none")
+
+
 def test_a_closed_simulation_says_so_and_keeps_its_last_state(ready):
     ready.close()
     for call in (ready.step, ready.start, ready.save, lambda: ready.inject("sudden_jump")):
