@@ -87,7 +87,7 @@ class State:
         """Mode of the trainer (doc/modes.md)."""
     @property
     def runlevel(self) -> str:
-        """E-STOP, INIT, PEDAL_UP or PEDAL_DN."""
+        """E-STOP, INIT, PEDAL_UP or PEDAL_DN; none without a robot."""
     @property
     def tick(self) -> int:
         """[ms] since the beginning."""

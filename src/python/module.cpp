@@ -87,7 +87,8 @@ int demandTicks(int ticks) {
 }
 
 void demandSize(int width, int height) {
-  if (width < 1 || width > 4096 || height < 1 || height > 4096) throw std::invalid_argument("width, height: expected 1 to 4096");
+  if (width < 1 || width > 4096 || height < 1 || height > 4096)
+    throw std::invalid_argument("width, height: expected 1 to 4096");
 }
 
 // ---- views
@@ -156,7 +157,8 @@ Numbers tipsInWorld(const State& state) {
 
 Numbers desiredTipsInWorld(const State& state) {
   const ArmGeometry& geometry = state.simulation().config().arms.geometry;
-  return inWorld(state, [&](Arm which, const ArmState& arm) { return kinematics::forward(geometry, which, arm.q_d).p; });
+  return inWorld(state,
+                 [&](Arm which, const ArmState& arm) { return kinematics::forward(geometry, which, arm.q_d).p; });
 }
 
 std::vector<std::string> stepNames(const TrainerConfig& config) {
@@ -269,15 +271,8 @@ void stepAll(const std::vector<Simulation*>& all,
   if (!trouble.empty()) throw std::runtime_error(trouble);
 }
 
-}  // namespace
-
-PYBIND11_MODULE(_core, module) {
-  serveOde();
-  py::register_exception<ConfigException>(module, "ConfigError", PyExc_ValueError);
-  py::register_exception<ModelException>(module, "ModelError", PyExc_RuntimeError);
-  py::register_exception<RenderException>(module, "RenderError", PyExc_RuntimeError);
-  py::register_exception<SessionException>(module, "SessionError", PyExc_RuntimeError);
-
+void addSimulation(py::module_* target) {
+  py::module_& module = *target;
   py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot")
       .def_property_readonly("size", [](const Snapshot& self) { return self.memory.size(); });
 
@@ -322,17 +317,21 @@ PYBIND11_MODULE(_core, module) {
             return py::array_t<std::uint8_t>({height, width, 3}, rgb.data());
           },
           py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
-      .def("measure", [](const Simulation& self, const std::string& camera, int width, int height) {
-             demandSize(width, height);
-             render::Geometry seen;
-             {
-               const py::gil_scoped_release release;
-               seen = measurePicture(self, camera, width, height);
-             }
-             return py::make_tuple(py::array_t<float>({height, width}, seen.depth.data()),
-                                   py::array_t<std::uint16_t>({height, width}, seen.part.data()));
-           }, py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
-      .def_property_readonly("part_names", [](const Simulation& self) { return render::partNames(self.raven(), self.scene()); })
+      .def(
+          "measure",
+          [](const Simulation& self, const std::string& camera, int width, int height) {
+            demandSize(width, height);
+            render::Geometry seen;
+            {
+              const py::gil_scoped_release release;
+              seen = measurePicture(self, camera, width, height);
+            }
+            return py::make_tuple(py::array_t<float>({height, width}, seen.depth.data()),
+                                  py::array_t<std::uint16_t>({height, width}, seen.part.data()));
+          },
+          py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
+      .def_property_readonly("part_names",
+                             [](const Simulation& self) { return render::partNames(self.raven(), self.scene()); })
       .def_property_readonly("cameras",
                              [](const Simulation& self) {
                                std::vector<std::string> names;
@@ -349,7 +348,10 @@ PYBIND11_MODULE(_core, module) {
           names.push_back(self.scene().description.links[static_cast<std::size_t>(body)].name);
         return names;
       });
+}
 
+void addState(py::module_* target) {
+  py::module_& module = *target;
   py::class_<State>(module, "State")
       .def_property_readonly("joints", [](const State& s) { return perArm(s.model().arms, &ArmState::q, s.owner()); })
       .def_property_readonly("joint_rates",
@@ -388,13 +390,19 @@ PYBIND11_MODULE(_core, module) {
       .def_property_readonly("mode",
                              [](const State& s) { return kModeNames[static_cast<std::size_t>(s.model().mode)]; })
       .def_property_readonly(
-          "runlevel", [](const State& s) { return kRunLevelNames[static_cast<std::size_t>(s.robot().runlevel)]; })
+          "runlevel",
+          [](const State& s) {
+            return s.robot().frame == 0 ? "none" : kRunLevelNames[static_cast<std::size_t>(s.robot().runlevel)];
+          })
       .def_property_readonly("tick", [](const State& s) { return s.model().tick; })
       .def_property_readonly("session_tick", [](const State& s) { return s.model().session_tick; })
       .def_property_readonly("hazard",
                              [](const State& s) { return s.robot().active_fault != 0 || s.model().faults.active != 0; })
       .def_property_readonly("exercise", &exerciseOf);
+}
 
+void addStepAll(py::module_* target) {
+  py::module_& module = *target;
   module.def("step_all", [](const py::list& simulations, const py::list& commands, int ticks, unsigned threads) {
     if (simulations.size() != commands.size()) throw std::invalid_argument("expected a command for each simulation");
     std::vector<Simulation*> all;
@@ -407,9 +415,10 @@ PYBIND11_MODULE(_core, module) {
     const py::gil_scoped_release release;
     stepAll(all, wanted, ticks, threads);
   });
+}
 
-  addPlanner(&module);
-
+void addKinematics(py::module_* target) {
+  py::module_& module = *target;
   py::class_<Kinematics>(module, "Kinematics")
       .def(py::init([](const std::string& config) {
              const std::string root = config.empty() ? config::shareFolder() + "/config/trainer.yaml" : config;
@@ -419,6 +428,21 @@ PYBIND11_MODULE(_core, module) {
       .def("forward", &forwardOf, py::arg("arm"), py::arg("joints"))
       .def("jacobian", &jacobianOf, py::arg("arm"), py::arg("joints"))
       .def("inverse", &inverseOf, py::arg("arm"), py::arg("p"), py::arg("R"), py::arg("opening") = 0.0);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  serveOde();
+  py::register_exception<ConfigException>(module, "ConfigError", PyExc_ValueError);
+  py::register_exception<ModelException>(module, "ModelError", PyExc_RuntimeError);
+  py::register_exception<RenderException>(module, "RenderError", PyExc_RuntimeError);
+  py::register_exception<SessionException>(module, "SessionError", PyExc_RuntimeError);
+  addSimulation(&module);
+  addState(&module);
+  addStepAll(&module);
+  addPlanner(&module);
+  addKinematics(&module);
 }
 
 }  // namespace raven2_trainer::python

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 #include "raven2_trainer/config/load_config.h"
@@ -143,6 +144,23 @@ void Simulation::demandOpen() const {
   if (is_closed_) throw std::runtime_error("the simulation is closed");
 }
 
+/** A packet with more than its limit would be refused whole, and nothing would move. */
+void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const {
+  Vector3 motion = toEigen(command.move_W);
+  if (command.joints) {
+    const ArmGeometry& geometry = config_.arms.geometry;
+    const Vector3 now = kinematics::forward(geometry, arm, at(view().model.arms, arm).q_d).p;
+    motion = kinematics::forward(geometry, arm, *command.joints).p - now;
+  }
+  const double largest = 1e3 * motion.cwiseAbs().maxCoeff() / ticks;
+  const double allowed = 1e-3 * (config_.network.itp.max_increment_um - 1);  // less what rounding may add
+  if (largest <= allowed) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%s: %.3g mm in a tick, at most %.3g mm along an axis: take more ticks", name(arm),
+                largest, allowed);
+  throw std::invalid_argument(text);
+}
+
 void Simulation::tick() {
   {
     const ArenaScope scope(&arena_);
@@ -156,6 +174,10 @@ void Simulation::step(const StepCommand& command, int ticks) {
   const std::lock_guard<std::mutex> lock(mutex_);
   demandOpen();
   physics::attachOdeToThread();
+  for (const Arm arm : kArms) {
+    const ArmCommand& wanted = at(command.arms, arm);
+    demandSlow(arm, wanted, ticks);
+  }
   for (const Arm arm : kArms) {
     const ArmCommand& wanted = at(command.arms, arm);
     if (wanted.jaw) at(jaws_, arm) = limited(*wanted.jaw);

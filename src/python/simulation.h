@@ -91,6 +91,7 @@ class Simulation {
   class Recording;
 
   void demandOpen() const;
+  void demandSlow(Arm arm, const ArmCommand& command, int ticks) const;
   void build(const SimulationOptions& options);
   void destroyStack();
   void tick();

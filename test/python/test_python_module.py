@@ -147,7 +147,7 @@ def test_without_a_robot_the_model_moves_alone():
         simulation.step({"green": {"move": [0.008, 0, 0]}}, ticks=400)
         simulation.step(ticks=200)
         assert np.linalg.norm(simulation.state.tips[1] - before[1]) == pytest.approx(0.008, abs=3e-4)
-        assert not simulation.state.robot_joints.any()
+        assert not simulation.state.robot_joints.any() and simulation.state.runlevel == "none"
 
 
 def test_a_hazard_acts_when_it_is_injected(ready):
@@ -207,6 +207,19 @@ def test_a_simulation_that_could_not_be_made_leaves_nothing_behind(tmp_path):
         with raven2_trainer.Simulation(robot="none") as simulation:
             simulation.step(ticks=5)
             assert np.isfinite(simulation.state.joints).all()
+
+
+def test_motion_too_fast_for_the_packets_is_refused_and_slower_motion_arrives_whole(ready):
+    before = ready.state.desired_tips_in_world.copy()
+    with pytest.raises(ValueError, match="gold: 5 mm in a tick, at most"):
+        ready.step({"gold": {"move": [0, 0, 0.005]}})
+    with pytest.raises(ValueError, match="green: .* mm in a tick"):
+        ready.step({"green": {"joints": ready.state.joints[1] + [0.3, 0, 0, 0, 0, 0, 0]}})
+    assert np.array_equal(ready.state.desired_tips_in_world, before)
+    ready.step(ticks=5)  # until the robot is in PEDAL_DN
+    ready.step({"gold": {"move": [0, 0, 0.005]}}, ticks=5)
+    ready.step(ticks=10)
+    assert (ready.state.desired_tips_in_world - before)[0] == pytest.approx([0, 0, 0.005], abs=1e-5)
 
 
 def test_none_is_no_hazard_to_inject(ready):
