@@ -139,9 +139,11 @@ TEST(BindingToAnEndedConnection, SaysSo) {
   name.sin_family = AF_INET;
   name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   int bound = -1;
+  std::uint16_t port = 0;
   for (int i = 0; i < 20 && bound != 0; ++i) {  // the number may be free for UDP and not for TCP
     const Other client(SOCK_DGRAM);
-    name.sin_port = htons(client.port);
+    port = static_cast<std::uint16_t>(client.port);
+    name.sin_port = htons(port);
     bound = ::bind(fd.get(), reinterpret_cast<sockaddr*>(&name), sizeof(name));
   }
   ASSERT_EQ(bound, 0);
@@ -151,7 +153,7 @@ TEST(BindingToAnEndedConnection, SaysSo) {
   ASSERT_TRUE(server.acceptAndClose());
   fd.close();
   ASSERT_TRUE(eventually([&] {
-    const std::string what = refusal(kKinds[2], client.port, 0.0);
+    const std::string what = refusal(kKinds[2], port, 0.0);
     return what.find("A connection that has just ended has it for up to a minute: wait, or take") != std::string::npos;
   }));
 }
