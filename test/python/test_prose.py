@@ -9,7 +9,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CHECK = ROOT / "scripts/check_prose"
 # What has been rewritten so far; the rest follows.
-PAGES = ("campaign crtk gallery interfaces masters pictures planning reliability execution exercises glossary hardware hazards impairment index modes python raven2 report ros scores session sources station streams usb_faults "
+PAGES = ("architecture detector haptics model testing campaign crtk gallery interfaces masters pictures planning reliability execution exercises glossary hardware hazards impairment index modes python raven2 report ros scores session sources station streams usb_faults "
          "virtual_raven wire tutorials/educator tutorials/engineer tutorials/researcher tutorials/surgeon_assistant").split()
 FOLDERS = ("include", "src", "scripts", "launch", "config")
 PLAIN = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "urdf/README.md", *(f"doc/{name}.md" for name in PAGES), *sorted(
